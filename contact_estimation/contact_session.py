@@ -1,0 +1,276 @@
+"""The whole of on-line estimation without ROS: readings in, results out."""
+
+from __future__ import annotations
+
+from collections import Counter, deque
+from math import isfinite, nan
+from typing import Any, Mapping, NamedTuple
+
+from .estimation_parameters import EstimationParameters
+from .estimation_pipeline import NO_REFERENCE, EstimationPipeline
+from .estimators.estimator import Estimate, Reference
+from .parameters import changed
+from .reference.experiment import Desired
+from .reference.reference_generator import ReferenceGenerator, ReferencePoint
+from .signals.contact_sample import ContactSample
+from .signals.synchronisation import Synchroniser
+
+_REFERENCES_KEPT = 64
+
+
+class Result(NamedTuple):
+    """
+    What one wrench sample has led to.
+
+    Attributes
+    ----------
+    sample : ContactSample
+        The sample used.
+    estimate : Estimate
+        What is known of the environment.
+    reference_stamp_ns : int
+        Instant from which the robot follows the reference [ns].
+    reference : ReferencePoint or None
+        None where nothing was ever desired.
+
+    """
+
+    sample: ContactSample
+    estimate: Estimate
+    reference_stamp_ns: int
+    reference: ReferencePoint | None
+
+
+class ContactSession:
+    """
+    Synchroniser, pipeline and reference generator, and the events that act on them.
+
+    The node feeds it what arrives, replay what was recorded; both get the same results.
+
+    Parameters
+    ----------
+    parameters : EstimationParameters
+        All parameters.
+    generate_reference : bool
+        False where the reference is given by `add_reference` instead (replay).
+
+    """
+
+    def __init__(
+        self, parameters: EstimationParameters, generate_reference: bool = True
+    ) -> None:
+        self.parameters = parameters
+        self.pipeline = EstimationPipeline(parameters)
+        self.last_stamp_ns = -(2**63)
+        self._synchroniser = Synchroniser(parameters.synchronisation)
+        self._generates = generate_reference
+        self._generator = ReferenceGenerator(parameters.reference_law, parameters.reference)
+        self._desired: deque[tuple[int, Desired]] = deque(maxlen=_REFERENCES_KEPT)
+        self._references: deque[tuple[int, Reference]] = deque(maxlen=_REFERENCES_KEPT)
+        self._start_ns: int | None = None
+        self._resting_position = nan
+
+    @property
+    def rejected(self) -> Counter[str]:
+        """Samples not used, by reason."""
+        return self._synchroniser.rejected
+
+    @property
+    def time_jumps(self) -> int:
+        """Times that the stamps were set back."""
+        return self._synchroniser.time_jumps
+
+    # -- readings ---------------------------------------------------------------------------
+
+    def add_wrench(self, stamp_ns: int, force: float) -> list[Result]:
+        """
+        Take a wrench reading.
+
+        Parameters
+        ----------
+        stamp_ns : int
+            Header stamp [ns].
+        force : float
+            F_e along the contact axis [N].
+
+        Returns
+        -------
+        results : list of Result
+            One for each sample that is complete now.
+
+        """
+        samples = self._synchroniser.add_wrench(stamp_ns, force)
+        return [self._process(sample) for sample in samples]
+
+    def add_motion(self, stamp_ns: int, position: float, velocity: float) -> list[Result]:
+        """
+        Take a joint reading.
+
+        Parameters
+        ----------
+        stamp_ns : int
+            Header stamp [ns].
+        position, velocity : float
+            x [m] and its rate [m/s], NaN where not measured.
+
+        Returns
+        -------
+        results : list of Result
+            One for each sample that is complete now.
+
+        """
+        samples = self._synchroniser.add_motion(stamp_ns, position, velocity)
+        return [self._process(sample) for sample in samples]
+
+    def add_desired(self, stamp_ns: int, desired: Desired) -> None:
+        """
+        Take what the planner wants.
+
+        Parameters
+        ----------
+        stamp_ns : int
+            Instant for which it is wanted [ns].
+        desired : Desired
+            Position with derivatives and force; a position that is not finite is rejected.
+
+        """
+        if not isfinite(desired.position):
+            self.count_rejected('desired_not_finite')
+            return
+        rates = (r if isfinite(r) else 0.0 for r in (desired.velocity, desired.acceleration))
+        if self._desired and stamp_ns < self._desired[-1][0]:
+            self._desired.clear()  # time was set back, or the planner changed its mind
+        self._desired.append((stamp_ns, Desired(desired.position, *rates, desired.force)))
+
+    def add_reference(self, stamp_ns: int, reference: Reference) -> None:
+        """
+        Take the reference that was in force, where it is not generated here.
+
+        Parameters
+        ----------
+        stamp_ns : int
+            Instant from which the robot follows it [ns].
+        reference : Reference
+            x_r with derivatives.
+
+        """
+        self._references.append((stamp_ns, reference))
+
+    def count_rejected(self, reason: str) -> None:
+        """
+        Count a message that could not be used.
+
+        Parameters
+        ----------
+        reason : str
+            Why.
+
+        """
+        self._synchroniser.count(reason)
+
+    # -- events -----------------------------------------------------------------------------
+
+    def change_parameters(self, changes: Mapping[str, Any]) -> None:
+        """
+        Change parameters while running; K_hat and B_hat stay and x_r stays continuous.
+
+        Parameters
+        ----------
+        changes : mapping
+            Dotted name to new value.
+
+        Raises
+        ------
+        ContactEstimationError
+            If a value is not valid; nothing has changed then.
+
+        """
+        parameters = changed(self.parameters, changes)
+        self.pipeline.configure(parameters)
+        self._generator.configure(parameters.reference_law, parameters.reference)
+        self._synchroniser.configure(parameters.synchronisation)
+        self.parameters = parameters
+
+    def reset(self) -> None:
+        """Go back to the first guess of K_e and B_e."""
+        self.pipeline.reset()
+
+    def tare(self) -> tuple[bool, str]:
+        """
+        Take the free-flight force of the last moments for zero.
+
+        Returns
+        -------
+        done : bool
+            False in contact or too soon.
+        message : str
+            What was done, or why not.
+
+        """
+        return self.pipeline.tare()
+
+    # -- one sample -------------------------------------------------------------------------
+
+    def _process(self, sample: ContactSample) -> Result:
+        if self._synchroniser.jumped:
+            self._restart_time()
+        stamp_ns = sample.stamp_ns
+        pipeline = self.pipeline
+        if pipeline.estimator.follows_reference:
+            estimate = pipeline.process(sample, self._reference_at(stamp_ns))
+        else:
+            estimate = pipeline.process(sample)
+        period_ns = round(1e9 / self.parameters.sample_rate)
+        reference = self._make_reference(sample, estimate, period_ns) if self._generates else None
+        self.last_stamp_ns = stamp_ns
+        return Result(sample, estimate, stamp_ns + period_ns, reference)
+
+    def _restart_time(self) -> None:
+        self._synchroniser.jumped = False
+        self.pipeline.restart_time()
+        self._generator.reset()
+        self._references.clear()
+        self._start_ns = None
+        self.last_stamp_ns = -(2**63)
+
+    def _make_reference(
+        self, sample: ContactSample, estimate: Estimate, period_ns: int
+    ) -> ReferencePoint:
+        if self._start_ns is None:
+            self._start_ns = sample.stamp_ns
+        target_ns = sample.stamp_ns + period_ns
+        period = period_ns * 1e-9
+        since_last = (
+            period if self.last_stamp_ns < 0 else (sample.stamp_ns - self.last_stamp_ns) * 1e-9
+        )
+        reference = self._generator.step(
+            (target_ns - self._start_ns) * 1e-9,
+            since_last,
+            self._desired_at(target_ns, sample.position),
+            self.pipeline.contact,
+            estimate.location,
+            estimate.stiffness,
+        )
+        self._references.append((target_ns, Reference(*reference[:3])))
+        return reference
+
+    def _desired_at(self, stamp_ns: int, position: float) -> Desired:
+        """Take the newest wish for that instant; without any, rest where the robot was."""
+        newest = _newest(self._desired, stamp_ns)
+        if newest is not None:
+            return newest
+        if self._resting_position != self._resting_position:
+            self._resting_position = position
+        return Desired(self._resting_position, 0.0, 0.0, self.parameters.force_reference)
+
+    def _reference_at(self, stamp_ns: int) -> Reference:
+        return _newest(self._references, stamp_ns) or NO_REFERENCE
+
+
+def _newest(dated: deque[tuple[int, Any]], stamp_ns: int) -> Any:
+    """Find the newest entry with a stamp at or before the given one; None without any."""
+    for stamp, entry in reversed(dated):
+        if stamp <= stamp_ns:
+            return entry
+    return None
+

@@ -1,0 +1,61 @@
+"""Everything that decides estimates and reference, each parameter declared once."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import nan
+from typing import Any
+
+from .estimators import ESTIMATORS, EstimatorsTuning
+from .estimators.estimator import EnvironmentParameters
+from .estimators.excitation_monitor import ExcitationParameters
+from .parameters import ParameterGroup, group, parameter
+from .physics import PhysicsParameters
+from .reference.laws import LAWS
+from .reference.reference_generator import ReferenceParameters, refuse_double_tracking
+from .signals.butterworth import check_cutoff
+from .signals.contact_detection import ContactParameters
+from .signals.synchronisation import SynchronisationParameters
+
+
+@dataclass(frozen=True)
+class ConditioningParameters(ParameterGroup):
+    """The low-pass that regressor and force pass alike."""
+
+    cutoff_frequency: float = parameter(
+        50.0, 'Cut-off of the second-order Butterworth filter; 0: no filter', 'Hz', minimum=0.0
+    )
+
+
+@dataclass(frozen=True)
+class EstimationParameters(ParameterGroup):
+    """All parameters of on-line estimation, the same for node and replay."""
+
+    estimator: str = parameter(
+        'indirect_adaptive', 'Which estimator runs', choices=tuple(ESTIMATORS)
+    )
+    reference_law: str = parameter(
+        'eq20', 'How a wanted force becomes a reference position', choices=tuple(LAWS)
+    )
+    force_reference: float = parameter(
+        nan, 'F_r while nothing comes on desired_trajectory; NaN: no force wanted', 'N',
+        minimum=0.0, nan_is_off=True,
+    )
+    sample_rate: float = parameter(
+        500.0, 'Nominal rate of the wrench; filters and relations are built for it', 'Hz',
+        minimum=1.0, maximum=1e5,
+    )
+    environment: EnvironmentParameters = group(EnvironmentParameters)
+    conditioning: ConditioningParameters = group(ConditioningParameters)
+    contact: ContactParameters = group(ContactParameters)
+    excitation: ExcitationParameters = group(ExcitationParameters)
+    synchronisation: SynchronisationParameters = group(SynchronisationParameters)
+    reference: ReferenceParameters = group(ReferenceParameters)
+    physics: Any = group(PhysicsParameters)
+    tuning: Any = group(EstimatorsTuning)
+
+    def __post_init__(self) -> None:
+        """Check what single ranges cannot: parameters that must fit together."""
+        super().__post_init__()
+        check_cutoff(self.conditioning.cutoff_frequency, self.sample_rate)
+        refuse_double_tracking(self.reference_law, self.reference.robot_force_tracking)

@@ -1,0 +1,206 @@
+"""What every estimator is and gives."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from enum import Enum
+from math import nan
+from typing import ClassVar, NamedTuple
+
+from ..parameters import ParameterGroup, parameter
+from ..signals.relations import Relation, Row, VelocityRelation
+
+
+class EstimateStatus(str, Enum):
+    """Whether an estimate moves."""
+
+    FREE = 'free'
+    ESTIMATING = 'estimating'
+    FROZEN = 'frozen'
+
+
+class Estimate(NamedTuple):
+    """
+    What is known of the environment after one sample.
+
+    Attributes
+    ----------
+    stamp_ns : int
+        Stamp of the wrench used [ns].
+    stiffness, damping : float
+        K_hat [N/m] and B_hat [N s/m].
+    stiffness_std, damping_std : float
+        Their standard deviations; NaN where the estimator has none.
+    location : float
+        x_e: estimated where the estimator does so, else as configured [m].
+    inertia : float
+        M_hat [kg]; NaN where not estimated.
+    status : EstimateStatus
+        Free, estimating or frozen.
+    reason : str
+        Why it is frozen, or which parameter is held; '' where there is nothing to say.
+
+    """
+
+    stamp_ns: int
+    stiffness: float
+    damping: float
+    stiffness_std: float
+    damping_std: float
+    location: float
+    inertia: float
+    status: EstimateStatus
+    reason: str
+
+
+class Held(NamedTuple):
+    """Which parameters the data cannot tell at present, so that they must not move."""
+
+    stiffness: bool
+    damping: bool
+
+
+class Reference(NamedTuple):
+    """The reference that the robot follows at an instant: x_r [m], its rate and acceleration."""
+
+    position: float
+    velocity: float
+    acceleration: float
+
+
+@dataclass(frozen=True)
+class EnvironmentParameters(ParameterGroup):
+    """First guess and limits of the environment."""
+
+    location: float = parameter(0.0, 'Surface of the untouched wall, x_e', 'm')
+    initial_stiffness: float = parameter(
+        3000.0, 'First guess of K_e; err on the soft side, or the force overshoots', 'N/m',
+        minimum=1e-3,
+    )
+    initial_damping: float = parameter(50.0, 'First guess of B_e', 'N s/m', minimum=0.0)
+    minimum_stiffness: float = parameter(1.0, 'K_hat stays above', 'N/m', minimum=1e-3)
+    maximum_stiffness: float = parameter(1e8, 'K_hat stays below', 'N/m', minimum=1.0)
+    maximum_damping: float = parameter(1e6, 'B_hat stays below, and above 0', 'N s/m', minimum=1.0)
+
+
+class OnlineEstimator(ABC):
+    """
+    Base of the estimators that run sample by sample.
+
+    A subclass declares its tuning in `Parameters`, the relation that it fits in `relation`, and
+    moves `stiffness` and `damping` in `update`, which is called in contact only.
+
+    Parameters
+    ----------
+    tuning : ParameterGroup
+        An instance of the class's `Parameters`.
+    environment : EnvironmentParameters
+        First guess and limits.
+    sample_period_s : float
+        Nominal T [s].
+
+    """
+
+    Parameters: ClassVar[type[ParameterGroup]]
+    relation: ClassVar[type[Relation]] = VelocityRelation
+    estimates_location: ClassVar[bool] = False
+    follows_reference: ClassVar[bool] = False
+    """Whether `observe` needs the reference that the robot follows."""
+
+    def __init__(
+        self, tuning: ParameterGroup, environment: EnvironmentParameters, sample_period_s: float
+    ) -> None:
+        self.environment = environment
+        self.sample_period_s = sample_period_s
+        self.configure(tuning)
+        self.stiffness = environment.initial_stiffness
+        self.damping = environment.initial_damping
+        self.location_shift = 0.0
+        self.inertia = nan
+        self.reset()
+
+    @abstractmethod
+    def configure(self, tuning: ParameterGroup) -> None:
+        """
+        Take new tuning while running; estimates and covariance stay.
+
+        Parameters
+        ----------
+        tuning : ParameterGroup
+            An instance of the class's `Parameters`.
+
+        """
+
+    def reset(self) -> None:
+        """Go back to the first guess."""
+        self.start_from(self.environment.initial_stiffness, self.environment.initial_damping)
+
+    @abstractmethod
+    def start_from(self, stiffness: float, damping: float) -> None:
+        """
+        Begin anew at given values, as after a switch from another estimator.
+
+        Parameters
+        ----------
+        stiffness : float
+            K_hat [N/m].
+        damping : float
+            B_hat [N s/m].
+
+        """
+
+    @abstractmethod
+    def update(self, dt: float, row: Row, noise_variance: float, held: Held) -> None:
+        """
+        Learn from one gated and filtered row.
+
+        Parameters
+        ----------
+        dt : float
+            Time since the last sample [s], at most two sample periods.
+        row : sequence of float
+            (y, phi_K, phi_B, phi_c, ...) of the class's relation.
+        noise_variance : float
+            Of the unfiltered force [N^2].
+        held : Held
+            Parameters that must not move.
+
+        """
+
+    def observe(  # noqa: B027 - most estimators need nothing here
+        self, dt: float, position: float, velocity: float, force: float, reference: Reference
+    ) -> None:
+        """
+        See every sample, in and out of contact; only where `follows_reference`.
+
+        Parameters
+        ----------
+        dt : float
+            Time since the last sample [s].
+        position, velocity, force : float
+            x [m], its rate [m/s] and F_e [N].
+        reference : Reference
+            What the robot follows now.
+
+        """
+
+    @property
+    def stiffness_std(self) -> float:
+        """Standard deviation of K_hat [N/m]; NaN where there is none."""
+        return nan
+
+    @property
+    def damping_std(self) -> float:
+        """Standard deviation of B_hat [N s/m]; NaN where there is none."""
+        return nan
+
+    def bound(self) -> None:
+        """Bring K_hat and B_hat back into their limits."""
+        limits = self.environment
+        if not limits.minimum_stiffness <= self.stiffness <= limits.maximum_stiffness:
+            self.stiffness = min(
+                max(self.stiffness, limits.minimum_stiffness), limits.maximum_stiffness
+            )
+        if not 0.0 <= self.damping <= limits.maximum_damping:
+            self.damping = min(max(self.damping, 0.0), limits.maximum_damping)

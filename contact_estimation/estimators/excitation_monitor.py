@@ -1,0 +1,172 @@
+"""What the data of the last moments can tell, whatever the estimator."""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass
+from math import inf, sqrt
+
+from ..parameters import ParameterGroup, parameter
+from ..signals.relations import Row
+from .estimator import Held
+
+Information = tuple[float, float, float, float, float, float, float]
+_BLOCKS = 10  # of the window; judged a block at a time, since excitation changes slowly
+_EARLY = 10  # samples; the first judgements come this often
+
+
+@dataclass(frozen=True)
+class ExcitationParameters(ParameterGroup):
+    """When a parameter is held because the data do not tell it."""
+
+    window_s: float = parameter(
+        1.0, 'Length of the window over which excitation counts', 's',
+        minimum=0.01, maximum=100.0,
+    )
+    maximum_relative_std: float = parameter(
+        0.2,
+        'A parameter is held while its predicted relative standard deviation is above this; '
+        'large: never held',
+        minimum=1e-4,
+    )
+
+
+class ExcitationMonitor:
+    """
+    Predict the standard deviation that the last window allows, eq. (27) made quantitative.
+
+    sigma_F^2 (sum phi phi^T)^-1 is the Cramer-Rao bound of K_e and B_e over the window. Where it
+    exceeds a share of the estimate, noise would move the parameter more than data; it is held.
+    The information of the third column, location or not, enters where it is estimated.
+
+    Parameters
+    ----------
+    parameters : ExcitationParameters
+        Window and limit.
+    sample_period_s : float
+        Nominal T [s].
+
+    """
+
+    def __init__(self, parameters: ExcitationParameters, sample_period_s: float) -> None:
+        self._T = sample_period_s
+        self._block = 0
+        self.configure(parameters)
+
+    def configure(self, parameters: ExcitationParameters) -> None:
+        """
+        Take a new window and limit; what was gathered stays as long as the window does.
+
+        Parameters
+        ----------
+        parameters : ExcitationParameters
+            Window and limit.
+
+        """
+        block = max(1, round(parameters.window_s / self._T / _BLOCKS))
+        if block != self._block:
+            self._block = block
+            self.reset()
+        self._limit = parameters.maximum_relative_std
+
+    def reset(self) -> None:
+        """Forget all excitation."""
+        self._past: deque[Information] = deque(maxlen=_BLOCKS - 1)
+        self._start_block()
+        self.held = Held(True, True)
+        self.stiffness_std = inf
+        self.damping_std = inf
+
+    def _start_block(self) -> None:
+        self._count = 0
+        self._KK = self._KB = self._BB = self._Kc = self._Bc = self._cc = self._Ky = 0.0
+
+    def update(
+        self,
+        row: Row,
+        noise_variance: float,
+        stiffness: float,
+        damping: float,
+        location_std: float | None,
+    ) -> Held:
+        """
+        Take one row of contact and judge.
+
+        Parameters
+        ----------
+        row : sequence of float
+            (y, phi_K, phi_B, phi_c, ...).
+        noise_variance : float
+            Of the unfiltered force [N^2]; the filter passes the band in which phi lives
+            unchanged, so the bound is that of the raw samples.
+        stiffness, damping : float
+            The scales to compare with, > 0: the estimates, kept off zero by the caller.
+        location_std : float or None
+            Prior standard deviation of x_e [m] where x_e is estimated too, else None.
+
+        Returns
+        -------
+        held : Held
+            What must not move.
+
+        """
+        f_K, f_B, f_c = row[1], row[2], row[3]
+        self._KK += f_K * f_K
+        self._KB += f_K * f_B
+        self._BB += f_B * f_B
+        self._Kc += f_K * f_c
+        self._Bc += f_B * f_c
+        self._cc += f_c * f_c
+        self._Ky += f_K * row[0]
+        self._count += 1
+        if self._count % _EARLY == 0 or self._count == self._block:
+            block = (
+                self._KK, self._KB, self._BB, self._Kc, self._Bc, self._cc, self._Ky
+            )  # fmt: skip
+            total = tuple(map(sum, zip(block, *self._past)))
+            self._judge(total, noise_variance, stiffness, damping, location_std)
+            if self._count >= self._block:
+                self._past.append(block)
+                self._start_block()
+        return self.held
+
+    def _judge(
+        self,
+        total: tuple[float, ...],
+        noise_variance: float,
+        stiffness: float,
+        damping: float,
+        location_std: float | None,
+    ) -> None:
+        KK, KB, BB, Kc, Bc, cc, Ky = total
+        # The secant stiffness of the window counts as well: a first guess that is far too soft
+        # must not call a stiff wall unexcited.
+        limit_K = self._limit * max(stiffness, Ky / KK if KK > 0.0 else 0.0)
+        limit_B = self._limit * damping
+        if location_std is not None:
+            # Marginalise the location out (Schur complement), with its prior as information.
+            cc += noise_variance / max((stiffness * location_std) ** 2, 1e-30)
+            KK -= Kc * Kc / cc
+            KB -= Kc * Bc / cc
+            BB -= Bc * Bc / cc
+        both_K, both_B = _std(noise_variance, KK, KB, BB), _std(noise_variance, BB, KB, KK)
+        alone_K, alone_B = _std(noise_variance, KK, 0.0, 1.0), _std(noise_variance, BB, 0.0, 1.0)
+        self.stiffness_std, self.damping_std = both_K, both_B
+        if both_K <= limit_K and both_B <= limit_B:
+            self.held = Held(False, False)
+        elif alone_K <= limit_K:
+            self.held = Held(False, True)
+            self.stiffness_std = alone_K
+        elif alone_B <= limit_B:
+            self.held = Held(True, False)
+            self.damping_std = alone_B
+        else:
+            self.held = Held(True, True)
+
+
+def _std(noise_variance: float, own: float, cross: float, other: float) -> float:
+    """Take the square root of a diagonal entry of sigma^2 [[own, cross], [cross, other]]^-1."""
+    information = own - (cross * cross / other if other > 0.0 else 0.0)
+    if information <= 1e-12 * own or own <= 0.0:
+        return inf
+    return sqrt(noise_variance / information)

@@ -1,0 +1,130 @@
+"""Kalman filter for K_e, B_e and the location of the wall."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import sqrt
+
+from filterpy.kalman import KalmanFilter
+import numpy as np
+
+from ..parameters import ParameterGroup, parameter
+from ..signals.relations import Row
+from .estimator import Held, OnlineEstimator
+
+
+@dataclass(frozen=True)
+class KalmanParameters(ParameterGroup):
+    """Prior and random walk of the state (K_e, B_e, K_e times location shift)."""
+
+    stiffness_std: float = parameter(
+        1e5, 'Prior standard deviation of K_e', 'N/m', minimum=1e-3
+    )
+    damping_std: float = parameter(
+        1e4, 'Prior standard deviation of B_e', 'N s/m', minimum=1e-3
+    )
+    location_std: float = parameter(
+        1e-4,
+        'Prior standard deviation of the wall location about environment.location; 0: known',
+        'm', minimum=0.0,
+    )
+    relative_walk: float = parameter(
+        0.002,
+        'Random walk of K_e and B_e as a share of themselves; larger: follows changes faster, '
+        'noisier', '1/sqrt(s)', minimum=0.0,
+    )
+    location_walk: float = parameter(
+        1e-6, 'Random walk of the location', 'm/sqrt(s)', minimum=0.0
+    )
+
+
+class Kalman(OnlineEstimator):
+    """
+    Random-walk Kalman filter on y = K_e delta + B_e v - (K_e s), s the shift of the wall.
+
+    Estimating the product K_e s keeps the measurement linear in the state, so that the filter is
+    exact; s itself follows as a quotient. filterpy does the algebra; its covariance is the
+    honest one as long as the force noise is white before conditioning.
+
+    A held parameter neither moves nor loses covariance and takes no random walk, but its
+    uncertainty still weighs on the others (Schmidt's consider filter): taken as known, a wrong
+    first guess of B_e would be learned as stiffness.
+
+    """
+
+    Parameters = KalmanParameters
+    estimates_location = True
+
+    def configure(self, tuning: ParameterGroup) -> None:
+        """Take new tuning; see `OnlineEstimator.configure`."""
+        assert isinstance(tuning, KalmanParameters)
+        self._p = tuning
+
+    def start_from(self, stiffness: float, damping: float) -> None:
+        """Begin anew with the prior; see `OnlineEstimator.start_from`."""
+        p = self._p
+        self._filter = KalmanFilter(dim_x=3, dim_z=1)
+        self._filter.x = np.array([[stiffness], [damping], [0.0]])
+        shift_std = p.location_std * max(stiffness, self.environment.initial_stiffness)
+        self._filter.P = np.diag([p.stiffness_std**2, p.damping_std**2, shift_std**2])
+        self._filter.F = np.eye(3)
+        self._read_state()
+
+    def update(self, dt: float, row: Row, noise_variance: float, held: Held) -> None:
+        """Predict and correct once; see `OnlineEstimator.update`."""
+        state = self._filter
+        free = np.array(
+            [not held.stiffness, not held.damping, not held.stiffness and self._p.location_std > 0]
+        )
+        state.predict(Q=np.diag(self._walk(dt) * free))
+        before = state.x[~free].copy(), state.P[np.ix_(~free, ~free)].copy()
+        H = np.array([[row[1], row[2], -row[3]]])
+        state.update(row[0], R=max(noise_variance, 1e-18), H=H)
+        # Schmidt's consider filter: a held one keeps value and covariance, and its uncertainty
+        # has weakened the gain of the others.
+        state.x[~free], state.P[np.ix_(~free, ~free)] = before
+        self._read_state()
+
+    def _walk(self, dt: float) -> np.ndarray:
+        p = self._p
+        scale_B = max(self.damping, self.environment.initial_damping)
+        rates = np.array(
+            [
+                p.relative_walk * self.stiffness,
+                p.relative_walk * scale_B,
+                p.location_walk * self.stiffness,
+            ]
+        )
+        return rates**2 * dt
+
+    def _read_state(self) -> None:
+        limits = self.environment
+        self._keep_within(0, limits.minimum_stiffness, limits.maximum_stiffness)
+        self._keep_within(1, 0.0, limits.maximum_damping)
+        K, B, shift_force = self._filter.x[:, 0].tolist()
+        self.stiffness = min(max(K, limits.minimum_stiffness), limits.maximum_stiffness)
+        self.damping = min(max(B, 0.0), limits.maximum_damping)
+        self.location_shift = shift_force / self.stiffness
+
+    def _keep_within(self, index: int, low: float, high: float) -> None:
+        """Project onto a limit along the covariance: cutting one state alone would tear it off."""
+        x, P = self._filter.x, self._filter.P
+        value = float(x[index, 0])
+        excess = value - min(max(value, low), high)
+        if excess != 0.0:
+            self._filter.x = x - P[:, [index]] * (excess / P[index, index])
+
+    @property
+    def stiffness_std(self) -> float:
+        """Standard deviation of K_hat [N/m]."""
+        return sqrt(max(float(self._filter.P[0, 0]), 0.0))
+
+    @property
+    def damping_std(self) -> float:
+        """Standard deviation of B_hat [N s/m]."""
+        return sqrt(max(float(self._filter.P[1, 1]), 0.0))
+
+    @property
+    def location_std(self) -> float:
+        """Prior standard deviation of the wall's location [m]."""
+        return self._p.location_std

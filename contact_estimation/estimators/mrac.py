@@ -1,0 +1,203 @@
+"""Model reference adaptive estimation in the structure of Singh and Popa (1995)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import exp, expm1
+
+from ..parameters import ParameterGroup, parameter
+from ..signals.relations import Row
+from .estimator import EnvironmentParameters, Held, OnlineEstimator, Reference
+from .indirect_adaptive import IndirectAdaptive, IndirectAdaptiveParameters
+
+
+@dataclass(frozen=True)
+class ModelReferenceParameters(ParameterGroup):
+    """Target impedance, adaptation of the plant, and gains of the environment estimator."""
+
+    target_mass: float = parameter(100.0, 'M_t of the reference model', 'kg', minimum=1e-6)
+    target_damping: float = parameter(6500.0, 'B_t of the reference model', 'N s/m', minimum=0.0)
+    target_stiffness: float = parameter(1e5, 'K_t of the reference model', 'N/m', minimum=0.0)
+    plant_rate: float = parameter(
+        5.0, 'Decay rate of the plant equation error', '1/s', minimum=0.0, maximum=1e3
+    )
+    plant_filter: float = parameter(
+        60.0, 'Pole of the filter that spares differentiating the velocity', '1/s', minimum=0.1
+    )
+    stiffness_gain: float = parameter(
+        5.0e4, 'Entry of Gamma^-1 for K in eq. (25)', 'N/m/(N m s)', minimum=0.0
+    )
+    damping_gain: float = parameter(
+        2.5e3, 'Entry of Gamma^-1 for B in eq. (25)', 'N s/m/(N m)', minimum=0.0
+    )
+    normalised: bool = parameter(False, 'Normalise eq. (25), as in indirect_adaptive')
+
+
+class ReferenceModel:
+    """
+    The target impedance of eq. (1), driven by the reference and the measured force.
+
+    Parameters
+    ----------
+    mass, damping, stiffness : float
+        M_t [kg], B_t [N s/m], K_t [N/m].
+
+    """
+
+    def __init__(self, mass: float, damping: float, stiffness: float) -> None:
+        self.mass, self.damping, self.stiffness = mass, damping, stiffness
+        self.position = self.velocity = 0.0
+        self.started = False
+
+    def start(self, position: float, velocity: float) -> None:
+        """
+        Put the model where the arm is.
+
+        Parameters
+        ----------
+        position, velocity : float
+            x [m] and its rate [m/s].
+
+        """
+        self.position, self.velocity, self.started = position, velocity, True
+
+    def step(self, dt: float, force: float, reference: Reference) -> None:
+        """
+        Integrate eq. (1) over one sample, semi-implicitly.
+
+        Parameters
+        ----------
+        dt : float
+            Time step [s].
+        force : float
+            F_e [N].
+        reference : Reference
+            x_r with its derivatives.
+
+        """
+        x_r, v_r, a_r = reference
+        # Backward Euler: stable for any damping and stiffness at any sample rate.
+        drive = force + self.mass * a_r + self.damping * v_r + self.stiffness * (
+            x_r - self.position
+        )
+        momentum = self.mass * self.velocity + dt * drive
+        self.velocity = momentum / (self.mass + dt * self.damping + dt * dt * self.stiffness)
+        self.position += dt * self.velocity
+
+
+class PlantEstimator:
+    """
+    Adapt (K_p, B_p, 1) / M_p of the arm to w' = -a_K e - a_B w + a_F F_e.
+
+    e = x - x_r and w its rate, relative to the feed-forward acceleration. Both sides pass
+    1 / (s + pole), so that the velocity is never differentiated:
+    w - pole w_f = phi^T a with phi = (-e_f, -w_f, F_f). Normalised gradient adaptation.
+
+    Parameters
+    ----------
+    pole : float
+        Of the filter [1/s].
+    rate : float
+        Decay rate of the equation error [1/s].
+    start : tuple of float, length 3
+        First guess of (a_K, a_B, a_F).
+
+    """
+
+    def __init__(self, pole: float, rate: float, start: tuple[float, float, float]) -> None:
+        self._pole, self._rate = pole, rate
+        self._scale = tuple(max(a, 1e-6) ** 2 for a in start)
+        self.a = list(start)
+        self._filtered = [0.0, 0.0, 0.0]
+
+    def step(self, dt: float, e: float, w: float, force: float) -> None:
+        """
+        Learn from one sample.
+
+        Parameters
+        ----------
+        dt : float
+            Time step [s].
+        e, w : float
+            x - x_r [m] and its rate [m/s].
+        force : float
+            F_e [N].
+
+        """
+        keep = exp(-self._pole * dt)
+        gain = (1.0 - keep) / self._pole
+        filtered = [keep * f + gain * u for f, u in zip(self._filtered, (e, w, force))]
+        self._filtered = filtered
+        phi = (-filtered[0], -filtered[1], filtered[2])
+        error = w - self._pole * filtered[1] - sum(p * a for p, a in zip(phi, self.a))
+        power = sum(s * p * p for s, p in zip(self._scale, phi))
+        step = -expm1(-self._rate * dt) * error / (power + 1e-9)
+        self.a = [max(a + step * s * p, 0.0) for a, s, p in zip(self.a, self._scale, phi)]
+
+
+class ModelReferenceAdaptive(OnlineEstimator):
+    """
+    Plant estimator, reference model and environment estimator side by side.
+
+    The environment estimator is eq. (25) with the gains of indirect_adaptive, as in the paper;
+    the plant estimator tells the impedance that the arm really has, `model_error` how far the arm
+    is from the target impedance.
+
+    """
+
+    Parameters = ModelReferenceParameters
+    follows_reference = True
+
+    def __init__(
+        self, tuning: ParameterGroup, environment: EnvironmentParameters, sample_period_s: float
+    ) -> None:
+        self._environment_estimator = IndirectAdaptive(
+            IndirectAdaptiveParameters(), environment, sample_period_s
+        )
+        super().__init__(tuning, environment, sample_period_s)
+
+    def configure(self, tuning: ParameterGroup) -> None:
+        """Take new tuning; a new target restarts the model. See `OnlineEstimator.configure`."""
+        assert isinstance(tuning, ModelReferenceParameters)
+        p = tuning
+        self._environment_estimator.configure(
+            IndirectAdaptiveParameters(p.stiffness_gain, p.damping_gain, p.normalised)
+        )
+        self.model = ReferenceModel(p.target_mass, p.target_damping, p.target_stiffness)
+        start = (
+            p.target_stiffness / p.target_mass, p.target_damping / p.target_mass,
+            1.0 / p.target_mass,
+        )  # fmt: skip
+        self.plant = PlantEstimator(p.plant_filter, p.plant_rate, start)
+
+    def start_from(self, stiffness: float, damping: float) -> None:
+        """Begin anew; see `OnlineEstimator.start_from`."""
+        self._environment_estimator.start_from(stiffness, damping)
+        self.stiffness, self.damping = stiffness, damping
+
+    def update(self, dt: float, row: Row, noise_variance: float, held: Held) -> None:
+        """Apply eq. (25); see `OnlineEstimator.update`."""
+        inner = self._environment_estimator
+        inner.update(dt, row, noise_variance, held)
+        self.stiffness, self.damping = inner.stiffness, inner.damping
+
+    def observe(
+        self, dt: float, position: float, velocity: float, force: float, reference: Reference
+    ) -> None:
+        """Run the model and adapt the plant; see `OnlineEstimator.observe`."""
+        if not self.model.started:
+            self.model.start(position, velocity)
+        self.model.step(dt, force, reference)
+        e, w = position - reference.position, velocity - reference.velocity
+        self.plant.step(dt, e, w, force)
+        self.model_error = position - self.model.position
+
+    @property
+    def stiffness_std(self) -> float:
+        """Standard deviation of K_hat [N/m]."""
+        return self._environment_estimator.stiffness_std
+
+    @property
+    def damping_std(self) -> float:
+        """Standard deviation of B_hat [N s/m]."""
+        return self._environment_estimator.damping_std

@@ -1,0 +1,350 @@
+"""Parameters declared once: default, unit, range and meaning live in the dataclass field."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from typing import Any, Iterator, Mapping, TypeVar
+
+from .exceptions import ParameterRangeError, ParameterReadOnlyError, UnknownNameError
+
+Group = TypeVar('Group', bound='ParameterGroup')
+Value = bool | int | float | str
+
+
+@dataclasses.dataclass(frozen=True)
+class ParameterSpecification:
+    """
+    Everything known about one parameter.
+
+    Attributes
+    ----------
+    name : str
+        Dotted name, such as 'conditioning.cutoff_frequency'.
+    default : bool, int, float or str
+        Value without configuration; its type is the parameter's type.
+    description : str
+        Meaning, and what changing it does.
+    unit : str
+        SI unit, '' where there is none.
+    minimum, maximum : float or None
+        Inclusive range.
+    choices : tuple of str
+        Valid values of a text parameter; empty where any text is valid.
+    read_only : bool
+        Fixed at start.
+    nan_is_off : bool
+        NaN is valid and means that the feature is off.
+
+    """
+
+    name: str
+    default: Value
+    description: str
+    unit: str = ''
+    minimum: float | None = None
+    maximum: float | None = None
+    choices: tuple[str, ...] = ()
+    read_only: bool = False
+    nan_is_off: bool = False
+
+    @property
+    def expectation(self) -> str:
+        """Say in words which values are valid."""
+        if self.choices:
+            return 'one of ' + ', '.join(self.choices)
+        kind = {bool: 'true or false', int: 'an integer', float: 'a number', str: 'a text'}[
+            type(self.default)
+        ]
+        low = '' if self.minimum is None else f' >= {self.minimum:g}'
+        high = '' if self.maximum is None else f' <= {self.maximum:g}'
+        off = ' or NaN (off)' if self.nan_is_off else ''
+        unit = f' {self.unit}' if self.unit else ''
+        return f'{kind}{low}{" and" if low and high else ""}{high}{unit}{off}'
+
+    def check(self, value: Any) -> Value:
+        """
+        Return the value in the parameter's type, or say why it is not valid.
+
+        Parameters
+        ----------
+        value : any
+            The value received; an integer is taken for a float.
+
+        Returns
+        -------
+        value : bool, int, float or str
+            Of the type of the default.
+
+        Raises
+        ------
+        UnknownNameError
+            If a text is not among the choices.
+        ParameterRangeError
+            If the type is wrong or the value is out of range.
+
+        """
+        if isinstance(self.default, float) and type(value) is int:
+            value = float(value)
+        if type(value) is not type(self.default):
+            raise self._error(value)
+        if self.choices and value not in self.choices:
+            raise UnknownNameError.among(self.name, value, self.choices)
+        if isinstance(value, (int, float)) and not isinstance(value, bool):
+            self._check_range(value)
+        return value  # type: ignore[no-any-return]
+
+    def _check_range(self, value: float) -> None:
+        if self.nan_is_off and math.isnan(value):
+            return
+        too_low = self.minimum is not None and value < self.minimum
+        too_high = self.maximum is not None and value > self.maximum
+        if not math.isfinite(value) or too_low or too_high:
+            raise self._error(value)
+
+    def _error(self, value: Any) -> ParameterRangeError:
+        return ParameterRangeError(
+            f'{self.name} must be {self.expectation}, got {value!r}; default {self.default!r}'
+        )
+
+
+def parameter(
+    default: Value,
+    description: str,
+    unit: str = '',
+    minimum: float | None = None,
+    maximum: float | None = None,
+    choices: tuple[str, ...] = (),
+    read_only: bool = False,
+    nan_is_off: bool = False,
+) -> Any:
+    """
+    Declare one parameter as a dataclass field.
+
+    Parameters
+    ----------
+    default, description, unit, minimum, maximum, choices, read_only, nan_is_off
+        As in `ParameterSpecification`.
+
+    Returns
+    -------
+    field : dataclasses.Field
+        To be assigned in the body of a `ParameterGroup`.
+
+    """
+    facts = {
+        'description': description,
+        'unit': unit,
+        'minimum': minimum,
+        'maximum': maximum,
+        'choices': choices,
+        'read_only': read_only,
+        'nan_is_off': nan_is_off,
+    }
+    return dataclasses.field(default=default, metadata=facts)
+
+
+def group(cls: type[ParameterGroup]) -> Any:
+    """
+    Declare a nested group of parameters as a dataclass field.
+
+    Parameters
+    ----------
+    cls : type of ParameterGroup
+        The group's class; its defaults are the field's default.
+
+    Returns
+    -------
+    field : dataclasses.Field
+        To be assigned in the body of a `ParameterGroup`.
+
+    """
+    return dataclasses.field(default_factory=cls, metadata={'group': cls})
+
+
+@dataclasses.dataclass(frozen=True)
+class ParameterGroup:
+    """Base of all parameter dataclasses: checks every value when it is made."""
+
+    def __post_init__(self) -> None:
+        """Check types, ranges and choices of all fields."""
+        for field in dataclasses.fields(self):
+            if 'group' not in field.metadata:
+                value = specification(field, field.name).check(getattr(self, field.name))
+                object.__setattr__(self, field.name, value)
+
+
+def specification(field: dataclasses.Field[Any], name: str) -> ParameterSpecification:
+    """
+    Read the specification out of a dataclass field.
+
+    Parameters
+    ----------
+    field : dataclasses.Field
+        Made by `parameter`.
+    name : str
+        The full dotted name.
+
+    Returns
+    -------
+    specification : ParameterSpecification
+        What the field declares.
+
+    """
+    return ParameterSpecification(name, field.default, **field.metadata)  # type: ignore[arg-type]
+
+
+def specifications(
+    cls: type[ParameterGroup], prefix: str = ''
+) -> Iterator[ParameterSpecification]:
+    """
+    Walk over all parameters of a group and of the groups in it.
+
+    Parameters
+    ----------
+    cls : type of ParameterGroup
+        The outermost group.
+    prefix : str
+        Put before every name, with its dot.
+
+    Yields
+    ------
+    specification : ParameterSpecification
+        In the order of declaration.
+
+    """
+    for field in dataclasses.fields(cls):
+        name = prefix + field.name
+        if 'group' in field.metadata:
+            yield from specifications(field.metadata['group'], name + '.')
+        else:
+            yield specification(field, name)
+
+
+def flatten(values: ParameterGroup, prefix: str = '') -> dict[str, Value]:
+    """
+    List a group's values by their dotted names.
+
+    Parameters
+    ----------
+    values : ParameterGroup
+        The group.
+    prefix : str
+        Put before every name, with its dot.
+
+    Returns
+    -------
+    flat : dict
+        Dotted name to value, in the order of declaration.
+
+    """
+    flat: dict[str, Value] = {}
+    for field in dataclasses.fields(values):
+        value = getattr(values, field.name)
+        if 'group' in field.metadata:
+            flat.update(flatten(value, prefix + field.name + '.'))
+        else:
+            flat[prefix + field.name] = value
+    return flat
+
+
+def flatten_mapping(nested: Mapping[str, Any], prefix: str = '') -> dict[str, Any]:
+    """
+    Turn nested mappings, as a YAML file holds them, into dotted names.
+
+    Parameters
+    ----------
+    nested : mapping
+        Names to values or to further mappings.
+    prefix : str
+        Put before every name, with its dot.
+
+    Returns
+    -------
+    flat : dict
+        Dotted name to value.
+
+    """
+    flat: dict[str, Any] = {}
+    for key, value in nested.items():
+        if isinstance(value, Mapping):
+            flat.update(flatten_mapping(value, f'{prefix}{key}.'))
+        else:
+            flat[f'{prefix}{key}'] = value
+    return flat
+
+
+def build(cls: type[Group], flat: Mapping[str, Any]) -> Group:
+    """
+    Make a group from dotted names; what is missing takes its default.
+
+    Parameters
+    ----------
+    cls : type of ParameterGroup
+        The group's class.
+    flat : mapping
+        Dotted name to value.
+
+    Returns
+    -------
+    values : ParameterGroup
+        An instance of `cls`.
+
+    Raises
+    ------
+    UnknownNameError
+        If a name is no parameter of the group; it names the nearest.
+    ParameterRangeError
+        If a value is out of range.
+
+    """
+    known = {spec.name: spec for spec in specifications(cls)}
+    for name in flat:
+        if name not in known:
+            raise UnknownNameError.among('parameter', name, known)
+    return _build(cls, {name: known[name].check(value) for name, value in flat.items()}, '')
+
+
+def _build(cls: type[Group], flat: Mapping[str, Any], prefix: str) -> Group:
+    arguments: dict[str, Any] = {}
+    for field in dataclasses.fields(cls):
+        name = prefix + field.name
+        if 'group' in field.metadata:
+            arguments[field.name] = _build(field.metadata['group'], flat, name + '.')
+        elif name in flat:
+            arguments[field.name] = flat[name]
+    return cls(**arguments)
+
+
+def changed(values: Group, changes: Mapping[str, Any]) -> Group:
+    """
+    Return the group with some values changed.
+
+    Parameters
+    ----------
+    values : ParameterGroup
+        The present values.
+    changes : mapping
+        Dotted name to new value.
+
+    Returns
+    -------
+    values : ParameterGroup
+        A new group.
+
+    Raises
+    ------
+    ParameterReadOnlyError
+        If a parameter that is fixed at start would change.
+    UnknownNameError, ParameterRangeError
+        As `build`.
+
+    """
+    flat = flatten(values)
+    for spec in specifications(type(values)):
+        if spec.read_only and spec.name in changes and changes[spec.name] != flat[spec.name]:
+            raise ParameterReadOnlyError(
+                f'{spec.name} is fixed at start ({flat[spec.name]!r}), got '
+                f'{changes[spec.name]!r}; set it in the parameter file and start again'
+            )
+    return build(type(values), {**flat, **changes})

@@ -1,0 +1,111 @@
+"""Plant and estimation session closed over the reference, without ROS and as fast as it goes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Callable
+
+from ..contact_session import ContactSession, Result
+from ..reference.experiment import Experiment
+from ..reference.reference_generator import ReferencePoint
+from .plant_parameters import PlantParameters
+from .sensors import Sensors
+from .world import Truth, World
+
+
+@dataclass(frozen=True)
+class ClosedLoopRun:
+    """
+    What a run has given, one entry a sample.
+
+    Attributes
+    ----------
+    truths : list of Truth
+        The world.
+    results : list of Result
+        Samples, estimates and references.
+
+    """
+
+    truths: list[Truth]
+    results: list[Result]
+
+    @property
+    def last_contact(self) -> int | None:
+        """Index of the last sample with true F_e < 0; None without contact."""
+        touching = (k for k in range(len(self.truths) - 1, -1, -1) if self.truths[k].force < 0.0)
+        return next(touching, None)
+
+
+def extrapolate(
+    since: float, reference: ReferencePoint
+) -> Callable[[float], tuple[float, float, float, float]]:
+    """
+    Follow a reference until the next comes: its parabola for two sample periods at most.
+
+    Parameters
+    ----------
+    since : float
+        Time from which it holds [s].
+    reference : ReferencePoint
+        x_r with derivatives and F_r.
+
+    Returns
+    -------
+    reference_at : callable
+        Time [s] to (x_r, its rate, its acceleration, F_r).
+
+    """
+    x, v, a, F_r = reference
+
+    def at(t: float) -> tuple[float, float, float, float]:
+        tau = t - since
+        return x + tau * (v + 0.5 * tau * a), v + tau * a, a, F_r
+
+    return at
+
+
+def run_closed_loop(
+    plant: PlantParameters, session: ContactSession, experiment: Experiment, duration: float
+) -> ClosedLoopRun:
+    """
+    Run the experiment.
+
+    The reference made of sample k is followed from sample k + 1 on, as over ROS.
+
+    Parameters
+    ----------
+    plant : PlantParameters
+        The simulated world.
+    session : ContactSession
+        Fresh.
+    experiment : Experiment
+        What is wanted.
+    duration : float
+        Time to run [s].
+
+    Returns
+    -------
+    run : ClosedLoopRun
+        One entry a sample.
+
+    """
+    period = 1.0 / plant.sample_rate
+    period_ns = round(1e9 * period)
+    begin = experiment.desired(0.0)
+    world, sensors = World(plant, begin.position), Sensors(plant)
+    reference = ReferencePoint(begin.position, 0.0, 0.0, 0.0)
+    run = ClosedLoopRun([], [])
+    for k in range(round(duration * plant.sample_rate)):
+        follow = extrapolate(k * period, reference)
+        truth = world.truth(follow)
+        force, position, velocity = sensors.measure(truth)
+        session.add_desired((k + 1) * period_ns, experiment.desired((k + 1) * period))
+        session.add_motion(k * period_ns, position, velocity)
+        (result,) = session.add_wrench(k * period_ns, force)
+        run.truths.append(truth)
+        run.results.append(result)
+        world.advance(period, follow)
+        if result.reference is not None:
+            reference = result.reference
+    return run

@@ -1,0 +1,125 @@
+"""Signals that excite: sine, multisine and pseudo-random binary sequence."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from functools import lru_cache
+from math import pi, sin
+from typing import Sequence
+
+import numpy as np
+
+from ..exceptions import ParameterRangeError
+
+
+class Excitation(ABC):
+    """A signal of time, in the unit of its amplitude."""
+
+    @abstractmethod
+    def value(self, t: float) -> float:
+        """
+        Evaluate the signal.
+
+        Parameters
+        ----------
+        t : float
+            Time of the experiment [s].
+
+        Returns
+        -------
+        value : float
+            In the unit of the amplitude.
+
+        """
+
+
+class Sine(Excitation):
+    """
+    Eqs. (40) and (41): amplitude sin(omega t).
+
+    Parameters
+    ----------
+    amplitude : float
+        Peak value.
+    omega : float
+        Angular frequency [rad/s].
+
+    """
+
+    def __init__(self, amplitude: float, omega: float) -> None:
+        self._amplitude, self._omega = amplitude, omega
+
+    def value(self, t: float) -> float:
+        """Evaluate; see `Excitation.value`."""
+        return self._amplitude * sin(self._omega * t)
+
+
+class Multisine(Excitation):
+    """
+    A sum of sines of equal size with Schroeder phases, which keep the peak low.
+
+    Parameters
+    ----------
+    amplitude : float
+        Peak value of the sum.
+    omegas : sequence of float
+        Angular frequencies [rad/s].
+
+    """
+
+    def __init__(self, amplitude: float, omegas: Sequence[float]) -> None:
+        if not omegas:
+            raise ParameterRangeError('a multisine needs at least one frequency, got none')
+        count = len(omegas)
+        phases = [-pi * k * (k - 1) / count for k in range(1, count + 1)]
+        self._parts = list(zip(omegas, phases))
+        t = np.linspace(0.0, 2.0 * pi / min(omegas), 2000)
+        peak = max(abs(sum(np.sin(w * t + p) for w, p in self._parts)))
+        self._scale = amplitude / float(peak)
+
+    def value(self, t: float) -> float:
+        """Evaluate; see `Excitation.value`."""
+        return self._scale * sum(sin(w * t + p) for w, p in self._parts)
+
+
+class PseudoRandomBinary(Excitation):
+    """
+    The paper's PRBS: 10 registers, feedback from registers 7 and 10, shifted at 20 Hz.
+
+    Parameters
+    ----------
+    amplitude : float
+        The signal is +amplitude or -amplitude.
+    shift_rate : float
+        Shifts per second [Hz].
+
+    """
+
+    def __init__(self, amplitude: float, shift_rate: float = 20.0) -> None:
+        self._amplitude, self._rate = amplitude, shift_rate
+
+    def value(self, t: float) -> float:
+        """Evaluate; see `Excitation.value`."""
+        bits = register_sequence()
+        # The epsilon keeps a stamp that is a rounding error before a shift on its far side.
+        bit = bits[int(t * self._rate + 1e-6) % len(bits)]
+        return self._amplitude if bit else -self._amplitude
+
+
+@lru_cache(maxsize=1)
+def register_sequence() -> tuple[int, ...]:
+    """
+    Run the register once through its period of 2^10 - 1 shifts, from all ones.
+
+    Returns
+    -------
+    bits : tuple of int, length 1023
+        Output of register 10.
+
+    """
+    register = [1] * 10
+    bits = []
+    for _ in range(1023):
+        bits.append(register[9])
+        register = [register[6] ^ register[9], *register[:9]]
+    return tuple(bits)

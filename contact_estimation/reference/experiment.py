@@ -1,0 +1,173 @@
+"""Experiments: what the robot is asked to do over time."""
+
+from __future__ import annotations
+
+import bisect
+from dataclasses import dataclass, replace
+from math import nan
+from typing import NamedTuple
+
+from .excitation import Excitation
+from .quintic import quintic
+
+
+class Desired(NamedTuple):
+    """
+    What the planner wants at an instant.
+
+    Attributes
+    ----------
+    position, velocity, acceleration : float
+        x_d with derivatives [m], [m/s], [m/s^2].
+    force : float
+        F_r, positive while pressing [N]; NaN where no force is wanted.
+
+    """
+
+    position: float
+    velocity: float
+    acceleration: float
+    force: float
+
+
+@dataclass(frozen=True)
+class Segment:
+    """
+    A quintic to a position, with what is superposed meanwhile.
+
+    Attributes
+    ----------
+    duration : float
+        Time it takes [s], > 0.
+    position : float
+        Where it ends [m]; the same as before holds still.
+    force : float
+        F_d [N], positive while pressing; NaN where no force is wanted.
+    force_excitation, position_excitation : Excitation or None
+        Added to F_d [N] and to x_d [m], of the time since the start of the experiment.
+
+    """
+
+    duration: float
+    position: float
+    force: float = nan
+    force_excitation: Excitation | None = None
+    position_excitation: Excitation | None = None
+
+
+class Experiment:
+    """
+    A sequence of segments.
+
+    Parameters
+    ----------
+    name : str
+        For people.
+    start : float
+        Position before the first segment [m].
+    segments : sequence of Segment
+        One after the other.
+
+    """
+
+    def __init__(self, name: str, start: float, segments: tuple[Segment, ...]) -> None:
+        self.name, self.start, self.segments = name, start, segments
+        self._begins = [0.0]
+        for segment in segments:
+            self._begins.append(self._begins[-1] + segment.duration)
+
+    @property
+    def duration(self) -> float:
+        """Length of the whole [s]."""
+        return self._begins[-1]
+
+    def repeated(self, until: float) -> 'Experiment':
+        """
+        Repeat the experiment until it is at least so long.
+
+        Parameters
+        ----------
+        until : float
+            Time to fill [s].
+
+        Returns
+        -------
+        experiment : Experiment
+            Itself where it is long enough.
+
+        """
+        times = max(1, -int(-until // self.duration))
+        back = replace(self.segments[0], position=self.start)
+        once = self.segments
+        if once[-1].position != self.start:
+            once = (*once, back)  # a jump of x_d would be an impact
+        return self if times == 1 else Experiment(self.name, self.start, once * times)
+
+    def desired(self, t: float) -> Desired:
+        """
+        Evaluate the experiment.
+
+        Parameters
+        ----------
+        t : float
+            Time since its start [s]; before and after, it rests.
+
+        Returns
+        -------
+        desired : Desired
+            What is wanted then.
+
+        """
+        index = bisect.bisect_right(self._begins, t) - 1
+        if index < 0 or index >= len(self.segments):
+            rest = self.start if index < 0 else self.segments[-1].position
+            return Desired(rest, 0.0, 0.0, nan)
+        segment = self.segments[index]
+        before = self.segments[index - 1].position if index else self.start
+        since = t - self._begins[index]
+        x, v, a = quintic(before, segment.position, segment.duration, since)
+        if segment.position_excitation is not None:
+            x, v, a = _superpose(segment.position_excitation, t, x, v, a)
+        force = segment.force
+        if segment.force_excitation is not None:
+            force += segment.force_excitation.value(t)
+        return Desired(x, v, a, force)
+
+    def hold(self) -> tuple[float, float] | None:
+        """
+        Find the longest stretch in which force is wanted and x_d rests.
+
+        Returns
+        -------
+        interval : tuple of float or None
+            Begin and end [s]; None where there is none.
+
+        """
+        rests = [
+            (begin, begin + segment.duration)
+            for begin, segment, before in zip(
+                self._begins, self.segments, (self.start, *(s.position for s in self.segments))
+            )
+            if segment.force == segment.force and segment.position == before
+        ]
+        return max(rests, key=lambda r: r[1] - r[0], default=None)
+
+    @property
+    def wanted_force(self) -> float:
+        """F_d of the hold [N]; NaN where no force is wanted."""
+        return next((s.force for s in self.segments if s.force == s.force), nan)
+
+
+def _superpose(
+    excitation: Excitation, t: float, x: float, v: float, a: float
+) -> tuple[float, float, float]:
+    """Add an excitation and its central differences, exact to 1e-6 for a sine of 20 rad/s."""
+    h = 1e-4
+    before, now, after = (excitation.value(t + k * h) for k in (-1, 0, 1))
+    if abs(after - before) > 1e3 * h * max(abs(now), 1e-12):  # a step has no feed-forward
+        return x + now, v, a
+    return (
+        x + now,
+        v + (after - before) / (2.0 * h),
+        a + (after - 2.0 * now + before) / h**2,
+    )

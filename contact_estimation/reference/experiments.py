@@ -1,0 +1,203 @@
+"""The named experiments, and those of YAML files."""
+
+from __future__ import annotations
+
+from math import nan, pi
+from pathlib import Path
+from typing import Any, Callable, Mapping
+
+import yaml
+
+from ..exceptions import ModelFileError, UnknownNameError
+from .excitation import Excitation, Multisine, PseudoRandomBinary, Sine
+from .experiment import Experiment, Segment
+
+DEPTH = 0.0204
+"""End of x_d [m]: 50 N under eq. (1) with the nominal values."""
+START = -0.10
+DESIRED_FORCE = 50.0
+
+FORCE_EXCITATION: dict[str, Excitation | None] = {
+    'sine': Sine(8.0, 20.0),  # eq. (40)
+    'prbs': PseudoRandomBinary(8.0),
+    'multisine': Multisine(8.0, [2.0 * pi * f for f in (0.8, 1.9, 3.2, 5.3, 8.1)]),
+    'none': None,
+}
+
+
+def manoeuvre(
+    name: str,
+    force_excitation: Excitation | None = None,
+    position_excitation: Excitation | None = None,
+    hold_s: float = 2.0,
+    force: float = DESIRED_FORCE,
+) -> Experiment:
+    """
+    Build the paper's manoeuvre: approach, press, withdraw.
+
+    Parameters
+    ----------
+    name : str
+        Name of the experiment.
+    force_excitation : Excitation or None
+        Added to F_d while force is wanted [N], eq. (40).
+    position_excitation : Excitation or None
+        Added to x_d from the approach to the end of the withdrawal [m], eq. (41).
+    hold_s : float
+        Time at depth [s].
+    force : float
+        F_d [N]; NaN: no force wanted, eq. (1) alone.
+
+    Returns
+    -------
+    experiment : Experiment
+        Of 10 s plus `hold_s`.
+
+    """
+    wanted: dict[str, Any] = {'force': force, 'position_excitation': position_excitation}
+    if force == force:
+        wanted['force_excitation'] = force_excitation
+    return Experiment(
+        name,
+        START,
+        (
+            Segment(4.4, START),
+            Segment(2.2, DEPTH, **wanted),
+            Segment(hold_s, DEPTH, **wanted),
+            Segment(2.2, START, position_excitation=position_excitation),
+            Segment(1.2, START),
+        ),
+    )
+
+
+EXPERIMENTS: dict[str, Callable[[], Experiment]] = {
+    'sine': lambda: manoeuvre('sine', FORCE_EXCITATION['sine']),
+    'prbs': lambda: manoeuvre('prbs', FORCE_EXCITATION['prbs']),
+    'multisine': lambda: manoeuvre('multisine', FORCE_EXCITATION['multisine']),
+    'none': lambda: manoeuvre('none'),
+    'long': lambda: manoeuvre('long', FORCE_EXCITATION['sine'], hold_s=12.0),
+}
+
+_SEGMENT_KEYS = {'duration', 'position', 'force', 'force_excitation', 'position_excitation'}
+_EXCITATIONS: dict[str, tuple[Callable[..., Excitation], dict[str, str]]] = {
+    'sine': (Sine, {'amplitude': 'amplitude', 'angular_frequency': 'omega'}),
+    'multisine': (Multisine, {'amplitude': 'amplitude', 'angular_frequencies': 'omegas'}),
+    'prbs': (PseudoRandomBinary, {'amplitude': 'amplitude', 'shift_rate': 'shift_rate'}),
+}
+
+
+def experiment_named(name: str) -> Experiment:
+    """
+    Find an experiment by name, or read it from a YAML file.
+
+    Parameters
+    ----------
+    name : str
+        A key of EXPERIMENTS or the path of a file ending in .yaml or .yml.
+
+    Returns
+    -------
+    experiment : Experiment
+        Ready to be played.
+
+    Raises
+    ------
+    UnknownNameError
+        If there is no such name.
+    ModelFileError
+        If the file is missing or not of the schema.
+
+    """
+    if name in EXPERIMENTS:
+        return EXPERIMENTS[name]()
+    if Path(name).suffix in ('.yaml', '.yml'):
+        return read_experiment(Path(name))
+    raise UnknownNameError.among('experiment', name, [*EXPERIMENTS, 'FILE.yaml'])
+
+
+def read_experiment(path: Path) -> Experiment:
+    """
+    Read an experiment from a YAML file; the README gives the schema.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+
+    Returns
+    -------
+    experiment : Experiment
+        Ready to be played.
+
+    Raises
+    ------
+    ModelFileError
+        If the file is missing or not of the schema.
+
+    """
+    try:
+        content = yaml.safe_load(path.read_text())
+    except OSError as error:
+        raise ModelFileError(f'experiment file {path} cannot be read: {error.strerror}') from error
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        reason = ' '.join(str(error).split())
+        raise ModelFileError(f'experiment file {path} is not YAML: {reason}') from error
+    _expect(isinstance(content, Mapping), path, 'a mapping with `start` and `segments`', content)
+    _expect_keys(content, {'name', 'start', 'segments'}, path)
+    segments = content.get('segments')
+    _expect(isinstance(segments, list) and bool(segments), path, 'a list `segments`', segments)
+    start = _number(content.get('start', START), path, 'start')
+    made = tuple(_segment(entry, path) for entry in segments)
+    return Experiment(str(content.get('name', path.stem)), start, made)
+
+
+def _segment(entry: Any, path: Path) -> Segment:
+    _expect(isinstance(entry, Mapping), path, 'segments that are mappings', entry)
+    _expect_keys(entry, _SEGMENT_KEYS, path)
+    duration = _number(entry.get('duration'), path, 'duration')
+    _expect(duration > 0.0, path, 'duration > 0 s', duration)
+    return Segment(
+        duration,
+        _number(entry.get('position'), path, 'position'),
+        _number(entry['force'], path, 'force') if 'force' in entry else nan,
+        _excitation(entry.get('force_excitation'), path),
+        _excitation(entry.get('position_excitation'), path),
+    )
+
+
+def _excitation(entry: Any, path: Path) -> Excitation | None:
+    if entry is None:
+        return None
+    _expect(isinstance(entry, Mapping) and 'kind' in entry, path, 'an excitation with `kind`',
+            entry)
+    if entry['kind'] not in _EXCITATIONS:
+        raise UnknownNameError.among(f'excitation in {path}', entry['kind'], _EXCITATIONS)
+    make, names = _EXCITATIONS[entry['kind']]
+    _expect_keys(entry, {'kind', *names}, path)
+    _expect('amplitude' in entry, path, 'an excitation with `amplitude`', entry)
+    try:
+        return make(**{names[k]: v for k, v in entry.items() if k != 'kind'})
+    except TypeError as error:
+        raise ModelFileError(
+            f'experiment file {path}: excitation {entry["kind"]!r} needs {", ".join(names)}, '
+            f'got {dict(entry)!r}'
+        ) from error
+
+
+def _number(value: Any, path: Path, key: str) -> float:
+    _expect(isinstance(value, (int, float)) and not isinstance(value, bool), path,
+            f'`{key}` as a number', value)
+    return float(value)
+
+
+def _expect(holds: bool, path: Path, expected: str, received: Any) -> None:
+    if not holds:
+        raise ModelFileError(
+            f'experiment file {path}: expected {expected}, got {received!r}; see the README'
+        )
+
+
+def _expect_keys(entry: Mapping[str, Any], known: set[str], path: Path) -> None:
+    for key in entry:
+        if key not in known:
+            raise UnknownNameError.among(f'key in experiment file {path}', key, known)

@@ -1,0 +1,234 @@
+"""The reference trajectory x_r, continuous whatever the estimate and the wishes do."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import isfinite, nan
+from typing import NamedTuple
+
+from ..estimators.estimator import Reference
+from ..exceptions import ParameterRangeError
+from ..parameters import ParameterGroup, parameter
+from .experiment import Desired
+from .laws import LAWS
+
+
+@dataclass(frozen=True)
+class ReferenceParameters(ParameterGroup):
+    """How a wanted force becomes a reference position."""
+
+    robot_stiffness: float = parameter(
+        5000.0, 'K_t of the robot, needed by the law `series`', 'N/m', minimum=1e-3
+    )
+    robot_force_tracking: bool = parameter(
+        False, 'The robot adds F_r to its control force itself; excludes the law `series`'
+    )
+    stiffness_floor: float = parameter(
+        500.0, 'The laws never use a smaller K_hat: a bad estimate must not command depth',
+        'N/m', minimum=1e-3,
+    )
+    maximum_velocity: float = parameter(
+        0.25, 'Slew limit of x_r while a force law is active', 'm/s', minimum=1e-6
+    )
+    fade_s: float = parameter(
+        0.2, 'Time over which the offset between two laws fades out', 's',
+        minimum=1e-3, maximum=60.0,
+    )
+    maximum_force_rate: float = parameter(
+        2000.0, 'A faster change of F_r counts as a step, which has no feed-forward', 'N/s',
+        minimum=0.0,
+    )
+
+
+class ReferencePoint(NamedTuple):
+    """
+    What the node publishes as `reference_trajectory`.
+
+    Attributes
+    ----------
+    position, velocity, acceleration : float
+        x_r with derivatives [m], [m/s], [m/s^2].
+    force : float
+        F_r while a force law is active, else 0 [N].
+
+    """
+
+    position: float
+    velocity: float
+    acceleration: float
+    force: float
+
+
+class ReferenceGenerator:
+    """
+    Turn what is desired into what the robot shall follow.
+
+    A force law applies while F_r is finite and there is contact; otherwise x_d passes through.
+    Whenever that changes, the offset between old and new reference fades out smoothly.
+
+    Parameters
+    ----------
+    law : str
+        A key of LAWS.
+    parameters : ReferenceParameters
+        Limits.
+
+    Raises
+    ------
+    ParameterRangeError
+        If `series` meets a robot that tracks force itself.
+
+    """
+
+    def __init__(self, law: str, parameters: ReferenceParameters) -> None:
+        self._law, self._p = law, parameters
+        refuse_double_tracking(law, parameters.robot_force_tracking)
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the past: the next reference is taken as it comes."""
+        self._mode: str | None = None
+        self._last: ReferencePoint | None = None
+        self._offset, self._faded_s = 0.0, 0.0
+        self._forces: list[tuple[float, float]] = []  # (time, F_r), at most three
+
+    def configure(self, law: str, parameters: ReferenceParameters) -> None:
+        """
+        Take another law or other limits while running; x_r stays continuous.
+
+        Parameters
+        ----------
+        law, parameters
+            As for the constructor.
+
+        Raises
+        ------
+        ParameterRangeError
+            If `series` meets a robot that tracks force itself.
+
+        """
+        refuse_double_tracking(law, parameters.robot_force_tracking)
+        if law != self._law or parameters != self._p:
+            self._mode = None if self._last is None else 'changed'
+        self._law, self._p = law, parameters
+
+    def step(
+        self, t: float, dt: float, desired: Desired, contact: bool, x_e: float, K_hat: float
+    ) -> ReferencePoint:
+        """
+        Make the reference of one instant.
+
+        Parameters
+        ----------
+        t : float
+            Time at which it shall be followed [s].
+        dt : float
+            Time since the last call [s].
+        desired : Desired
+            What is wanted then.
+        contact : bool
+            Whether the wall is touched.
+        x_e : float
+            Location of the wall [m].
+        K_hat : float
+            Estimated stiffness [N/m].
+
+        Returns
+        -------
+        reference : ReferencePoint
+            Continuous in position.
+
+        """
+        F_r_dot, F_r_ddot = self._differentiate(t, desired.force)
+        compliance = LAWS[self._law]
+        active = compliance is not None and contact and isfinite(desired.force)
+        if active and compliance is not None:
+            C = compliance(max(K_hat, self._p.stiffness_floor), self._p.robot_stiffness)
+            target = Reference(x_e + desired.force * C, F_r_dot * C, F_r_ddot * C)
+        else:
+            target = Reference(desired.position, desired.velocity, desired.acceleration)
+        self._switch(self._law if active else 'pass_through', dt, target)
+        faded = self._fade(dt, target)
+        reference = self._limit(dt, faded) if active or self._offset != 0.0 else faded
+        self._last = ReferencePoint(*reference, desired.force if active else 0.0)
+        return self._last
+
+    def _differentiate(self, t: float, F_r: float) -> tuple[float, float]:
+        past = self._forces
+        if not isfinite(F_r):
+            past.clear()
+            return 0.0, 0.0
+        if past and t <= past[-1][0]:
+            past.clear()
+        if past and abs(F_r - past[-1][1]) > self._p.maximum_force_rate * (t - past[-1][0]):
+            past.clear()
+        past.append((t, F_r))
+        if len(past) < 3:
+            return 0.0, 0.0
+        (t2, f2), (t1, f1), (t0, f0) = past
+        del past[0]
+        slope, before = (f0 - f1) / (t0 - t1), (f1 - f2) / (t1 - t2)
+        curvature = 2.0 * (slope - before) / (t0 - t2)
+        return slope + 0.5 * curvature * (t0 - t1), curvature
+
+    def _switch(self, mode: str, dt: float, target: Reference) -> None:
+        if mode != self._mode and self._mode is not None and self._last is not None:
+            # Carry the old reference on by its velocity, so that the rate has no kink either.
+            expected = self._last.position + dt * self._last.velocity
+            self._offset, self._faded_s = expected - target.position, 0.0
+        self._mode = mode
+
+    def _fade(self, dt: float, target: Reference) -> Reference:
+        if self._offset == 0.0:
+            return target
+        duration = self._p.fade_s
+        s = self._faded_s / duration
+        self._faded_s += dt
+        if s >= 1.0:
+            self._offset = 0.0
+            return target
+        o = self._offset
+        return Reference(
+            target.position + o * (1.0 - s * s * (3.0 - 2.0 * s)),
+            target.velocity - o * 6.0 * s * (1.0 - s) / duration,
+            target.acceleration - o * (6.0 - 12.0 * s) / duration**2,
+        )
+
+    def _limit(self, dt: float, wanted: Reference) -> Reference:
+        if self._last is None or dt <= 0.0:
+            return wanted
+        step, most = wanted.position - self._last.position, self._p.maximum_velocity * dt
+        if abs(step) <= most:
+            return wanted
+        sign = 1.0 if step > 0.0 else -1.0
+        return Reference(
+            self._last.position + sign * most, sign * self._p.maximum_velocity, 0.0
+        )
+
+
+def refuse_double_tracking(law: str, force_tracking: bool) -> None:
+    """
+    Refuse the law `series` on a robot that tracks force itself.
+
+    Parameters
+    ----------
+    law : str
+        Name of the law.
+    force_tracking : bool
+        Whether the robot adds F_r to its control force.
+
+    Raises
+    ------
+    ParameterRangeError
+        If both would press: 74.5 N instead of 50 N on the benchmark.
+
+    """
+    if law == 'series' and force_tracking:
+        raise ParameterRangeError(
+            'reference_law series and a robot with force_tracking both correct for K_t, and '
+            'together press about 1.5 times too hard; expected one of them, got both; use '
+            'reference_law eq20 with force tracking, or switch force_tracking off'
+        )
+
+
+NOTHING_DESIRED = Desired(nan, 0.0, 0.0, nan)

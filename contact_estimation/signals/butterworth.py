@@ -1,0 +1,99 @@
+"""The low-pass that every signal passes alike."""
+
+from __future__ import annotations
+
+from typing import Sequence
+
+from scipy.signal import butter
+
+from ..exceptions import ParameterRangeError
+
+
+class ButterworthBank:
+    """
+    The same causal second-order Butterworth low-pass on several channels.
+
+    A relation y = phi^T theta that holds at every instant also holds between its filtered sides,
+    whatever the spacing of the samples, as long as one and the same filter acts on all columns.
+
+    Parameters
+    ----------
+    channels : int
+        Number of signals.
+    cutoff_frequency : float
+        -3 dB frequency [Hz]; 0 lets everything pass unchanged.
+    sample_rate : float
+        Nominal sampling frequency [Hz].
+
+    Raises
+    ------
+    ParameterRangeError
+        If the cut-off is not below half of the sample rate.
+
+    """
+
+    def __init__(self, channels: int, cutoff_frequency: float, sample_rate: float) -> None:
+        check_cutoff(cutoff_frequency, sample_rate)
+        self._b0, self._a1, self._a2 = 1.0, 0.0, 0.0
+        self._passes = cutoff_frequency == 0.0
+        if not self._passes:
+            b, a = butter(2, cutoff_frequency, fs=sample_rate)
+            # b is b0 (1, 2, 1): the double zero at the Nyquist frequency of the bilinear form.
+            self._b0, self._a1, self._a2 = float(b[0]), float(a[1]), float(a[2])
+        self._channels = range(channels)
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the past: as if all signals had been 0 for ever."""
+        self._s1 = [0.0 for _ in self._channels]
+        self._s2 = [0.0 for _ in self._channels]
+
+    def process(self, row: Sequence[float]) -> Sequence[float]:
+        """
+        Filter one row.
+
+        Parameters
+        ----------
+        row : sequence of float, length channels
+            The signals at this instant.
+
+        Returns
+        -------
+        filtered : sequence of float, length channels
+            In the same order.
+
+        """
+        if self._passes:
+            return row
+        b0, a1, a2, s1, s2 = self._b0, self._a1, self._a2, self._s1, self._s2
+        filtered = []
+        append = filtered.append
+        for i, x in enumerate(row):  # transposed direct form II
+            bx = b0 * x
+            y = bx + s1[i]
+            s1[i] = bx + bx - a1 * y + s2[i]
+            s2[i] = bx - a2 * y
+            append(y)
+        return filtered
+
+
+def check_cutoff(cutoff_frequency: float, sample_rate: float) -> None:
+    """
+    Check that a cut-off lies below the Nyquist frequency.
+
+    Parameters
+    ----------
+    cutoff_frequency, sample_rate : float
+        In [Hz].
+
+    Raises
+    ------
+    ParameterRangeError
+        If it does not.
+
+    """
+    if cutoff_frequency >= 0.5 * sample_rate:
+        raise ParameterRangeError(
+            'conditioning.cutoff_frequency must be < half of sample_rate '
+            f'({0.5 * sample_rate:g} Hz), got {cutoff_frequency:g}; lower it, or 0 for none'
+        )

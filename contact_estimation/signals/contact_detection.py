@@ -1,0 +1,147 @@
+"""Contact decided from force: measured and predicted, with hysteresis."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import sqrt
+
+from ..parameters import ParameterGroup, parameter
+
+_SETTLING_S = 0.5
+_OUTLIER = 4.0  # standard deviations beyond which a free-flight sample counts only this much
+
+
+@dataclass(frozen=True)
+class ContactParameters(ParameterGroup):
+    """When a sample counts as contact, for learning and for the force laws."""
+
+    force_noise: float = parameter(
+        0.6,
+        'Standard deviation of the force noise to start from; learned in free flight after that',
+        'N',
+        minimum=1e-9,
+    )
+    position_noise: float = parameter(
+        1e-6, 'Standard deviation of the position noise', 'm', minimum=0.0
+    )
+    on_ratio: float = parameter(
+        4.0, 'Contact begins above this many force noises; higher: later, fewer false', minimum=1.0
+    )
+    off_ratio: float = parameter(
+        2.0, 'Contact ends below this many force noises; at most on_ratio', minimum=0.0
+    )
+    minimum_force: float = parameter(
+        0.0, 'Contact begins above this force whatever the noise', 'N', minimum=0.0
+    )
+    samples: int = parameter(
+        2, 'Consecutive samples above the threshold before contact begins', minimum=1, maximum=50
+    )
+
+
+class ContactDetector:
+    """
+    Decide contact and learn the level and noise of the force in free flight.
+
+    Gating on delta > 0 alone teaches the estimator the withdrawal, where the wall has already
+    let go although delta > 0; so contact needs a measured force above the noise and a predicted
+    force above zero.
+
+    Parameters
+    ----------
+    parameters : ContactParameters
+        Thresholds.
+
+    """
+
+    def __init__(self, parameters: ContactParameters) -> None:
+        self._p = parameters
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget contact, free-flight level and noise."""
+        self.contact = False
+        self.level = 0.0
+        self._variance = self._p.force_noise**2
+        self._above = 0
+        self._set_thresholds()
+
+    def configure(self, parameters: ContactParameters) -> None:
+        """
+        Change the thresholds, keeping what was learned unless the noise itself is given anew.
+
+        Parameters
+        ----------
+        parameters : ContactParameters
+            The new thresholds.
+
+        """
+        if parameters.force_noise != self._p.force_noise:
+            self._variance = parameters.force_noise**2
+        self._p = parameters
+        self._set_thresholds()
+
+    @property
+    def noise_variance(self) -> float:
+        """Variance of the force noise [N^2]."""
+        return self._variance
+
+    def update(self, dt: float, pressing: float, predicted: float | None) -> bool:
+        """
+        Decide for one sample.
+
+        Parameters
+        ----------
+        dt : float
+            Time since the last sample [s].
+        pressing : float
+            -F_e, measured [N].
+        predicted : float or None
+            K_hat delta + B_hat v where delta > 0, else 0 [N]; None while the wall's location is
+            too uncertain to predict anything.
+
+        Returns
+        -------
+        contact : bool
+            Whether this sample is in contact.
+
+        """
+        measured = pressing - self.level
+        outside = predicted is not None and predicted <= self._predicted_on
+        if self.contact:
+            self.contact = measured > self._off and not outside
+            return self.contact
+        if measured > self._on and not outside:
+            self._above += 1
+            self.contact = self._above >= self._p.samples
+        else:
+            self._above = 0
+            # `<` keeps a first touch, not yet confirmed, out of the noise statistics.
+            if outside or measured < self._on:
+                self._learn(dt, measured)
+        return self.contact
+
+    def expect_above(self, predicted_noise: float) -> None:
+        """
+        Set the predicted force that still means no contact.
+
+        Parameters
+        ----------
+        predicted_noise : float
+            K_hat times position noise [N].
+
+        """
+        self._predicted_on = predicted_noise
+
+    def _learn(self, dt: float, measured: float) -> None:
+        limit = _OUTLIER * self._sigma
+        deviation = max(-limit, min(limit, measured))
+        gain = min(dt / _SETTLING_S, 0.1)
+        self.level += gain * deviation
+        self._variance += gain * (deviation * deviation - self._variance)
+        self._set_thresholds()
+
+    def _set_thresholds(self) -> None:
+        self._sigma = sqrt(max(self._variance, 1e-18))
+        self._on = max(self._p.on_ratio * self._sigma, self._p.minimum_force)
+        self._off = min(self._p.off_ratio * self._sigma, self._on)
+        self._predicted_on = getattr(self, '_predicted_on', 0.0)

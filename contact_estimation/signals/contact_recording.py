@@ -1,0 +1,85 @@
+"""The same fields as one sample has, as arrays."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Iterator, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..exceptions import SignalShapeError
+from .contact_sample import ContactSample
+
+
+@dataclass(frozen=True)
+class ContactRecording:
+    """
+    A stretch of contact samples, in the order of their stamps.
+
+    Attributes
+    ----------
+    stamp_ns : ndarray of int64, shape (N,)
+        Header stamps [ns].
+    position : ndarray, shape (N,)
+        x [m].
+    velocity : ndarray, shape (N,)
+        Rate of x [m/s]; NaN where unknown.
+    force : ndarray, shape (N,)
+        Measured F_e [N], negative while pressing.
+
+    Raises
+    ------
+    SignalShapeError
+        If the arrays differ in shape or are not one-dimensional.
+
+    """
+
+    stamp_ns: NDArray[np.int64]
+    position: NDArray[np.float64]
+    velocity: NDArray[np.float64]
+    force: NDArray[np.float64]
+
+    def __post_init__(self) -> None:
+        """Check that all arrays have one length."""
+        shapes = {np.shape(a) for a in (self.stamp_ns, self.position, self.velocity, self.force)}
+        if len(shapes) != 1 or len(next(iter(shapes))) != 1:
+            raise SignalShapeError(
+                'stamp_ns, position, velocity and force must be one-dimensional and of one '
+                f'length, got shapes {sorted(shapes)}'
+            )
+
+    @classmethod
+    def of(cls, samples: Sequence[ContactSample]) -> 'ContactRecording':
+        """
+        Stack samples into arrays.
+
+        Parameters
+        ----------
+        samples : sequence of ContactSample
+            In the order of their stamps.
+
+        Returns
+        -------
+        recording : ContactRecording
+            Of length len(samples).
+
+        """
+        columns = list(zip(*samples)) or [(), (), (), ()]
+        return cls(
+            np.array(columns[0], np.int64), *(np.array(c, np.float64) for c in columns[1:])
+        )
+
+    @property
+    def t(self) -> NDArray[np.float64]:
+        """Time since the first sample [s], shape (N,)."""
+        return (self.stamp_ns - self.stamp_ns[:1]) * 1e-9
+
+    def __len__(self) -> int:
+        """Count the samples."""
+        return len(self.stamp_ns)
+
+    def __iter__(self) -> Iterator[ContactSample]:
+        """Walk over the samples, in plain Python numbers."""
+        columns = (self.stamp_ns, self.position, self.velocity, self.force)
+        return map(ContactSample, *(column.tolist() for column in columns))

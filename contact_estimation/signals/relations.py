@@ -1,0 +1,121 @@
+"""
+Relations y = phi^T theta that hold at every instant of contact.
+
+A relation turns raw samples into one row (y, phi_K, phi_B, phi_c, phi_M), or None where it does
+not hold at this instant. The row is gated and filtered afterwards, all columns alike, so that
+neither the touch-down nor the filter biases the estimate. y is the pressing force -F_e.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from typing import Sequence
+
+Row = Sequence[float]
+
+
+class Relation(ABC):
+    """
+    Base of all relations.
+
+    Parameters
+    ----------
+    sample_period_s : float
+        Nominal T [s]; relations over several samples hold only across regular spacing.
+
+    """
+
+    def __init__(self, sample_period_s: float) -> None:
+        self._T = sample_period_s
+        self._longest = 1.5 * sample_period_s
+
+    @abstractmethod
+    def row(
+        self, dt: float, delta: float, velocity: float, pressing: float, contact: bool
+    ) -> Row | None:
+        """
+        Build the row of this instant.
+
+        Parameters
+        ----------
+        dt : float
+            Time since the last sample [s].
+        delta : float
+            x - x_e nominal [m].
+        velocity : float
+            Its rate [m/s], NaN where not measured.
+        pressing : float
+            -F_e without known extra physics [N].
+        contact : bool
+            Whether the wall is touched now.
+
+        Returns
+        -------
+        row : sequence of float or None
+            (y, phi_K, phi_B, phi_c) and further columns; None outside contact.
+
+        """
+
+
+class VelocityRelation(Relation):
+    """Eq. (7): F = K_e delta + B_e v; from differences where no velocity is measured."""
+
+    def __init__(self, sample_period_s: float) -> None:
+        super().__init__(sample_period_s)
+        self._last: tuple[float, float] | None = None
+
+    def row(
+        self, dt: float, delta: float, velocity: float, pressing: float, contact: bool
+    ) -> Row | None:
+        """Build (y, phi_K, phi_B, phi_c); see `Relation.row`."""
+        if velocity == velocity:
+            return (pressing, delta, velocity, 1.0) if contact else None
+        # Without velocity: the trapezoid of eq. (3) over one interval. Averaging force and
+        # position over the interval over which the difference is taken keeps them in phase.
+        last, self._last = self._last, (delta, pressing) if contact else None
+        if last is None or not contact or dt > self._longest or dt <= 0.0:
+            return None
+        return (
+            0.5 * (pressing + last[1]),
+            0.5 * (delta + last[0]),
+            (delta - last[0]) / dt,
+            1.0,
+        )
+
+
+class TustinRelation(Relation):
+    """
+    Eq. (31): the bilinear form of M_e a + B_e v + K_e delta over three samples.
+
+    Divided by 4, and written for (K_e, B_e, M_e) instead of (A, B, C): the same relation, in
+    coordinates in which the covariance can be read. Uses positions only.
+
+    """
+
+    def __init__(self, sample_period_s: float) -> None:
+        super().__init__(sample_period_s)
+        self._past: list[tuple[float, float]] = []
+        self._per_T = 0.5 / sample_period_s
+        self._per_T2 = 1.0 / sample_period_s**2
+
+    def row(
+        self, dt: float, delta: float, velocity: float, pressing: float, contact: bool
+    ) -> Row | None:
+        """Build (y, phi_K, phi_B, phi_c, phi_M); see `Relation.row`."""
+        past = self._past
+        if not contact or dt > self._longest:
+            past.clear()
+        if not contact:
+            return None
+        past.append((delta, pressing))
+        if len(past) < 3:
+            return None
+        (d2, f2), (d1, f1), (d0, f0) = past
+        del past[0]
+        return (
+            0.25 * (f0 + 2.0 * f1 + f2),
+            0.25 * (d0 + 2.0 * d1 + d2),
+            self._per_T * (d0 - d2),
+            1.0,
+            self._per_T2 * (d0 - 2.0 * d1 + d2),
+        )
