@@ -1,10 +1,24 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """The whole of on-line estimation without ROS: readings in, results out."""
 
 from __future__ import annotations
 
 from collections import Counter, deque
 from math import isfinite, nan
-from typing import Any, Mapping, NamedTuple
+from typing import Any, Callable, Mapping, NamedTuple
 
 from .estimation_parameters import EstimationParameters
 from .estimation_pipeline import NO_REFERENCE, EstimationPipeline
@@ -15,7 +29,7 @@ from .reference.reference_generator import ReferenceGenerator, ReferencePoint
 from .signals.contact_sample import ContactSample
 from .signals.synchronisation import Synchroniser
 
-_REFERENCES_KEPT = 64
+_WISHES_KEPT = 64
 
 
 class Result(NamedTuple):
@@ -54,6 +68,13 @@ class ContactSession:
     generate_reference : bool
         False where the reference is given by `add_reference` instead (replay).
 
+    Attributes
+    ----------
+    last_stamp_ns : int
+        Stamp of the last sample processed [ns].
+    missing : int
+        Samples that the spacing of the stamps says are missing.
+
     """
 
     def __init__(
@@ -62,13 +83,17 @@ class ContactSession:
         self.parameters = parameters
         self.pipeline = EstimationPipeline(parameters)
         self.last_stamp_ns = -(2**63)
+        self.missing = 0
         self._synchroniser = Synchroniser(parameters.synchronisation)
         self._generates = generate_reference
         self._generator = ReferenceGenerator(parameters.reference_law, parameters.reference)
-        self._desired: deque[tuple[int, Desired]] = deque(maxlen=_REFERENCES_KEPT)
-        self._references: deque[tuple[int, Reference]] = deque(maxlen=_REFERENCES_KEPT)
+        self._desired: deque[tuple[int, Desired]] = deque(maxlen=_WISHES_KEPT)
+        self._references: deque[tuple[int, Reference]] = deque()
+        self._followed = NO_REFERENCE
+        self._scheduled: deque[tuple[int, Callable[[], object]]] = deque()
         self._start_ns: int | None = None
         self._resting_position = nan
+        self._period_ns = round(1e9 / parameters.sample_rate)
 
     @property
     def rejected(self) -> Counter[str]:
@@ -144,7 +169,9 @@ class ContactSession:
 
     def add_reference(self, stamp_ns: int, reference: Reference) -> None:
         """
-        Take the reference that was in force, where it is not generated here.
+        Take the reference that is in force, where it is not generated here.
+
+        May come early, but in the order of the stamps.
 
         Parameters
         ----------
@@ -170,6 +197,20 @@ class ContactSession:
 
     # -- events -----------------------------------------------------------------------------
 
+    def schedule(self, after_stamp_ns: int, action: Callable[[], object]) -> None:
+        """
+        Do something after one sample and before the next, whenever they come.
+
+        Parameters
+        ----------
+        after_stamp_ns : int
+            Stamp of the sample that it follows [ns]; in the order of the events.
+        action : callable
+            Called without arguments.
+
+        """
+        self._scheduled.append((after_stamp_ns, action))
+
     def change_parameters(self, changes: Mapping[str, Any]) -> None:
         """
         Change parameters while running; K_hat and B_hat stay and x_r stays continuous.
@@ -190,6 +231,7 @@ class ContactSession:
         self._generator.configure(parameters.reference_law, parameters.reference)
         self._synchroniser.configure(parameters.synchronisation)
         self.parameters = parameters
+        self._period_ns = round(1e9 / parameters.sample_rate)
 
     def reset(self) -> None:
         """Go back to the first guess of K_e and B_e."""
@@ -215,21 +257,27 @@ class ContactSession:
         if self._synchroniser.jumped:
             self._restart_time()
         stamp_ns = sample.stamp_ns
+        while self._scheduled and self._scheduled[0][0] < stamp_ns:
+            self._scheduled.popleft()[1]()
+        while self._references and self._references[0][0] <= stamp_ns:
+            self._followed = self._references.popleft()[1]
         pipeline = self.pipeline
-        if pipeline.estimator.follows_reference:
-            estimate = pipeline.process(sample, self._reference_at(stamp_ns))
-        else:
-            estimate = pipeline.process(sample)
-        period_ns = round(1e9 / self.parameters.sample_rate)
+        estimate = pipeline.process(sample, self._followed)
+        period_ns = self._period_ns
+        if self.last_stamp_ns > 0 and stamp_ns - self.last_stamp_ns > 1.5 * period_ns:
+            self.missing += round((stamp_ns - self.last_stamp_ns) / period_ns) - 1
         reference = self._make_reference(sample, estimate, period_ns) if self._generates else None
         self.last_stamp_ns = stamp_ns
         return Result(sample, estimate, stamp_ns + period_ns, reference)
 
     def _restart_time(self) -> None:
         self._synchroniser.jumped = False
+        while self._scheduled and self._scheduled[0][0] >= self.last_stamp_ns:
+            self._scheduled.popleft()[1]()
         self.pipeline.restart_time()
         self._generator.reset()
         self._references.clear()
+        self._followed = NO_REFERENCE
         self._start_ns = None
         self.last_stamp_ns = -(2**63)
 
@@ -251,7 +299,8 @@ class ContactSession:
             estimate.location,
             estimate.stiffness,
         )
-        self._references.append((target_ns, Reference(*reference[:3])))
+        if self.pipeline.estimator.follows_reference:
+            self._references.append((target_ns, Reference(*reference[:3])))
         return reference
 
     def _desired_at(self, stamp_ns: int, position: float) -> Desired:
@@ -262,9 +311,6 @@ class ContactSession:
         if self._resting_position != self._resting_position:
             self._resting_position = position
         return Desired(self._resting_position, 0.0, 0.0, self.parameters.force_reference)
-
-    def _reference_at(self, stamp_ns: int) -> Reference:
-        return _newest(self._references, stamp_ns) or NO_REFERENCE
 
 
 def _newest(dated: deque[tuple[int, Any]], stamp_ns: int) -> Any:

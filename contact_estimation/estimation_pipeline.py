@@ -1,3 +1,17 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """From contact samples to estimates: the one path of node, replay and diagnosis."""
 
 from __future__ import annotations
@@ -173,6 +187,11 @@ class EstimationPipeline:
     def noise_std(self) -> float:
         """Standard deviation of the force noise in free flight [N]."""
         return math.sqrt(self._detector.noise_variance)
+
+    @property
+    def free_flight_level(self) -> float:
+        """Pressing force that remains in free flight [N]; far from 0, a tare is due."""
+        return self._detector.level
 
     @property
     def excitation(self) -> ExcitationMonitor:

@@ -1,3 +1,17 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """Parameters declared once: default, unit, range and meaning live in the dataclass field."""
 
 from __future__ import annotations
@@ -348,3 +362,24 @@ def changed(values: Group, changes: Mapping[str, Any]) -> Group:
                 f'{changes[spec.name]!r}; set it in the parameter file and start again'
             )
     return build(type(values), {**flat, **changes})
+
+
+def without(cls: type[ParameterGroup], values: Mapping[str, Any]) -> dict[str, Any]:
+    """
+    Leave out the parameters of a group.
+
+    Parameters
+    ----------
+    cls : type of ParameterGroup
+        The group.
+    values : mapping
+        Dotted name to value, of several groups.
+
+    Returns
+    -------
+    rest : dict
+        What is of other groups, or of none.
+
+    """
+    own = {spec.name for spec in specifications(cls)}
+    return {name: value for name, value in values.items() if name not in own}

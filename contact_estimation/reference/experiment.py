@@ -1,9 +1,23 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """Experiments: what the robot is asked to do over time."""
 
 from __future__ import annotations
 
 import bisect
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import nan
 from typing import NamedTuple
 
@@ -72,6 +86,7 @@ class Experiment:
 
     def __init__(self, name: str, start: float, segments: tuple[Segment, ...]) -> None:
         self.name, self.start, self.segments = name, start, segments
+        self._repeats = False
         self._begins = [0.0]
         for segment in segments:
             self._begins.append(self._begins[-1] + segment.duration)
@@ -81,27 +96,23 @@ class Experiment:
         """Length of the whole [s]."""
         return self._begins[-1]
 
-    def repeated(self, until: float) -> 'Experiment':
+    def cyclic(self) -> 'Experiment':
         """
-        Repeat the experiment until it is at least so long.
-
-        Parameters
-        ----------
-        until : float
-            Time to fill [s].
+        Close the experiment to a cycle that plays for ever.
 
         Returns
         -------
         experiment : Experiment
-            Itself where it is long enough.
+            The same segments, with a way back to the start where they end elsewhere: a jump of
+            x_d would be an impact.
 
         """
-        times = max(1, -int(-until // self.duration))
-        back = replace(self.segments[0], position=self.start)
-        once = self.segments
-        if once[-1].position != self.start:
-            once = (*once, back)  # a jump of x_d would be an impact
-        return self if times == 1 else Experiment(self.name, self.start, once * times)
+        segments = self.segments
+        if segments[-1].position != self.start:
+            segments = (*segments, Segment(segments[0].duration, self.start))
+        cycle = Experiment(self.name, self.start, segments)
+        cycle._repeats = True
+        return cycle
 
     def desired(self, t: float) -> Desired:
         """
@@ -110,7 +121,7 @@ class Experiment:
         Parameters
         ----------
         t : float
-            Time since its start [s]; before and after, it rests.
+            Time since its start [s]; before and after, it rests, unless it is a cycle.
 
         Returns
         -------
@@ -118,6 +129,8 @@ class Experiment:
             What is wanted then.
 
         """
+        if self._repeats and t >= 0.0:
+            t %= self.duration
         index = bisect.bisect_right(self._begins, t) - 1
         if index < 0 or index >= len(self.segments):
             rest = self.start if index < 0 else self.segments[-1].position

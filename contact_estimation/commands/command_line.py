@@ -1,0 +1,148 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""What all commands share: one line on stderr instead of a traceback, and common options."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+import sys
+from typing import Any, Callable, NoReturn, Sequence
+
+from ..exceptions import ContactEstimationError, RecordingError, UnknownNameError
+from ..recording_replay import RecordingSource
+
+TOPICS = ('wrench', 'joint_states', 'reference_trajectory')
+
+
+class Parser(argparse.ArgumentParser):
+    """Exits with 1 and one line on a usage error, as the contract says."""
+
+    def error(self, message: str) -> NoReturn:
+        """Print the message on one line and exit."""
+        self.exit(1, f'{self.prog}: {message}; see {self.prog} --help\n')
+
+
+def run_command(
+    parser: Parser, run: Callable[[Any], int], args: Sequence[str] | None
+) -> int:
+    """
+    Parse the command line and run the command.
+
+    Parameters
+    ----------
+    parser : Parser
+        With all options.
+    run : callable
+        Takes the parsed options, returns the exit code.
+    args : sequence of str or None
+        Command line; None takes that of the process.
+
+    Returns
+    -------
+    code : int
+        0, or 1 after one line on stderr.
+
+    """
+    options = parser.parse_args(args)
+    try:
+        return run(options)
+    except ContactEstimationError as error:
+        print(f'{parser.prog}: {error}', file=sys.stderr)
+    except BrokenPipeError:
+        sys.stderr.close()
+    except KeyboardInterrupt:
+        print(f'{parser.prog}: interrupted', file=sys.stderr)
+    except OSError as error:
+        print(f'{parser.prog}: {error.strerror}: {error.filename}', file=sys.stderr)
+    return 1
+
+
+def add_source_options(parser: argparse.ArgumentParser) -> None:
+    """
+    Add the options of all commands that read recordings.
+
+    Parameters
+    ----------
+    parser : argparse.ArgumentParser
+        It.
+
+    """
+    parser.add_argument(
+        '--topic', action='append', default=[], metavar='NAME:=TOPIC',
+        help='read TOPIC as NAME, one of ' + ', '.join(TOPICS) + '; may be given several times',
+    )
+    parser.add_argument('--axis', choices=('x', 'y', 'z'), default='x', help='force axis')
+    parser.add_argument('--joint', default='', help='joint of the contact axis (the only one)')
+
+
+def source_of(options: Any) -> RecordingSource:
+    """
+    Read what `add_source_options` has added.
+
+    Parameters
+    ----------
+    options : argparse.Namespace
+        Parsed options.
+
+    Returns
+    -------
+    source : RecordingSource
+        Topics, axis and joint.
+
+    Raises
+    ------
+    ContactEstimationError
+        If a --topic is not NAME:=TOPIC with a known name.
+
+    """
+    names: dict[str, str] = {}
+    for remap in options.topic:
+        name, found, topic = remap.partition(':=')
+        if not found or not topic:
+            raise RecordingError(
+                f'--topic must be NAME:=TOPIC, got {remap!r}; such as wrench:=/fts/wrench'
+            )
+        if name.strip('/') not in TOPICS:
+            raise UnknownNameError.among('--topic', name, TOPICS)
+        names[name.strip('/')] = topic
+    return RecordingSource(axis=options.axis, joint=options.joint, **names)
+
+
+def new_file(path: str) -> Path:
+    """
+    Check that a file can be made.
+
+    Parameters
+    ----------
+    path : str
+        Where it shall be.
+
+    Returns
+    -------
+    path : Path
+        The same.
+
+    Raises
+    ------
+    RecordingError
+        If the folder does not exist.
+
+    """
+    if not Path(path).absolute().parent.is_dir():
+        raise RecordingError(
+            f'cannot write {path}: folder {Path(path).parent} does not exist; make it first'
+        )
+    return Path(path)

@@ -1,0 +1,189 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Re-estimate a recording off-line, as fast as the machine goes."""
+
+from __future__ import annotations
+
+from contextlib import ExitStack
+import json
+from math import isfinite
+import sys
+import time
+from typing import Any, Protocol, Sequence
+
+from ..contact_session import Result
+from ..estimators import ESTIMATORS
+from ..exceptions import RecordingError, UnknownNameError
+from ..parameter_file import read_parameter_file
+from ..parameters import without
+from ..recording_replay import RecordingReplay
+from ..recordings import RecordingReader
+from ..recordings.estimate_files import CsvEstimates, McapEstimates
+from ..ros.estimator_node_parameters import EstimatorNodeParameters
+from .command_line import Parser, add_source_options, new_file, run_command, source_of
+from .progress import Progress
+
+
+class EstimateFile(Protocol):
+    """A file that takes results."""
+
+    def write(self, results: Sequence[Result]) -> None:
+        """Append results."""
+
+
+def make_parser() -> Parser:
+    """Build the command line of `replay`."""
+    parser = Parser(
+        prog='replay',
+        description='Re-estimate contact stiffness and damping from a recording. Parameters '
+        'and their live changes are those of the recording where it has them.',
+    )
+    parser.add_argument('recording', metavar='RECORDING', help='an .mcap file or rosbag2 folder')
+    parser.add_argument('--estimator', help='one of ' + ', '.join(ESTIMATORS))
+    parser.add_argument('--params', help='ROS 2 parameter file of estimator_node')
+    parser.add_argument('--output', help='estimates as MCAP')
+    parser.add_argument('--csv', help='estimates as CSV')
+    parser.add_argument('--json', help='summary as JSON')
+    add_source_options(parser)
+    return parser
+
+
+def run(options: Any) -> int:
+    """
+    Replay as the options say and print a summary.
+
+    Parameters
+    ----------
+    options : argparse.Namespace
+        Of `make_parser`.
+
+    Returns
+    -------
+    code : int
+        0.
+
+    """
+    begin = time.perf_counter()
+    reader = RecordingReader(options.recording)
+    replay = RecordingReplay(reader, source_of(options), _chosen(options))
+    progress = Progress('replay')
+    first: Result | None = None
+    last: Result | None = None
+    samples = 0
+    with ExitStack() as stack:
+        files = _open_files(options, stack)
+        for results in replay.results():
+            if not results:
+                continue
+            for file in files:
+                file.write(results)
+            first, last = first or results[0], results[-1]
+            samples += len(results)
+            progress.show(reader.progress, f'{samples} samples')
+    progress.done()
+    if first is None or last is None:
+        raise RecordingError(_no_sample(options.recording, replay))
+    recorded_s = (last.sample.stamp_ns - first.sample.stamp_ns) * 1e-9
+    summary = {
+        'estimator': replay.session.parameters.estimator,
+        'samples': samples,
+        **_finite(last),
+        'status': last.estimate.status.value,
+        'recorded_s': recorded_s,
+        'wall_s': time.perf_counter() - begin,
+        'rejected': dict(replay.session.rejected),
+        'missing': replay.session.missing,
+        'truncated': reader.truncated,
+        'damaged_chunks': reader.damaged_chunks,
+    }
+    if options.json:
+        new_file(options.json).write_text(json.dumps(summary, indent=1) + '\n')
+    _print(summary)
+    return 0
+
+
+def _chosen(options: Any) -> dict[str, Any]:
+    chosen = read_parameter_file(options.params, 'estimator_node') if options.params else {}
+    chosen = without(EstimatorNodeParameters, chosen)
+    if options.estimator:
+        if options.estimator not in ESTIMATORS:
+            raise UnknownNameError.among('estimator', options.estimator, ESTIMATORS)
+        chosen['estimator'] = options.estimator
+    return chosen
+
+
+def _open_files(options: Any, stack: ExitStack) -> list[EstimateFile]:
+    files: list[EstimateFile] = []
+    if options.csv:
+        files.append(stack.enter_context(CsvEstimates(new_file(options.csv))))
+    if options.output:
+        files.append(stack.enter_context(McapEstimates(new_file(options.output), options.axis)))
+    return files
+
+
+def _no_sample(recording: str, replay: RecordingReplay) -> str:
+    reasons = ', '.join(f'{count} {reason}' for reason, count in replay.session.rejected.items())
+    return (
+        f'no sample in {recording} could be used: expected wrenches with joint states at or '
+        f'around their stamps, got {reasons or "none"}; check topics, joint and stamps'
+    )
+
+
+def _finite(result: Result) -> dict[str, float | None]:
+    names = ('stiffness', 'damping', 'stiffness_std', 'damping_std', 'location', 'inertia')
+    values = {name: getattr(result.estimate, name) for name in names}
+    return {name: value if isfinite(value) else None for name, value in values.items()}
+
+
+def _print(summary: dict[str, Any]) -> None:
+    speed = summary['recorded_s'] / max(summary['wall_s'], 1e-9)
+    print(f'{summary["estimator"]}: {summary["samples"]} samples, {summary["recorded_s"]:.1f} s '
+          f'recorded, {summary["wall_s"]:.1f} s to replay ({speed:.0f} times real time)')
+    for name, unit in (('stiffness', 'N/m'), ('damping', 'N s/m'), ('location', 'm'),
+                       ('inertia', 'kg')):
+        value, std = summary[name], summary.get(f'{name}_std')
+        if value is not None:
+            band = f' +- {std:.3g}' if std is not None else ''
+            print(f'  {name:<10}{value:12.6g}{band} {unit}')
+    trouble = {**summary['rejected']}
+    if summary['missing']:
+        trouble['missing'] = summary['missing']
+    for name, count in trouble.items():
+        print(f'  {count} samples {name}', file=sys.stderr)
+    if summary['truncated'] or summary['damaged_chunks']:
+        print(f'  the recording is cut short or damaged ({summary["damaged_chunks"]} chunks lost)'
+              '; everything before and between was used', file=sys.stderr)
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """
+    Run the command.
+
+    Parameters
+    ----------
+    args : sequence of str, optional
+        Command line; that of the process by default.
+
+    Returns
+    -------
+    code : int
+        0, or 1 after one line on stderr.
+
+    """
+    return run_command(make_parser(), run, args)
+
+
+if __name__ == '__main__':
+    raise SystemExit(main())

@@ -1,0 +1,205 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Off-line re-estimation: a recording through the session that the node runs."""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass
+from functools import partial
+from typing import Any, Iterator, Mapping
+
+from .contact_session import ContactSession, Result
+from .estimation_events import EstimationEvent, apply_event
+from .estimation_parameters import EstimationParameters
+from .estimators import ESTIMATORS
+from .estimators.estimator import Reference
+from .exceptions import MessageError
+from .messages import (
+    Codec,
+    JointStateDecoder,
+    RosbagsCodec,
+    TrajectoryDecoder,
+    WrenchDecoder,
+)
+from .parameters import build, specifications
+from .recordings import RecordedMessage, RecordingReader
+from .recordings.estimation_metadata import from_metadata
+from .recordings.topic_names import canonical
+
+_AHEAD = 6000  # messages; an event may be recorded so much later than the sample it follows
+_AXES = {'x': 2, 'y': 3, 'z': 4}  # place in a WrenchReading
+
+
+@dataclass(frozen=True)
+class RecordingSource:
+    """
+    Where in a recording the contact signals are.
+
+    Attributes
+    ----------
+    wrench, joint_states, reference_trajectory : str
+        Topics.
+    axis : str
+        Force axis: 'x', 'y' or 'z'.
+    joint : str
+        Joint of the contact axis; '' is the only one.
+    events : str
+        Topic of the estimator node's events.
+
+    """
+
+    wrench: str = 'wrench'
+    joint_states: str = 'joint_states'
+    reference_trajectory: str = 'reference_trajectory'
+    axis: str = 'x'
+    joint: str = ''
+    events: str = 'estimator_node/events'
+
+
+class RecordingReplay:
+    """
+    Feed a recording to a fresh session, events included.
+
+    Parameters
+    ----------
+    reader : RecordingReader
+        The recording.
+    source : RecordingSource
+        Its topics.
+    chosen : mapping
+        Parameters that the user has chosen; they win over the recorded ones and over recorded
+        changes of them.
+
+    Raises
+    ------
+    RecordingError
+        If a topic is missing.
+    ContactEstimationError
+        If a parameter is not valid.
+
+    """
+
+    def __init__(
+        self, reader: RecordingReader, source: RecordingSource, chosen: Mapping[str, Any]
+    ) -> None:
+        self._reader, self._source, self._chosen = reader, source, dict(chosen)
+        recorded = from_metadata(reader.metadata())
+        parameters = build(EstimationParameters, {**_still_known(recorded), **chosen})
+        self.session = ContactSession(parameters, generate_reference=False)
+        codec: Codec = RosbagsCodec()
+        self._codec = codec
+        self._wrench = WrenchDecoder(codec)
+        self._joints = JointStateDecoder(codec, source.joint)
+        self._references = TrajectoryDecoder(codec)
+        self._force = _AXES[source.axis]
+
+    def results(self) -> Iterator[list[Result]]:
+        """
+        Run the recording through the session.
+
+        Yields
+        ------
+        results : list of Result
+            Of a stretch of the recording, in order.
+
+        Raises
+        ------
+        RecordingError
+            If a topic is missing or has another type than expected.
+
+        """
+        for batch in self._ahead(self._reader.batches(self._topics())):
+            yield self._process(batch)
+
+    def _topics(self) -> list[str]:
+        source = self._source
+        asked = [source.wrench, source.joint_states]
+        there = {canonical(name) for name in self._reader.topics()}
+        asked += [name for name in (source.events,) if canonical(name) in there]
+        if canonical(source.reference_trajectory) in there and self._may_follow():
+            asked.append(source.reference_trajectory)
+        return asked
+
+    def _may_follow(self) -> bool:
+        """Tell whether the estimator, or one that a recorded event switches to, needs x_r."""
+        fixed = 'estimator' in self._chosen
+        used = [self.session.parameters.estimator] if fixed else list(ESTIMATORS)
+        return any(ESTIMATORS[name].follows_reference for name in used)
+
+    def _ahead(
+        self, batches: Iterator[list[RecordedMessage]]
+    ) -> Iterator[list[RecordedMessage]]:
+        """Read ahead, so that events and references are known before the samples they act on."""
+        waiting: deque[list[RecordedMessage]] = deque()
+        count = 0
+        for batch in batches:
+            data = self._sort_out(batch)
+            waiting.append(data)
+            count += len(data)
+            while count - len(waiting[0]) >= _AHEAD:
+                count -= len(waiting[0])
+                yield waiting.popleft()
+        yield from waiting
+
+    def _sort_out(self, batch: list[RecordedMessage]) -> list[RecordedMessage]:
+        source = self._source
+        aside = (source.events, source.reference_trajectory)
+        data = [message for message in batch if message[0] not in aside]
+        if len(data) != len(batch):
+            for message in batch:
+                if message.topic == source.events:
+                    self._add_event(message.data)
+                elif message.topic == source.reference_trajectory:
+                    self._add_reference(message.data)
+        return data
+
+    def _add_event(self, raw: bytes) -> None:
+        text = self._codec.deserialize(raw, 'std_msgs/msg/String').data
+        event = EstimationEvent.from_text(text)
+        kept = {k: v for k, v in event.parameters.items() if k not in self._chosen}
+        event = event._replace(parameters=kept)
+        self.session.schedule(event.after_stamp_ns, partial(apply_event, self.session, event))
+
+    def _add_reference(self, raw: bytes) -> None:
+        try:
+            stamp_ns, x, v, a, _ = self._references.decode(raw)
+        except MessageError as error:
+            self.session.count_rejected(f'reference_{error.reason}')
+            return
+        rates = (0.0 if rate != rate else rate for rate in (v, a))
+        self.session.add_reference(stamp_ns, Reference(x, *rates))
+
+    def _process(self, batch: list[RecordedMessage]) -> list[Result]:
+        results: list[Result] = []
+        session, wrench_topic, place = self.session, self._source.wrench, self._force
+        decode_wrench, decode_joints = self._wrench.decode, self._joints.decode
+        for topic, _, data in batch:
+            try:
+                if topic == wrench_topic:
+                    reading = decode_wrench(data)
+                    results += session.add_wrench(reading[0], reading[place])
+                else:
+                    results += session.add_motion(*decode_joints(data))
+            except MessageError as error:
+                kind = 'wrench' if topic == wrench_topic else 'joint_states'
+                session.count_rejected(f'{kind}_{error.reason}')
+        return results
+
+
+def _still_known(recorded: Mapping[str, Any]) -> dict[str, Any]:
+    """Leave out what the present version does not know; a recording may be years old."""
+    known = {spec.name for spec in specifications(EstimationParameters)}
+    return {name: value for name, value in recorded.items() if name in known}

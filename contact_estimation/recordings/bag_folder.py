@@ -1,0 +1,110 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Which MCAP files make up a recording."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path, PurePosixPath
+from typing import Any
+
+import yaml
+
+from ..exceptions import RecordingError
+from .bag_metadata import FILE_NAME
+from .mcap_file import database_error
+
+
+def recording_files(path: Path) -> list[Path]:
+    """
+    List the MCAP files of a recording in the order in which they were written.
+
+    Parameters
+    ----------
+    path : Path
+        An MCAP file or a rosbag2 folder, also one whose metadata.yaml was never written.
+
+    Returns
+    -------
+    files : list of Path
+        At least one.
+
+    Raises
+    ------
+    RecordingError
+        If there is nothing that can be read.
+
+    """
+    if not path.exists():
+        raise RecordingError(
+            f'recording {path} does not exist; give an existing .mcap file or rosbag2 folder'
+        )
+    if not path.is_dir():
+        return [path]
+    information = _information(path / FILE_NAME)
+    if information is not None:
+        return _listed_files(path, information)
+    files = sorted(path.glob('*.mcap'), key=_natural_order)
+    if files:
+        return files
+    if any(path.glob('*.db3')):
+        raise database_error(path)
+    raise RecordingError(
+        f'folder {path} holds no recording: expected metadata.yaml or *.mcap, '
+        f'got {_content(path)}; give an .mcap file or a rosbag2 folder'
+    )
+
+
+def _information(path: Path) -> dict[str, Any] | None:
+    """Read metadata.yaml; None where it is missing or was cut short."""
+    try:
+        content = yaml.safe_load(path.read_text(encoding='utf-8'))
+        information = content['rosbag2_bagfile_information']
+        return information if information['relative_file_paths'] else None
+    except (OSError, ValueError, TypeError, KeyError, yaml.YAMLError):
+        return None
+
+
+def _listed_files(folder: Path, information: dict[str, Any]) -> list[Path]:
+    """Return the files that metadata.yaml lists."""
+    if information.get('storage_identifier') == 'sqlite3':
+        raise database_error(folder)
+    mode = str(information.get('compression_mode') or 'none').lower()
+    if mode != 'none':
+        raise RecordingError(
+            f'recording {folder} is compressed by rosbag2 (compression_mode {mode}), expected '
+            'MCAP with compression inside, if any; convert it with ros2 bag convert'
+        )
+    # Old versions wrote the folder's name before that of the file.
+    files = [folder / PurePosixPath(str(p)).name for p in information['relative_file_paths']]
+    missing = [file.name for file in files if not file.exists()]
+    if missing:
+        raise RecordingError(
+            f'recording {folder} lacks {", ".join(missing)}, which its {FILE_NAME} lists; '
+            f'copy the whole folder, or remove {FILE_NAME} to read what is there'
+        )
+    return files
+
+
+def _natural_order(path: Path) -> list[tuple[int, str]]:
+    """Sort bag_10.mcap after bag_9.mcap."""
+    return [(int(part), '') if part.isdigit() else (-1, part)
+            for part in re.split(r'(\d+)', path.name)]
+
+
+def _content(folder: Path) -> str:
+    """Name some of what is in a folder."""
+    names = sorted(entry.name for entry in folder.iterdir())
+    return ', '.join(names[:3]) + (' and more' if len(names) > 3 else '') or 'nothing'

@@ -1,0 +1,108 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The metadata.yaml of a rosbag2 folder, version 9 (ROS 2 Jazzy)."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any, NamedTuple, Sequence
+
+import yaml
+
+from .qos import OfferedQos
+
+FILE_NAME = 'metadata.yaml'
+
+
+class TopicSummary(NamedTuple):
+    """What the metadata say about one topic."""
+
+    name: str
+    type_name: str
+    type_hash: str
+    qos: OfferedQos
+    message_count: int
+
+
+def bag_information(
+    file_name: str, topics: Sequence[TopicSummary], start_ns: int, end_ns: int
+) -> dict[str, Any]:
+    """
+    Describe a bag of one file as rosbag2 does.
+
+    Parameters
+    ----------
+    file_name : str
+        Name of the .mcap file in the folder.
+    topics : sequence of TopicSummary
+        The topics in the order of their first message.
+    start_ns, end_ns : int
+        Log time of the first and the last message [ns].
+
+    Returns
+    -------
+    information : dict
+        Content of 'rosbag2_bagfile_information'.
+
+    """
+    count = sum(topic.message_count for topic in topics)
+    starting_time = {'nanoseconds_since_epoch': start_ns}
+    duration = {'nanoseconds': end_ns - start_ns}
+    return {
+        'version': 9,
+        'storage_identifier': 'mcap',
+        'duration': dict(duration),
+        'starting_time': dict(starting_time),
+        'message_count': count,
+        'topics_with_message_count': [_topic_entry(topic) for topic in topics],
+        'compression_format': '',
+        'compression_mode': '',
+        'relative_file_paths': [file_name],
+        'files': [
+            {
+                'path': file_name,
+                'starting_time': dict(starting_time),
+                'duration': dict(duration),
+                'message_count': count,
+            }
+        ],
+        'custom_data': None,
+        'ros_distro': 'jazzy',
+    }
+
+
+def write_bag_metadata(folder: Path, information: dict[str, Any]) -> None:
+    """Write metadata.yaml, whole or not at all."""
+    temporary = folder / (FILE_NAME + '.tmp')
+    temporary.write_text(
+        yaml.safe_dump({'rosbag2_bagfile_information': information}, sort_keys=False),
+        encoding='utf-8',
+    )
+    os.replace(temporary, folder / FILE_NAME)
+
+
+def _topic_entry(topic: TopicSummary) -> dict[str, Any]:
+    """Describe one topic."""
+    return {
+        'topic_metadata': {
+            'name': topic.name,
+            'type': topic.type_name,
+            'serialization_format': 'cdr',
+            'offered_qos_profiles': topic.qos.as_profiles(),
+            'type_description_hash': topic.type_hash,
+        },
+        'message_count': topic.message_count,
+    }

@@ -1,0 +1,71 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Message definitions and type hashes for the schemas of a recording."""
+
+from __future__ import annotations
+
+import functools
+from typing import NamedTuple
+
+from ..exceptions import RecordingError
+from ..messages.typestore import jazzy_typestore
+
+
+class MessageDefinition(NamedTuple):
+    """
+    What a recording says about a message type.
+
+    Attributes
+    ----------
+    text : str
+        The .msg text followed by those of all types it contains ('ros2msg' encoding).
+    type_hash : str
+        RIHS01 hash of the type description.
+
+    """
+
+    text: str
+    type_hash: str
+
+
+@functools.lru_cache(maxsize=None)
+def message_definition(type_name: str) -> MessageDefinition:
+    """
+    Look up a message type of ROS 2 Jazzy.
+
+    Parameters
+    ----------
+    type_name : str
+        Such as 'geometry_msgs/msg/WrenchStamped'.
+
+    Returns
+    -------
+    definition : MessageDefinition
+        Text and hash.
+
+    Raises
+    ------
+    RecordingError
+        If rosbags does not know the type.
+
+    """
+    store = jazzy_typestore()
+    if type_name not in store.fielddefs:
+        raise RecordingError(
+            f'cannot record message type {type_name!r}: expected a type of the ROS 2 Jazzy '
+            "distribution, written like 'geometry_msgs/msg/WrenchStamped'"
+        )
+    text, _ = store.generate_msgdef(type_name, ros_version=2)
+    return MessageDefinition(text, store.hash_rihs01(type_name))

@@ -1,0 +1,131 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Estimates of a replay as CSV and as MCAP."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import TracebackType
+from typing import Sequence
+
+from ..contact_session import Result
+from ..messages import RosbagsCodec, StringEncoder, Vector3StampedEncoder
+from .writing import RecordingWriter
+
+_NAN = float('nan')
+_VECTORS = ('stiffness', 'damping', 'stiffness_std', 'damping_std', 'location', 'inertia')
+_VECTOR_TYPE = 'geometry_msgs/msg/Vector3Stamped'
+
+
+def stamp_text(stamp_ns: int) -> str:
+    """
+    Write a stamp in seconds without losing a nanosecond.
+
+    Parameters
+    ----------
+    stamp_ns : int
+        Stamp [ns].
+
+    Returns
+    -------
+    text : str
+        Seconds with nine digits.
+
+    """
+    sign, rest = ('-', -stamp_ns) if stamp_ns < 0 else ('', stamp_ns)
+    return f'{sign}{rest // 10**9}.{rest % 10**9:09d}'
+
+
+class CsvEstimates:
+    """
+    One row a sample: t, stiffness, damping, stiffness_std, damping_std, status.
+
+    Numbers are written such that reading them gives the same bits.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._file = open(path, 'w', encoding='utf-8')
+        self._file.write('t,stiffness,damping,stiffness_std,damping_std,status\n')
+
+    def write(self, results: Sequence[Result]) -> None:
+        """Append results."""
+        self._file.writelines(
+            f'{stamp_text(e.stamp_ns)},{e.stiffness!r},{e.damping!r},{e.stiffness_std!r},'
+            f'{e.damping_std!r},{e.status.value}\n'
+            for e in (result.estimate for result in results)
+        )
+
+    def __enter__(self) -> 'CsvEstimates':
+        """Return itself."""
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, value: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Close the file."""
+        self._file.close()
+
+
+class McapEstimates:
+    """
+    One message a sample on each topic of the estimator node.
+
+    Parameters
+    ----------
+    path : Path
+        The file, which must not exist.
+    axis : str
+        'x', 'y' or 'z': where the estimate stands in the vectors.
+
+    """
+
+    def __init__(self, path: Path, axis: str) -> None:
+        self._writer = RecordingWriter.file(path)
+        codec = RosbagsCodec()
+        self._vectors = Vector3StampedEncoder(codec, '')
+        self._strings = StringEncoder(codec)
+        self._place = 'xyz'.index(axis)
+
+    def write(self, results: Sequence[Result]) -> None:
+        """Append results."""
+        for result in results:
+            estimate, stamp_ns = result.estimate, result.estimate.stamp_ns
+            for name in _VECTORS:
+                vector = [_NAN, _NAN, _NAN]
+                vector[self._place] = getattr(estimate, name)
+                self._writer.write(
+                    f'/estimator_node/{name}', _VECTOR_TYPE,
+                    self._vectors.encode(stamp_ns, *vector), stamp_ns,
+                )
+            status = self._strings.encode(estimate.status.value)
+            self._writer.write('/estimator_node/status', 'std_msgs/msg/String', status, stamp_ns)
+
+    def __enter__(self) -> 'McapEstimates':
+        """Return itself."""
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, value: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Finish the file."""
+        self._writer.close()

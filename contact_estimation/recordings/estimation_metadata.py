@@ -1,0 +1,71 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The parameters at start, as the metadata record of a recording holds them."""
+
+from __future__ import annotations
+
+import json
+from typing import Any, Mapping
+
+from ..exceptions import RecordingError
+
+RECORD = 'estimator_node'
+
+
+def to_metadata(parameters: Mapping[str, Any]) -> dict[str, str]:
+    """
+    Write parameters as the texts that a metadata record takes.
+
+    Parameters
+    ----------
+    parameters : mapping
+        Dotted name to value.
+
+    Returns
+    -------
+    texts : dict of str to str
+        Each value as JSON.
+
+    """
+    return {name: json.dumps(value) for name, value in parameters.items()}
+
+
+def from_metadata(records: Mapping[str, Mapping[str, str]]) -> dict[str, Any]:
+    """
+    Read the parameters at start.
+
+    Parameters
+    ----------
+    records : mapping
+        Metadata records of a recording.
+
+    Returns
+    -------
+    parameters : dict
+        Dotted name to value; empty where the recording has none.
+
+    Raises
+    ------
+    RecordingError
+        If a value is not JSON.
+
+    """
+    try:
+        return {name: json.loads(text) for name, text in records.get(RECORD, {}).items()}
+    except ValueError as error:
+        raise RecordingError(
+            f'metadata record {RECORD!r} must hold JSON values, got an unreadable one: {error}; '
+            'give the parameters with --params'
+        ) from error

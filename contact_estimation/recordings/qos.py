@@ -1,0 +1,92 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The quality of service under which a topic was published, as rosbag2 notes it."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any
+
+import yaml
+
+# What rmw calls an infinite duration.
+_INFINITE = {'sec': 9223372036, 'nsec': 854775807}
+
+
+@dataclasses.dataclass(frozen=True)
+class OfferedQos:
+    """
+    Quality of service of a publisher.
+
+    Attributes
+    ----------
+    reliability : str
+        'reliable' or 'best_effort'.
+    depth : int
+        Length of the queue.
+    durability : str
+        'volatile' or 'transient_local'.
+    history : str
+        'keep_last' or 'keep_all'.
+
+    """
+
+    reliability: str = 'reliable'
+    depth: int = 10
+    durability: str = 'volatile'
+    history: str = 'keep_last'
+
+    @classmethod
+    def of_profile(cls, profile: Any) -> 'OfferedQos':
+        """
+        Convert a rclpy.qos.QoSProfile.
+
+        Parameters
+        ----------
+        profile : rclpy.qos.QoSProfile
+            Duck-typed, so that no ROS package is imported here.
+
+        Returns
+        -------
+        qos : OfferedQos
+            The part that matters for playing a recording back.
+
+        """
+        return cls(
+            reliability=profile.reliability.name.lower(),
+            depth=profile.depth,
+            durability=profile.durability.name.lower(),
+            history=profile.history.name.lower(),
+        )
+
+    def as_profiles(self) -> list[dict[str, Any]]:
+        """Return the list of profiles that rosbag2 writes to metadata.yaml (version 9)."""
+        return [
+            {
+                'history': self.history,
+                'depth': self.depth,
+                'reliability': self.reliability,
+                'durability': self.durability,
+                'deadline': dict(_INFINITE),
+                'lifespan': dict(_INFINITE),
+                'liveliness': 'automatic',
+                'liveliness_lease_duration': dict(_INFINITE),
+                'avoid_ros_namespace_conventions': False,
+            }
+        ]
+
+    def as_text(self) -> str:
+        """Return the profiles as the YAML text that rosbag2 writes to an MCAP channel."""
+        return yaml.safe_dump(self.as_profiles(), sort_keys=False).strip()

@@ -1,0 +1,212 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Reading recordings of any length, also those whose recorder was killed."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Collection, Iterator
+
+from ..exceptions import RecordingError
+from .bag_folder import recording_files
+from .chunk_reader import RecordedMessage
+from .mcap_file import McapFile
+from .topic_names import canonical, require_topics
+
+__all__ = ['RecordedMessage', 'RecordingReader']
+
+
+class RecordingReader:
+    """
+    Reads an MCAP file or a rosbag2 folder chunk by chunk.
+
+    Memory is bounded by one chunk. Files that were cut short are read up to the cut; damaged
+    chunks are skipped and counted.
+
+    Parameters
+    ----------
+    path : Path or str
+        An .mcap file or a rosbag2 folder.
+
+    Attributes
+    ----------
+    path : Path
+        As given.
+    truncated : bool
+        A file lacks its end: the recorder was killed or still records.
+
+    Raises
+    ------
+    RecordingError
+        If there is no recording at `path`.
+
+    """
+
+    def __init__(self, path: Path | str) -> None:
+        self.path = Path(path)
+        try:
+            self._files = [McapFile(file) for file in recording_files(self.path)]
+        except OSError as error:
+            raise self._unreadable(error) from error
+        self.truncated = not all(file.summary.whole for file in self._files)
+
+    @property
+    def damaged_chunks(self) -> int:
+        """Number of damaged chunks and stretches skipped while reading messages."""
+        return sum(file.damaged for file in self._files)
+
+    @property
+    def progress(self) -> float:
+        """Fraction of the bytes that the current pass over the messages has behind it."""
+        total = sum(file.size for file in self._files)
+        return sum(file.position for file in self._files) / total
+
+    @property
+    def start_ns(self) -> int | None:
+        """Log time of the first message [ns], None where this is not known without reading."""
+        spans = self._time_spans()
+        return min(start for start, _ in spans) if spans else None
+
+    @property
+    def end_ns(self) -> int | None:
+        """Log time of the last message [ns], None where this is not known without reading."""
+        spans = self._time_spans()
+        return max(end for _, end in spans) if spans else None
+
+    def topics(self, asked: Collection[str] | None = None) -> dict[str, str]:
+        """
+        Find the topics and their types.
+
+        Parameters
+        ----------
+        asked : collection of str, optional
+            Files without summary are read until these are found; whole by default.
+
+        Returns
+        -------
+        types : dict of str to str
+            Type of each topic, by its name in the recording.
+
+        """
+        types: dict[str, str] = {}
+        wanted = None if asked is None else {canonical(topic) for topic in asked}
+        for file in self._files:
+            types.update(self._guarded_topics(file, wanted))
+            if wanted is not None:
+                wanted -= {canonical(topic) for topic in types}
+        return types
+
+    def metadata(self) -> dict[str, dict[str, str]]:
+        """
+        Read the metadata records, such as the parameters at start.
+
+        Returns
+        -------
+        records : dict of str to dict
+            Texts by name of the record and key.
+
+        """
+        found: dict[str, dict[str, str]] = {}
+        try:
+            for file in self._files:
+                for name, values in file.metadata().items():
+                    found.setdefault(name, {}).update(values)
+        except OSError as error:
+            raise self._unreadable(error) from error
+        return found
+
+    def messages(self, topics: Collection[str] | None = None) -> Iterator[RecordedMessage]:
+        """
+        Read messages one by one.
+
+        Parameters
+        ----------
+        topics : collection of str, optional
+            With or without leading slash; all by default.
+
+        Returns
+        -------
+        messages : iterator of RecordedMessage
+            In file order. Their `topic` is written as in `topics`.
+
+        Raises
+        ------
+        RecordingError
+            If the recording lacks one of the topics: at the call, not at the first message.
+
+        """
+        return (message for batch in self.batches(topics) for message in batch)
+
+    def batches(
+        self, topics: Collection[str] | None = None
+    ) -> Iterator[list[RecordedMessage]]:
+        """
+        Read messages chunk by chunk, which is faster than one by one.
+
+        Parameters
+        ----------
+        topics : collection of str, optional
+            With or without leading slash; all by default.
+
+        Returns
+        -------
+        batches : iterator of list of RecordedMessage
+            In file order, never empty. Their `topic` is written as in `topics`.
+
+        Raises
+        ------
+        RecordingError
+            If the recording lacks one of the topics: at the call, not at the first message.
+
+        """
+        wanted = None
+        if topics is not None:
+            require_topics(topics, self.topics(topics), f'recording {self.path}')
+            wanted = {canonical(topic): topic for topic in topics}
+        return self._batches(wanted)
+
+    def _batches(self, wanted: dict[str, str] | None) -> Iterator[list[RecordedMessage]]:
+        """Read one file after the other."""
+        for file in self._files:
+            file.position = file.damaged = 0
+        try:
+            for file in self._files:
+                yield from file.batches(wanted)
+        except OSError as error:
+            raise self._unreadable(error) from error
+
+    def _guarded_topics(self, file: McapFile, wanted: set[str] | None) -> dict[str, str]:
+        """Find the topics of one file without leaving traces in progress and damage."""
+        before = file.position, file.damaged
+        try:
+            return file.topics(wanted)
+        except OSError as error:
+            raise self._unreadable(error) from error
+        finally:
+            file.position, file.damaged = before
+
+    def _time_spans(self) -> list[tuple[int, int]]:
+        """Collect the time spans of the files that have one."""
+        try:
+            spans = [file.time_span() for file in self._files]
+        except OSError as error:
+            raise self._unreadable(error) from error
+        return [span for span in spans if span is not None]
+
+    def _unreadable(self, error: OSError) -> RecordingError:
+        """Explain that the file system refused."""
+        return RecordingError(
+            f'cannot read recording {self.path}: {error.strerror}; check disk and permissions'
+        )

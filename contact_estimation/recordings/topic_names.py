@@ -1,0 +1,66 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Topic names as people write them and as recordings hold them."""
+
+from __future__ import annotations
+
+import difflib
+from typing import Collection, Mapping
+
+from ..exceptions import RecordingError
+
+
+def canonical(topic: str) -> str:
+    """Write a topic name with its leading slash: 'wrench' and '/wrench' are the same."""
+    return '/' + topic.strip('/')
+
+
+def require_topics(asked: Collection[str], types: Mapping[str, str], where: str) -> None:
+    """
+    Check that a recording has the topics that are asked for.
+
+    Parameters
+    ----------
+    asked : collection of str
+        Names of topics, with or without leading slash.
+    types : mapping of str to str
+        The topics of the recording and their types.
+    where : str
+        Name of the recording, for the error's text.
+
+    Raises
+    ------
+    RecordingError
+        If one is missing; names those that are there and how to choose one.
+
+    """
+    present = {canonical(topic) for topic in types}
+    missing = [topic for topic in asked if canonical(topic) not in present]
+    if not missing:
+        return
+    there = ', '.join(f'{topic} ({types[topic]})' for topic in sorted(types)) or 'no topics'
+    raise RecordingError(
+        f'{where} has no topic {", ".join(canonical(topic) for topic in missing)}; it has: '
+        f'{there}; say which one to read with --topic {missing[0].rsplit("/", 1)[-1]}:='
+        f'{_nearest(missing[0], types)}'
+    )
+
+
+def _nearest(topic: str, types: Mapping[str, str]) -> str:
+    """Suggest the topic with the most similar last part."""
+    by_last_part = {name.rsplit('/', 1)[-1]: name for name in sorted(types)}
+    wanted = topic.rsplit('/', 1)[-1]
+    near = difflib.get_close_matches(wanted, by_last_part, n=1, cutoff=0.5)
+    return by_last_part[near[0]] if near else '/name'

@@ -1,0 +1,297 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Writing recordings: a rosbag2 folder or a single MCAP file."""
+
+from __future__ import annotations
+
+import threading
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+import yaml
+
+from ..exceptions import RecordingError
+from .bag_metadata import TopicSummary, bag_information, write_bag_metadata
+from .chunk_writer import ChunkWriter
+from .definitions import message_definition
+from .qos import OfferedQos
+
+_DEFAULT_QOS = OfferedQos()
+
+
+class _Topic:
+    """A topic while it is recorded."""
+
+    __slots__ = ('channel', 'count', 'qos', 'type_hash', 'type_name')
+
+    def __init__(self, channel: int, type_name: str, type_hash: str, qos: OfferedQos) -> None:
+        self.channel = channel
+        self.count = 0
+        self.qos = qos
+        self.type_hash = type_hash
+        self.type_name = type_name
+
+
+class RecordingWriter:
+    """
+    Writes messages as they come; made by `folder` or by `file`.
+
+    Methods may be called from several threads: a timer flushes while another thread writes.
+
+    Attributes
+    ----------
+    path : Path
+        The .mcap file.
+
+    """
+
+    def __init__(self, path: Path, bag_folder: Path | None) -> None:
+        self.path = path
+        self._bag_folder = bag_folder
+        self._lock = threading.Lock()
+        self._topics: dict[str, _Topic] = {}
+        self._start_ns: int | None = None
+        self._end_ns = 0
+        self._closed = False
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            # 'x': between two processes with the same output, the second fails.
+            self._chunks = ChunkWriter(open(path, 'xb'))
+        except FileExistsError:
+            raise _exists(path) from None
+        except OSError as error:
+            raise RecordingError(
+                f'cannot write recording {path}: {error.strerror}; choose another output'
+            ) from error
+
+    @classmethod
+    def folder(cls, path: Path | str) -> 'RecordingWriter':
+        """
+        Start a rosbag2 folder.
+
+        Parameters
+        ----------
+        path : Path or str
+            The folder; it must not exist or be empty. It gets `<name>_0.mcap`, and metadata.yaml
+            at `close`.
+
+        Returns
+        -------
+        writer : RecordingWriter
+            Open.
+
+        Raises
+        ------
+        RecordingError
+            If there is something at `path` already or it cannot be written.
+
+        """
+        folder = Path(path)
+        if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+            raise _exists(folder)
+        return cls(folder / f'{folder.resolve().name}_0.mcap', folder)
+
+    @classmethod
+    def file(cls, path: Path | str) -> 'RecordingWriter':
+        """
+        Start a single MCAP file.
+
+        Parameters
+        ----------
+        path : Path or str
+            The file; it must not exist.
+
+        Returns
+        -------
+        writer : RecordingWriter
+            Open.
+
+        Raises
+        ------
+        RecordingError
+            If the file exists or cannot be written.
+
+        """
+        return cls(Path(path), None)
+
+    def write(
+        self,
+        topic: str,
+        type_name: str,
+        data: bytes,
+        log_time_ns: int,
+        publish_time_ns: int | None = None,
+        qos: OfferedQos = _DEFAULT_QOS,
+    ) -> None:
+        """
+        Write one message; the first of a topic registers the topic.
+
+        Parameters
+        ----------
+        topic : str
+            Name of the topic.
+        type_name : str
+            Such as 'geometry_msgs/msg/WrenchStamped'.
+        data : bytes
+            CDR with its encapsulation header.
+        log_time_ns : int
+            When the message was received [ns].
+        publish_time_ns : int, optional
+            When it was published [ns]; the log time by default.
+        qos : OfferedQos, optional
+            Of the publisher; counts at the first message of a topic.
+
+        Raises
+        ------
+        RecordingError
+            If the type is unknown, differs from that of earlier messages of the topic, the disk
+            is full or the recording is closed.
+
+        """
+        with self._lock:
+            self._require_open()
+            entry = self._topics.get(topic) or self._add_topic(topic, type_name, qos)
+            if entry.type_name != type_name:
+                raise RecordingError(
+                    f'topic {topic!r} is recorded as {entry.type_name}, got a {type_name}; '
+                    'record it under another name'
+                )
+            published = log_time_ns if publish_time_ns is None else publish_time_ns
+            try:
+                self._chunks.add_message(entry.channel, log_time_ns, published, data)
+            except OSError as error:
+                raise self._broken(error) from error
+            entry.count += 1
+            self._note_time(log_time_ns)
+
+    def write_metadata(self, name: str, values: dict[str, str]) -> None:
+        """
+        Write named texts, such as the parameters at start.
+
+        Parameters
+        ----------
+        name : str
+            Name of the record.
+        values : dict of str to str
+            Its content.
+
+        Raises
+        ------
+        RecordingError
+            If the disk is full or the recording is closed.
+
+        """
+        with self._lock:
+            self._require_open()
+            try:
+                self._chunks.add_metadata(name, values)
+            except OSError as error:
+                raise self._broken(error) from error
+
+    def flush(self) -> None:
+        """Hand everything written so far to the operating system, where a kill cannot reach."""
+        with self._lock:
+            if self._closed:
+                return
+            try:
+                self._chunks.flush()
+            except OSError as error:
+                raise self._broken(error) from error
+
+    def close(self) -> None:
+        """Finish the recording; further calls do nothing."""
+        with self._lock:
+            if self._closed:
+                return
+            self._closed = True
+            try:
+                self._finish()
+            except OSError as error:
+                raise self._broken(error) from error
+
+    def __enter__(self) -> 'RecordingWriter':
+        """Return the writer."""
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        """Finish the recording, also after an error: what was recorded is worth keeping."""
+        self.close()
+
+    def _finish(self) -> None:
+        """Write what rosbag2 adds at the end and close the file."""
+        if self._bag_folder is None:
+            self._chunks.close()
+            return
+        information = self._information()
+        self._chunks.flush()
+        # rosbag2 keeps a copy of metadata.yaml in the file, for `ros2 bag info FILE`.
+        self._chunks.add_metadata(
+            'rosbag2', {'serialized_metadata': yaml.safe_dump(information, sort_keys=False)}
+        )
+        self._chunks.close()
+        write_bag_metadata(self._bag_folder, information)
+
+    def _information(self) -> dict[str, Any]:
+        """Describe the whole recording for metadata.yaml."""
+        topics = [
+            TopicSummary(name, entry.type_name, entry.type_hash, entry.qos, entry.count)
+            for name, entry in self._topics.items()
+        ]
+        return bag_information(self.path.name, topics, self._start_ns or 0, self._end_ns)
+
+    def _add_topic(self, topic: str, type_name: str, qos: OfferedQos) -> _Topic:
+        """Register a topic as rosbag2 does."""
+        definition = message_definition(type_name)
+        channel = self._chunks.add_topic(
+            topic,
+            type_name,
+            definition.text,
+            {'offered_qos_profiles': qos.as_text(), 'topic_type_hash': definition.type_hash},
+        )
+        entry = _Topic(channel, type_name, definition.type_hash, qos)
+        self._topics[topic] = entry
+        return entry
+
+    def _note_time(self, log_time_ns: int) -> None:
+        """Widen the time span of the recording."""
+        if self._start_ns is None or log_time_ns < self._start_ns:
+            self._start_ns = log_time_ns
+        if log_time_ns > self._end_ns:
+            self._end_ns = log_time_ns
+
+    def _require_open(self) -> None:
+        """Refuse to write after the end."""
+        if self._closed:
+            raise RecordingError(f'recording {self.path} is closed; open a new one to write on')
+
+    def _broken(self, error: OSError) -> RecordingError:
+        """Explain that the file system refused."""
+        return RecordingError(
+            f'cannot write to recording {self.path}: {error.strerror}; what was written before '
+            'can be read'
+        )
+
+
+def _exists(path: Path) -> RecordingError:
+    """Explain that nothing is overwritten."""
+    return RecordingError(
+        f'{path} exists and recordings are never overwritten; choose another output or remove it'
+    )

@@ -1,0 +1,142 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Publishing of estimates and reference, as ready bytes."""
+
+from __future__ import annotations
+
+from math import nan
+from typing import Any, Callable
+
+from geometry_msgs.msg import PoseStamped
+from rclpy.node import Node
+
+from ..contact_session import Result
+from ..messages import StringEncoder, TrajectoryEncoder, Vector3StampedEncoder
+from .rclpy_codec import RclpyCodec, message_class
+from .topics import OUTPUT_QOS, REFERENCE, STRING, TRAJECTORY, VECTOR3
+
+_ALWAYS: dict[str, Callable[[Any], float]] = {
+    'stiffness': lambda estimate: estimate.stiffness,
+    'damping': lambda estimate: estimate.damping,
+}
+_ON_DEMAND: dict[str, Callable[[Any], float]] = {
+    'stiffness_std': lambda estimate: estimate.stiffness_std,
+    'damping_std': lambda estimate: estimate.damping_std,
+    'location': lambda estimate: estimate.location,
+    'inertia': lambda estimate: estimate.inertia,
+}
+
+
+class EstimatePublishers:
+    """
+    All outputs of the estimator node.
+
+    Parameters
+    ----------
+    node : rclpy.node.Node
+        Owner of the publishers.
+    joint : str
+        Name of the contact axis in `reference_trajectory`.
+
+    """
+
+    def __init__(self, node: Node, joint: str) -> None:
+        self._joint, self._codec = joint or 'contact_axis', RclpyCodec()
+        vector = message_class(VECTOR3)
+        self._publishers = {
+            name: node.create_publisher(vector, f'~/{name}', OUTPUT_QOS)
+            for name in (*_ALWAYS, *_ON_DEMAND)
+        }
+        self._reference = node.create_publisher(message_class(TRAJECTORY), REFERENCE, OUTPUT_QOS)
+        self._status = node.create_publisher(message_class(STRING), '~/status', OUTPUT_QOS)
+        self._pose = node.create_publisher(PoseStamped, '~/target_pose', OUTPUT_QOS)
+        self._strings = StringEncoder(self._codec)
+        self._wanted: list[tuple[Any, Callable[[Any], float]]] = []
+        self._last_status: tuple[str, str] | None = None
+        self._place = 0
+        self.look_for_subscribers()
+
+    def use(self, frame_id: str, axis: str) -> None:
+        """
+        Set the frame and the axis of all that is published from now on.
+
+        Parameters
+        ----------
+        frame_id : str
+            Of the wrench.
+        axis : str
+            'x', 'y' or 'z'.
+
+        """
+        self.frame_id, self._place = frame_id, 'xyz'.index(axis)
+        self._vectors = Vector3StampedEncoder(self._codec, frame_id)
+        self._trajectories = TrajectoryEncoder(self._codec, frame_id, self._joint)
+
+    def look_for_subscribers(self) -> None:
+        """Find out which of the optional topics somebody wants; not for every sample."""
+        wanted = [(self._publishers[name], get) for name, get in _ALWAYS.items()]
+        for name, get in _ON_DEMAND.items():
+            if self._publishers[name].get_subscription_count() > 0:
+                wanted.append((self._publishers[name], get))
+        self._wanted = wanted
+
+    def publish(self, result: Result, with_pose: bool) -> None:
+        """
+        Publish one result.
+
+        Parameters
+        ----------
+        result : Result
+            Of one sample.
+        with_pose : bool
+            Publish x_r as a pose too.
+
+        """
+        estimate, stamp_ns = result.estimate, result.sample.stamp_ns
+        reference = result.reference
+        if reference is not None:
+            # First of all: the robot waits for this one.
+            self._reference.publish(
+                self._trajectories.encode(result.reference_stamp_ns, *reference)
+            )
+        encode, place = self._vectors.encode, self._place
+        for publisher, get in self._wanted:
+            vector = [nan, nan, nan]
+            vector[place] = get(estimate)
+            publisher.publish(encode(stamp_ns, *vector))
+        self.publish_status(estimate.status.value, estimate.reason)
+        if with_pose and reference is not None:
+            self._publish_pose(result.reference_stamp_ns, reference.position)
+
+    def publish_status(self, status: str, reason: str) -> None:
+        """
+        Publish the status where it differs from the last one.
+
+        Parameters
+        ----------
+        status, reason : str
+            As in an Estimate.
+
+        """
+        if (status, reason) != self._last_status:
+            self._last_status = (status, reason)
+            self._status.publish(self._strings.encode(f'{status}: {reason}' if reason else status))
+
+    def _publish_pose(self, stamp_ns: int, position: float) -> None:
+        message = PoseStamped()
+        message.header.stamp.sec, message.header.stamp.nanosec = divmod(stamp_ns, 1_000_000_000)
+        message.header.frame_id = self.frame_id
+        setattr(message.pose.position, 'xyz'[self._place], position)
+        self._pose.publish(message)

@@ -1,0 +1,172 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""What the estimator node says of itself on /diagnostics."""
+
+from __future__ import annotations
+
+from collections import deque
+from math import isfinite
+import time
+from typing import Any
+
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+
+from ..contact_session import ContactSession
+from ..estimators.estimator import Estimate
+from ..percentiles import percentiles
+
+_LATENCIES_KEPT = 2000
+
+
+class EstimatorDiagnostics:
+    """
+    Gather figures at every sample and make a status of them now and then.
+
+    Parameters
+    ----------
+    name : str
+        Of the node.
+    silence_s : float
+        Without a wrench for so long, the status warns [s].
+
+    """
+
+    def __init__(self, name: str, silence_s: float) -> None:
+        self._name, self.silence_s = name, silence_s
+        self.processed = 0
+        self.errors = 0
+        self.last_error = ''
+        self._latencies_ns: deque[int] = deque(maxlen=_LATENCIES_KEPT)
+        self._last_arrival = time.monotonic()
+        self._before = (0, self._last_arrival)
+        self._rejected_before = 0
+
+    def arrived(self) -> None:
+        """Note that a wrench has come."""
+        self._last_arrival = time.monotonic()
+
+    def published(self, stamp_ns: int) -> None:
+        """
+        Note that a sample's results are out.
+
+        Parameters
+        ----------
+        stamp_ns : int
+            Of the sample [ns].
+
+        """
+        self.processed += 1
+        self._latencies_ns.append(time.time_ns() - stamp_ns)
+
+    def failed(self, error: Exception) -> None:
+        """
+        Note an error that the node survived.
+
+        Parameters
+        ----------
+        error : Exception
+            It.
+
+        """
+        self.errors += 1
+        self.last_error = f'{type(error).__name__}: {error}'
+
+    def message(
+        self, stamp: Any, session: ContactSession, estimate: Estimate | None
+    ) -> DiagnosticArray:
+        """
+        Make the message.
+
+        Parameters
+        ----------
+        stamp : builtin_interfaces.msg.Time
+            Now.
+        session : ContactSession
+            Whose counters are reported.
+        estimate : Estimate or None
+            The last one.
+
+        Returns
+        -------
+        message : DiagnosticArray
+            One status with all figures.
+
+        """
+        level, text = self._judge(session, estimate)
+        values = {**self._rates(), **self._estimation(session, estimate), **self._trouble(session)}
+        status = DiagnosticStatus(
+            level=level, name=f'{self._name}: contact estimation', message=text,
+            hardware_id='', values=[KeyValue(key=k, value=str(v)) for k, v in values.items()],
+        )
+        message = DiagnosticArray(status=[status])
+        message.header.stamp = stamp
+        return message
+
+    def _judge(self, session: ContactSession, estimate: Estimate | None) -> tuple[bytes, str]:
+        silent = time.monotonic() - self._last_arrival
+        rejected = sum(session.rejected.values())
+        newly, self._rejected_before = rejected - self._rejected_before, rejected
+        if silent > self.silence_s:
+            return DiagnosticStatus.STALE, f'no wrench for {silent:.1f} s; is the sensor running?'
+        if estimate is None:
+            return DiagnosticStatus.WARN, 'wrench comes, but no joint state fits its stamps'
+        if newly:
+            return DiagnosticStatus.WARN, f'{newly} samples rejected since the last report'
+        reason = f': {estimate.reason}' if estimate.reason else ''
+        return DiagnosticStatus.OK, f'{estimate.status.value}{reason}'
+
+    def _rates(self) -> dict[str, Any]:
+        now = time.monotonic()
+        (count, then), self._before = self._before, (self.processed, now)
+        rate = (self.processed - count) / max(now - then, 1e-6)
+        values: dict[str, Any] = {'samples': self.processed, 'rate_hz': f'{rate:.1f}'}
+        for name, latency in percentiles(list(self._latencies_ns)).items():
+            if latency is not None:
+                values[f'latency_ms_{name}'] = f'{latency * 1e-6:.3f}'
+        return values
+
+    @staticmethod
+    def _estimation(session: ContactSession, estimate: Estimate | None) -> dict[str, Any]:
+        pipeline, parameters = session.pipeline, session.parameters
+        values: dict[str, Any] = {
+            'estimator': parameters.estimator,
+            'reference_law': parameters.reference_law,
+            'contact': pipeline.contact,
+            'excitation_stiffness_std': f'{pipeline.excitation.stiffness_std:.6g}',
+            'excitation_damping_std': f'{pipeline.excitation.damping_std:.6g}',
+            'force_noise_std': f'{pipeline.noise_std:.6g}',
+            'force_bias': f'{pipeline.bias:.6g}',
+            'free_flight_level': f'{pipeline.free_flight_level:.6g}',
+        }
+        if estimate is not None:
+            for name in ('stiffness', 'stiffness_std', 'damping', 'damping_std', 'location',
+                         'inertia'):
+                value = getattr(estimate, name)
+                if isfinite(value):
+                    values[name] = f'{value:.8g}'
+            values['status'] = estimate.status.value
+            values['reason'] = estimate.reason
+        return values
+
+    def _trouble(self, session: ContactSession) -> dict[str, Any]:
+        values: dict[str, Any] = {
+            'missing': session.missing,
+            'time_jumps': session.time_jumps,
+            'errors': self.errors,
+        }
+        values.update((f'rejected_{k}', v) for k, v in sorted(session.rejected.items()))
+        if self.last_error:
+            values['last_error'] = self.last_error
+        return values

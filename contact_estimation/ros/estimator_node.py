@@ -1,0 +1,234 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""On-line estimation of contact stiffness and damping, and the reference that follows from it."""
+
+from __future__ import annotations
+
+from threading import Lock
+from typing import Any, Mapping, Sequence
+
+from diagnostic_msgs.msg import DiagnosticArray
+from rclpy.node import Node
+from std_msgs.msg import String
+from std_srvs.srv import Trigger
+
+from ..contact_session import ContactSession, Result
+from ..estimation_events import CHANGE, RESET, TARE, EstimationEvent, start_event
+from ..estimation_parameters import EstimationParameters
+from ..estimators.estimator import Estimate
+from ..exceptions import MessageError
+from ..messages import JointStateDecoder, TrajectoryDecoder, WrenchDecoder
+from ..parameters import ParameterSpecification, build, changed, specifications, without
+from ..reference.experiment import Desired
+from . import topics
+from .data_thread import DataThread, RawSubscriptions
+from .estimate_publishers import EstimatePublishers
+from .estimator_diagnostics import EstimatorDiagnostics
+from .estimator_node_parameters import EstimatorNodeParameters
+from .parameters import declare, serve_changes
+from .rclpy_codec import RclpyCodec
+from .running import run_node
+
+PURPOSE = 'estimator_node: estimate contact stiffness and damping, publish a reference trajectory'
+
+
+def all_specifications() -> list[ParameterSpecification]:
+    """List the parameters of the node."""
+    return [*specifications(EstimationParameters), *specifications(EstimatorNodeParameters)]
+
+
+class EstimatorNode(Node):
+    """
+    The session between subscriptions and publishers.
+
+    Samples are processed on the data thread; parameters, services and diagnostics on the
+    executor's. A lock makes every event fall between two samples.
+
+    Raises
+    ------
+    ContactEstimationError
+        If a parameter is unknown or not valid.
+
+    """
+
+    finished = False
+
+    def __init__(self) -> None:
+        super().__init__('estimator_node')
+        estimation, own = _split(declare(self, all_specifications()))
+        self._own = build(EstimatorNodeParameters, own)
+        self._session = ContactSession(build(EstimationParameters, estimation))
+        self._lock = Lock()
+        self._last: Estimate | None = None
+        self._frame_id: str | None = self._own.frame_id or None
+        self._outputs = EstimatePublishers(self, self._own.joint)
+        self._outputs.use(self._own.frame_id, self._own.axis)
+        self._force = _FORCE_OF[self._own.axis]
+        self._events = self.create_publisher(String, '~/events', topics.EVENTS_QOS)
+        self._event(start_event(self._session))
+        self._diagnostics = EstimatorDiagnostics(self.get_name(), self._own.silence_s)
+        self._subscribe()
+        self._diagnostics_publisher = self.create_publisher(
+            DiagnosticArray, topics.DIAGNOSTICS, topics.OUTPUT_QOS
+        )
+        self.create_timer(1.0 / self._own.diagnostics_rate, self._report)
+        self.create_service(Trigger, '~/reset', self._on_reset)
+        self.create_service(Trigger, '~/tare', self._on_tare)
+        serve_changes(self, self._change_parameters)
+
+    def _subscribe(self) -> None:
+        codec = RclpyCodec()
+        self._wrench = WrenchDecoder(codec)
+        self._joints = JointStateDecoder(codec, self._own.joint)
+        self._desired = TrajectoryDecoder(codec)
+        data = RawSubscriptions(self, self._own.dedicated_wait_set)
+        # In this order they are served: a wrench finds the wish and the motion of its instant.
+        for topic, type_name, callback in (
+            (topics.DESIRED, topics.TRAJECTORY, self._on_desired),
+            (topics.JOINT_STATES, 'sensor_msgs/msg/JointState', self._on_joints),
+            (topics.WRENCH, 'geometry_msgs/msg/WrenchStamped', self._on_wrench),
+        ):
+            data.subscribe(topic, type_name, topics.INPUT_QOS, callback)
+        self._thread = DataThread(data, self._diagnostics.failed)
+
+    def start(self) -> None:
+        """Begin to serve data."""
+        self._thread.start()
+
+    def stop(self) -> None:
+        """End the data thread."""
+        self._thread.stop()
+
+    # -- data -------------------------------------------------------------------------------
+
+    def _on_wrench(self, raw: bytes) -> None:
+        self._diagnostics.arrived()
+        with self._lock:
+            try:
+                reading = self._wrench.decode(raw)
+            except MessageError as error:
+                self._session.count_rejected(f'wrench_{error.reason}')
+                return
+            if reading.frame_id != self._frame_id and not self._accept_frame(reading.frame_id):
+                return
+            self._publish(self._session.add_wrench(reading.stamp_ns, reading[self._force]))
+
+    def _on_joints(self, raw: bytes) -> None:
+        with self._lock:
+            try:
+                reading = self._joints.decode(raw)
+            except MessageError as error:
+                self._session.count_rejected(f'joint_states_{error.reason}')
+                return
+            self._publish(self._session.add_motion(*reading))
+
+    def _on_desired(self, raw: bytes) -> None:
+        with self._lock:
+            try:
+                stamp_ns, *wish = self._desired.decode(raw)
+            except MessageError as error:
+                self._session.count_rejected(f'desired_{error.reason}')
+                return
+            self._session.add_desired(stamp_ns, Desired(*wish))
+
+    def _accept_frame(self, frame_id: str) -> bool:
+        if self._frame_id is None:
+            self._frame_id = frame_id
+            self._outputs.use(frame_id, self._own.axis)
+            return True
+        self._session.count_rejected('wrench_frame_id')
+        return False
+
+    def _publish(self, results: Sequence[Result]) -> None:
+        for result in results:
+            self._outputs.publish(result, self._own.publish_target_pose)
+            self._last = result.estimate
+            self._diagnostics.published(result.sample.stamp_ns)
+
+    # -- events -----------------------------------------------------------------------------
+
+    def _change_parameters(self, changes: Mapping[str, Any]) -> None:
+        estimation, own = _split(changes)
+        with self._lock:
+            new_own = changed(self._own, own)
+            if estimation:
+                self._session.change_parameters(estimation)
+                self._event(EstimationEvent(CHANGE, self._session.last_stamp_ns, estimation))
+            self._use_own(new_own)
+
+    def _use_own(self, new: EstimatorNodeParameters) -> None:
+        old, self._own = self._own, new
+        self._force = _FORCE_OF[new.axis]
+        self._diagnostics.silence_s = new.silence_s
+        if new.frame_id != old.frame_id:
+            self._frame_id = new.frame_id or None
+        if (new.axis, new.frame_id) != (old.axis, old.frame_id):
+            self._outputs.use(self._frame_id or '', new.axis)
+
+    def _on_reset(self, request: Any, response: Any) -> Any:
+        with self._lock:
+            self._session.reset()
+            self._event(EstimationEvent(RESET, self._session.last_stamp_ns, {}))
+        response.success, response.message = True, 'estimate is the first guess again'
+        return response
+
+    def _on_tare(self, request: Any, response: Any) -> Any:
+        with self._lock:
+            response.success, response.message = self._session.tare()
+            if response.success:
+                self._event(EstimationEvent(TARE, self._session.last_stamp_ns, {}))
+        return response
+
+    def _event(self, event: EstimationEvent) -> None:
+        self._events.publish(String(data=event.to_text()))
+
+    def _report(self) -> None:
+        self._outputs.look_for_subscribers()
+        with self._lock:
+            message = self._diagnostics.message(
+                self.get_clock().now().to_msg(), self._session, self._last
+            )
+        self._diagnostics_publisher.publish(message)
+
+
+_FORCE_OF = {'x': 2, 'y': 3, 'z': 4}  # place in a WrenchReading
+
+
+def _split(values: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Tell the parameters of the estimation from those of the node alone."""
+    shared = without(EstimatorNodeParameters, values)
+    return shared, {name: value for name, value in values.items() if name not in shared}
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """
+    Run the node until it is interrupted.
+
+    Parameters
+    ----------
+    args : sequence of str, optional
+        Command line; that of the process by default.
+
+    Returns
+    -------
+    code : int
+        0, or 1 with one line on stderr.
+
+    """
+    return run_node(EstimatorNode, PURPOSE, all_specifications(), args)
+
+
+if __name__ == '__main__':
+    raise SystemExit(main())

@@ -1,0 +1,47 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""What the estimator node needs beside the estimation itself."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ..parameters import ParameterGroup, parameter
+
+
+@dataclass(frozen=True)
+class EstimatorNodeParameters(ParameterGroup):
+    """Names, rates and options of the node."""
+
+    axis: str = parameter('x', 'Force axis of the contact', choices=('x', 'y', 'z'))
+    joint: str = parameter(
+        '', 'Joint whose position is the contact axis; empty: the only one', read_only=True
+    )
+    frame_id: str = parameter(
+        '', 'Expected frame of the wrench; empty: that of the first one. Others are rejected'
+    )
+    diagnostics_rate: float = parameter(
+        2.0, 'Rate of /diagnostics', 'Hz', minimum=1.0, maximum=10.0, read_only=True
+    )
+    silence_s: float = parameter(
+        0.5, 'Diagnostics warn when no wrench has come for this long', 's', minimum=0.01
+    )
+    publish_target_pose: bool = parameter(
+        False, 'Publish x_r as a pose on ~/target_pose, for Cartesian controllers'
+    )
+    dedicated_wait_set: bool = parameter(
+        True, 'Serve data on a wait set of its own; false: on the executor, as stock rclpy does',
+        read_only=True,
+    )

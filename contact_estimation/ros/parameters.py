@@ -1,0 +1,133 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Parameters of a dataclass as ROS parameters: declared once there, live here."""
+
+from __future__ import annotations
+
+from math import inf
+from typing import Any, Callable, Iterable, Mapping
+
+from rcl_interfaces.msg import (
+    FloatingPointRange,
+    IntegerRange,
+    ParameterDescriptor,
+    SetParametersResult,
+)
+from rclpy.node import Node
+
+from ..exceptions import ContactEstimationError, UnknownNameError
+from ..parameters import ParameterSpecification
+
+_OF_RCLPY = ('use_sim_time', 'qos_overrides.', 'start_type_description_service')
+_LARGEST_INTEGER = 2**63 - 1
+
+
+def declare(node: Node, known: Iterable[ParameterSpecification]) -> dict[str, Any]:
+    """
+    Declare parameters on a node, with the values of its parameter files.
+
+    Parameters
+    ----------
+    node : rclpy.node.Node
+        The node.
+    known : iterable of ParameterSpecification
+        Its parameters.
+
+    Returns
+    -------
+    values : dict
+        Dotted name to value.
+
+    Raises
+    ------
+    UnknownNameError
+        If a file or the command line sets a parameter that does not exist; rclpy alone would
+        ignore it silently.
+    ParameterRangeError
+        If a value is out of range.
+
+    """
+    specs = {spec.name: spec for spec in known}
+    # rclpy offers no public way to see overrides that were not declared.
+    overrides = getattr(node, '_parameter_overrides', {})
+    for name in overrides:
+        if name not in specs and not name.startswith(_OF_RCLPY):
+            raise UnknownNameError.among(f'parameter of {node.get_name()}', name, specs)
+    values = {}
+    for name, spec in specs.items():
+        given = overrides[name].value if name in overrides else spec.default
+        values[name] = spec.check(given)
+        node.declare_parameter(name, values[name], descriptor(spec), ignore_override=True)
+    return values
+
+
+def descriptor(spec: ParameterSpecification) -> ParameterDescriptor:
+    """
+    Describe a parameter to ROS tools.
+
+    Parameters
+    ----------
+    spec : ParameterSpecification
+        What the dataclass says.
+
+    Returns
+    -------
+    descriptor : ParameterDescriptor
+        With description, unit and range.
+
+    """
+    unit = f' [{spec.unit}]' if spec.unit else ''
+    message = ParameterDescriptor(
+        name=spec.name,
+        description=spec.description + unit,
+        additional_constraints=spec.expectation,
+        read_only=spec.read_only,
+    )
+    if spec.minimum is None or spec.nan_is_off:
+        return message  # rclpy's own range check would refuse NaN
+    if isinstance(spec.default, float):
+        high = inf if spec.maximum is None else spec.maximum
+        message.floating_point_range = [
+            FloatingPointRange(from_value=spec.minimum, to_value=min(high, 1.7e308))
+        ]
+    elif type(spec.default) is int:
+        high = _LARGEST_INTEGER if spec.maximum is None else int(spec.maximum)
+        message.integer_range = [IntegerRange(from_value=int(spec.minimum), to_value=high)]
+    return message
+
+
+def serve_changes(node: Node, change: Callable[[Mapping[str, Any]], None]) -> None:
+    """
+    Let parameters change live.
+
+    Parameters
+    ----------
+    node : rclpy.node.Node
+        The node.
+    change : callable
+        Takes dotted names and values; a ContactEstimationError rejects them, and its text is
+        the reason that the caller sees.
+
+    """
+
+    def on_set(parameters: list[Any]) -> SetParametersResult:
+        changes = {p.name: p.value for p in parameters if not p.name.startswith(_OF_RCLPY)}
+        try:
+            change(changes)
+        except ContactEstimationError as error:
+            return SetParametersResult(successful=False, reason=str(error))
+        return SetParametersResult(successful=True)
+
+    node.add_on_set_parameters_callback(on_set)

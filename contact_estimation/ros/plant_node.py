@@ -1,0 +1,231 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Simulated robot, wall and sensors in real time, and the experiment that moves them."""
+
+from __future__ import annotations
+
+from collections import deque
+import json
+from pathlib import Path
+from threading import Thread
+import time
+from typing import Any, Mapping, Sequence
+
+from rclpy.node import Node
+
+from ..exceptions import MessageError
+from ..messages import (
+    JointStateEncoder,
+    TrajectoryDecoder,
+    TrajectoryEncoder,
+    WrenchEncoder,
+)
+from ..parameters import ParameterSpecification, build, changed, specifications, without
+from ..plant.closed_loop import extrapolate
+from ..plant.plant_parameters import PlantParameters
+from ..plant.sensors import Sensors
+from ..plant.world import World
+from ..reference.experiments import experiment_named
+from ..reference.reference_generator import ReferencePoint
+from . import topics
+from .data_thread import RawSubscriptions
+from .parameters import declare, serve_changes
+from .plant_node_parameters import PlantNodeParameters
+from .plant_statistics import PlantStatistics
+from .rclpy_codec import RclpyCodec, message_class
+from .running import run_node
+
+PURPOSE = 'plant_node: simulate robot, wall and sensors, and play an experiment on them'
+_SETTLING_S = 0.5  # a match seen here may not yet be seen on the other side
+
+
+def all_specifications() -> list[ParameterSpecification]:
+    """List the parameters of the node."""
+    return [*specifications(PlantParameters), *specifications(PlantNodeParameters)]
+
+
+class PlantNode(Node):
+    """
+    The simulated world on a clock: sample k is stamped exactly t0 + k T and sent then.
+
+    Raises
+    ------
+    ContactEstimationError
+        If a parameter is unknown or not valid, or the experiment cannot be read.
+
+    """
+
+    def __init__(self) -> None:
+        super().__init__('plant_node')
+        world, own = _split(declare(self, all_specifications()))
+        self._plant = build(PlantParameters, world)
+        self._own = build(PlantNodeParameters, own)
+        experiment = experiment_named(self._own.experiment)
+        self._duration = self._own.duration or (
+            float('inf') if self._own.repeat else experiment.duration
+        )
+        self._experiment = experiment.cyclic() if self._own.repeat else experiment
+        start = experiment.desired(0.0).position
+        self._world, self._sensors = World(self._plant, start), Sensors(self._plant)
+        self._reference = ReferencePoint(start, 0.0, 0.0, 0.0)
+        self._followed_since = 0.0
+        self._waiting: deque[tuple[int, ReferencePoint]] = deque(maxlen=1000)
+        self._period_ns = round(1e9 / self._plant.sample_rate)
+        self.statistics = PlantStatistics(self._period_ns)
+        self._connect()
+        serve_changes(self, self._change_parameters)
+        self._stopping = False
+        self._thread = Thread(target=self._run, name='plant', daemon=True)
+
+    def _connect(self) -> None:
+        codec, own = RclpyCodec(), self._own
+        self._wrenches = WrenchEncoder(codec, own.frame_id)
+        self._joint_states = JointStateEncoder(
+            codec, own.frame_id, own.joint, self._plant.sensors.publish_velocity
+        )
+        self._wishes = TrajectoryEncoder(codec, own.frame_id, own.joint)
+        self._references = TrajectoryDecoder(codec)
+
+        def publisher(type_name: str, topic: str) -> Any:
+            return self.create_publisher(message_class(type_name), topic, topics.OUTPUT_QOS)
+
+        self._wrench_publisher = publisher('geometry_msgs/msg/WrenchStamped', topics.WRENCH)
+        self._joint_publisher = publisher('sensor_msgs/msg/JointState', topics.JOINT_STATES)
+        self._wish_publisher = publisher(topics.TRAJECTORY, topics.DESIRED)
+        self._data = RawSubscriptions(self)
+        self._data.subscribe(
+            topics.REFERENCE, topics.TRAJECTORY, topics.INPUT_QOS, self._on_reference
+        )
+
+    def start(self) -> None:
+        """Begin as soon as somebody listens."""
+        self._thread.start()
+
+    def stop(self) -> None:
+        """End the simulation and write the summary."""
+        self._stopping = True
+        if self._thread.is_alive():
+            self._thread.join()
+        if self._own.summary_file:
+            Path(self._own.summary_file).write_text(json.dumps(self.statistics.summary()))
+
+    @property
+    def finished(self) -> bool:
+        """Whether the duration is over."""
+        return self._thread.ident is not None and not self._thread.is_alive()
+
+    # -- the clock --------------------------------------------------------------------------
+
+    def _run(self) -> None:
+        self._wait_for_subscribers()
+        begin_ns, begin = time.time_ns(), time.perf_counter_ns()
+        self.statistics.begin_ns = begin_ns
+        for k in range(round(min(self._duration * self._plant.sample_rate, 2**62))):
+            self._wait_until(begin + k * self._period_ns)
+            if self._stopping or not self.context.ok():
+                return
+            self._send(k, begin_ns + k * self._period_ns)
+            self._follow_newest(begin_ns, k)
+            follow = extrapolate(self._followed_since, self._reference)
+            self._world.advance(self._period_ns * 1e-9, follow)
+        self._wait_until(time.perf_counter_ns() + 50_000_000)  # the last answers
+
+    def _wait_for_subscribers(self) -> None:
+        give_up = time.monotonic() + self._own.patience_s
+        publishers = (self._wrench_publisher, self._joint_publisher)
+        while time.monotonic() < give_up and not self._stopping:
+            if all(p.get_subscription_count() >= self._own.subscribers for p in publishers):
+                break
+            self._idle(0.02)
+        self._idle(_SETTLING_S)
+
+    def _idle(self, seconds: float) -> None:
+        self._wait_until(time.perf_counter_ns() + int(seconds * 1e9))
+
+    def _wait_until(self, deadline_ns: int) -> None:
+        """Take references while waiting."""
+        while self.context.ok():
+            remaining = deadline_ns - time.perf_counter_ns()
+            if remaining <= 0:
+                return
+            if self._data.dedicated:
+                self._data.wait(min(remaining, 100_000_000))
+            else:
+                time.sleep(min(remaining, 100_000_000) * 1e-9)
+
+    def _send(self, k: int, stamp_ns: int) -> None:
+        """Send sample k; the wish goes first, since the answer needs it."""
+        truth = self._world.truth(extrapolate(self._followed_since, self._reference))
+        force, position, velocity = self._sensors.measure(truth)
+        period = self._period_ns * 1e-9
+        wish = self._experiment.desired((k + 1) * period)
+        self._wish_publisher.publish(self._wishes.encode(stamp_ns + self._period_ns, *wish))
+        self._joint_publisher.publish(self._joint_states.encode(stamp_ns, position, velocity))
+        self.statistics.sent(k, truth.force)
+        self._wrench_publisher.publish(self._wrenches.encode(stamp_ns, force, 0.0, 0.0))
+
+    def _on_reference(self, raw: bytes) -> None:
+        try:
+            stamp_ns, *point = self._references.decode(raw)
+        except MessageError:
+            self.statistics.unusable += 1
+            return
+        self.statistics.answered(stamp_ns)
+        x, v, a, effort = (0.0 if value != value else value for value in point)
+        self._waiting.append((stamp_ns, ReferencePoint(x, v, a, effort)))
+
+    def _follow_newest(self, begin_ns: int, k: int) -> None:
+        """Follow the newest reference whose instant has come."""
+        now_ns = begin_ns + k * self._period_ns
+        while self._waiting and self._waiting[0][0] <= now_ns:
+            stamp_ns, self._reference = self._waiting.popleft()
+            self._followed_since = (stamp_ns - begin_ns) * 1e-9
+
+    # -- parameters -------------------------------------------------------------------------
+
+    def _change_parameters(self, changes: Mapping[str, Any]) -> None:
+        world, own = _split(changes)
+        changed(self._own, own)
+        self._plant = changed(self._plant, world)
+        self._world.configure(self._plant)
+        self._sensors.configure(self._plant)
+
+
+def _split(values: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Tell the parameters of the world from those of the node alone."""
+    shared = without(PlantNodeParameters, values)
+    return shared, {name: value for name, value in values.items() if name not in shared}
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """
+    Run the node until its experiment is over or it is interrupted.
+
+    Parameters
+    ----------
+    args : sequence of str, optional
+        Command line; that of the process by default.
+
+    Returns
+    -------
+    code : int
+        0, or 1 with one line on stderr.
+
+    """
+    return run_node(PlantNode, PURPOSE, all_specifications(), args)
+
+
+if __name__ == '__main__':
+    raise SystemExit(main())

@@ -1,0 +1,50 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""What the plant node needs beside the simulated world."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ..parameters import ParameterGroup, parameter
+
+
+@dataclass(frozen=True)
+class PlantNodeParameters(ParameterGroup):
+    """The experiment and the node's surroundings."""
+
+    experiment: str = parameter(
+        'sine', 'Name of an experiment, or a YAML file of segments', read_only=True
+    )
+    duration: float = parameter(
+        0.0, 'Time after which the node ends; 0: that of the experiment', 's', minimum=0.0,
+        read_only=True,
+    )
+    repeat: bool = parameter(
+        False, 'Play the experiment again and again until the duration is over; without a '
+        'duration, for ever', read_only=True,
+    )
+    subscribers: int = parameter(
+        1, 'Start when wrench and joint_states have so many subscribers', minimum=0,
+        maximum=1000, read_only=True,
+    )
+    patience_s: float = parameter(
+        30.0, 'Start without them after this', 's', minimum=0.0, read_only=True
+    )
+    frame_id: str = parameter('contact_frame', 'Frame of the wrench', read_only=True)
+    joint: str = parameter('contact_x', 'Name of the joint', read_only=True)
+    summary_file: str = parameter(
+        '', 'At the end, write what was sent and answered to this JSON file', read_only=True
+    )

@@ -1,0 +1,97 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""How many samples were sent and how soon each was answered."""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+from ..percentiles import percentiles
+
+
+class PlantStatistics:
+    """
+    Count samples and answers, and time them by a send time of their own.
+
+    Parameters
+    ----------
+    period_ns : int
+        Sample period [ns]; the answer to sample k is stamped with the instant of sample k + 1.
+
+    """
+
+    def __init__(self, period_ns: int) -> None:
+        self._period_ns = period_ns
+        self.begin_ns = 0
+        self.unusable = 0
+        self._sent: list[int] = []
+        self._delays: dict[int, int] = {}
+        self._last_contact: int | None = None
+
+    def sent(self, k: int, true_force: float) -> None:
+        """
+        Note that a sample goes out now.
+
+        Parameters
+        ----------
+        k : int
+            Its number.
+        true_force : float
+            F_e before the sensor [N].
+
+        """
+        self._sent.append(time.perf_counter_ns())
+        if true_force < 0.0:
+            self._last_contact = k
+
+    def answered(self, reference_stamp_ns: int) -> None:
+        """
+        Note that an answer has come.
+
+        Parameters
+        ----------
+        reference_stamp_ns : int
+            Instant from which the reference is to be followed [ns].
+
+        """
+        now = time.perf_counter_ns()
+        k = round((reference_stamp_ns - self.begin_ns) / self._period_ns) - 1
+        if 0 <= k < len(self._sent) and k not in self._delays:
+            self._delays[k] = now - self._sent[k]
+
+    def summary(self) -> dict[str, Any]:
+        """
+        Sum up.
+
+        Returns
+        -------
+        summary : dict
+            samples_sent, samples_lost, rate_hz, latency_ms {p50, p99, max},
+            last_contact_stamp_ns (null without contact), begin_stamp_ns.
+
+        """
+        count = len(self._sent)
+        spent = (self._sent[-1] - self._sent[0]) * 1e-9 if count > 1 else 0.0
+        last = self._last_contact
+        return {
+            'samples_sent': count,
+            'samples_lost': count - len(self._delays),
+            'rate_hz': (count - 1) / spent if spent > 0.0 else None,
+            'latency_ms': percentiles([d * 1e-6 for d in self._delays.values()]),
+            'begin_stamp_ns': self.begin_ns,
+            'last_contact_stamp_ns':
+                None if last is None else self.begin_ns + last * self._period_ns,
+        }

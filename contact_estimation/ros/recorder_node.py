@@ -1,0 +1,175 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Record the contract's topics to MCAP, such that a kill loses at most the last second."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+import time
+from typing import Any, Callable, Sequence
+
+from rclpy.node import Node
+from rclpy.qos import QoSProfile, ReliabilityPolicy
+
+from ..estimation_events import START, EstimationEvent
+from ..exceptions import ContactEstimationError, ParameterRangeError
+from ..parameters import ParameterGroup, build, parameter, specifications
+from ..recordings import OfferedQos, RecordingWriter
+from ..recordings.estimation_metadata import RECORD, to_metadata
+from . import topics
+from .data_thread import DataThread, RawSubscriptions
+from .parameters import declare
+from .rclpy_codec import RclpyCodec
+from .running import run_node
+
+PURPOSE = 'recorder_node: record wrench, joints, references and estimates as a rosbag2 folder'
+_FLUSH_S = 0.4
+
+# Best effort takes any publisher, and a sensor's driver is best effort.
+_RECORD_QOS = QoSProfile(depth=1000, reliability=ReliabilityPolicy.BEST_EFFORT)
+
+
+@dataclass(frozen=True)
+class RecorderParameters(ParameterGroup):
+    """Where to write and whom to listen to."""
+
+    output: str = parameter('', 'Folder to write, which must not exist', read_only=True)
+    estimator: str = parameter(
+        'estimator_node', 'Name of the estimator node whose estimates are recorded',
+        read_only=True,
+    )
+
+
+def recorded_topics(estimator: str) -> dict[str, tuple[str, QoSProfile]]:
+    """
+    List what is recorded.
+
+    Parameters
+    ----------
+    estimator : str
+        Name of the estimator node.
+
+    Returns
+    -------
+    topics : dict
+        Topic to its type and the quality of service to subscribe with.
+
+    """
+    vectors = ('stiffness', 'damping', 'stiffness_std', 'damping_std', 'location', 'inertia')
+    plain = {
+        topics.DESIRED: topics.TRAJECTORY,
+        topics.JOINT_STATES: 'sensor_msgs/msg/JointState',
+        topics.WRENCH: 'geometry_msgs/msg/WrenchStamped',
+        topics.REFERENCE: topics.TRAJECTORY,
+        **{f'{estimator}/{name}': topics.VECTOR3 for name in vectors},
+        f'{estimator}/status': topics.STRING,
+        topics.DIAGNOSTICS: 'diagnostic_msgs/msg/DiagnosticArray',
+        '/parameter_events': 'rcl_interfaces/msg/ParameterEvent',
+    }
+    wanted = {topic: (type_name, _RECORD_QOS) for topic, type_name in plain.items()}
+    wanted[f'{estimator}/events'] = topics.STRING, topics.EVENTS_QOS
+    return wanted
+
+
+class RecorderNode(Node):
+    """
+    Raw subscriptions into a RecordingWriter.
+
+    Raises
+    ------
+    ContactEstimationError
+        If the folder exists already or cannot be written.
+
+    """
+
+    finished = False
+
+    def __init__(self) -> None:
+        super().__init__('recorder_node')
+        own = build(RecorderParameters, declare(self, specifications(RecorderParameters)))
+        if not own.output:
+            raise ParameterRangeError(
+                'output must name a folder to be made, got \'\'; set it with '
+                '--ros-args -p output:=FOLDER'
+            )
+        self._writer = RecordingWriter.folder(own.output)
+        self._codec = RclpyCodec()
+        self._data = RawSubscriptions(self)
+        for topic, (type_name, qos) in recorded_topics(own.estimator).items():
+            self._data.subscribe(topic, type_name, qos, self._recording(topic, type_name, qos))
+        self._thread = DataThread(self._data, self._failed)
+        self.create_timer(_FLUSH_S, self._flush)
+
+    def start(self) -> None:
+        """Begin to record."""
+        self._thread.start()
+
+    def stop(self) -> None:
+        """Take what has come and close the recording."""
+        self._thread.stop()
+        if self.context.ok() and self._data.dedicated:
+            self._data.take_all()
+        self._writer.close()
+
+    def _recording(self, topic: str, type_name: str, qos: QoSProfile) -> Callable[[bytes], None]:
+        name = self.resolve_topic_name(topic)
+        write, is_events = self._writer.write, topic.endswith('/events')
+        # What the contract's publishers offer, so that a bag that is played reaches anybody.
+        offered = OfferedQos.of_profile(qos if is_events else topics.OUTPUT_QOS)
+
+        def record(raw: bytes) -> None:
+            write(name, type_name, raw, time.time_ns(), qos=offered)
+            if is_events:
+                self._keep_start(raw)
+
+        return record
+
+    def _keep_start(self, raw: bytes) -> None:
+        """Store the estimator's parameters at start where every MCAP tool finds them."""
+        event = EstimationEvent.from_text(self._codec.deserialize(raw, topics.STRING).data)
+        if event.kind == START:
+            self._writer.write_metadata(RECORD, to_metadata(event.parameters))
+
+    def _flush(self) -> None:
+        try:
+            self._writer.flush()
+        except ContactEstimationError as error:
+            self._failed(error)
+
+    def _failed(self, error: Exception) -> None:
+        self.get_logger().error(f'not recorded: {error}', throttle_duration_sec=1.0)
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """
+    Record until interrupted.
+
+    Parameters
+    ----------
+    args : sequence of str, optional
+        Command line; that of the process by default.
+
+    Returns
+    -------
+    code : int
+        0, or 1 with one line on stderr.
+
+    """
+    known: Any = list(specifications(RecorderParameters))
+    return run_node(RecorderNode, PURPOSE, known, args)
+
+
+if __name__ == '__main__':
+    raise SystemExit(main())

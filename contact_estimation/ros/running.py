@@ -1,0 +1,142 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""How every node of this package starts, runs and ends."""
+
+from __future__ import annotations
+
+import os
+import sys
+from typing import Callable, Iterable, Protocol, Sequence
+
+import rclpy
+from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.node import Node
+
+from ..exceptions import ContactEstimationError
+from ..parameters import ParameterSpecification
+
+
+class RunnableNode(Protocol):
+    """A node with data threads."""
+
+    def start(self) -> None:
+        """Begin to work."""
+
+    def stop(self) -> None:
+        """End all threads and finish files."""
+
+    @property
+    def finished(self) -> bool:
+        """Whether the node has nothing more to do."""
+
+
+def run_node(
+    make: Callable[[], RunnableNode],
+    purpose: str,
+    known: Iterable[ParameterSpecification],
+    args: Sequence[str] | None,
+) -> int:
+    """
+    Run a node until it has finished or is interrupted.
+
+    Parameters
+    ----------
+    make : callable
+        Makes the node.
+    purpose : str
+        First line of the help.
+    known : iterable of ParameterSpecification
+        For the help.
+    args : sequence of str or None
+        Command line; None takes that of the process.
+
+    Returns
+    -------
+    code : int
+        0, or 1 with one line on stderr.
+
+    """
+    arguments = list(sys.argv[1:] if args is None else args)
+    if '--help' in arguments or '-h' in arguments:
+        print(help_text(purpose, known))
+        return 0
+    # rclpy.init needs a place for its logs.
+    if 'HOME' not in os.environ:
+        os.environ.setdefault('ROS_LOG_DIR', '/tmp')
+    try:
+        rclpy.init(args=['node', *arguments])
+    except Exception as error:  # noqa: B902 - rcl's own errors share no base class
+        print(f'cannot start: {_one_line(error)}', file=sys.stderr)
+        return 1
+    try:
+        return _spin(make())
+    except ContactEstimationError as error:
+        print(f'error: {error}', file=sys.stderr)
+        return 1
+    except KeyboardInterrupt:
+        return 0
+    finally:
+        rclpy.try_shutdown()
+
+
+def _spin(node: RunnableNode) -> int:
+    executor = SingleThreadedExecutor()
+    assert isinstance(node, Node)
+    executor.add_node(node)
+    node.start()
+    try:
+        while rclpy.ok() and not node.finished:
+            executor.spin_once(timeout_sec=0.2)
+    except (KeyboardInterrupt, ExternalShutdownException):
+        pass
+    finally:
+        node.stop()
+        executor.shutdown()
+        node.destroy_node()
+    return 0
+
+
+def help_text(purpose: str, known: Iterable[ParameterSpecification]) -> str:
+    """
+    Write the help of a node.
+
+    Parameters
+    ----------
+    purpose : str
+        What it does.
+    known : iterable of ParameterSpecification
+        Its parameters.
+
+    Returns
+    -------
+    text : str
+        To be printed.
+
+    """
+    lines = [
+        purpose,
+        '',
+        'usage: ... [--ros-args -p NAME:=VALUE --params-file FILE -r wrench:=/my/wrench ...]',
+        '',
+        'parameters:',
+    ]
+    for spec in known:
+        lines.append(f'  {spec.name} = {spec.default!r}: {spec.expectation}')
+        lines.append(f'      {spec.description}')
+    return '\n'.join(lines)
+
+
+def _one_line(error: Exception) -> str:
+    return ' '.join(str(error).split())

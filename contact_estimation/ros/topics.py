@@ -1,0 +1,41 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Names, types and quality of service of the contract's topics."""
+
+from __future__ import annotations
+
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+
+WRENCH = 'wrench'
+JOINT_STATES = 'joint_states'
+DESIRED = 'desired_trajectory'
+REFERENCE = 'reference_trajectory'
+DIAGNOSTICS = '/diagnostics'
+
+STRING = 'std_msgs/msg/String'
+VECTOR3 = 'geometry_msgs/msg/Vector3Stamped'
+TRAJECTORY = 'trajectory_msgs/msg/JointTrajectory'
+
+INPUT_QOS = QoSProfile(depth=100, reliability=ReliabilityPolicy.BEST_EFFORT)
+"""Takes any publisher; deep, so that a stall of the machine loses nothing."""
+
+OUTPUT_QOS = QoSProfile(depth=100, reliability=ReliabilityPolicy.RELIABLE)
+
+EVENTS_QOS = QoSProfile(
+    depth=1000,
+    reliability=ReliabilityPolicy.RELIABLE,
+    durability=DurabilityPolicy.TRANSIENT_LOCAL,
+)
+"""A recorder that comes late still gets the parameters at start and every change since."""

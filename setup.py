@@ -1,0 +1,91 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+from glob import glob
+
+from setuptools import find_packages, setup
+
+package_name = 'contact_estimation'
+
+setup(
+    name=package_name,
+    version='0.1.0',
+    description='On-line estimation of contact stiffness and damping for ROS 2.',
+    author='contact_estimation authors',
+    maintainer='contact_estimation maintainers',
+    maintainer_email='maintainers@example.com',
+    license='Apache-2.0',
+    packages=find_packages(include=[package_name, package_name + '.*']),
+    package_data={package_name: ['py.typed']},
+    data_files=[
+        ('share/ament_index/resource_index/packages', ['resource/' + package_name]),
+        ('share/' + package_name, ['package.xml']),
+        ('share/' + package_name + '/config', sorted(glob('config/*.yaml'))),
+        ('share/' + package_name + '/launch', sorted(glob('launch/*.launch.*'))),
+    ],
+    entry_points={
+        'console_scripts': [
+            'estimator_node = contact_estimation.ros.estimator_node:main',
+            'plant_node = contact_estimation.ros.plant_node:main',
+            'recorder_node = contact_estimation.ros.recorder_node:main',
+            'loop = contact_estimation.commands.loop:main',
+            'replay = contact_estimation.commands.replay:main',
+        ],
+    },
+    python_requires='>=3.10',
+    # Lower bounds of numpy, scipy and PyYAML: Ubuntu 24.04, the platform of Jazzy.
+    install_requires=[
+        'filterpy>=2.0',
+        'mcap>=1.1',
+        'numpy>=1.26',
+        'pyyaml>=6.0',
+        'scipy>=1.11',
+    ],
+    extras_require={
+        # The Jazzy line on PyPI; on a machine with /opt/ros leave this extra out.
+        'ros': [
+            'ros-jazzy-rclpy[fastrtps]==7.1.6',
+            'ros-jazzy-diagnostic-msgs==5.3.6',
+            'ros-jazzy-geometry-msgs==5.3.6',
+            'ros-jazzy-rcl-interfaces==2.0.3',
+            'ros-jazzy-sensor-msgs==5.3.6',
+            'ros-jazzy-std-msgs==5.3.6',
+            'ros-jazzy-std-srvs==5.3.6',
+            'ros-jazzy-trajectory-msgs==5.3.6',
+        ],
+        'tools': [
+            'matplotlib>=3.6',
+            'rosbags>=0.11',
+        ],
+        # The linters are those of ament_flake8, ament_pep257 and ament_mypy.
+        'test': [
+            'flake8>=6.0',
+            'flake8-blind-except',
+            'flake8-builtins',
+            'flake8-class-newline',
+            'flake8-comprehensions',
+            'flake8-deprecated',
+            'flake8-import-order>=0.19',
+            'flake8-quotes',
+            'matplotlib>=3.6',
+            'mypy>=1.9',
+            'pydocstyle>=6.3',
+            'pytest>=7.4',
+            'rosbags>=0.11',
+            'setuptools',
+            'types-PyYAML',
+        ],
+    },
+    zip_safe=False,
+)

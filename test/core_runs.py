@@ -1,0 +1,125 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Closed-loop runs and synthetic samples that several test files share, each made once."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from math import nan
+from typing import Any, Mapping, NamedTuple
+
+from contact_estimation.contact_model import kelvin_voigt_force
+from contact_estimation.contact_session import ContactSession, Result
+from contact_estimation.estimation_parameters import EstimationParameters
+from contact_estimation.estimation_pipeline import EstimationPipeline
+from contact_estimation.estimators.estimator import Estimate
+from contact_estimation.parameters import build
+from contact_estimation.plant.closed_loop import run_closed_loop
+from contact_estimation.plant.plant_parameters import PlantParameters
+from contact_estimation.plant.world import Truth
+from contact_estimation.reference.experiments import experiment_named
+from contact_estimation.reference.quintic import quintic
+from contact_estimation.signals.contact_sample import ContactSample
+import numpy as np
+
+PAPER_SENSORS = {'sensors.force_noise': 1.0, 'sensors.distribution': 'uniform'}
+PERIOD_NS = 2_000_000
+FREE_S, APPROACH_S = 0.2, 0.3
+
+
+class Run(NamedTuple):
+    """What a closed-loop run has given."""
+
+    session: ContactSession
+    truths: list[Truth]
+    results: list[Result]
+
+    @property
+    def last(self) -> Estimate:
+        """The estimate at the last instant of contact."""
+        touching = [r for t, r in zip(self.truths, self.results) if t.force < 0.0]
+        return touching[-1].estimate
+
+    def force_at(self, begin: float, end: float) -> float:
+        """Mean pressing force over an interval [N]."""
+        return -float(np.mean([t.force for t in self.truths if begin <= t.t < end]))
+
+
+def closed_loop(
+    estimation: Mapping[str, Any] | None = None,
+    plant: Mapping[str, Any] | None = None,
+    experiment: str = 'sine',
+    duration: float = 10.0,
+) -> Run:
+    """Run plant and session closed over the reference; equal requests share one run."""
+    return _closed_loop(
+        tuple((estimation or {}).items()), tuple((plant or {}).items()), experiment, duration
+    )
+
+
+@lru_cache(maxsize=None)
+def _closed_loop(
+    estimation: tuple[Any, ...], plant: tuple[Any, ...], experiment: str, duration: float
+) -> Run:
+    session = ContactSession(build(EstimationParameters, dict(estimation)))
+    world = build(PlantParameters, dict(plant))
+    run = run_closed_loop(world, session, experiment_named(experiment), duration)
+    return Run(session, run.truths, run.results)
+
+
+def contact_samples(
+    contact_s: float = 1.0,
+    K_e: float = 4800.0,
+    B_e: float = 200.0,
+    depth: float = 0.008,
+    amplitude: float = 0.002,
+    omega: float = 20.0,
+    force_noise: float = 0.0,
+    position_noise: float = 0.0,
+    with_velocity: bool = True,
+    seed: int = 0,
+) -> list[ContactSample]:
+    """Rest 10 mm before the wall, approach, then depth + amplitude (1 - cos(omega t))."""
+    noise = np.random.default_rng(seed)
+    samples = []
+    for k in range(round((FREE_S + APPROACH_S + contact_s) * 500)):
+        t = 0.002 * k - FREE_S
+        x, v, _ = quintic(-0.01, depth, APPROACH_S, t)
+        if t > APPROACH_S:
+            phase = omega * (t - APPROACH_S)
+            x += amplitude * (1.0 - np.cos(phase))
+            v += amplitude * omega * np.sin(phase)
+        force = float(kelvin_voigt_force(x, v, K_e, B_e))
+        force_error, position_error = noise.standard_normal(2).tolist()
+        samples.append(ContactSample(
+            k * PERIOD_NS,
+            float(x) + position_noise * position_error,
+            float(v) if with_velocity else nan,
+            force + force_noise * force_error,
+        ))
+    return samples
+
+
+def pipeline_with(**estimation: Any) -> EstimationPipeline:
+    """Make a pipeline; double underscores stand for the dots of parameter names."""
+    names = {name.replace('__', '.'): value for name, value in estimation.items()}
+    return EstimationPipeline(build(EstimationParameters, names))
+
+
+def estimates_of(
+    samples: list[ContactSample], pipeline: EstimationPipeline
+) -> list[Estimate]:
+    """Pass samples through a pipeline."""
+    return [pipeline.process(sample) for sample in samples]

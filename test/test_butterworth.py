@@ -1,0 +1,57 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The filter bank against scipy's filter."""
+
+from __future__ import annotations
+
+from contact_estimation.exceptions import ParameterRangeError
+from contact_estimation.signals.butterworth import ButterworthBank
+import numpy as np
+import pytest
+from scipy.signal import butter, lfilter
+
+
+@pytest.mark.parametrize('cutoff, rate', [(50.0, 500.0), (5.0, 1000.0), (240.0, 500.0)])
+def test_bank_equals_lfilter_on_every_channel(cutoff: float, rate: float) -> None:
+    rows = np.random.default_rng(2).normal(0.0, [1.0, 1e-3, 1e4], (400, 3))
+    bank = ButterworthBank(3, cutoff, rate)
+    filtered = np.array([bank.process(row) for row in rows.tolist()])
+    expected = lfilter(*butter(2, cutoff, fs=rate), rows, axis=0)
+    assert np.max(np.abs(filtered - expected) / rows.std(axis=0)) < 1e-10
+
+
+def test_cutoff_zero_lets_everything_pass() -> None:
+    row = (1.0, -2.0, 3.0)
+    assert tuple(ButterworthBank(3, 0.0, 500.0).process(row)) == row
+
+
+def test_reset_forgets_the_past() -> None:
+    used, fresh = ButterworthBank(1, 50.0, 500.0), ButterworthBank(1, 50.0, 500.0)
+    used.process((7.0,))
+    used.reset()
+    assert [used.process((1.0,)) for _ in range(5)] == [fresh.process((1.0,)) for _ in range(5)]
+
+
+def test_a_relation_that_holds_before_the_filter_holds_after_it() -> None:
+    phi = np.random.default_rng(3).normal(0.0, 1.0, (200, 2))
+    bank = ButterworthBank(3, 30.0, 500.0)
+    rows = np.array([bank.process((a, b, 4.8 * a + 0.2 * b)) for a, b in phi.tolist()])
+    np.testing.assert_allclose(rows[:, 2], rows[:, :2] @ [4.8, 0.2], atol=1e-12)
+
+
+@pytest.mark.parametrize('cutoff', [250.0, 251.0, 1e4])
+def test_cutoff_at_or_above_half_the_rate_is_refused(cutoff: float) -> None:
+    with pytest.raises(ParameterRangeError, match='cutoff_frequency must be < half of sample_rat'):
+        ButterworthBank(1, cutoff, 500.0)

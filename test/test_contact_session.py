@@ -1,0 +1,243 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The session: readings in, results out, parameters changed live, replay equal to live."""
+
+from __future__ import annotations
+
+from math import inf, isfinite, nan
+from typing import Any
+
+from contact_estimation.contact_session import ContactSession, Result
+from contact_estimation.estimation_parameters import EstimationParameters
+from contact_estimation.estimators import ESTIMATORS
+from contact_estimation.estimators.estimator import Reference
+from contact_estimation.exceptions import ContactEstimationError
+from contact_estimation.parameters import build, ParameterSpecification, specifications
+from contact_estimation.reference.experiment import Desired
+from contact_estimation.signals.contact_sample import ContactSample
+from core_runs import closed_loop, contact_samples, PAPER_SENSORS, PERIOD_NS
+import pytest
+
+SPECIFICATIONS = list(specifications(EstimationParameters))
+CHANGEABLE = [spec for spec in SPECIFICATIONS if not spec.read_only]
+NUMBERS = [spec for spec in CHANGEABLE if type(spec.default) in (int, float)]
+LOWER = [spec for spec in NUMBERS if spec.minimum is not None]
+UPPER = [spec for spec in NUMBERS if spec.maximum is not None]
+SAMPLES = contact_samples(0.3, force_noise=0.3)
+IN_CONTACT = 250  # of SAMPLES: halfway through the contact
+
+
+def name_of(spec: ParameterSpecification) -> str:
+    """Name a test by its parameter."""
+    return spec.name
+
+
+def session_for(name: str = '', **estimation: Any) -> ContactSession:
+    """Make a session that runs the estimator to which a parameter belongs."""
+    tuned = name.split('.')[1] if name.startswith('tuning.') else 'indirect_adaptive'
+    return ContactSession(build(EstimationParameters, {'estimator': tuned, **estimation}))
+
+
+def feed(session: ContactSession, samples: list[ContactSample]) -> list[Result]:
+    """Pass samples to a session as the two topics would."""
+    results = []
+    for stamp, position, velocity, force in samples:
+        results += session.add_motion(stamp, position, velocity)
+        results += session.add_wrench(stamp, force)
+    return results
+
+
+def other_value(spec: ParameterSpecification) -> Any:
+    """Pick a valid value that is not the default."""
+    if spec.choices:
+        return next(choice for choice in spec.choices if choice != spec.default)
+    if isinstance(spec.default, bool):
+        return not spec.default
+    if isinstance(spec.default, int):
+        return spec.default + 1
+    moved = 1.5 * spec.default if isfinite(spec.default) and spec.default else 1e-3  # type: ignore[arg-type,operator]
+    return min(moved, spec.maximum) if spec.maximum is not None else moved
+
+
+def finite(results: list[Result]) -> bool:
+    """Tell whether all estimates and references are finite."""
+    return all(
+        isfinite(value)
+        for r in results
+        for value in (r.estimate.stiffness, r.estimate.damping, r.estimate.location,
+                      *(r.reference or ()))
+    )
+
+
+def survives(name: str, value: Any) -> bool:
+    """Change a parameter in contact and tell whether all goes on with finite numbers."""
+    session = session_for(name)
+    feed(session, SAMPLES[:IN_CONTACT])
+    together = {'conditioning.cutoff_frequency': 0.0} if name == 'sample_rate' else {}
+    session.change_parameters({**together, name: value})
+    results = feed(session, SAMPLES[IN_CONTACT:])
+    return len(results) == len(SAMPLES) - IN_CONTACT and finite(results)
+
+
+@pytest.mark.parametrize('spec', CHANGEABLE, ids=name_of)
+def test_parameter_can_be_changed_in_contact(spec: ParameterSpecification) -> None:
+    assert survives(spec.name, other_value(spec))
+
+
+@pytest.mark.parametrize('spec', LOWER, ids=name_of)
+def test_parameter_can_be_set_to_its_minimum_in_contact(spec: ParameterSpecification) -> None:
+    assert survives(spec.name, type(spec.default)(spec.minimum or 0))
+
+
+@pytest.mark.parametrize('spec', UPPER, ids=name_of)
+def test_parameter_can_be_set_to_its_maximum_in_contact(spec: ParameterSpecification) -> None:
+    assert survives(spec.name, type(spec.default)(spec.maximum or 0))
+
+
+@pytest.mark.parametrize('spec', SPECIFICATIONS, ids=name_of)
+def test_wrong_type_is_refused_by_name_and_changes_nothing(spec: ParameterSpecification) -> None:
+    session = session_for()
+    before = session.parameters
+    wrong = 1.0 if isinstance(spec.default, str) else 'text'
+    with pytest.raises(ContactEstimationError, match=f'{spec.name} must be'):
+        session.change_parameters({'contact.on_ratio': 5.0, spec.name: wrong})
+    assert session.parameters is before
+
+
+@pytest.mark.parametrize('spec', LOWER, ids=name_of)
+def test_value_below_its_minimum_is_refused_by_name(spec: ParameterSpecification) -> None:
+    below = type(spec.default)(spec.minimum - 1)  # type: ignore[operator]
+    with pytest.raises(ContactEstimationError, match=f'{spec.name} must be'):
+        session_for().change_parameters({spec.name: below})
+
+
+def test_refused_change_leaves_the_estimates_as_they_would_have_been() -> None:
+    asked, undisturbed = session_for(), session_for()
+    for session in (asked, undisturbed):
+        feed(session, SAMPLES[:IN_CONTACT])
+    with pytest.raises(ContactEstimationError, match='reference_law'):
+        asked.change_parameters({
+            'reference_law': 'series', 'reference.robot_force_tracking': True,
+            'estimator': 'rls', 'conditioning.cutoff_frequency': 20.0,
+        })
+    rest = SAMPLES[IN_CONTACT:]
+    assert repr(feed(asked, rest)) == repr(feed(undisturbed, rest))
+
+
+def test_minimum_stiffness_above_the_maximum_is_refused() -> None:
+    with pytest.raises(ContactEstimationError, match='minimum_stiffness'):
+        session_for().change_parameters({
+            'environment.minimum_stiffness': 2e3, 'environment.maximum_stiffness': 1e3,
+        })
+
+
+@pytest.mark.parametrize('estimator', ESTIMATORS)
+def test_replay_of_the_samples_gives_the_live_estimates(estimator: str) -> None:
+    live = closed_loop({'estimator': estimator}, PAPER_SENSORS, duration=7.0)
+    replay = ContactSession(build(EstimationParameters, {'estimator': estimator}), False)
+    replayed = []
+    for result in live.results:
+        replayed += feed(replay, [result.sample])
+        assert result.reference is not None
+        replay.add_reference(result.reference_stamp_ns, Reference(*result.reference[:3]))
+    assert [repr(r.estimate) for r in replayed] == [repr(r.estimate) for r in live.results]
+
+
+def test_order_of_the_topics_does_not_matter() -> None:
+    forward, backward, results = session_for(), session_for(), []
+    for stamp, position, velocity, force in SAMPLES:
+        results += backward.add_wrench(stamp, force)
+        results += backward.add_motion(stamp, position, velocity)
+    assert repr(results) == repr(feed(forward, SAMPLES))
+
+
+def test_reference_is_stamped_one_period_after_its_sample() -> None:
+    (result,) = feed(session_for(), SAMPLES[:1])
+    assert result.reference_stamp_ns == SAMPLES[0].stamp_ns + PERIOD_NS
+
+
+def test_replay_makes_no_reference() -> None:
+    session = ContactSession(EstimationParameters(), generate_reference=False)
+    assert feed(session, SAMPLES[:1])[0].reference is None
+
+
+def test_robot_rests_where_it_was_while_nothing_is_desired() -> None:
+    results = feed(session_for(), SAMPLES)
+    assert {r.reference[:3] for r in results if r.reference} == {(-0.01, 0.0, 0.0)}
+
+
+def test_force_reference_stands_in_for_a_desired_force() -> None:
+    results = feed(session_for(force_reference=30.0), SAMPLES)
+    assert results[-1].reference is not None and results[-1].reference.force == 30.0
+
+
+def test_desired_position_passes_through_out_of_contact() -> None:
+    session = session_for()
+    session.add_desired(PERIOD_NS, Desired(-0.02, 0.1, 0.5, nan))
+    (result,) = feed(session, SAMPLES[:1])
+    assert result.reference == (-0.02, 0.1, 0.5, 0.0)
+
+
+def test_desired_of_the_future_waits_for_its_stamp() -> None:
+    session = session_for()
+    session.add_desired(PERIOD_NS, Desired(-0.02, 0.0, 0.0, nan))
+    session.add_desired(2 * PERIOD_NS, Desired(-0.03, 0.0, 0.0, nan))
+    references = [r.reference for r in feed(session, SAMPLES[:2])]
+    assert [r.position for r in references if r] == [-0.02, -0.03]
+
+
+@pytest.mark.parametrize('position', [nan, inf])
+def test_desired_position_that_is_not_finite_is_counted(position: float) -> None:
+    session = session_for()
+    session.add_desired(0, Desired(position, 0.0, 0.0, nan))
+    assert session.rejected == {'desired_not_finite': 1}
+
+
+def test_desired_rates_that_are_not_finite_count_as_rest() -> None:
+    session = session_for()
+    session.add_desired(0, Desired(-0.02, nan, inf, nan))
+    assert feed(session, SAMPLES[:1])[0].reference == (-0.02, 0.0, 0.0, 0.0)
+
+
+def test_time_that_jumps_back_keeps_the_estimate() -> None:
+    session = session_for()
+    learned = feed(session, SAMPLES)[-1].estimate
+    (first, *_) = feed(session, SAMPLES[:10])
+    assert (first.estimate.stiffness, session.time_jumps) == (learned.stiffness, 1)
+
+
+def test_time_that_jumps_back_goes_on_with_every_sample() -> None:
+    session = session_for()
+    feed(session, SAMPLES)
+    assert len(feed(session, SAMPLES)) == len(SAMPLES)
+
+
+def test_rejected_reasons_of_others_are_counted() -> None:
+    session = session_for()
+    session.count_rejected('joint_unknown')
+    assert session.rejected['joint_unknown'] == 1
+
+
+def test_reset_goes_back_to_the_first_guess() -> None:
+    session = session_for()
+    feed(session, SAMPLES)
+    session.reset()
+    assert session.pipeline.estimator.stiffness == 3000.0
+
+
+def test_tare_is_that_of_the_pipeline() -> None:
+    session = session_for()
+    feed(session, SAMPLES)
+    assert session.tare() == session.pipeline.tare()

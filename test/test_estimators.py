@@ -1,0 +1,131 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""What every registered estimator owes: registering a variant tests it."""
+
+from __future__ import annotations
+
+from math import isfinite
+from typing import Any
+
+from contact_estimation.estimators import ESTIMATORS, EstimatorsTuning
+from contact_estimation.estimators.estimator import (
+    EnvironmentParameters,
+    EstimateStatus,
+    OnlineEstimator,
+)
+from contact_estimation.parameters import specifications
+from core_runs import closed_loop, contact_samples, estimates_of, PAPER_SENSORS, pipeline_with
+import numpy as np
+import pytest
+
+EACH = pytest.mark.parametrize('name', ESTIMATORS)
+SAMPLES = contact_samples(2.5, force_noise=0.3)
+
+
+@pytest.fixture(scope='module', params=ESTIMATORS)
+def estimates(request: pytest.FixtureRequest) -> Any:
+    return estimates_of(SAMPLES, pipeline_with(estimator=request.param))
+
+
+def test_sine_contact_gives_the_stiffness(estimates: Any) -> None:
+    assert estimates[-1].stiffness == pytest.approx(4800.0, rel=0.02)
+
+
+def test_sine_contact_gives_the_damping(estimates: Any) -> None:
+    assert estimates[-1].damping == pytest.approx(200.0, rel=0.06)
+
+
+def test_status_is_free_before_contact(estimates: Any) -> None:
+    before = [e for e, s in zip(estimates, SAMPLES) if s.position < 0.0]
+    assert {e.status for e in before} == {EstimateStatus.FREE}
+
+
+def test_status_is_estimating_at_the_end_of_the_sine(estimates: Any) -> None:
+    assert estimates[-1].status is EstimateStatus.ESTIMATING
+
+
+def test_estimate_before_contact_is_the_first_guess(estimates: Any) -> None:
+    assert (estimates[0].stiffness, estimates[0].damping) == (3000.0, 50.0)
+
+
+def test_claimed_std_is_never_negative_nor_infinite(estimates: Any) -> None:
+    claimed = np.array([e[3:5] for e in estimates])
+    assert np.all(claimed >= 0.0) and np.all(np.isfinite(claimed))
+
+
+def test_stiffness_damping_and_location_are_always_finite(estimates: Any) -> None:
+    assert all(isfinite(v) for e in estimates for v in (e.stiffness, e.damping, e.location))
+
+
+def test_stamps_are_those_of_the_samples(estimates: Any) -> None:
+    assert [e.stamp_ns for e in estimates] == [s.stamp_ns for s in SAMPLES]
+
+
+def test_damping_is_never_negative(estimates: Any) -> None:
+    assert min(e.damping for e in estimates) >= 0.0
+
+
+@EACH
+def test_paper_s_loop_ends_within_the_paper_s_errors(name: str) -> None:
+    last = closed_loop({'estimator': name}, PAPER_SENSORS).last
+    np.testing.assert_allclose([last.stiffness, last.damping], [4800.0, 200.0], rtol=0.03)
+
+
+@EACH
+def test_class_is_an_online_estimator(name: str) -> None:
+    assert issubclass(ESTIMATORS[name], OnlineEstimator)
+
+
+def test_tuning_has_a_group_for_every_estimator_by_its_name() -> None:
+    assert [f for f in EstimatorsTuning.__dataclass_fields__] == list(ESTIMATORS)  # type: ignore[attr-defined]
+
+
+@EACH
+def test_tuning_says_what_every_parameter_means(name: str) -> None:
+    assert all(len(s.description) > 8 for s in specifications(ESTIMATORS[name].Parameters))
+
+
+@EACH
+def test_tuning_bounds_every_number(name: str) -> None:
+    numbers = [s for s in specifications(ESTIMATORS[name].Parameters)
+               if type(s.default) in (int, float)]
+    assert all(s.minimum is not None for s in numbers)
+
+
+@EACH
+def test_start_from_begins_at_the_given_values(name: str) -> None:
+    cls = ESTIMATORS[name]
+    estimator = cls(cls.Parameters(), EnvironmentParameters(), 0.002)
+    estimator.start_from(7000.0, 80.0)
+    assert (estimator.stiffness, estimator.damping) == (7000.0, 80.0)
+
+
+@EACH
+def test_limits_hold_whatever_the_data(name: str) -> None:
+    pipeline = pipeline_with(
+        estimator=name, environment__maximum_stiffness=4000.0, environment__maximum_damping=100.0
+    )
+    estimates = estimates_of(contact_samples(0.6), pipeline)
+    assert max(e.stiffness for e in estimates) <= 4000.0
+    assert max(e.damping for e in estimates) <= 100.0
+
+
+@EACH
+@pytest.mark.parametrize('rate', [125.0, 1000.0])
+def test_other_sample_rates_give_the_stiffness_too(name: str, rate: float) -> None:
+    run = closed_loop(
+        {'estimator': name, 'sample_rate': rate}, {'sample_rate': rate}, duration=7.5
+    )
+    assert run.last.stiffness == pytest.approx(4800.0, rel=0.03)

@@ -1,0 +1,129 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The Kalman filter against a plain recursion, a displaced wall and the spread over seeds."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from contact_estimation.estimators.estimator import EnvironmentParameters, Held
+from contact_estimation.estimators.kalman import Kalman, KalmanParameters
+from core_runs import closed_loop, contact_samples, estimates_of, PAPER_SENSORS, pipeline_with
+import numpy as np
+from numpy.typing import NDArray
+import pytest
+
+K, B, T = 4800.0, 200.0, 0.002
+FREE = Held(False, False)
+
+
+def estimator(**tuning: Any) -> Kalman:
+    """Make a filter with the default first guess."""
+    return Kalman(KalmanParameters(**tuning), EnvironmentParameters(), T)
+
+
+def rows_of(count: int, shift: float = 0.0) -> NDArray[np.float64]:
+    """Noisy rows (y, delta, v, 1) of a sine contact with a wall that is `shift` away."""
+    t = T * np.arange(count)
+    d, v = 0.01 + 0.002 * np.sin(20.0 * t), 0.04 * np.cos(20.0 * t)
+    noise = 0.5 * np.random.default_rng(10).standard_normal(count)
+    return np.column_stack([K * (d - shift) + B * v + noise, d, v, np.ones(count)])
+
+
+def test_free_filter_equals_the_textbook_recursion() -> None:
+    q, R = KalmanParameters(stiffness_std=1e3, damping_std=10.0), 0.25  # far from all limits
+    kalman = estimator(stiffness_std=1e3, damping_std=10.0)
+    x = np.array([3000.0, 50.0, 0.0])
+    P = np.diag([1e3, 10.0, 1e-4 * 3000.0]) ** 2
+    for y, d, v, c in rows_of(200).tolist():
+        walk = [q.relative_walk * x[0], q.relative_walk * max(x[1], 50.0), q.location_walk * x[0]]
+        P = P + T * np.diag(walk) ** 2
+        H = np.array([d, v, -c])
+        gain = P @ H / (H @ P @ H + R)
+        x, P = x + gain * (y - H @ x), P - np.outer(gain, H @ P)
+        kalman.update(T, (y, d, v, c), R, FREE)
+    expected = [x[0], x[1], x[2] / x[0], P[0, 0] ** 0.5, P[1, 1] ** 0.5]
+    got = [kalman.stiffness, kalman.damping, kalman.location_shift, kalman.stiffness_std,
+           kalman.damping_std]
+    np.testing.assert_allclose(got, expected, rtol=1e-6)
+
+
+@pytest.mark.parametrize('wall', [1e-3, -1e-3])
+def test_closed_loop_recovers_a_wall_that_is_1_mm_elsewhere(wall: float) -> None:
+    run = closed_loop(
+        {'estimator': 'kalman', 'tuning.kalman.location_std': 1e-3},
+        {**PAPER_SENSORS, 'environment.location': wall},
+    )
+    assert run.last.location == pytest.approx(wall, abs=1e-4)
+
+
+@pytest.mark.parametrize('wall', [1e-3, -1e-3])
+def test_wall_that_is_1_mm_elsewhere_leaves_the_stiffness_right(wall: float) -> None:
+    run = closed_loop(
+        {'estimator': 'kalman', 'tuning.kalman.location_std': 1e-3},
+        {**PAPER_SENSORS, 'environment.location': wall},
+    )
+    assert run.last.stiffness == pytest.approx(4800.0, rel=0.02)
+
+
+def test_claimed_std_is_within_a_factor_2_of_the_errors_over_20_seeds() -> None:
+    errors = []
+    for seed in range(20):
+        pipeline = pipeline_with(estimator='kalman', contact__force_noise=1.0)
+        samples = contact_samples(0.7, K, B, force_noise=1.0, seed=seed)
+        last = estimates_of(samples, pipeline)[-1]
+        errors.append([last.stiffness - K, last.damping - B])
+    spread = np.sqrt(np.mean(np.square(errors), axis=0))
+    ratio = spread / [last.stiffness_std, last.damping_std]
+    assert np.all((ratio > 0.5) & (ratio < 2.0)), ratio
+
+
+@pytest.mark.parametrize('held', [Held(True, False), Held(False, True), Held(True, True)])
+def test_held_parameters_do_not_move(held: Held) -> None:
+    kalman = estimator()
+    for row in rows_of(60).tolist():
+        kalman.update(T, row, 0.25, held)
+    moved = [kalman.stiffness != 3000.0, kalman.damping != 50.0]
+    assert moved == [not held.stiffness, not held.damping]
+
+
+def test_uncertainty_of_a_held_damping_weighs_on_the_stiffness() -> None:
+    held, free = estimator(damping_std=1e4), estimator(damping_std=1e-3)
+    for kalman in (held, free):
+        kalman.update(T, (60.0, 0.01, 0.05, 1.0), 0.25, Held(False, True))
+    assert held.stiffness_std > 10.0 * free.stiffness_std
+
+
+def test_known_location_does_not_move() -> None:
+    kalman = estimator(location_std=0.0)
+    for row in rows_of(300, shift=1e-3).tolist():
+        kalman.update(T, row, 0.25, FREE)
+    assert kalman.location_shift == 0.0
+
+
+def test_damping_is_never_negative() -> None:
+    kalman, smallest = estimator(), 0.0
+    for _, d, v, c in rows_of(300).tolist():
+        kalman.update(T, (K * d - 50.0 * v, d, v, c), 0.25, FREE)
+        smallest = min(smallest, kalman.damping)
+    assert smallest == 0.0
+
+
+def test_reset_goes_back_to_the_first_guess() -> None:
+    kalman = estimator()
+    for row in rows_of(60).tolist():
+        kalman.update(T, row, 0.25, FREE)
+    kalman.reset()
+    assert (kalman.stiffness, kalman.damping, kalman.location_shift) == (3000.0, 50.0, 0.0)

@@ -1,0 +1,52 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+from pathlib import Path
+import shutil
+import subprocess
+import sys
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+LINTERS = ('flake8', 'pydocstyle', 'mypy')
+PLACES = [
+    place for place in ('contact_estimation', 'launch', 'setup.py', 'test')
+    if place.endswith('.py') or any((ROOT / place).rglob('*.py'))
+]
+
+
+@pytest.mark.parametrize('linter', LINTERS)
+def test_source_passes(linter: str) -> None:
+    command = [sys.executable, '-m', linter, *PLACES]
+    run = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+    assert run.returncode == 0, f'{" ".join(command)}\n{run.stdout}{run.stderr}'
+
+
+def test_source_passes_ament_flake8() -> None:
+    main = pytest.importorskip('ament_flake8.main').main_with_errors
+    code, errors = main(argv=[str(ROOT / place) for place in PLACES])
+    assert code == 0, '\n'.join(errors)
+
+
+@pytest.mark.parametrize('linter', ['ament_pep257', 'ament_copyright'])
+def test_source_passes_ament(linter: str, capfd: pytest.CaptureFixture[str]) -> None:
+    main = pytest.importorskip(f'{linter}.main').main
+    assert main(argv=[str(ROOT / place) for place in PLACES]) == 0, capfd.readouterr().err
+
+
+@pytest.mark.skipif(shutil.which('xmllint') is None, reason='xmllint is not installed')
+def test_package_xml_passes_ament_xmllint(capfd: pytest.CaptureFixture[str]) -> None:
+    main = pytest.importorskip('ament_xmllint.main').main
+    assert main(argv=[str(ROOT / 'package.xml')]) == 0, capfd.readouterr().err

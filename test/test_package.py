@@ -1,0 +1,152 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+import ast
+from importlib import import_module, util
+from pathlib import Path
+import re
+import runpy
+import sys
+from typing import Any
+from xml.etree import ElementTree
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+PACKAGE = ROOT / 'contact_estimation'
+# What the source may import, and the rosdep key that brings it.
+ROSDEP_KEYS = {
+    'diagnostic_msgs': 'diagnostic_msgs',
+    'filterpy': 'python3-filterpy-pip',
+    'geometry_msgs': 'geometry_msgs',
+    'launch': 'launch',
+    'launch_ros': 'launch_ros',
+    'matplotlib': 'python3-matplotlib',
+    'mcap': 'mcap-ros2-support',
+    'numpy': 'python3-numpy',
+    'rcl_interfaces': 'rcl_interfaces',
+    'rclpy': 'rclpy',
+    'rosbags': 'python3-rosbags-pip',
+    'scipy': 'python3-scipy',
+    'sensor_msgs': 'sensor_msgs',
+    'std_msgs': 'std_msgs',
+    'std_srvs': 'std_srvs',
+    'trajectory_msgs': 'trajectory_msgs',
+    'yaml': 'python3-yaml',
+}
+RUN_BY_USERS = {'ros2launch'}
+
+
+@pytest.fixture
+def setup_arguments(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
+    """Return what setup.py hands to setuptools."""
+    arguments: dict[str, Any] = {}
+    monkeypatch.setattr(pytest.importorskip('setuptools'), 'setup', arguments.update)
+    monkeypatch.chdir(ROOT)
+    runpy.run_path('setup.py')
+    return arguments
+
+
+def package_xml() -> ElementTree.Element:
+    return ElementTree.parse(ROOT / 'package.xml').getroot()
+
+
+def exec_depends() -> set[str]:
+    return {element.text or '' for element in package_xml().iter('exec_depend')}
+
+
+def python_files() -> list[Path]:
+    places = (PACKAGE, ROOT / 'launch', ROOT / 'test')
+    return [ROOT / 'setup.py', *(file for place in places for file in place.rglob('*.py'))]
+
+
+def imported_packages(file: Path) -> set[str]:
+    names = set()
+    for node in ast.walk(ast.parse(file.read_text())):
+        if isinstance(node, ast.Import):
+            names |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.level == 0:
+            names.add(node.module or '')
+    return {name.partition('.')[0] for name in names}
+
+
+def test_package_xml_is_a_format_3_ament_python_package() -> None:
+    root = package_xml()
+    assert root.get('format') == '3'
+    assert root.findtext('name') == 'contact_estimation'
+    assert root.findtext('export/build_type') == 'ament_python'
+
+
+def test_maintainer_has_a_valid_address() -> None:
+    # An invalid one makes colcon treat the package as plain Python, without a word.
+    for maintainer in package_xml().iter('maintainer'):
+        assert re.fullmatch(r'[\w.+-]+@[\w-]+(\.[\w-]+)+', maintainer.get('email', ''))
+
+
+def test_version_is_the_same_everywhere(setup_arguments: dict[str, Any]) -> None:
+    newest = re.search(r'^(\d+\.\d+\.\d+) \(', (ROOT / 'CHANGELOG.rst').read_text(), re.M)
+    assert newest is not None
+    versions = {package_xml().findtext('version'), setup_arguments['version'], newest[1]}
+    assert len(versions) == 1, versions
+
+
+def test_every_exec_depend_is_a_known_rosdep_key() -> None:
+    assert exec_depends() <= set(ROSDEP_KEYS.values()) | RUN_BY_USERS
+
+
+def test_package_xml_declares_every_import() -> None:
+    files = [*PACKAGE.rglob('*.py'), *(ROOT / 'launch').rglob('*.py')]
+    imported = set().union(*(imported_packages(file) for file in files))
+    imported -= {'__future__', PACKAGE.name, *sys.stdlib_module_names}
+    assert imported <= set(ROSDEP_KEYS)
+    assert {ROSDEP_KEYS[name] for name in imported} <= exec_depends()
+
+
+def test_every_module_is_installed(setup_arguments: dict[str, Any]) -> None:
+    installed = {package.replace('.', '/') for package in setup_arguments['packages']}
+    folders = {file.parent.relative_to(ROOT).as_posix() for file in PACKAGE.rglob('*.py')}
+    assert folders <= installed, 'these folders lack an __init__.py'
+
+
+def test_every_data_file_is_installed(setup_arguments: dict[str, Any]) -> None:
+    installed = {file for _, files in setup_arguments['data_files'] for file in files}
+    files = [path for name in ('config', 'launch') for path in (ROOT / name).rglob('*')]
+    expected = {f.relative_to(ROOT).as_posix() for f in files if f.is_file()}
+    assert {file for file in expected if '__pycache__' not in file} <= installed
+
+
+def test_console_scripts_point_to_functions(setup_arguments: dict[str, Any]) -> None:
+    for script in setup_arguments['entry_points']['console_scripts']:
+        module, function = script.partition(' = ')[2].split(':')
+        if '.ros.' in module and util.find_spec('rclpy') is None:
+            continue
+        assert callable(getattr(import_module(module), function)), script
+
+
+def test_every_file_starts_with_the_copyright_header() -> None:
+    header = Path(__file__).read_text().partition('\n\n')[0]
+    assert header.startswith('# Copyright 2026 contact_estimation authors\n')
+    contents = {file: file.read_text() for file in python_files()}
+    lacking = [
+        str(file.relative_to(ROOT)) for file, text in contents.items()
+        if text and not re.sub(r'\A#!.*\n+', '', text).startswith(header)
+    ]
+    assert lacking == []
+
+
+def test_continuous_integration_runs_the_test_command_of_the_readme() -> None:
+    blocks = re.findall(r'^```\w*\n(.*)\n```$', (ROOT / 'README.md').read_text(), re.M)
+    commands = [line for line in blocks if line.endswith('-m pytest')]
+    assert len(commands) == 1
+    assert commands[0] in (ROOT / '.ci' / 'run').read_text().splitlines()

@@ -1,0 +1,127 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Sensors: seeded noise in independent streams, quantisation and the chain of effects."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import isnan, nan
+from typing import Any
+
+from contact_estimation.parameters import parameter, ParameterGroup
+from contact_estimation.physics.physics import ForceSensorEffect
+from contact_estimation.plant.sensors import Sensors
+from contact_estimation.plant.world import Truth
+import numpy as np
+from numpy.typing import NDArray
+import pytest
+from world_reference import plant_with, register
+
+NOISY = {
+    'sensors__force_noise': 1.0, 'sensors__position_noise': 1e-5, 'sensors__velocity_noise': 1e-3,
+}
+
+
+@dataclass(frozen=True)
+class Lag(ParameterGroup):
+    """Parameters of the effect in this test."""
+
+    tau: float = parameter(nan, 'Time constant', 's', nan_is_off=True)
+
+
+def measured(count: int = 3000, **values: Any) -> NDArray[np.float64]:
+    """Measure a world at rest at 12.3 mm, 0.2 m/s and -50 N; (count, 3)."""
+    sensors = Sensors(plant_with(**values))
+    return np.array([
+        sensors.measure(Truth(0.002 * k, 0.0123, 0.2, 0.0, -50.0)) for k in range(count)
+    ])
+
+
+def test_sensors_without_noise_tell_the_truth() -> None:
+    np.testing.assert_array_equal(measured(5), np.tile([-50.0, 0.0123, 0.2], (5, 1)))
+
+
+def test_equal_seeds_give_equal_readings() -> None:
+    np.testing.assert_array_equal(measured(**NOISY, seed=3), measured(**NOISY, seed=3))
+
+
+def test_other_seeds_give_other_readings() -> None:
+    assert not np.any(measured(50, **NOISY, seed=3) == measured(50, **NOISY, seed=4))
+
+
+@pytest.mark.parametrize('off, column', [('force', 0), ('position', 1), ('velocity', 2)])
+def test_switching_one_noise_off_leaves_the_others(off: str, column: int) -> None:
+    rest = [k for k in range(3) if k != column]
+    quiet = measured(**{**NOISY, f'sensors__{off}_noise': 0.0})
+    np.testing.assert_array_equal(quiet[:, rest], measured(**NOISY)[:, rest])
+
+
+def test_streams_are_independent() -> None:
+    correlation = np.corrcoef(measured(**NOISY).T) - np.eye(3)
+    assert np.max(np.abs(correlation)) < 0.08
+
+
+def test_noise_is_white() -> None:
+    force = measured(**NOISY)[:, 0] + 50.0
+    assert abs(np.corrcoef(force[1:], force[:-1])[0, 1]) < 0.08
+
+
+def test_normal_noise_has_the_given_standard_deviation() -> None:
+    np.testing.assert_allclose(measured(**NOISY).std(axis=0), [1.0, 1e-5, 1e-3], rtol=0.05)
+
+
+def test_uniform_noise_stays_within_its_half_width() -> None:
+    error = measured(**NOISY, sensors__distribution='uniform')[:, 0] + 50.0
+    assert 0.99 < np.max(np.abs(error)) <= 1.0
+
+
+def test_uniform_noise_has_the_spread_of_a_uniform_distribution() -> None:
+    error = measured(**NOISY, sensors__distribution='uniform')[:, 0] + 50.0
+    assert np.std(error) == pytest.approx(1.0 / np.sqrt(3.0), rel=0.03)
+
+
+def test_position_is_quantised_after_its_noise() -> None:
+    x = measured(**NOISY, sensors__position_quantisation=5e-6)[:, 1] / 5e-6
+    np.testing.assert_allclose(x, np.round(x), atol=1e-6)
+    assert len(set(np.round(x))) > 3
+
+
+def test_velocity_is_nan_where_it_is_not_published() -> None:
+    assert np.all(np.isnan(measured(5, sensors__publish_velocity=False)[:, 2]))
+
+
+def test_unpublished_velocity_leaves_the_other_noise() -> None:
+    hidden = measured(50, **NOISY, sensors__publish_velocity=False)
+    np.testing.assert_array_equal(hidden[:, :2], measured(50, **NOISY)[:, :2])
+
+
+def test_effects_act_before_the_noise_with_the_time_between_samples(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    class Recorder(ForceSensorEffect):
+        name, equation, Parameters = 'test_sensor', 'F 2', Lag
+
+        def sense(self, t: float, dt: float, force: float, acceleration: float) -> float:
+            return 2.0 * force + dt + 1000.0 * acceleration
+
+    sensors = Sensors(plant_with(register(monkeypatch, Recorder)))
+    readings = [sensors.measure(Truth(0.5 * k, 0.0, 0.0, 0.1, -50.0))[0] for k in range(2)]
+    assert readings == [0.0, 0.5]
+
+
+def test_noise_can_be_changed_while_running() -> None:
+    sensors = Sensors(plant_with())
+    sensors.configure(plant_with(sensors__publish_velocity=False))
+    assert isnan(sensors.measure(Truth(0.0, 0.0, 0.0, 0.0, 0.0))[2])

@@ -1,0 +1,221 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Recordings hold what rosbag2 writes and survive the death of their recorder."""
+
+import os
+from pathlib import Path
+import signal
+import subprocess
+import sys
+
+from contact_estimation.exceptions import RecordingError
+from contact_estimation.messages import RosbagsCodec, StringEncoder, WrenchEncoder
+from contact_estimation.recordings import OfferedQos, RecordingReader, RecordingWriter
+from mcap.reader import make_reader
+from mcap.writer import Writer
+import pytest
+from rosbags.highlevel import AnyReader
+import yaml
+
+WRENCH = 'geometry_msgs/msg/WrenchStamped'
+STRING = 'std_msgs/msg/String'
+START_NS = 1_750_000_000_000_000_000
+PERIOD_NS = 2_000_000
+
+KILLED = """
+import os, signal, sys
+from contact_estimation.recordings import RecordingWriter
+rate_hz, seconds = float(sys.argv[2]), float(sys.argv[3])
+writer = RecordingWriter.folder(sys.argv[1])
+writer.write_metadata('parameters', {'estimator': 'rls'})
+data = bytes([0, 1, 0, 0]) + bytes(72)
+for number in range(int(seconds * rate_hz)):
+    writer.write('/wrench', 'geometry_msgs/msg/WrenchStamped', data, int(number * 1e9 / rate_hz))
+os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+def fill(writer, count=1000):
+    codec = RosbagsCodec()
+    wrench, text = WrenchEncoder(codec, 'tool0'), StringEncoder(codec)
+    best_effort = OfferedQos(reliability='best_effort')
+    for number in range(count):
+        stamp_ns = START_NS + number * PERIOD_NS
+        writer.write('/wrench', WRENCH, wrench.encode(stamp_ns, number, 0.0, 0.0), stamp_ns + 5,
+                     publish_time_ns=stamp_ns, qos=best_effort)
+        if number % 100 == 0:
+            writer.write('/status', STRING, text.encode(f'at {number}'), stamp_ns + 6)
+
+
+@pytest.fixture
+def folder(tmp_path):
+    with RecordingWriter.folder(tmp_path / 'run') as writer:
+        writer.write_metadata('parameters', {'estimator': 'rls'})
+        fill(writer)
+    return tmp_path / 'run'
+
+
+def test_rosbags_reads_every_message_of_a_folder(folder):
+    with AnyReader([folder]) as reader:
+        assert reader.message_count == 1010
+        forces = [
+            reader.deserialize(raw, connection.msgtype).wrench.force.x
+            for connection, _, raw in reader.messages(reader.connections)
+            if connection.topic == '/wrench'
+        ]
+    assert forces == list(range(1000))
+
+
+def test_rosbags_finds_definition_hash_and_qos(folder):
+    with AnyReader([folder]) as reader:
+        connection = next(c for c in reader.connections if c.topic == '/wrench')
+        expected = reader.typestore.hash_rihs01(WRENCH)
+        assert connection.digest == expected
+        assert 'MSG: geometry_msgs/Wrench' in connection.msgdef.data
+        assert connection.ext.offered_qos_profiles[0].reliability.name == 'BEST_EFFORT'
+
+
+def test_metadata_yaml_is_that_of_rosbag2_version_9(folder):
+    content = yaml.safe_load((folder / 'metadata.yaml').read_text())['rosbag2_bagfile_information']
+    assert content['version'] == 9
+    assert content['storage_identifier'] == 'mcap'
+    assert content['relative_file_paths'] == ['run_0.mcap']
+    assert content['message_count'] == 1010
+    assert content['starting_time']['nanoseconds_since_epoch'] == START_NS + 5
+    assert content['duration']['nanoseconds'] == 999 * PERIOD_NS
+    assert content['ros_distro'] == 'jazzy'
+    topic = content['topics_with_message_count'][0]
+    assert topic['message_count'] == 1000
+    assert topic['topic_metadata']['type_description_hash'].startswith('RIHS01_')
+    assert topic['topic_metadata']['offered_qos_profiles'][0]['reliability'] == 'best_effort'
+
+
+def test_mcap_reads_a_single_file(tmp_path):
+    path = tmp_path / 'out.mcap'
+    with RecordingWriter.file(path) as writer:
+        fill(writer)
+    with open(path, 'rb') as stream:
+        reader = make_reader(stream, validate_crcs=True)
+        messages = list(reader.iter_messages(['/wrench']))
+        channel = next(c for c in reader.get_summary().channels.values() if c.topic == '/wrench')
+    assert len(messages) == 1000
+    assert messages[3][2].publish_time == START_NS + 3 * PERIOD_NS
+    assert set(channel.metadata) == {'offered_qos_profiles', 'topic_type_hash'}
+    assert not (tmp_path / 'metadata.yaml').exists()
+
+
+def test_topics_of_one_type_share_its_schema(tmp_path):
+    with RecordingWriter.file(tmp_path / 'out.mcap') as writer:
+        for topic in ('/a', '/b'):
+            writer.write(topic, STRING, bytes([0, 1, 0, 0, 1, 0, 0, 0, 0]), 1)
+    with open(tmp_path / 'out.mcap', 'rb') as stream:
+        assert len(make_reader(stream).get_summary().schemas) == 1
+
+
+def test_nothing_is_overwritten(folder):
+    with pytest.raises(RecordingError, match='never overwritten'):
+        RecordingWriter.folder(folder)
+    with pytest.raises(RecordingError, match='never overwritten'):
+        RecordingWriter.file(folder / 'run_0.mcap')
+
+
+def test_empty_folder_may_be_used(tmp_path):
+    RecordingWriter.folder(tmp_path).close()
+    assert (tmp_path / 'metadata.yaml').exists()
+
+
+def test_place_that_cannot_be_written_is_named(tmp_path):
+    (tmp_path / 'file').touch()
+    with pytest.raises(RecordingError, match='cannot write|never overwritten'):
+        RecordingWriter.file(tmp_path / 'file' / 'out.mcap')
+
+
+def test_unknown_type_is_named(tmp_path):
+    with RecordingWriter.file(tmp_path / 'out.mcap') as writer:
+        with pytest.raises(RecordingError, match='my_msgs/msg/Own'):
+            writer.write('/own', 'my_msgs/msg/Own', b'', 0)
+
+
+def test_topic_keeps_its_type(tmp_path):
+    with RecordingWriter.file(tmp_path / 'out.mcap') as writer:
+        writer.write('/topic', STRING, b'', 0)
+        with pytest.raises(RecordingError, match='recorded as std_msgs'):
+            writer.write('/topic', WRENCH, b'', 0)
+
+
+def test_closed_recording_refuses_messages(tmp_path):
+    writer = RecordingWriter.file(tmp_path / 'out.mcap')
+    writer.close()
+    writer.close()
+    writer.flush()
+    with pytest.raises(RecordingError, match='is closed'):
+        writer.write('/topic', STRING, b'', 0)
+
+
+def test_full_disk_is_named():
+    if not os.path.exists('/dev/full'):
+        pytest.skip('no /dev/full here')
+    writer = RecordingWriter.__new__(RecordingWriter)
+    with pytest.raises(RecordingError, match='No space left'):
+        _use_stream(writer, open('/dev/full', 'wb'))
+
+
+def _use_stream(writer, stream):
+    """Write to a stream that cannot be created by path."""
+    from contact_estimation.recordings import writing
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(writing, 'open', lambda path, mode: stream, raising=False)
+        writer.__init__(Path('/tmp/never_created.mcap'), None)
+
+
+def test_flushed_messages_are_readable_while_recording(tmp_path):
+    writer = RecordingWriter.file(tmp_path / 'out.mcap')
+    fill(writer, 7)
+    writer.flush()
+    reader = RecordingReader(tmp_path / 'out.mcap')
+    assert len(list(reader.messages(['wrench']))) == 7
+    assert reader.truncated
+    writer.close()
+
+
+@pytest.mark.parametrize('rate_hz, seconds', [(1000, 20), (20, 20), (1, 20)])
+def test_kill_loses_at_most_the_last_second(tmp_path, rate_hz, seconds):
+    path = tmp_path / 'run'
+    environment = dict(os.environ, PYTHONPATH=os.pathsep.join(sys.path))
+    done = subprocess.run([sys.executable, '-c', KILLED, str(path), str(rate_hz), str(seconds)],
+                          env=environment)
+    assert done.returncode == -signal.SIGKILL
+    reader = RecordingReader(path)
+    times = [message.log_time_ns for message in reader.messages(['/wrench'])]
+    assert times == [int(k * 1e9 / rate_hz) for k in range(len(times))]
+    assert seconds * 1e9 - times[-1] <= 1e9 + 1e9 / rate_hz
+    assert reader.truncated
+    assert reader.damaged_chunks == 0
+    assert reader.metadata() == {'parameters': {'estimator': 'rls'}}
+
+
+def test_older_mcap_without_flush_ends_chunks_all_the_same(tmp_path, monkeypatch):
+    if not hasattr(Writer, '_Writer__finalize_chunk'):
+        pytest.skip('this mcap has no such method')
+    monkeypatch.delattr(Writer, 'flush', raising=False)
+    writer = RecordingWriter.file(tmp_path / 'out.mcap')
+    fill(writer, 600)
+    assert len(list(RecordingReader(tmp_path / 'out.mcap').messages(['wrench']))) > 450
+    writer.close()
+
+
+def test_qos_of_rclpy_is_converted():
+    qos = pytest.importorskip('rclpy.qos')
+    assert OfferedQos.of_profile(qos.qos_profile_sensor_data) == OfferedQos('best_effort', 5)

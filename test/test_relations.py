@@ -1,0 +1,141 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Relations between force and motion against solutions of the differential equation."""
+
+from __future__ import annotations
+
+from math import nan
+
+from contact_estimation.signals.relations import Relation, Row, TustinRelation, VelocityRelation
+import numpy as np
+from numpy.typing import NDArray
+import pytest
+from scipy.integrate import solve_ivp
+
+M, B, K, T = 3.0, 200.0, 4800.0, 0.002
+THETA_2, THETA_3 = np.array([K, B]), np.array([K, B, M])
+BOTH = pytest.mark.parametrize('cls', [VelocityRelation, TustinRelation])
+
+
+def press(t: float) -> float:
+    """Force of a smooth push on the environment [N]."""
+    return float(40.0 + 20.0 * np.sin(11.0 * t) + 10.0 * np.sin(23.0 * t))
+
+
+def motion_under(mass: float, period: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Solve M a + B v + K d = f(t) from the steady start, sampled over 1 s."""
+    t = np.arange(0.0, 1.0, period)
+    solution = solve_ivp(
+        lambda t, s: [s[1], (press(t) - B * s[1] - K * s[0]) / mass], (0.0, 1.0),
+        [40.0 / K, 0.0], 'DOP853', t_eval=t, rtol=1e-11, atol=1e-14,
+    )
+    return t, solution.y
+
+
+def tustin_residual(period: float) -> float:
+    """Largest departure of the ODE's solution from the bilinear relation [N]."""
+    t, (d, _) = motion_under(M, period)
+    relation = TustinRelation(period)
+    rows = [relation.row(period, x, nan, press(u), True) for u, x in zip(t.tolist(), d.tolist())]
+    made = np.array(rows[2:])
+    return float(np.max(np.abs(made[:, 0] - made[:, [1, 2, 4]] @ THETA_3)))
+
+
+def test_bilinear_relation_holds_on_a_solution_of_the_equation() -> None:
+    assert tustin_residual(T) < 0.03  # of 70 N
+
+
+def test_bilinear_relation_is_of_second_order() -> None:
+    assert tustin_residual(2.0 * T) / tustin_residual(T) == pytest.approx(4.0, rel=0.15)
+
+
+def test_bilinear_row_is_a_quarter_of_the_paper_s_A_B_C_form() -> None:
+    d, F = np.random.default_rng(4).normal(0.0, 1.0, (2, 3))
+    relation = TustinRelation(T)
+    for k in range(3):
+        row = relation.row(T, d[k], nan, F[k], True)
+    assert row is not None
+    A = M * (2 / T) ** 2 + B * (2 / T) + K
+    B_31 = 2 * K - 2 * M * (2 / T) ** 2
+    C = M * (2 / T) ** 2 - B * (2 / T) + K
+    assert 4.0 * row[0] == pytest.approx(F[2] + 2.0 * F[1] + F[0])
+    right = 4.0 * (K * row[1] + B * row[2] + M * row[4])
+    assert right == pytest.approx(A * d[2] + B_31 * d[1] + C * d[0], rel=1e-12)
+
+
+def test_trapezoid_without_velocity_is_exact_for_parabolic_motion() -> None:
+    relation, rows = VelocityRelation(T), []
+    for t in (0.0, T, 2.0 * T, 3.0 * T):
+        d, v = 0.01 + 0.3 * t - 40.0 * t**2, 0.3 - 80.0 * t
+        rows.append(relation.row(T, d, nan, K * d + B * v, True))
+    made = np.array(rows[1:])
+    np.testing.assert_allclose(made[:, 1:3] @ THETA_2, made[:, 0], rtol=1e-12)
+
+
+def test_trapezoid_takes_the_time_between_the_stamps() -> None:
+    relation = VelocityRelation(T)
+    relation.row(T, 0.010, nan, 40.0, True)
+    row = relation.row(1.2 * T, 0.012, nan, 50.0, True)
+    assert row == pytest.approx((45.0, 0.011, 0.002 / (1.2 * T), 1.0))
+
+
+def test_measured_velocity_is_taken_as_it_is() -> None:
+    assert VelocityRelation(T).row(T, 0.01, 0.3, 48.0, True) == (48.0, 0.01, 0.3, 1.0)
+
+
+@BOTH
+@pytest.mark.parametrize('velocity', [nan, 0.1])
+def test_there_is_no_row_outside_contact(cls: type[Relation], velocity: float) -> None:
+    relation = cls(T)
+    rows = [relation.row(T, 0.01 + 0.001 * k, velocity, 1.0, k < 4) for k in range(8)]
+    assert rows[3] is not None
+    assert rows[4:] == [None] * 4
+
+
+@pytest.mark.parametrize('cls, needed', [(VelocityRelation, 2), (TustinRelation, 3)])
+def test_rows_begin_when_all_their_samples_are_in_contact(
+    cls: type[Relation], needed: int
+) -> None:
+    relation = cls(T)
+    rows = [relation.row(T, 0.01 * k, nan, 1.0, k >= 5) for k in range(12)]
+    assert [k for k, row in enumerate(rows) if row is not None][0] == 5 + needed - 1
+
+
+@pytest.mark.parametrize('cls, needed', [(VelocityRelation, 2), (TustinRelation, 3)])
+def test_rows_do_not_reach_across_a_missing_sample(cls: type[Relation], needed: int) -> None:
+    relation = cls(T)
+    spacing = [T] * 5 + [2.0 * T] + [T] * 5
+    rows = [relation.row(dt, 0.01 * k, nan, 1.0, True) for k, dt in enumerate(spacing)]
+    assert [k for k, row in enumerate(rows) if k >= 5 and row is not None][0] == 5 + needed - 1
+
+
+def test_difference_reaches_to_the_sample_before_after_a_measured_velocity() -> None:
+    relation, speed, row = VelocityRelation(T), 0.3, None
+    for k, velocity in enumerate([nan, speed, speed, speed, nan]):
+        d = 0.01 + speed * T * k
+        row = relation.row(T, d, velocity, K * d + B * speed, True)
+    assert holds(row)
+
+
+def test_no_difference_reaches_into_an_earlier_contact() -> None:
+    relation = VelocityRelation(T)
+    relation.row(T, 0.01, nan, 48.0, True)
+    relation.row(T, -0.01, -0.1, 0.0, False)
+    assert relation.row(T, 0.002, nan, 9.6, True) is None
+
+
+def holds(row: Row | None) -> bool:
+    """Tell whether a row, if there is one, satisfies the relation."""
+    return row is None or abs(row[0] - K * row[1] - B * row[2]) < 1e-6 * abs(row[0])

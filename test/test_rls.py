@@ -1,0 +1,151 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Recursive least squares against batch weighted least squares in the paper's coordinates."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from contact_estimation.estimators.estimator import EnvironmentParameters, Held
+from contact_estimation.estimators.rls import (
+    RecursiveLeastSquares,
+    RecursiveLeastSquaresParameters,
+    initial_covariance,
+)
+from contact_estimation.signals.relations import TustinRelation
+import numpy as np
+from numpy.typing import NDArray
+import pytest
+
+M, B, K, T = 2.0, 200.0, 4800.0, 0.002
+FREE = Held(False, False)
+J = np.array([  # eq. (39): (K_e, B_e, M_e) of (A, B, C)
+    [0.25, 0.25, 0.25],
+    [T / 4.0, 0.0, -T / 4.0],
+    [T**2 / 16.0, -T**2 / 16.0, T**2 / 16.0],
+])
+
+
+def estimator(**tuning: Any) -> RecursiveLeastSquares:
+    """Make an estimator with the default first guess."""
+    return RecursiveLeastSquares(
+        RecursiveLeastSquaresParameters(**tuning), EnvironmentParameters(), T
+    )
+
+
+def signals(count: int, noise: float = 0.0, B_e: float = B) -> NDArray[np.float64]:
+    """Penetration and force, the latter of the A, B, C recursion's steady state, (count, 2)."""
+    t = T * np.arange(count)
+    phase = 20.0 * t
+    d = 0.01 + 0.002 * np.sin(phase) + 0.0005 * np.sin(3.0 * phase)
+    v = 0.04 * np.cos(phase) + 0.03 * np.cos(3.0 * phase)
+    a = -0.8 * np.sin(phase) - 1.8 * np.sin(3.0 * phase)
+    errors = noise * np.random.default_rng(7).standard_normal(count)
+    return np.column_stack([d, K * d + B_e * v + M * a + errors])
+
+
+def learn(
+    of: RecursiveLeastSquares, pairs: NDArray[np.float64], variance: float = 0.0,
+    held: Held = FREE,
+) -> list[tuple[float, float, float]]:
+    """Pass penetration and force through relation and estimator."""
+    relation, estimates = TustinRelation(T), []
+    for d, F in pairs.tolist():
+        row = relation.row(T, d, float('nan'), F, True)
+        if row is not None:
+            of.update(T, row, variance, held)
+            estimates.append((of.stiffness, of.damping, of.inertia))
+    return estimates
+
+
+@pytest.mark.parametrize('forgetting', [1.0, 0.98, 0.9])
+def test_recursion_equals_batch_weighted_least_squares(forgetting: float) -> None:
+    pairs = signals(300, noise=0.5)
+    d, F = pairs.T
+    phi = np.column_stack([d[2:], d[1:-1], d[:-2]])  # (N, 3), eq. (31)
+    y = F[2:] + 2.0 * F[1:-1] + F[:-2]
+    weights = forgetting ** np.arange(len(y) - 1, -1, -1.0)
+    start = np.linalg.solve(J, [3000.0, 50.0, 0.0])
+    prior = np.sqrt(forgetting ** len(y) / 1e5)  # P[0] = 1e5 I
+    rows = np.vstack([np.sqrt(weights)[:, None] * phi, prior * np.eye(3)])
+    right = np.concatenate([np.sqrt(weights) * y, prior * start])
+    expected = J @ np.linalg.lstsq(rows, right, rcond=None)[0]
+    (*_, last) = learn(estimator(forgetting_factor=forgetting), pairs)
+    np.testing.assert_allclose(last, expected, rtol=1e-5)
+
+
+def test_initial_covariance_is_that_of_A_B_C_in_the_estimated_coordinates() -> None:
+    expected = 16.0 * J @ (1e5 * np.eye(3)) @ J.T
+    upper = expected[np.triu_indices(3)]
+    np.testing.assert_allclose(initial_covariance(1e5, T), upper, rtol=1e-12, atol=1e-12)
+
+
+def test_noise_free_data_give_stiffness_damping_and_inertia() -> None:
+    (*_, last) = learn(estimator(), signals(1500))
+    np.testing.assert_allclose(last, [K, B, M], rtol=0.01)
+
+
+def test_covariance_does_not_wind_up_without_excitation() -> None:
+    rls = estimator()
+    learn(rls, signals(400, noise=0.5), 0.25)
+    still = np.column_stack([np.full(20_000, 0.01), np.full(20_000, 48.0)])
+    learn(rls, still, 0.25)
+    assert rls.stiffness_std < 0.11 * K and rls.damping_std < 0.11 * B
+
+
+def test_estimates_stay_after_a_long_stretch_without_excitation() -> None:
+    rls = estimator()
+    learn(rls, signals(400, noise=0.5), 0.25)
+    noise = 0.5 * np.random.default_rng(8).standard_normal(10_000)
+    learn(rls, np.column_stack([np.full(10_000, 0.01), 48.0 + noise]), 0.25)
+    np.testing.assert_allclose([rls.stiffness, rls.damping], [K, B], rtol=0.3)
+
+
+def test_damping_is_never_negative_on_an_undamped_wall() -> None:
+    estimates = learn(estimator(), signals(2000, noise=2.0, B_e=0.0), 4.0)
+    assert min(B_hat for _, B_hat, _ in estimates) >= 0.0
+
+
+def test_stiffness_survives_the_limit_of_the_damping() -> None:
+    (*_, last) = learn(estimator(forgetting_factor=1.0), signals(2000, noise=2.0, B_e=0.0), 4.0)
+    assert last[0] == pytest.approx(K, rel=0.02)
+
+
+@pytest.mark.parametrize('held', [Held(True, False), Held(False, True), Held(True, True)])
+def test_held_parameters_do_not_move(held: Held) -> None:
+    (*_, last) = learn(estimator(), signals(60), 0.1, held)
+    moved = [last[0] != 3000.0, last[1] != 50.0]
+    assert moved == [not held.stiffness, not held.damping]
+
+
+def test_inertia_is_zero_for_the_fit_and_nan_for_the_reader_when_not_estimated() -> None:
+    rls = estimator(estimate_inertia=False)
+    learn(rls, signals(400))
+    assert np.isnan(rls.inertia) and rls.stiffness == pytest.approx(K, rel=0.2)
+
+
+@pytest.mark.parametrize('forgetting', [1.0, 0.98])
+def test_claimed_std_is_the_spread_over_noise(forgetting: float) -> None:
+    relation = TustinRelation(T)
+    made = [relation.row(T, d, float('nan'), F, True) for d, F in signals(402).tolist()]
+    rows = [row for row in made if row is not None]
+    random, finals = np.random.default_rng(9), []
+    for _ in range(120):
+        rls = estimator(forgetting_factor=forgetting, initial_covariance=1e10)
+        for row, error in zip(rows, random.standard_normal(len(rows)).tolist()):
+            rls.update(T, (row[0] + 0.5 * error, *row[1:]), 0.25, FREE)
+        finals.append([rls.stiffness, rls.damping])
+    claimed = [rls.stiffness_std, rls.damping_std]
+    np.testing.assert_allclose(np.std(finals, axis=0), claimed, rtol=0.25)

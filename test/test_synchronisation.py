@@ -1,0 +1,226 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Wrench and joint samples are paired by their stamps alone."""
+
+from __future__ import annotations
+
+from math import inf, isnan, nan
+
+from contact_estimation.signals.contact_sample import ContactSample
+from contact_estimation.signals.synchronisation import Synchroniser, SynchronisationParameters
+import numpy as np
+import pytest
+
+MS = 1_000_000
+Message = tuple[str, int]  # kind, stamp_ns
+
+
+def synchroniser() -> Synchroniser:
+    """Make a synchroniser: time-out 100 ms, gap 50 ms, jump 500 ms."""
+    return Synchroniser(SynchronisationParameters())
+
+
+def send(of: Synchroniser, messages: list[Message]) -> list[ContactSample]:
+    """Send messages whose content follows from their stamps."""
+    samples: list[ContactSample] = []
+    for kind, stamp in messages:
+        if kind == 'wrench':
+            samples.extend(of.add_wrench(stamp, -1e-6 * stamp))
+        else:
+            samples.extend(of.add_motion(stamp, 1e-9 * stamp, 1.0 + 1e-12 * stamp))
+    return samples
+
+
+def streams(milliseconds: range, shift_ns: int = 0) -> list[Message]:
+    """Wrench and joint at the same times, the joint later by a shift."""
+    return [m for t in milliseconds for m in
+            (('wrench', t * MS), ('joint', t * MS + shift_ns))]
+
+
+def stamps_ms(samples: list[ContactSample]) -> list[float]:
+    """Stamps in milliseconds."""
+    return [sample.stamp_ns / MS for sample in samples]
+
+
+def test_same_stamps_give_the_readings_themselves() -> None:
+    samples = send(synchroniser(), streams(range(2, 5)))
+    assert samples[0] == ContactSample(2 * MS, 1e-9 * 2 * MS, 1.0 + 1e-12 * 2 * MS, -2.0)
+
+
+def test_either_topic_may_come_first() -> None:
+    forward = streams(range(0, 200, 2))
+    backward = [forward[k ^ 1] for k in range(len(forward))]
+    assert send(synchroniser(), forward) == send(synchroniser(), backward)
+
+
+def test_motion_is_interpolated_to_the_wrench() -> None:
+    of = synchroniser()
+    of.add_motion(0, 1.0, 10.0)
+    of.add_wrench(3 * MS, -5.0)
+    (sample,) = of.add_motion(4 * MS, 2.0, 20.0)
+    assert sample == ContactSample(3 * MS, 1.75, 17.5, -5.0)
+
+
+def test_wrench_waits_for_a_joint_sample_at_or_after_it() -> None:
+    of = synchroniser()
+    of.add_motion(0, 1.0, 0.0)
+    assert not list(of.add_wrench(MS, 0.0))
+    assert stamps_ms(list(of.add_motion(2 * MS, 1.0, 0.0))) == [1.0]
+
+
+def test_velocity_that_is_not_finite_is_unknown_and_the_sample_kept() -> None:
+    of = synchroniser()
+    of.add_motion(0, 1.0, inf)
+    (sample,) = of.add_wrench(0, 0.0)
+    assert isnan(sample.velocity) and sample.position == 1.0
+
+
+@pytest.mark.parametrize('kind', ['wrench', 'joint'])
+def test_duplicate_is_counted_and_the_rest_unharmed(kind: str) -> None:
+    of, messages = synchroniser(), streams(range(0, 20, 2))
+    doubled = [m for m in messages for _ in range(2 if m == (kind, 10 * MS) else 1)]
+    assert send(of, doubled) == send(synchroniser(), messages)
+    assert of.rejected == {f'{kind}_duplicate': 1}
+
+
+@pytest.mark.parametrize('kind', ['wrench', 'joint'])
+def test_late_sample_is_counted_and_the_rest_unharmed(kind: str) -> None:
+    of, messages = synchroniser(), streams(range(0, 20, 2))
+    at = messages.index((kind, 10 * MS)) + 1
+    late = [*messages[:at], (kind, 7 * MS), *messages[at:]]
+    assert send(of, late) == send(synchroniser(), messages)
+    assert of.rejected == {f'{kind}_out_of_order': 1}
+
+
+@pytest.mark.parametrize('force', [nan, inf, -inf])
+def test_wrench_that_is_not_finite_is_counted_and_the_rest_unharmed(force: float) -> None:
+    of = synchroniser()
+    samples = send(of, streams(range(0, 10, 2)))
+    of.add_wrench(10 * MS, force)
+    samples += send(of, [('joint', 10 * MS), *streams(range(12, 20, 2))])
+    assert stamps_ms(samples) == [0, 2, 4, 6, 8, 12, 14, 16, 18]
+    assert of.rejected == {'wrench_not_finite': 1}
+
+
+@pytest.mark.parametrize('position', [nan, inf, -inf])
+def test_joint_that_is_not_finite_is_counted_and_bridged(position: float) -> None:
+    of = synchroniser()
+    samples = send(of, streams(range(0, 10, 2)))
+    of.add_motion(10 * MS, position, 0.0)
+    samples += send(of, [('wrench', 10 * MS), *streams(range(12, 20, 2))])
+    assert stamps_ms(samples) == list(range(0, 20, 2))
+    assert samples[5].position == pytest.approx(1e-9 * 10 * MS)
+    assert of.rejected == {'joint_not_finite': 1}
+
+
+def test_joint_dropout_of_half_a_second_costs_its_wrenches_alone() -> None:
+    of = synchroniser()
+    messages = [m for m in streams(range(0, 2000, 2))
+                if m[0] == 'wrench' or not 500 * MS < m[1] < 1000 * MS]
+    samples = send(of, messages)
+    assert stamps_ms(samples) == [t for t in range(0, 2000, 2) if not 500 < t < 1000]
+    assert set(of.rejected) == {'joint_missing', 'joint_gap'} and of.rejected.total() == 249
+
+
+def test_wrench_dropout_costs_nothing_else() -> None:
+    of = synchroniser()
+    messages = [m for m in streams(range(0, 2000, 2))
+                if m[0] == 'joint' or not 500 * MS < m[1] < 1000 * MS]
+    assert stamps_ms(send(of, messages)) == [
+        t for t in range(0, 2000, 2) if not 500 < t < 1000
+    ]
+    assert not of.rejected
+
+
+def test_joint_samples_too_far_apart_are_not_interpolated() -> None:
+    of = synchroniser()
+    assert not send(of, [('joint', 0), ('wrench', 30 * MS), ('joint', 51 * MS)])
+    assert of.rejected == {'joint_gap': 1}
+
+
+def test_wrench_before_the_first_joint_sample_is_given_up() -> None:
+    of = synchroniser()
+    samples = send(of, [('wrench', 0), ('wrench', 2 * MS), *streams(range(4, 8, 2))])
+    assert stamps_ms(samples) == [4, 6]
+    assert of.rejected == {'joint_missing': 2}
+
+
+def test_wrench_is_given_up_after_the_time_out_in_stamps() -> None:
+    of = synchroniser()
+    send(of, [('joint', 0), ('wrench', 2 * MS), ('wrench', 102 * MS)])
+    assert not of.rejected
+    send(of, [('wrench', 103 * MS)])
+    assert of.rejected == {'joint_missing': 1}
+
+
+@pytest.mark.parametrize('first', ['wrench', 'joint'])
+def test_time_that_jumps_back_starts_anew(first: str) -> None:
+    of, again = synchroniser(), streams(range(0, 20, 2))
+    again.sort(key=lambda m: (m[1], m[0] != first))
+    send(of, streams(range(5000, 5020, 2)))
+    assert send(of, again) == send(synchroniser(), again)
+    assert of.time_jumps == 1 and of.jumped
+
+
+def test_time_that_jumps_back_counts_the_wrenches_it_leaves_behind() -> None:
+    of = synchroniser()
+    send(of, [*streams(range(5000, 5020, 2)), ('wrench', 5020 * MS), ('wrench', 5022 * MS)])
+    send(of, streams(range(0, 20, 2)))
+    assert of.rejected == {'joint_missing': 2}
+
+
+def test_time_that_jumps_ahead_harms_nothing_after_it() -> None:
+    of = synchroniser()
+    later = streams(range(900_000, 900_020, 2))
+    send(of, streams(range(0, 20, 2)))
+    assert send(of, later) == send(synchroniser(), later)
+
+
+def test_count_of_others_stands_under_their_reason() -> None:
+    of = synchroniser()
+    of.count('malformed')
+    assert of.rejected == {'malformed': 1}
+
+
+@pytest.mark.parametrize('seed', range(5))
+@pytest.mark.parametrize('shift_ns', [0, 700_000])
+def test_any_arrival_within_the_time_out_gives_bit_identical_samples(
+    seed: int, shift_ns: int
+) -> None:
+    random = np.random.default_rng(seed)
+    messages = streams(range(0, 1000, 2), shift_ns)
+    delay = {'wrench': 0.0, 'joint': 0.0}
+    arrivals = []
+    for kind, stamp in messages:  # each topic keeps its order
+        delay[kind] = max(delay[kind], stamp + float(random.uniform(0.0, 45.0)) * MS)
+        arrivals.append((delay[kind], len(arrivals), (kind, stamp)))
+    shuffled = [message for _, _, message in sorted(arrivals)]
+    of, expected = synchroniser(), synchroniser()
+    assert send(of, shuffled) == send(expected, messages)
+    assert of.rejected == expected.rejected
+
+
+def test_joint_samples_do_not_pile_up_without_a_wrench() -> None:
+    of = synchroniser()
+    send(of, [('joint', t * MS) for t in range(0, 10_000, 2)])
+    assert not send(of, [('wrench', 9000 * MS)])
+    assert of.rejected == {'joint_missing': 1}
+
+
+def test_new_time_out_holds_at_once() -> None:
+    of = synchroniser()
+    of.configure(SynchronisationParameters(timeout_s=1.0))
+    send(of, [('joint', 0), ('wrench', 2 * MS), ('wrench', 900 * MS)])
+    assert not of.rejected
