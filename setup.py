@@ -13,10 +13,22 @@
 # limitations under the License.
 
 from glob import glob
+import sys
 
 from setuptools import find_packages, setup
+from setuptools.command.install import install
 
 package_name = 'contact_estimation'
+
+
+class Install(install):
+    """Leave setup.cfg's place for executables to colcon; pip < 23.1 calls `install` too."""
+
+    def finalize_options(self) -> None:
+        if '--install-headers' in sys.argv:  # only pip gives this one, and it wants them on PATH
+            self.install_scripts = None
+        super().finalize_options()
+
 
 setup(
     name=package_name,
@@ -88,4 +100,5 @@ setup(
         ],
     },
     zip_safe=False,
+    cmdclass={'install': Install},
 )

@@ -16,9 +16,14 @@
 
 from __future__ import annotations
 
+import bisect
 from collections import Counter, deque
 from math import isfinite, nan
+from operator import itemgetter
 from typing import Any, Callable, Mapping, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
 
 from .estimation_parameters import EstimationParameters
 from .estimation_pipeline import NO_REFERENCE, EstimationPipeline
@@ -72,8 +77,6 @@ class ContactSession:
     ----------
     last_stamp_ns : int
         Stamp of the last sample processed [ns].
-    missing : int
-        Samples that the spacing of the stamps says are missing.
 
     """
 
@@ -83,7 +86,6 @@ class ContactSession:
         self.parameters = parameters
         self.pipeline = EstimationPipeline(parameters)
         self.last_stamp_ns = -(2**63)
-        self.missing = 0
         self._synchroniser = Synchroniser(parameters.synchronisation)
         self._generates = generate_reference
         self._generator = ReferenceGenerator(parameters.reference_law, parameters.reference)
@@ -99,6 +101,16 @@ class ContactSession:
     def rejected(self) -> Counter[str]:
         """Samples not used, by reason."""
         return self._synchroniser.rejected
+
+    @property
+    def missing(self) -> int:
+        """Samples that the spacing of the stamps says are missing."""
+        return self.pipeline.missing
+
+    @property
+    def waits(self) -> bool:
+        """Whether a wrench waits for its joint sample."""
+        return self._synchroniser.waits
 
     @property
     def time_jumps(self) -> int:
@@ -251,6 +263,56 @@ class ContactSession:
         """
         return self.pipeline.tare()
 
+    # -- many samples at once ---------------------------------------------------------------
+
+    def add_pairs(
+        self,
+        stamps_ns: NDArray[np.int64],
+        forces: NDArray[np.float64],
+        positions: NDArray[np.float64],
+        velocities: NDArray[np.float64],
+    ) -> list[Estimate] | None:
+        """
+        Take wrenches and joint readings that have the same stamps; see `Synchroniser.add_pairs`.
+
+        Parameters
+        ----------
+        stamps_ns : ndarray of int64, shape (N,)
+            Stamps of both [ns].
+        forces, positions, velocities : ndarray, shape (N,)
+            F_e [N], x [m] and its rate [m/s], NaN where not measured.
+
+        Returns
+        -------
+        estimates : list of Estimate or None
+            One a sample; None where they must be added one by one.
+
+        """
+        if self._generates or self._synchroniser.jumped:
+            return None
+        samples = self._synchroniser.add_pairs(stamps_ns, forces, positions, velocities)
+        if samples is None:
+            return None
+        estimates: list[Estimate] = []
+        while samples:
+            count = self._undisturbed(samples)
+            if count == 0:
+                estimates.append(self._process(samples[0]).estimate)
+                count = 1
+            else:
+                estimates += self.pipeline.process_run(samples[:count], self._followed)
+                self.last_stamp_ns = samples[count - 1].stamp_ns
+            del samples[:count]
+        return estimates
+
+    def _undisturbed(self, samples: list[ContactSample]) -> int:
+        """Count the samples before the next event or change of reference."""
+        if self.pipeline.estimator.follows_reference or self._references:
+            return 0
+        if not self._scheduled:
+            return len(samples)
+        return bisect.bisect_right(samples, self._scheduled[0][0], key=itemgetter(0))
+
     # -- one sample -------------------------------------------------------------------------
 
     def _process(self, sample: ContactSample) -> Result:
@@ -264,8 +326,6 @@ class ContactSession:
         pipeline = self.pipeline
         estimate = pipeline.process(sample, self._followed)
         period_ns = self._period_ns
-        if self.last_stamp_ns > 0 and stamp_ns - self.last_stamp_ns > 1.5 * period_ns:
-            self.missing += round((stamp_ns - self.last_stamp_ns) / period_ns) - 1
         reference = self._make_reference(sample, estimate, period_ns) if self._generates else None
         self.last_stamp_ns = stamp_ns
         return Result(sample, estimate, stamp_ns + period_ns, reference)

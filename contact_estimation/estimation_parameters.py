@@ -28,17 +28,9 @@ from .physics import PhysicsParameters
 from .reference.laws import LAWS
 from .reference.reference_generator import ReferenceParameters, refuse_double_tracking
 from .signals.butterworth import check_cutoff
+from .signals.conditioning import ConditioningParameters
 from .signals.contact_detection import ContactParameters
 from .signals.synchronisation import SynchronisationParameters
-
-
-@dataclass(frozen=True)
-class ConditioningParameters(ParameterGroup):
-    """The low-pass that regressor and force pass alike."""
-
-    cutoff_frequency: float = parameter(
-        50.0, 'Cut-off of the second-order Butterworth filter; 0: no filter', 'Hz', minimum=0.0
-    )
 
 
 @dataclass(frozen=True)

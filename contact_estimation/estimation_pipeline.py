@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import math
 from math import isfinite, nan
-from typing import Any
+from typing import Sequence
 
 from .estimation_parameters import EstimationParameters
 from .estimators import ESTIMATORS
@@ -28,32 +28,36 @@ from .estimators.estimator import (
     Held,
     OnlineEstimator,
     Reference,
+    Snapshot,
+    TimedRow,
 )
 from .estimators.excitation_monitor import ExcitationMonitor
 from .exceptions import ContactEstimationError
 from .physics import effects_that_are_on
 from .physics.physics import ContactEffect
-from .signals.butterworth import ButterworthBank
-from .signals.contact_detection import ContactDetector
+from .signals.conditioning import Conditioned, Conditioner
 from .signals.contact_sample import ContactSample
+from .signals.relations import Row
 
 NO_REFERENCE = Reference(nan, nan, nan)
-_TARE_S = 0.5
-_ROW_LENGTH = 5
-_NEGLIGIBLE_GATE = 1e-9
 _HOLD_REASONS = {
     Held(False, False): '',
     Held(False, True): 'damping held: weak excitation',
     Held(True, False): 'stiffness held: weak excitation',
     Held(True, True): 'weak excitation',
 }
+_WAITING = 'waiting for consecutive samples'
+_NOT_PREDICTED = 'predicted force within the noise'
+_NOT_FINITE = 'estimate was not finite; started again'
+State = tuple[Snapshot, EstimateStatus, str]
 
 
 class EstimationPipeline:
     """
-    Condition each sample, decide contact, let the estimator learn.
+    Condition samples, decide contact, let the estimator learn.
 
-    Deterministic: the estimates depend on the samples, their stamps and the parameters alone.
+    Deterministic: the estimates depend on the samples, their stamps and the parameters alone,
+    and not on how the samples are cut into runs.
 
     Parameters
     ----------
@@ -64,15 +68,13 @@ class EstimationPipeline:
 
     def __init__(self, parameters: EstimationParameters | None = None) -> None:
         self.parameters = parameters or EstimationParameters()
-        self.bias = 0.0
-        self._build_estimator()
-        self._build_conditioning()
-        self._detector = ContactDetector(self.parameters.contact)
-        self._monitor = ExcitationMonitor(self.parameters.excitation, self._T)
-        self._build_compensation()
-        self._first_stamp_ns: int | None = None
-        self._last_stamp_ns = 0
-        self._forget_motion()
+        self._make_estimator()
+        p = self.parameters
+        self._conditioner = Conditioner(p.contact, p.sample_rate, self._estimator.relation)
+        self._make_conditioning()
+        self._set_physics()
+        self._monitor = ExcitationMonitor(p.excitation, 1.0 / p.sample_rate)
+        self._note_prediction()
 
     # -- parameters -------------------------------------------------------------------------
 
@@ -94,58 +96,45 @@ class EstimationPipeline:
             If they do not fit together; nothing has changed then.
 
         """
+        effects_that_are_on(parameters.physics)  # the only stage that can refuse
         old, self.parameters = self.parameters, parameters
-        try:
-            self._build_changed(old, parameters)
-        except ContactEstimationError:
-            self.parameters = old
-            raise
-
-    def _build_changed(self, old: EstimationParameters, new: EstimationParameters) -> None:
-        rate_changed = new.sample_rate != old.sample_rate
-        if rate_changed or new.conditioning != old.conditioning:
-            self._build_conditioning()
-        if new.physics != old.physics:
-            self._build_compensation()
-        if rate_changed or new.estimator != old.estimator:
+        rate_changed = parameters.sample_rate != old.sample_rate
+        if rate_changed or parameters.estimator != old.estimator:
             self._switch_estimator()
-        elif new.environment != old.environment or new.tuning != old.tuning:
-            self._estimator.environment = new.environment
-            self._estimator.configure(getattr(new.tuning, new.estimator))
-            self._estimator.bound()
-        self._detector.configure(new.contact)
+            self._make_conditioning()
+        elif parameters.conditioning != old.conditioning:
+            self._make_conditioning()
+        if parameters.environment != old.environment or parameters.tuning != old.tuning:
+            self._estimator.environment = parameters.environment
+            self._estimator.configure(getattr(parameters.tuning, parameters.estimator))
+        self._set_physics()
+        self._conditioner.detector.configure(parameters.contact)
         if rate_changed:
-            self._monitor = ExcitationMonitor(new.excitation, self._T)
-        self._monitor.configure(new.excitation)
+            self._monitor = ExcitationMonitor(parameters.excitation, 1.0 / parameters.sample_rate)
+        self._monitor.configure(parameters.excitation)
 
-    def _build_conditioning(self) -> None:
+    def _make_estimator(self) -> None:
         p = self.parameters
-        self._filter = ButterworthBank(
-            _ROW_LENGTH, p.conditioning.cutoff_frequency, p.sample_rate
-        )
-        self._velocity_filter = ButterworthBank(
-            1, p.conditioning.cutoff_frequency, p.sample_rate
-        )
-        self._filter_empty = True
-
-    def _build_compensation(self) -> None:
-        effects = effects_that_are_on(self.parameters.physics)
-        self._compensated = [e for e in effects if isinstance(e, ContactEffect)]
-
-    def _build_estimator(self) -> None:
-        p = self.parameters
-        self._T = 1.0 / p.sample_rate
         cls = ESTIMATORS[p.estimator]
-        tuning = getattr(p.tuning, p.estimator)
-        self._estimator: OnlineEstimator = cls(tuning, p.environment, self._T)
-        self._relation = cls.relation(self._T)
+        self._estimator: OnlineEstimator = cls(
+            getattr(p.tuning, p.estimator), p.environment, 1.0 / p.sample_rate
+        )
 
     def _switch_estimator(self) -> None:
         stiffness, damping = self._estimator.stiffness, self._estimator.damping
-        self._build_estimator()
-        self._estimator.start_from(stiffness, damping)
-        self._filter.reset()  # the relation's columns may differ
-        self._filter_empty = True
+        self._make_estimator()
+        self._estimator.start_from(*self._estimator.within_limits(stiffness, damping))
+
+    def _make_conditioning(self) -> None:
+        p, contact = self.parameters, self._conditioner.detector.contact
+        self._conditioner.build(p.conditioning, p.sample_rate, self._estimator.relation)
+        self._conditioner.detector.contact = contact
+
+    def _set_physics(self) -> None:
+        effects = effects_that_are_on(self.parameters.physics)
+        self._conditioner.effects = [e for e in effects if isinstance(e, ContactEffect)]
+        self._conditioner.location = self.parameters.environment.location
+        self._conditioner.location_known = not self._estimator.estimates_location
 
     # -- events -----------------------------------------------------------------------------
 
@@ -153,14 +142,13 @@ class EstimationPipeline:
         """Go back to the first guess; the tare stays."""
         self._estimator.reset()
         self._monitor.reset()
-        self._detector.reset()
-        self._forget_motion()
+        self._conditioner.detector.reset()
+        self._conditioner.forget_motion()
+        self._note_prediction()
 
     def restart_time(self) -> None:
         """Accept stamps before the last one, as when a bag loops; K_hat and B_hat stay."""
-        self._detector.contact = False
-        self._first_stamp_ns = None
-        self._forget_motion()
+        self._conditioner.forget_motion()
 
     def tare(self) -> tuple[bool, str]:
         """
@@ -169,29 +157,32 @@ class EstimationPipeline:
         Returns
         -------
         done : bool
-            False in contact or before any sample.
+            False in contact or too soon after it.
         message : str
             What was done, or why not.
 
         """
-        if self._first_stamp_ns is None or self._free_since_ns is None:
-            return False, 'in contact, or no sample yet; move away from the wall and try again'
-        if self._last_stamp_ns - self._free_since_ns < _TARE_S * 1e9:
-            return False, f'out of contact for less than {_TARE_S} s; wait and try again'
-        self.bias -= self._tare_level
-        self._detector.level = 0.0
-        self._tare_level = 0.0
-        return True, f'force bias is now {self.bias:.6g} N'
+        return self._conditioner.tare()
+
+    @property
+    def bias(self) -> float:
+        """Force that is subtracted from the measured F_e, set by `tare` [N]."""
+        return self._conditioner.bias
+
+    @property
+    def missing(self) -> int:
+        """Samples that the spacing of the stamps says are missing."""
+        return self._conditioner.missing
 
     @property
     def noise_std(self) -> float:
         """Standard deviation of the force noise in free flight [N]."""
-        return math.sqrt(self._detector.noise_variance)
+        return math.sqrt(self._conditioner.detector.noise_variance)
 
     @property
     def free_flight_level(self) -> float:
         """Pressing force that remains in free flight [N]; far from 0, a tare is due."""
-        return self._detector.level
+        return self._conditioner.detector.level
 
     @property
     def excitation(self) -> ExcitationMonitor:
@@ -201,7 +192,7 @@ class EstimationPipeline:
     @property
     def contact(self) -> bool:
         """Whether the last sample was in contact."""
-        return self._detector.contact
+        return self._conditioner.detector.contact
 
     @property
     def estimator(self) -> OnlineEstimator:
@@ -209,18 +200,6 @@ class EstimationPipeline:
         return self._estimator
 
     # -- samples ----------------------------------------------------------------------------
-
-    def _forget_motion(self) -> None:
-        self._filter.reset()
-        self._velocity_filter.reset()
-        self._filter_empty = True
-        self._relation = type(self._relation)(self._T)
-        self._last_stamp_ns = 0
-        self._last_position = nan
-        self._last_velocity = nan
-        self._free_since_ns: int | None = None
-        self._tare_level = 0.0
-        self._status = EstimateStatus.FREE
 
     def process(self, sample: ContactSample, reference: Reference = NO_REFERENCE) -> Estimate:
         """
@@ -239,106 +218,129 @@ class EstimationPipeline:
             What is known now.
 
         """
-        stamp_ns, position, velocity, force = sample
-        if self._first_stamp_ns is None:
-            self._first_stamp_ns = self._last_stamp_ns = stamp_ns
-        dt = (stamp_ns - self._last_stamp_ns) * 1e-9
-        self._last_stamp_ns = stamp_ns
-        estimator = self._estimator
-        delta = position - self.parameters.environment.location
-        motion = velocity if velocity == velocity else self._difference(dt, position)
-        pressing = self.bias - force
-        contact = self._decide_contact(dt, delta, motion, pressing)
-        if estimator.follows_reference and reference.position == reference.position:
-            estimator.observe(dt, position, motion, -pressing, reference)
-        if contact and self._compensated:
-            pressing -= self._known_resistance(dt, stamp_ns, delta, motion)
-        self._last_position, self._last_velocity = position, motion
-        row = self._relation.row(dt, delta, velocity, pressing, contact)
-        status, reason = EstimateStatus.FREE, ''
-        filtered = self._condition(row)
-        if contact:
-            status, reason = self._learn(dt, row is not None, filtered)
-        return Estimate(
-            stamp_ns,
-            estimator.stiffness,
-            estimator.damping,
-            estimator.stiffness_std,
-            estimator.damping_std,
-            self.parameters.environment.location + estimator.location_shift,
-            estimator.inertia,
-            status,
-            reason,
-        )
+        return self.process_run((sample,), reference)[0]
 
-    def _difference(self, dt: float, position: float) -> float:
-        """Estimate the velocity for the contact decision; the relation has a better way."""
-        last = self._last_position
-        raw = (position - last) / dt if dt > 0.0 and last == last else 0.0
-        return self._velocity_filter.process((raw,))[0]
+    def process_run(
+        self, samples: Sequence[ContactSample], reference: Reference = NO_REFERENCE
+    ) -> list[Estimate]:
+        """
+        Take samples, one after the other.
 
-    def _decide_contact(
-        self, dt: float, delta: float, velocity: float, pressing: float
-    ) -> bool:
-        estimator, detector = self._estimator, self._detector
-        predicted: float | None = None
-        if not estimator.estimates_location:
-            K = estimator.stiffness
-            predicted = K * delta + estimator.damping * velocity if delta > 0.0 else 0.0
-            detector.expect_above(3.0 * K * self.parameters.contact.position_noise)
-        contact = detector.update(dt, pressing, predicted)
-        if contact or (predicted is not None and predicted > 0.0):
-            self._free_since_ns = None
-        elif self._free_since_ns is None:
-            self._free_since_ns, self._tare_level = self._last_stamp_ns, pressing
-        else:
-            # The plain mean converges faster than the detector's slow, outlier-proof level.
-            elapsed = (self._last_stamp_ns - self._free_since_ns) * 1e-9
-            gain = dt / min(max(elapsed, dt), _TARE_S) if dt > 0.0 else 0.0
-            self._tare_level += gain * (pressing - self._tare_level)
-        return contact
+        Parameters
+        ----------
+        samples : sequence of ContactSample
+            With growing stamps after the last one, and finite position and force.
+        reference : Reference
+            What the robot follows during all of them.
 
-    def _known_resistance(
-        self, dt: float, stamp_ns: int, delta: float, velocity: float
-    ) -> float:
-        assert self._first_stamp_ns is not None
-        t = (stamp_ns - self._first_stamp_ns) * 1e-9
-        last = self._last_velocity
-        acceleration = (velocity - last) / dt if dt > 0.0 and last == last else 0.0
-        return sum(
-            effect.resistance(t, delta, velocity, (), math) + effect.inertia * acceleration
-            for effect in self._compensated
-        )
+        Returns
+        -------
+        estimates : list of Estimate
+            One a sample.
 
-    def _condition(self, row: Any) -> Any:
-        """Filter the gated row; outside contact the gate has made all columns zero."""
-        if row is None:
-            if self._filter_empty:
-                return None
-            filtered = self._filter.process((0.0,) * _ROW_LENGTH)
-            if abs(filtered[3]) < _NEGLIGIBLE_GATE:
-                self._filter.reset()
-                self._filter_empty = True
-            return filtered
-        self._filter_empty = False
-        return self._filter.process(row)
+        """
+        conditioned = self._conditioner.process(samples)
+        if self._estimator.follows_reference and reference.position == reference.position:
+            self._observe(samples, conditioned, reference)
+        states: list[State] = []
+        begin, count = 0, len(samples)
+        contact, rows = conditioned.contact, conditioned.rows
+        while begin < count:
+            learns = rows[begin] is not None
+            end = begin + 1
+            while end < count and (rows[end] is not None) is learns:
+                end += 1
+            if learns:
+                states += self._learn(
+                    conditioned.dts[begin:end], rows[begin:end], conditioned.variances[begin]
+                )
+            else:
+                states += self._stand(contact[begin:end])
+            begin = end
+        location = self.parameters.environment.location
+        return [
+            Estimate(
+                sample[0], now[0], now[1], now[2], now[3], location + now[4], now[5], status, why
+            )
+            for sample, (now, status, why) in zip(samples, states)
+        ]
 
-    def _learn(self, dt: float, valid: bool, row: Any) -> tuple[EstimateStatus, str]:
+    def _observe(
+        self, samples: Sequence[ContactSample], conditioned: Conditioned, reference: Reference
+    ) -> None:
+        observe, bias = self._estimator.observe, self._conditioner.bias
+        for sample, dt, velocity in zip(samples, conditioned.dts, conditioned.velocities):
+            observe(dt, sample.position, velocity, sample.force - bias, reference)
+
+    def _stand(self, contact: list[bool]) -> list[State]:
+        """Hold still: out of contact, or while consecutive samples are lacking."""
+        now = self._estimator.snapshot()
+        free: State = now, EstimateStatus.FREE, ''
+        waiting: State = now, EstimateStatus.FROZEN, _WAITING
+        return [waiting if touching else free for touching in contact]
+
+    def _learn(
+        self, dts: list[float], rows: Sequence[Row | None], variance: float
+    ) -> list[State]:
+        """Learn between the judgements on excitation, which fall on fixed counts of rows."""
+        longest = 2.0 / self.parameters.sample_rate  # never integrate over a gap
+        timed: list[TimedRow] = [
+            (dt if dt < longest else longest, row) for dt, row in zip(dts, rows) if row
+        ]
+        states: list[State] = []
+        begin = 0
+        while begin < len(timed):
+            part = timed[begin:begin + self._monitor.until_judgement]
+            self._monitor.add([row for _, row in part])
+            states += self._learn_part(part, variance)
+            if self._monitor.until_judgement == 0:
+                self._judge(variance)
+            begin += len(part)
+        return states
+
+    def _learn_part(self, part: list[TimedRow], variance: float) -> list[State]:
+        held = self._monitor.held
+        if held.stiffness and held.damping:
+            return [(self._estimator.snapshot(), EstimateStatus.FROZEN, _HOLD_REASONS[held])] * len(
+                part
+            )
+        K, B, floor = self._prediction
+        if all(K * row[1] + B * row[2] > floor for _, row in part):
+            snapshots = self._estimator.learn(part, variance, held)
+            reason = _HOLD_REASONS[held]
+            return self._checked([(now, EstimateStatus.ESTIMATING, reason) for now in snapshots])
+        states: list[State] = []
+        for timed in part:
+            if K * timed[1][1] + B * timed[1][2] > floor:
+                (now,) = self._estimator.learn((timed,), variance, held)
+                states.append((now, EstimateStatus.ESTIMATING, _HOLD_REASONS[held]))
+            else:
+                now = self._estimator.snapshot()
+                states.append((now, EstimateStatus.FROZEN, _NOT_PREDICTED))
+        return self._checked(states)
+
+    def _checked(self, states: list[State]) -> list[State]:
+        """Start again rather than go on from a number that is none."""
+        now = states[-1][0]
+        if isfinite(now.stiffness) and isfinite(now.damping):
+            return states
+        self._estimator.reset()
+        return [(self._estimator.snapshot(), EstimateStatus.FROZEN, _NOT_FINITE)] * len(states)
+
+    def _judge(self, variance: float) -> None:
         estimator, environment = self._estimator, self.parameters.environment
-        if not valid:
-            return EstimateStatus.FROZEN, 'waiting for consecutive samples'
-        variance = self._detector.noise_variance
-        held = self._monitor.update(
-            row,
+        self._monitor.judge(
             variance,
             max(estimator.stiffness, 0.1 * environment.initial_stiffness),
             max(estimator.damping, environment.initial_damping, 1e-3),
-            getattr(estimator, 'location_std', None),
+            estimator.location_std,
         )
-        if held.stiffness and held.damping:
-            return EstimateStatus.FROZEN, _HOLD_REASONS[held]
-        estimator.update(min(dt, 2.0 * self._T), row, variance, held)
-        if not (isfinite(estimator.stiffness) and isfinite(estimator.damping)):
-            estimator.reset()
-            return EstimateStatus.FROZEN, 'estimate was not finite; started again'
-        return EstimateStatus.ESTIMATING, _HOLD_REASONS[held]
+        self._note_prediction()
+
+    def _note_prediction(self) -> None:
+        """Keep K_hat, B_hat and the noise by which the next rows are found predictable."""
+        if self._estimator.estimates_location:
+            self._prediction = 0.0, 0.0, -1.0  # no prediction before the location is known
+            return
+        K, B = self._estimator.stiffness, self._estimator.damping
+        self._prediction = K, B, 3.0 * K * self.parameters.contact.position_noise

@@ -21,11 +21,13 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any, Iterator, Mapping
 
+import numpy as np
+
 from .contact_session import ContactSession, Result
 from .estimation_events import EstimationEvent, apply_event
 from .estimation_parameters import EstimationParameters
 from .estimators import ESTIMATORS
-from .estimators.estimator import Reference
+from .estimators.estimator import Estimate, Reference
 from .exceptions import MessageError
 from .messages import (
     Codec,
@@ -40,6 +42,7 @@ from .recordings.estimation_metadata import from_metadata
 from .recordings.topic_names import canonical
 
 _AHEAD = 6000  # messages; an event may be recorded so much later than the sample it follows
+_MOST_UNPAIRED = 200  # messages; more of one topic than of the other is no chunk's end
 _AXES = {'x': 2, 'y': 3, 'z': 4}  # place in a WrenchReading
 
 
@@ -105,15 +108,16 @@ class RecordingReplay:
         self._joints = JointStateDecoder(codec, source.joint)
         self._references = TrajectoryDecoder(codec)
         self._force = _AXES[source.axis]
+        self._left_over: list[RecordedMessage] = []
 
-    def results(self) -> Iterator[list[Result]]:
+    def estimates(self) -> Iterator[list[Estimate]]:
         """
         Run the recording through the session.
 
         Yields
         ------
-        results : list of Result
-            Of a stretch of the recording, in order.
+        estimates : list of Estimate
+            Of a stretch of the recording, in order, one for each wrench used.
 
         Raises
         ------
@@ -123,6 +127,7 @@ class RecordingReplay:
         """
         for batch in self._ahead(self._reader.batches(self._topics())):
             yield self._process(batch)
+        yield self._process_one_by_one(self._left_over)
 
     def _topics(self) -> list[str]:
         source = self._source
@@ -182,11 +187,61 @@ class RecordingReplay:
         rates = (0.0 if rate != rate else rate for rate in (v, a))
         self.session.add_reference(stamp_ns, Reference(x, *rates))
 
-    def _process(self, batch: list[RecordedMessage]) -> list[Result]:
+    def _process(self, batch: list[RecordedMessage]) -> list[Estimate]:
+        """Take a batch at once where it is regular, else message by message."""
+        messages = self._left_over + batch if self._left_over else batch
+        self._left_over = []
+        estimates, messages = self._finish_waiting(messages)
+        wrench = self._source.wrench
+        wrenches = [data for topic, _, data in messages if topic == wrench]
+        motions = [data for topic, _, data in messages if topic != wrench]
+        count = min(len(wrenches), len(motions))
+        if count and len(messages) - 2 * count < _MOST_UNPAIRED:
+            paired = self._process_pairs(wrenches[:count], motions[:count])
+            if paired is not None:
+                self._left_over = self._unpaired(messages, count)
+                return estimates + paired
+        return estimates + self._process_one_by_one(messages)
+
+    def _finish_waiting(
+        self, messages: list[RecordedMessage]
+    ) -> tuple[list[Estimate], list[RecordedMessage]]:
+        """Take messages until no wrench waits for its joint sample any more."""
+        estimates: list[Estimate] = []
+        taken = 0
+        while taken < len(messages) and self.session.waits:
+            estimates += self._process_one_by_one(messages[taken:taken + 1])
+            taken += 1
+        return estimates, messages[taken:]
+
+    def _process_pairs(
+        self, wrenches: list[bytes], motions: list[bytes]
+    ) -> list[Estimate] | None:
+        forces = self._wrench.decode_many(wrenches)
+        readings = self._joints.decode_many(motions) if forces else None
+        if not forces or not readings or not np.array_equal(forces[0], readings[0]):
+            return None
+        force = forces[self._force - 1]  # the columns have no frame
+        return self.session.add_pairs(forces[0], force, readings[1], readings[2])
+
+    def _unpaired(
+        self, messages: list[RecordedMessage], count: int
+    ) -> list[RecordedMessage]:
+        """Keep for the next batch what a chunk's end has cut off from its partner."""
+        left: list[RecordedMessage] = []
+        taken = {True: 0, False: 0}
+        for message in messages:
+            is_wrench = message.topic == self._source.wrench
+            taken[is_wrench] += 1
+            if taken[is_wrench] > count:
+                left.append(message)
+        return left
+
+    def _process_one_by_one(self, messages: list[RecordedMessage]) -> list[Estimate]:
         results: list[Result] = []
         session, wrench_topic, place = self.session, self._source.wrench, self._force
         decode_wrench, decode_joints = self._wrench.decode, self._joints.decode
-        for topic, _, data in batch:
+        for topic, _, data in messages:
             try:
                 if topic == wrench_topic:
                     reading = decode_wrench(data)
@@ -196,7 +251,7 @@ class RecordingReplay:
             except MessageError as error:
                 kind = 'wrench' if topic == wrench_topic else 'joint_states'
                 session.count_rejected(f'{kind}_{error.reason}')
-        return results
+        return [result.estimate for result in results]
 
 
 def _still_known(recorded: Mapping[str, Any]) -> dict[str, Any]:

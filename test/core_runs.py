@@ -32,6 +32,7 @@ from contact_estimation.plant.world import Truth
 from contact_estimation.reference.experiments import experiment_named
 from contact_estimation.reference.quintic import quintic
 from contact_estimation.signals.contact_sample import ContactSample
+from core_steps import estimate_after
 import numpy as np
 
 PAPER_SENSORS = {'sensors.force_noise': 1.0, 'sensors.distribution': 'uniform'}
@@ -90,12 +91,13 @@ def contact_samples(
     position_noise: float = 0.0,
     with_velocity: bool = True,
     seed: int = 0,
+    rate: float = 500.0,
 ) -> list[ContactSample]:
     """Rest 10 mm before the wall, approach, then depth + amplitude (1 - cos(omega t))."""
     noise = np.random.default_rng(seed)
     samples = []
-    for k in range(round((FREE_S + APPROACH_S + contact_s) * 500)):
-        t = 0.002 * k - FREE_S
+    for k in range(round((FREE_S + APPROACH_S + contact_s) * rate)):
+        t = k / rate - FREE_S
         x, v, _ = quintic(-0.01, depth, APPROACH_S, t)
         if t > APPROACH_S:
             phase = omega * (t - APPROACH_S)
@@ -104,7 +106,7 @@ def contact_samples(
         force = float(kelvin_voigt_force(x, v, K_e, B_e))
         force_error, position_error = noise.standard_normal(2).tolist()
         samples.append(ContactSample(
-            k * PERIOD_NS,
+            round(k * 1e9 / rate),
             float(x) + position_noise * position_error,
             float(v) if with_velocity else nan,
             force + force_noise * force_error,
@@ -122,4 +124,4 @@ def estimates_of(
     samples: list[ContactSample], pipeline: EstimationPipeline
 ) -> list[Estimate]:
     """Pass samples through a pipeline."""
-    return [pipeline.process(sample) for sample in samples]
+    return [estimate_after(pipeline, sample) for sample in samples]

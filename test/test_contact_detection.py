@@ -16,28 +16,31 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from contact_estimation.signals.contact_detection import ContactDetector, ContactParameters
 from core_runs import contact_samples, estimates_of, pipeline_with
+from core_steps import decided
 import numpy as np
 import pytest
 
-T, INSIDE, OUTSIDE = 0.002, 1e3, 0.0
+T, INSIDE, OUTSIDE = 0.002, True, False
 
 
-def detector(**parameters: float) -> ContactDetector:
+def detector(**parameters: Any) -> ContactDetector:
     """Make a detector with 1 N of force noise: on above 4 N, off below 2 N, after 2 samples."""
-    return ContactDetector(ContactParameters(**{'force_noise': 1.0, **parameters}))  # type: ignore[arg-type]
+    return ContactDetector(ContactParameters(**{'force_noise': 1.0, **parameters}))
 
 
-def decisions(of: ContactDetector, forces: list[float], predicted: float = INSIDE) -> list[bool]:
+def decisions(of: ContactDetector, forces: list[float], inside: bool = INSIDE) -> list[bool]:
     """Pass forces through a detector."""
-    return [of.update(T, force, predicted) for force in forces]
+    return [decided(of, T, force, inside) for force in forces]
 
 
 def noise(count: int, level: float = 0.0, sigma: float = 1.0, seed: int = 11) -> list[float]:
-    """Normal noise about a level [N]."""
+    """Draw normal noise about a level [N]."""
     random = np.random.default_rng(seed)
-    return (level + sigma * random.standard_normal(count)).tolist()  # type: ignore[no-any-return]
+    return [level + sigma * error for error in random.standard_normal(count).tolist()]
 
 
 def test_contact_begins_after_consecutive_samples_above_the_threshold() -> None:
@@ -61,19 +64,14 @@ def test_minimum_force_holds_whatever_the_noise() -> None:
     assert not any(decisions(detector(minimum_force=6.0), [5.9] * 5))
 
 
-def test_force_without_predicted_contact_is_none() -> None:
+def test_force_outside_the_wall_is_no_contact() -> None:
     assert not any(decisions(detector(), [50.0] * 100, OUTSIDE))
 
 
-def test_contact_ends_when_the_predicted_force_vanishes() -> None:
+def test_contact_ends_outside_the_wall_whatever_the_force() -> None:
     of = detector()
     decisions(of, [50.0] * 3)
-    assert not of.update(T, 50.0, OUTSIDE)
-
-
-def test_force_alone_decides_where_nothing_can_be_predicted() -> None:
-    of = detector()
-    assert [of.update(T, 50.0, None) for _ in range(3)] == [False, True, True]
+    assert not decided(of, T, 50.0, OUTSIDE)
 
 
 def test_noise_level_is_learned_in_free_flight() -> None:
@@ -105,7 +103,7 @@ def test_learning_does_not_depend_on_one_outlier() -> None:
 
 def test_wrench_that_never_meets_the_wall_stays_free_for_ever() -> None:
     of = detector()
-    assert not any(of.update(T, force, None) for force in noise(20_000))
+    assert not any(decisions(of, noise(20_000)))
 
 
 def test_new_thresholds_keep_what_was_learned() -> None:

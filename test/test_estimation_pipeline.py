@@ -269,5 +269,18 @@ def test_refused_parameters_change_nothing() -> None:
     assert pipeline.parameters is before
 
 
+@pytest.mark.skipif(not hasattr(EstimationPipeline, 'process_run'), reason='no runs yet')
+@BY_ESTIMATOR
+@pytest.mark.parametrize('cut', [1, 7, 64, 10_000])
+def test_estimates_do_not_depend_on_how_samples_are_cut_into_runs(
+    estimator: str, cut: int
+) -> None:
+    samples = contact_samples(0.5, force_noise=0.5, with_velocity=False)
+    pipeline: Any = pipeline_with(estimator=estimator)
+    runs = [pipeline.process_run(samples[k:k + cut]) for k in range(0, len(samples), cut)]
+    expected = estimates_of(samples, pipeline_with(estimator=estimator))
+    assert repr([e for run in runs for e in run]) == repr(expected)
+
+
 def test_pipeline_without_parameters_takes_the_defaults() -> None:
     assert EstimationPipeline().parameters == build(EstimationParameters, {})

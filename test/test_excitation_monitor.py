@@ -23,6 +23,7 @@ from contact_estimation.estimators.excitation_monitor import (
     ExcitationMonitor,
     ExcitationParameters,
 )
+from core_steps import judged
 import numpy as np
 from numpy.typing import NDArray
 import pytest
@@ -43,7 +44,7 @@ def feed(
     """Pass rows and give the last judgement."""
     held = Held(True, True)
     for row in rows:
-        held = monitor.update(row, VARIANCE, K, B, location_std)
+        held = judged(monitor, row, VARIANCE, K, B, location_std)
     return held
 
 
@@ -124,5 +125,5 @@ def test_another_limit_keeps_what_was_gathered() -> None:
 def test_far_too_soft_a_guess_does_not_call_a_stiff_wall_unexcited() -> None:
     monitor, stiff = monitor_of(), 1e6
     for d in np.linspace(4.9e-5, 5.1e-5, 500).tolist():
-        held = monitor.update((stiff * d, d, 0.0, 1.0), VARIANCE, 3000.0, 50.0, None)
+        held = judged(monitor, (stiff * d, d, 0.0, 1.0), VARIANCE, 3000.0, 50.0, None)
     assert not held.stiffness

@@ -24,6 +24,7 @@ from contact_estimation.estimators.mrac import (
     ReferenceModel,
 )
 from core_runs import closed_loop, PAPER_SENSORS
+from core_steps import learn
 import numpy as np
 import pytest
 from scipy.integrate import odeint, solve_ivp
@@ -36,14 +37,14 @@ TARGET_IS_NOMINAL = {
 
 
 def reference_at(t: float) -> Reference:
-    """A smooth reference with its derivatives."""
+    """Give a smooth reference with its derivatives."""
     return Reference(
         0.01 * np.sin(8.0 * t), 0.08 * np.cos(8.0 * t), -0.64 * np.sin(8.0 * t)
     )
 
 
 def force_at(t: float) -> float:
-    """A force that presses back [N]."""
+    """Give a force that presses back [N]."""
     return float(-40.0 * np.sin(5.0 * t) ** 2)
 
 
@@ -147,6 +148,6 @@ def test_new_target_restarts_the_model() -> None:
 @pytest.mark.parametrize('held', [Held(True, False), Held(False, True), Held(True, True)])
 def test_held_parameters_do_not_move(held: Held) -> None:
     mrac = ModelReferenceAdaptive(ModelReferenceParameters(), EnvironmentParameters(), 0.002)
-    mrac.update(0.002, (60.0, 0.01, 0.05, 1.0), 0.1, held)
+    learn(mrac, 0.002, (60.0, 0.01, 0.05, 1.0), 0.1, held)
     moved = [mrac.stiffness != 3000.0, mrac.damping != 50.0]
     assert moved == [not held.stiffness, not held.damping]

@@ -29,7 +29,7 @@ from numpy.typing import NDArray
 import pytest
 from world_reference import plant_with, register
 
-NOISY = {
+NOISY: dict[str, Any] = {
     'sensors__force_noise': 1.0, 'sensors__position_noise': 1e-5, 'sensors__velocity_noise': 1e-3,
 }
 

@@ -19,6 +19,7 @@ from __future__ import annotations
 from math import nan
 
 from contact_estimation.signals.relations import Relation, Row, TustinRelation, VelocityRelation
+from core_steps import row_of
 import numpy as np
 from numpy.typing import NDArray
 import pytest
@@ -48,7 +49,8 @@ def tustin_residual(period: float) -> float:
     """Largest departure of the ODE's solution from the bilinear relation [N]."""
     t, (d, _) = motion_under(M, period)
     relation = TustinRelation(period)
-    rows = [relation.row(period, x, nan, press(u), True) for u, x in zip(t.tolist(), d.tolist())]
+    rows = [row_of(relation, period, x, nan, press(u), True)
+            for u, x in zip(t.tolist(), d.tolist())]
     made = np.array(rows[2:])
     return float(np.max(np.abs(made[:, 0] - made[:, [1, 2, 4]] @ THETA_3)))
 
@@ -65,7 +67,7 @@ def test_bilinear_row_is_a_quarter_of_the_paper_s_A_B_C_form() -> None:
     d, F = np.random.default_rng(4).normal(0.0, 1.0, (2, 3))
     relation = TustinRelation(T)
     for k in range(3):
-        row = relation.row(T, d[k], nan, F[k], True)
+        row = row_of(relation, T, d[k], nan, F[k], True)
     assert row is not None
     A = M * (2 / T) ** 2 + B * (2 / T) + K
     B_31 = 2 * K - 2 * M * (2 / T) ** 2
@@ -79,27 +81,29 @@ def test_trapezoid_without_velocity_is_exact_for_parabolic_motion() -> None:
     relation, rows = VelocityRelation(T), []
     for t in (0.0, T, 2.0 * T, 3.0 * T):
         d, v = 0.01 + 0.3 * t - 40.0 * t**2, 0.3 - 80.0 * t
-        rows.append(relation.row(T, d, nan, K * d + B * v, True))
+        rows.append(row_of(relation, T, d, nan, K * d + B * v, True))
     made = np.array(rows[1:])
     np.testing.assert_allclose(made[:, 1:3] @ THETA_2, made[:, 0], rtol=1e-12)
 
 
 def test_trapezoid_takes_the_time_between_the_stamps() -> None:
     relation = VelocityRelation(T)
-    relation.row(T, 0.010, nan, 40.0, True)
-    row = relation.row(1.2 * T, 0.012, nan, 50.0, True)
-    assert row == pytest.approx((45.0, 0.011, 0.002 / (1.2 * T), 1.0))
+    row_of(relation, T, 0.010, nan, 40.0, True)
+    row = row_of(relation, 1.2 * T, 0.012, nan, 50.0, True)
+    assert row is not None
+    assert tuple(row[:4]) == pytest.approx((45.0, 0.011, 0.002 / (1.2 * T), 1.0))
 
 
 def test_measured_velocity_is_taken_as_it_is() -> None:
-    assert VelocityRelation(T).row(T, 0.01, 0.3, 48.0, True) == (48.0, 0.01, 0.3, 1.0)
+    row = row_of(VelocityRelation(T), T, 0.01, 0.3, 48.0, True)
+    assert row is not None and tuple(row[:4]) == (48.0, 0.01, 0.3, 1.0)
 
 
 @BOTH
 @pytest.mark.parametrize('velocity', [nan, 0.1])
 def test_there_is_no_row_outside_contact(cls: type[Relation], velocity: float) -> None:
     relation = cls(T)
-    rows = [relation.row(T, 0.01 + 0.001 * k, velocity, 1.0, k < 4) for k in range(8)]
+    rows = [row_of(relation, T, 0.01 + 0.001 * k, velocity, 1.0, k < 4) for k in range(8)]
     assert rows[3] is not None
     assert rows[4:] == [None] * 4
 
@@ -109,7 +113,7 @@ def test_rows_begin_when_all_their_samples_are_in_contact(
     cls: type[Relation], needed: int
 ) -> None:
     relation = cls(T)
-    rows = [relation.row(T, 0.01 * k, nan, 1.0, k >= 5) for k in range(12)]
+    rows = [row_of(relation, T, 0.01 * k, nan, 1.0, k >= 5) for k in range(12)]
     assert [k for k, row in enumerate(rows) if row is not None][0] == 5 + needed - 1
 
 
@@ -117,7 +121,7 @@ def test_rows_begin_when_all_their_samples_are_in_contact(
 def test_rows_do_not_reach_across_a_missing_sample(cls: type[Relation], needed: int) -> None:
     relation = cls(T)
     spacing = [T] * 5 + [2.0 * T] + [T] * 5
-    rows = [relation.row(dt, 0.01 * k, nan, 1.0, True) for k, dt in enumerate(spacing)]
+    rows = [row_of(relation, dt, 0.01 * k, nan, 1.0, True) for k, dt in enumerate(spacing)]
     assert [k for k, row in enumerate(rows) if k >= 5 and row is not None][0] == 5 + needed - 1
 
 
@@ -125,15 +129,15 @@ def test_difference_reaches_to_the_sample_before_after_a_measured_velocity() -> 
     relation, speed, row = VelocityRelation(T), 0.3, None
     for k, velocity in enumerate([nan, speed, speed, speed, nan]):
         d = 0.01 + speed * T * k
-        row = relation.row(T, d, velocity, K * d + B * speed, True)
+        row = row_of(relation, T, d, velocity, K * d + B * speed, True)
     assert holds(row)
 
 
 def test_no_difference_reaches_into_an_earlier_contact() -> None:
     relation = VelocityRelation(T)
-    relation.row(T, 0.01, nan, 48.0, True)
-    relation.row(T, -0.01, -0.1, 0.0, False)
-    assert relation.row(T, 0.002, nan, 9.6, True) is None
+    row_of(relation, T, 0.01, nan, 48.0, True)
+    row_of(relation, T, -0.01, -0.1, 0.0, False)
+    assert row_of(relation, T, 0.002, nan, 9.6, True) is None
 
 
 def holds(row: Row | None) -> bool:

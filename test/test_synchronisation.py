@@ -19,7 +19,7 @@ from __future__ import annotations
 from math import inf, isnan, nan
 
 from contact_estimation.signals.contact_sample import ContactSample
-from contact_estimation.signals.synchronisation import Synchroniser, SynchronisationParameters
+from contact_estimation.signals.synchronisation import SynchronisationParameters, Synchroniser
 import numpy as np
 import pytest
 
@@ -202,7 +202,7 @@ def test_any_arrival_within_the_time_out_gives_bit_identical_samples(
     random = np.random.default_rng(seed)
     messages = streams(range(0, 1000, 2), shift_ns)
     delay = {'wrench': 0.0, 'joint': 0.0}
-    arrivals = []
+    arrivals: list[tuple[float, int, Message]] = []
     for kind, stamp in messages:  # each topic keeps its order
         delay[kind] = max(delay[kind], stamp + float(random.uniform(0.0, 45.0)) * MS)
         arrivals.append((delay[kind], len(arrivals), (kind, stamp)))

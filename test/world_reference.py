@@ -46,13 +46,13 @@ def reference_at(t: float) -> tuple[float, float, float, float]:
 
 
 def control(t: float, x: float, v: float) -> float:
-    """The control force of eq. (1) on the reference above."""
+    """Compute the control force of eq. (1) on the reference above."""
     x_r, v_r, a_r, _ = reference_at(t)
     return M_t * a_r - B_t * (v - v_r) - K_t * (x - x_r)
 
 
 def spring_damper(t: float, d: float, v: float) -> float:
-    """The pressing force of the nominal wall [N]."""
+    """Compute the pressing force of the nominal wall [N]."""
     return K_e * d + B_e * v
 
 

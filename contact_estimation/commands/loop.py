@@ -112,7 +112,7 @@ def _require_ros() -> None:
     if importlib.util.find_spec('rclpy') is None:
         raise MissingPackageError(
             'loop needs ROS 2 (rclpy), which this Python does not have; source your ROS '
-            "installation, or install its wheels with: pip install 'contact_estimation[ros]'"
+            "installation, or install its wheels, in this project's folder: pip install '.[ros]'"
         )
 
 

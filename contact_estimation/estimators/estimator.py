@@ -19,11 +19,13 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from enum import Enum
-from math import nan
-from typing import ClassVar, NamedTuple
+from typing import ClassVar, NamedTuple, Sequence
 
 from ..parameters import ParameterGroup, parameter
 from ..signals.relations import Relation, Row, VelocityRelation
+
+
+TimedRow = tuple[float, Row]
 
 
 class EstimateStatus(str, Enum):
@@ -68,6 +70,31 @@ class Estimate(NamedTuple):
     reason: str
 
 
+class Snapshot(NamedTuple):
+    """
+    The numbers of an estimator at one instant; NaN for what it does not estimate.
+
+    Attributes
+    ----------
+    stiffness, damping : float
+        K_hat [N/m], B_hat [N s/m].
+    stiffness_std, damping_std : float
+        Their standard deviations.
+    location_shift : float
+        Estimated x_e less the configured one [m]; 0 where not estimated.
+    inertia : float
+        M_hat [kg].
+
+    """
+
+    stiffness: float
+    damping: float
+    stiffness_std: float
+    damping_std: float
+    location_shift: float
+    inertia: float
+
+
 class Held(NamedTuple):
     """Which parameters the data cannot tell at present, so that they must not move."""
 
@@ -103,7 +130,7 @@ class OnlineEstimator(ABC):
     Base of the estimators that run sample by sample.
 
     A subclass declares its tuning in `Parameters`, the relation that it fits in `relation`, and
-    moves `stiffness` and `damping` in `update`, which is called in contact only.
+    moves `stiffness` and `damping` in `learn`, which is called in contact only.
 
     Parameters
     ----------
@@ -130,8 +157,6 @@ class OnlineEstimator(ABC):
         self.configure(tuning)
         self.stiffness = environment.initial_stiffness
         self.damping = environment.initial_damping
-        self.location_shift = 0.0
-        self.inertia = nan
         self.reset()
 
     @abstractmethod
@@ -165,22 +190,35 @@ class OnlineEstimator(ABC):
         """
 
     @abstractmethod
-    def update(self, dt: float, row: Row, noise_variance: float, held: Held) -> None:
+    def learn(
+        self, rows: Sequence[TimedRow], noise_variance: float, held: Held
+    ) -> list[Snapshot]:
         """
-        Learn from one gated and filtered row.
+        Learn from gated and filtered rows, one after the other.
+
+        Rows come in runs, since a loop inside the estimator costs half of a call for each; the
+        result must not depend on how the rows are cut into runs.
 
         Parameters
         ----------
-        dt : float
-            Time since the last sample [s], at most two sample periods.
-        row : sequence of float
+        rows : sequence of tuple
+            (dt, row): time since the last sample [s], at most two sample periods, and
             (y, phi_K, phi_B, phi_c, ...) of the class's relation.
         noise_variance : float
             Of the unfiltered force [N^2].
         held : Held
             Parameters that must not move.
 
+        Returns
+        -------
+        snapshots : list of Snapshot
+            What is known after each row.
+
         """
+
+    @abstractmethod
+    def snapshot(self) -> Snapshot:
+        """Tell what is known now."""
 
     def observe(  # noqa: B027 - most estimators need nothing here
         self, dt: float, position: float, velocity: float, force: float, reference: Reference
@@ -200,21 +238,30 @@ class OnlineEstimator(ABC):
         """
 
     @property
-    def stiffness_std(self) -> float:
-        """Standard deviation of K_hat [N/m]; NaN where there is none."""
-        return nan
+    def location_std(self) -> float | None:
+        """Prior standard deviation of the wall's location [m]; None where it is not estimated."""
+        return None
 
     @property
-    def damping_std(self) -> float:
-        """Standard deviation of B_hat [N s/m]; NaN where there is none."""
-        return nan
-
-    def bound(self) -> None:
-        """Bring K_hat and B_hat back into their limits."""
+    def limits(self) -> tuple[float, float, float]:
+        """Least and greatest K_hat [N/m] and greatest B_hat [N s/m]."""
         limits = self.environment
-        if not limits.minimum_stiffness <= self.stiffness <= limits.maximum_stiffness:
-            self.stiffness = min(
-                max(self.stiffness, limits.minimum_stiffness), limits.maximum_stiffness
-            )
-        if not 0.0 <= self.damping <= limits.maximum_damping:
-            self.damping = min(max(self.damping, 0.0), limits.maximum_damping)
+        return limits.minimum_stiffness, limits.maximum_stiffness, limits.maximum_damping
+
+    def within_limits(self, stiffness: float, damping: float) -> tuple[float, float]:
+        """
+        Bring a pair back into the limits.
+
+        Parameters
+        ----------
+        stiffness, damping : float
+            K_hat [N/m], B_hat [N s/m].
+
+        Returns
+        -------
+        stiffness, damping : float
+            Within the limits.
+
+        """
+        K_low, K_high, B_high = self.limits
+        return min(max(stiffness, K_low), K_high), min(max(damping, 0.0), B_high)

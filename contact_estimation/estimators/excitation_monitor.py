@@ -19,6 +19,7 @@ from __future__ import annotations
 from collections import deque
 from dataclasses import dataclass
 from math import inf, sqrt
+from typing import Sequence
 
 from ..parameters import ParameterGroup, parameter
 from ..signals.relations import Row
@@ -26,7 +27,7 @@ from .estimator import Held
 
 Information = tuple[float, float, float, float, float, float, float]
 _BLOCKS = 10  # of the window; judged a block at a time, since excitation changes slowly
-_EARLY = 10  # samples; the first judgements come this often
+_EARLY = 10  # rows between judgements
 
 
 @dataclass(frozen=True)
@@ -93,23 +94,49 @@ class ExcitationMonitor:
 
     def _start_block(self) -> None:
         self._count = 0
-        self._KK = self._KB = self._BB = self._Kc = self._Bc = self._cc = self._Ky = 0.0
+        self._next = min(_EARLY, self._block)
+        self._sums: Information = (0.0,) * 7  # type: ignore[assignment]
 
-    def update(
+    @property
+    def until_judgement(self) -> int:
+        """Number of rows that may be added before the next judgement is due."""
+        return self._next - self._count
+
+    def add(self, rows: Sequence[Row]) -> None:
+        """
+        Take rows of contact, at most `until_judgement`.
+
+        Parameters
+        ----------
+        rows : sequence of sequence of float
+            (y, phi_K, phi_B, phi_c, ...) each.
+
+        """
+        KK, KB, BB, Kc, Bc, cc, Ky = self._sums
+        for row in rows:
+            y, f_K, f_B, f_c = row[0], row[1], row[2], row[3]
+            KK += f_K * f_K
+            KB += f_K * f_B
+            BB += f_B * f_B
+            Kc += f_K * f_c
+            Bc += f_B * f_c
+            cc += f_c * f_c
+            Ky += f_K * y
+        self._sums = KK, KB, BB, Kc, Bc, cc, Ky
+        self._count += len(rows)
+
+    def judge(
         self,
-        row: Row,
         noise_variance: float,
         stiffness: float,
         damping: float,
         location_std: float | None,
-    ) -> Held:
+    ) -> None:
         """
-        Take one row of contact and judge.
+        Judge what the window tells; sets `held` and the predicted standard deviations.
 
         Parameters
         ----------
-        row : sequence of float
-            (y, phi_K, phi_B, phi_c, ...).
         noise_variance : float
             Of the unfiltered force [N^2]; the filter passes the band in which phi lives
             unchanged, so the bound is that of the raw samples.
@@ -118,31 +145,14 @@ class ExcitationMonitor:
         location_std : float or None
             Prior standard deviation of x_e [m] where x_e is estimated too, else None.
 
-        Returns
-        -------
-        held : Held
-            What must not move.
-
         """
-        f_K, f_B, f_c = row[1], row[2], row[3]
-        self._KK += f_K * f_K
-        self._KB += f_K * f_B
-        self._BB += f_B * f_B
-        self._Kc += f_K * f_c
-        self._Bc += f_B * f_c
-        self._cc += f_c * f_c
-        self._Ky += f_K * row[0]
-        self._count += 1
-        if self._count % _EARLY == 0 or self._count == self._block:
-            block = (
-                self._KK, self._KB, self._BB, self._Kc, self._Bc, self._cc, self._Ky
-            )  # fmt: skip
-            total = tuple(map(sum, zip(block, *self._past)))
-            self._judge(total, noise_variance, stiffness, damping, location_std)
-            if self._count >= self._block:
-                self._past.append(block)
-                self._start_block()
-        return self.held
+        total = tuple(map(sum, zip(self._sums, *self._past)))
+        self._judge(total, noise_variance, stiffness, damping, location_std)
+        if self._count >= self._block:
+            self._past.append(self._sums)
+            self._start_block()
+        else:
+            self._next = min(self._next + _EARLY, self._block)
 
     def _judge(
         self,

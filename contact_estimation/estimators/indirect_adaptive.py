@@ -17,11 +17,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import expm1, sqrt
+from math import expm1, nan, sqrt
+from typing import Sequence
 
 from ..parameters import ParameterGroup, parameter
-from ..signals.relations import Row
-from .estimator import Held, OnlineEstimator
+from .estimator import Held, OnlineEstimator, Snapshot, TimedRow
 
 _SMALLEST = 1e-30
 _MEMORY_S = 1.0  # of the mean squares that normalise
@@ -70,56 +70,63 @@ class IndirectAdaptive(OnlineEstimator):
         """Begin anew; see `OnlineEstimator.start_from`."""
         self.stiffness, self.damping = stiffness, damping
         self._seen_s = self._mean_K = self._mean_B = 0.0
-        self._P_KK = stiffness**2
-        self._P_KB = 0.0
-        self._P_BB = max(damping**2, (1e-2 * stiffness) ** 2)
+        self._P = stiffness**2, 0.0, max(damping**2, (1e-2 * stiffness) ** 2)
 
-    def update(self, dt: float, row: Row, noise_variance: float, held: Held) -> None:
-        """Apply eq. (25) over one sample; see `OnlineEstimator.update`."""
-        y, phi_K, phi_B = row[0], row[1], row[2]
-        gain_K, gain_B = (
-            (self._gain_K, self._gain_B) if self._rate is None
-            else self._normalised_gains(dt, phi_K, phi_B)
-        )
-        direction_K = 0.0 if held.stiffness else gain_K * phi_K
-        direction_B = 0.0 if held.damping else gain_B * phi_B
-        power = direction_K * phi_K + direction_B * phi_B  # phi^T Gamma^-1 phi [1/s]
-        if power < _SMALLEST:
-            return
-        decay = dt * (power if self._rate is None else self._rate)
-        step = -expm1(-decay) / power
-        gain_K, gain_B = step * direction_K, step * direction_B
-        error = y - self.stiffness * phi_K - self.damping * phi_B
-        self.stiffness += gain_K * error
-        self.damping += gain_B * error
-        self.bound()
-        self._propagate(gain_K, gain_B, phi_K, phi_B, noise_variance)
+    def learn(
+        self, rows: Sequence[TimedRow], noise_variance: float, held: Held
+    ) -> list[Snapshot]:
+        """Apply eq. (25) over each sample; see `OnlineEstimator.learn`."""
+        normalised, rate = self._rate is not None, self._rate or 0.0
+        gain_K = 0.0 if held.stiffness else self._gain_K
+        gain_B = 0.0 if held.damping else self._gain_B
+        K, B = self.stiffness, self.damping
+        P_KK, P_KB, P_BB = self._P
+        K_low, K_high, B_high = self.limits
+        snapshots = []
+        for dt, row in rows:
+            y, f_K, f_B = row[0], row[1], row[2]
+            if normalised:
+                gain_K, gain_B = self._normalised_gains(dt, f_K, f_B, held)
+            g_K, g_B = gain_K * f_K, gain_B * f_B
+            power = g_K * f_K + g_B * f_B  # phi^T Gamma^-1 phi [1/s]
+            if power > _SMALLEST:
+                step = -expm1(-dt * (rate if normalised else power)) / power
+                g_K *= step
+                g_B *= step
+                error = y - K * f_K - B * f_B
+                K += g_K * error
+                B += g_B * error
+                if not (K_low < K < K_high and 0.0 < B < B_high):
+                    K, B = self.within_limits(K, B)
+                # P <- (I - g phi^T) P (I - g phi^T)^T + sigma^2 g g^T
+                p_K, p_B = P_KK * f_K + P_KB * f_B, P_KB * f_K + P_BB * f_B
+                s = f_K * p_K + f_B * p_B + noise_variance
+                P_KK += g_K * (g_K * s - 2.0 * p_K)
+                P_KB += g_K * g_B * s - g_K * p_B - g_B * p_K
+                P_BB += g_B * (g_B * s - 2.0 * p_B)
+            snapshots.append(Snapshot(
+                K, B, sqrt(P_KK) if P_KK > 0.0 else 0.0, sqrt(P_BB) if P_BB > 0.0 else 0.0,
+                0.0, nan,
+            ))
+        self.stiffness, self.damping, self._P = K, B, (P_KK, P_KB, P_BB)
+        return snapshots
 
-    def _normalised_gains(self, dt: float, phi_K: float, phi_B: float) -> tuple[float, float]:
+    def _normalised_gains(
+        self, dt: float, phi_K: float, phi_B: float, held: Held
+    ) -> tuple[float, float]:
         # The plain mean since the start, then over the last _MEMORY_S.
         self._seen_s = min(self._seen_s + dt, _MEMORY_S)
         share = dt / self._seen_s if self._seen_s > 0.0 else 1.0
         self._mean_K += share * (phi_K * phi_K - self._mean_K)
         self._mean_B += share * (phi_B * phi_B - self._mean_B)
-        return 1.0 / (self._mean_K + _SMALLEST), 1.0 / (self._mean_B + _SMALLEST)
+        return (
+            0.0 if held.stiffness else 1.0 / (self._mean_K + _SMALLEST),
+            0.0 if held.damping else 1.0 / (self._mean_B + _SMALLEST),
+        )
 
-    def _propagate(
-        self, gain_K: float, gain_B: float, phi_K: float, phi_B: float, noise_variance: float
-    ) -> None:
-        # P <- (I - g phi^T) P (I - g phi^T)^T + sigma^2 g g^T
-        p_K = self._P_KK * phi_K + self._P_KB * phi_B
-        p_B = self._P_KB * phi_K + self._P_BB * phi_B
-        s = phi_K * p_K + phi_B * p_B + noise_variance
-        self._P_KK += gain_K * (gain_K * s - 2.0 * p_K)
-        self._P_KB += gain_K * gain_B * s - gain_K * p_B - gain_B * p_K
-        self._P_BB += gain_B * (gain_B * s - 2.0 * p_B)
-
-    @property
-    def stiffness_std(self) -> float:
-        """Standard deviation of K_hat [N/m]."""
-        return sqrt(max(self._P_KK, 0.0))
-
-    @property
-    def damping_std(self) -> float:
-        """Standard deviation of B_hat [N s/m]."""
-        return sqrt(max(self._P_BB, 0.0))
+    def snapshot(self) -> Snapshot:
+        """Tell what is known now; see `OnlineEstimator.snapshot`."""
+        P_KK, _, P_BB = self._P
+        return Snapshot(
+            self.stiffness, self.damping, sqrt(max(P_KK, 0.0)), sqrt(max(P_BB, 0.0)), 0.0, nan
+        )

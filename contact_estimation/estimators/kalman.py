@@ -17,14 +17,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import sqrt
+from math import nan, sqrt
+from typing import Sequence
 
 from filterpy.kalman import KalmanFilter
 import numpy as np
 
 from ..parameters import ParameterGroup, parameter
 from ..signals.relations import Row
-from .estimator import Held, OnlineEstimator
+from .estimator import Held, OnlineEstimator, Snapshot, TimedRow
 
 
 @dataclass(frozen=True)
@@ -84,8 +85,17 @@ class Kalman(OnlineEstimator):
         self._filter.F = np.eye(3)
         self._read_state()
 
-    def update(self, dt: float, row: Row, noise_variance: float, held: Held) -> None:
-        """Predict and correct once; see `OnlineEstimator.update`."""
+    def learn(
+        self, rows: Sequence[TimedRow], noise_variance: float, held: Held
+    ) -> list[Snapshot]:
+        """Predict and correct for each row; see `OnlineEstimator.learn`."""
+        snapshots = []
+        for dt, row in rows:
+            self._update(dt, row, noise_variance, held)
+            snapshots.append(self.snapshot())
+        return snapshots
+
+    def _update(self, dt: float, row: Row, noise_variance: float, held: Held) -> None:
         state = self._filter
         free = np.array(
             [not held.stiffness, not held.damping, not held.stiffness and self._p.location_std > 0]
@@ -116,9 +126,8 @@ class Kalman(OnlineEstimator):
         self._keep_within(0, limits.minimum_stiffness, limits.maximum_stiffness)
         self._keep_within(1, 0.0, limits.maximum_damping)
         K, B, shift_force = self._filter.x[:, 0].tolist()
-        self.stiffness = min(max(K, limits.minimum_stiffness), limits.maximum_stiffness)
-        self.damping = min(max(B, 0.0), limits.maximum_damping)
-        self.location_shift = shift_force / self.stiffness
+        self.stiffness, self.damping = self.within_limits(K, B)
+        self._shift = shift_force / self.stiffness
 
     def _keep_within(self, index: int, low: float, high: float) -> None:
         """Project onto a limit along the covariance: cutting one state alone would tear it off."""
@@ -128,17 +137,15 @@ class Kalman(OnlineEstimator):
         if excess != 0.0:
             self._filter.x = x - P[:, [index]] * (excess / P[index, index])
 
-    @property
-    def stiffness_std(self) -> float:
-        """Standard deviation of K_hat [N/m]."""
-        return sqrt(max(float(self._filter.P[0, 0]), 0.0))
+    def snapshot(self) -> Snapshot:
+        """Tell what is known now; see `OnlineEstimator.snapshot`."""
+        P = self._filter.P
+        return Snapshot(
+            self.stiffness, self.damping, sqrt(max(float(P[0, 0]), 0.0)),
+            sqrt(max(float(P[1, 1]), 0.0)), self._shift, nan,
+        )
 
     @property
-    def damping_std(self) -> float:
-        """Standard deviation of B_hat [N s/m]."""
-        return sqrt(max(float(self._filter.P[1, 1]), 0.0))
-
-    @property
-    def location_std(self) -> float:
+    def location_std(self) -> float | None:
         """Prior standard deviation of the wall's location [m]."""
         return self._p.location_std

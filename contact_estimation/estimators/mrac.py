@@ -18,10 +18,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import exp, expm1
+from typing import Sequence
 
 from ..parameters import ParameterGroup, parameter
-from ..signals.relations import Row
-from .estimator import EnvironmentParameters, Held, OnlineEstimator, Reference
+from .estimator import (
+    EnvironmentParameters,
+    Held,
+    OnlineEstimator,
+    Reference,
+    Snapshot,
+    TimedRow,
+)
 from .indirect_adaptive import IndirectAdaptive, IndirectAdaptiveParameters
 
 
@@ -189,11 +196,19 @@ class ModelReferenceAdaptive(OnlineEstimator):
         self._environment_estimator.start_from(stiffness, damping)
         self.stiffness, self.damping = stiffness, damping
 
-    def update(self, dt: float, row: Row, noise_variance: float, held: Held) -> None:
-        """Apply eq. (25); see `OnlineEstimator.update`."""
+    def learn(
+        self, rows: Sequence[TimedRow], noise_variance: float, held: Held
+    ) -> list[Snapshot]:
+        """Apply eq. (25); see `OnlineEstimator.learn`."""
         inner = self._environment_estimator
-        inner.update(dt, row, noise_variance, held)
+        inner.environment = self.environment
+        snapshots = inner.learn(rows, noise_variance, held)
         self.stiffness, self.damping = inner.stiffness, inner.damping
+        return snapshots
+
+    def snapshot(self) -> Snapshot:
+        """Tell what is known now; see `OnlineEstimator.snapshot`."""
+        return self._environment_estimator.snapshot()
 
     def observe(
         self, dt: float, position: float, velocity: float, force: float, reference: Reference
@@ -205,13 +220,3 @@ class ModelReferenceAdaptive(OnlineEstimator):
         e, w = position - reference.position, velocity - reference.velocity
         self.plant.step(dt, e, w, force)
         self.model_error = position - self.model.position
-
-    @property
-    def stiffness_std(self) -> float:
-        """Standard deviation of K_hat [N/m]."""
-        return self._environment_estimator.stiffness_std
-
-    @property
-    def damping_std(self) -> float:
-        """Standard deviation of B_hat [N s/m]."""
-        return self._environment_estimator.damping_std

@@ -18,10 +18,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import nan, sqrt
+from typing import Sequence
 
 from ..parameters import ParameterGroup, parameter
-from ..signals.relations import Row, TustinRelation
-from .estimator import Held, OnlineEstimator
+from ..signals.relations import TustinRelation
+from .estimator import Held, OnlineEstimator, Snapshot, TimedRow
 
 
 @dataclass(frozen=True)
@@ -63,81 +64,110 @@ class RecursiveLeastSquares(OnlineEstimator):
         assert isinstance(tuning, RecursiveLeastSquaresParameters)
         self._p = tuning
         self._lambda = tuning.forgetting_factor
+        self._grow = 1.0 / sqrt(self._lambda)
+        # sigma^2 P belongs to lambda = 1; weights lambda^i average over fewer samples:
+        # sum lambda^2i / sum lambda^i = 1 / (1 + lambda) in the steady state.
+        self._averaging = 1.0 if self._lambda == 1.0 else 1.0 / (1.0 + self._lambda)
 
     def start_from(self, stiffness: float, damping: float) -> None:
         """Begin anew with P[0] of eq. (38); see `OnlineEstimator.start_from`."""
         self.stiffness, self.damping = stiffness, damping
         self._M = 0.0
-        self.inertia = 0.0 if self._p.estimate_inertia else nan
         self._P = initial_covariance(self._p.initial_covariance, self.sample_period_s)
         self._noise_variance = 0.0
 
-    def update(self, dt: float, row: Row, noise_variance: float, held: Held) -> None:
-        """Apply eqs. (36) to (38); see `OnlineEstimator.update`."""
+    def learn(
+        self, rows: Sequence[TimedRow], noise_variance: float, held: Held
+    ) -> list[Snapshot]:
+        """Apply eqs. (36) to (38) to each row; see `OnlineEstimator.learn`."""
         self._noise_variance = noise_variance
-        y, f_K, f_B, f_M = row[0], row[1], row[2], row[4]
-        error = y - self.stiffness * f_K - self.damping * f_B - self._M * f_M
-        free_M = self._p.estimate_inertia and not (held.stiffness or held.damping)
+        free_K, free_B = not held.stiffness, not held.damping
+        free_M = self._p.estimate_inertia and free_K and free_B
+        forget, averaged = self._lambda, noise_variance * self._averaging
+        K, B, M = self.stiffness, self.damping, self._M
         KK, KB, KM, BB, BM, MM = self._P
-        p_K = KK * f_K + KB * f_B + KM * f_M
-        p_B = KB * f_K + BB * f_B + BM * f_M
-        p_M = KM * f_K + BM * f_B + MM * f_M
-        s = self._lambda + f_K * p_K + f_B * p_B + f_M * p_M
-        # A held parameter does not move, whatever its covariance with the others.
-        l_K = 0.0 if held.stiffness else p_K / s
-        l_B = 0.0 if held.damping else p_B / s
-        l_M = p_M / s if free_M else 0.0
-        self.stiffness += l_K * error
-        self.damping += l_B * error
-        if free_M:
-            self._M += l_M * error
-            self.inertia = self._M
-        self._P = (
-            KK - l_K * p_K, KB - l_K * p_B, KM - l_K * p_M,
-            BB - l_B * p_B, BM - l_B * p_M, MM - l_M * p_M,
-        )  # fmt: skip
-        self._keep_within_limits()
-        self._forget(held, free_M)
+        limits = K_low, K_high, B_high = self.limits
+        snapshots = []
+        for _, (y, f_K, f_B, _, f_M) in rows:
+            p_K = KK * f_K + KB * f_B + KM * f_M
+            p_B = KB * f_K + BB * f_B + BM * f_M
+            p_M = KM * f_K + BM * f_B + MM * f_M
+            s = forget + f_K * p_K + f_B * p_B + f_M * p_M
+            error = y - K * f_K - B * f_B - M * f_M
+            if free_K:
+                l_K = p_K / s
+                K += l_K * error
+                KK -= l_K * p_K
+                KB -= l_K * p_B
+                KM -= l_K * p_M
+            elif free_B:  # K is held: its covariance with B still shrinks
+                KB -= p_B / s * p_K
+            if free_B:
+                l_B = p_B / s
+                B += l_B * error
+                BB -= l_B * p_B
+                BM -= l_B * p_M
+            if free_M:
+                l_M = p_M / s
+                M += l_M * error
+                MM -= l_M * p_M
+            if not (K_low < K < K_high and 0.0 < B < B_high):
+                K, B = _project(K, B, KK, KB, BB, limits)
+            g_K, g_B, g_M = self._growth(K, B, KK, BB, free_K, free_B, free_M)
+            KK *= g_K * g_K
+            KB *= g_K * g_B
+            KM *= g_K * g_M
+            BB *= g_B * g_B
+            BM *= g_B * g_M
+            MM *= g_M * g_M
+            snapshots.append(Snapshot(
+                K, B, sqrt(averaged * KK), sqrt(averaged * BB), 0.0,
+                M if self._p.estimate_inertia else nan,
+            ))
+        self.stiffness, self.damping, self._M = K, B, M
+        self._P = KK, KB, KM, BB, BM, MM
+        return snapshots
 
-    def _keep_within_limits(self) -> None:
-        """Project onto a limit along the covariance: cutting B alone would tear it off K."""
-        KK, KB, _, BB, _, _ = self._P
-        if self.damping < 0.0 and BB > 0.0:
-            self.stiffness -= KB / BB * self.damping
-            self.damping = 0.0
-        limits = self.environment
-        if self.stiffness < limits.minimum_stiffness and KK > 0.0:
-            self.damping += KB / KK * (limits.minimum_stiffness - self.stiffness)
-        self.bound()
+    def _growth(
+        self, K: float, B: float, KK: float, BB: float,
+        free_K: bool, free_B: bool, free_M: bool,
+    ) -> tuple[float, float, float]:  # fmt: skip
+        """
+        Forget, except what is held or hardly known, whose covariance would wind up.
 
-    def _forget(self, held: Held, free_M: bool) -> None:
-        KK, KB, KM, BB, BM, MM = self._P
-        floor = self.environment
-        variance, share = self._noise_variance, self._p.maximum_relative_std
-        known_K = variance * KK < (share * max(self.stiffness, floor.minimum_stiffness)) ** 2
-        known_B = variance * BB < (share * max(self.damping, floor.initial_damping)) ** 2
-        # Scaling P on both sides with factors >= 1 keeps it positive definite.
-        g = 1.0 / sqrt(self._lambda)
-        K = g if known_K and not held.stiffness else 1.0
-        B = g if known_B and not held.damping else 1.0
-        M = g if known_K and known_B and free_M else 1.0
-        self._P = (KK * K * K, KB * K * B, KM * K * M, BB * B * B, BM * B * M, MM * M * M)
+        Scaling P on both sides with factors >= 1 keeps it positive definite.
 
-    @property
-    def stiffness_std(self) -> float:
-        """Standard deviation of K_hat [N/m]; see `_std`."""
-        return self._std(self._P[0])
+        """
+        variance, share, g = self._noise_variance, self._p.maximum_relative_std, self._grow
+        limit_K, limit_B = share * K, share * max(B, self.environment.initial_damping)
+        known_K = free_K and variance * KK < limit_K * limit_K
+        known_B = free_B and variance * BB < limit_B * limit_B
+        return (
+            g if known_K else 1.0,
+            g if known_B else 1.0,
+            g if known_K and known_B and free_M else 1.0,
+        )
 
-    @property
-    def damping_std(self) -> float:
-        """Standard deviation of B_hat [N s/m]; see `_std`."""
-        return self._std(self._P[3])
+    def snapshot(self) -> Snapshot:
+        """Tell what is known now; see `OnlineEstimator.snapshot`."""
+        averaged = self._noise_variance * self._averaging
+        return Snapshot(
+            self.stiffness, self.damping, sqrt(averaged * self._P[0]),
+            sqrt(averaged * self._P[3]), 0.0, self._M if self._p.estimate_inertia else nan,
+        )
 
-    def _std(self, entry: float) -> float:
-        # sigma^2 P belongs to lambda = 1; weights lambda^i average over fewer samples:
-        # sum lambda^2i / sum lambda^i = 1 / (1 + lambda) in the steady state.
-        averaging = 1.0 if self._lambda == 1.0 else 1.0 / (1.0 + self._lambda)
-        return sqrt(max(self._noise_variance * entry * averaging, 0.0))
+
+def _project(
+    K: float, B: float, KK: float, KB: float, BB: float, limits: tuple[float, float, float]
+) -> tuple[float, float]:
+    """Go back to a limit along the covariance: cutting B alone would tear it off K."""
+    K_low, K_high, B_high = limits
+    if B < 0.0 and BB > 0.0:
+        K -= KB / BB * B
+        B = 0.0
+    if K < K_low and KK > 0.0:
+        B += KB / KK * (K_low - K)
+    return min(max(K, K_low), K_high), min(max(B, 0.0), B_high)
 
 
 def initial_covariance(

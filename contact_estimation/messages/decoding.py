@@ -18,6 +18,8 @@ from __future__ import annotations
 
 from typing import Any, Sequence
 
+import numpy as np
+
 from ..exceptions import MessageError
 from .codec import Codec
 from .fields import FLOAT64, INT32, UINT32, Field, scalars, sequences, stamp_fields
@@ -70,6 +72,23 @@ class WrenchDecoder:
         """
         sec, nanosec, x, y, z = self._reader.read(raw)
         return WrenchReading(sec * _NS_PER_S + nanosec, self._reader.note, x, y, z)
+
+    def decode_many(self, raws: Sequence[bytes]) -> tuple[Any, ...] | None:
+        """
+        Read many messages at once.
+
+        Parameters
+        ----------
+        raws : sequence of bytes
+            Messages, at least one.
+
+        Returns
+        -------
+        stamps_ns, x, y, z : ndarray, shape (N,), or None
+            Stamps [ns] and forces [N]; None where they must be read one by one.
+
+        """
+        return _with_stamps(self._reader.read_many(raws))
 
     @staticmethod
     def _plan(message: Any) -> Plan:
@@ -164,6 +183,24 @@ class JointStateDecoder:
         sec, nanosec, position, velocity = self._reader.read(raw)
         return JointReading(sec * _NS_PER_S + nanosec, position, velocity)
 
+    def decode_many(self, raws: Sequence[bytes]) -> tuple[Any, ...] | None:
+        """
+        Read many messages at once.
+
+        Parameters
+        ----------
+        raws : sequence of bytes
+            Messages, at least one.
+
+        Returns
+        -------
+        stamps_ns, position, velocity : ndarray, shape (N,), or None
+            Stamps [ns], positions [m] and velocities [m/s]; None where they must be read one
+            by one.
+
+        """
+        return _with_stamps(self._reader.read_many(raws))
+
     def _plan(self, message: Any) -> Plan:
         """List the numbers of a joint state and choose those of the joint."""
         fields = [*_STAMP, *sequences(message, (), ('position', 'velocity', 'effort'))]
@@ -249,6 +286,14 @@ class TrajectoryDecoder:
                 f'first point, expected one for the joint at place {place}',
             ))
         return Plan(fields, (*_STAMP, *chosen))
+
+
+def _with_stamps(columns: tuple[Any, ...] | None) -> tuple[Any, ...] | None:
+    """Put seconds and nanoseconds together."""
+    if columns is None:
+        return None
+    sec, nanosec, *values = columns
+    return (sec.astype(np.int64) * _NS_PER_S + nanosec, *values)
 
 
 def _joint_place(joint: str, names: Sequence[str], positions: int) -> int:

@@ -27,8 +27,11 @@ import operator
 import struct
 from typing import Any, Sequence
 
+import numpy as np
+
 from .locating import Slot
 
+_NUMPY_KIND = {'d': 'f8', 'i': 'i4', 'I': 'u4'}
 _NAN_TAIL = (float('nan'),)
 
 
@@ -71,6 +74,16 @@ class ReadingLayout:
         structural = [place for place, (_, code) in enumerate(kept) if code.endswith('s')]
         self._structure = operator.itemgetter(*structural)
         self._expected = self._structure(self._unpack(reference))
+        self._table = np.dtype({
+            'names': [str(offset) for offset, code in kept if not code.endswith('s')],
+            'formats': ['<' + _NUMPY_KIND[code] for _, code in kept if not code.endswith('s')],
+            'offsets': [offset for offset, code in kept if not code.endswith('s')],
+            'itemsize': self.size,
+        })
+        self._columns = [None if i is None else str(slots[i].offset) for i in wanted]
+        places_of_structure = np.array(sorted(self._structural), dtype=np.intp)
+        self._structural_places = places_of_structure
+        self._structural_bytes = np.frombuffer(reference, np.uint8)[places_of_structure]
         # NaN is appended to what is unpacked, so that an absent number costs no branch.
         nan_place = len(kept)
         self._numbers = operator.itemgetter(
@@ -98,6 +111,31 @@ class ReadingLayout:
         if self._structure(values) != self._expected:
             return None
         return self._numbers(values + _NAN_TAIL)
+
+    def read_many(self, raws: Sequence[bytes]) -> tuple[Any, ...] | None:
+        """
+        Read the wanted numbers of many messages at once.
+
+        Parameters
+        ----------
+        raws : sequence of bytes
+            Serialised messages, at least one.
+
+        Returns
+        -------
+        columns : tuple of ndarray, shape (N,), or None
+            None if a message has another structure.
+
+        """
+        if set(map(len, raws)) != {self.size}:
+            return None
+        joined = b''.join(raws)
+        octets = np.frombuffer(joined, np.uint8).reshape(len(raws), self.size)
+        if (octets[:, self._structural_places] != self._structural_bytes).any():
+            return None
+        table = np.frombuffer(joined, self._table)
+        absent = np.full(len(raws), np.nan)
+        return tuple(absent if name is None else table[name] for name in self._columns)
 
     def structural_difference(self, raw: bytes) -> frozenset[int]:
         """List the offsets at which a message of the same length differs in structure."""

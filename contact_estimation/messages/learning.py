@@ -26,7 +26,8 @@ from .layout import ReadingLayout
 from .locating import locate
 
 _LITTLE_ENDIAN_CDR = b'\x00\x01'
-_TRAILING_PADDING = 3
+# rmw_fastrtps sizes buffers for the worst alignment, so bytes may follow the message.
+_TRAILING_PADDING = 64
 _CACHED_LAYOUTS = 8
 # Learning costs three passes through the library. A publisher that changes its texts at every
 # message would make each message pay that; after this many the library reads what is unknown.
@@ -118,6 +119,28 @@ class NumberReader:
 
         """
         return self._read_recent(raw) or self._read_other(raw)
+
+    def read_many(self, raws: Sequence[bytes]) -> tuple[Any, ...] | None:
+        """
+        Read the wanted numbers of many messages at once.
+
+        Parameters
+        ----------
+        raws : sequence of bytes
+            Messages, at least one.
+
+        Returns
+        -------
+        columns : tuple of ndarray, shape (N,), or None
+            In the order of the plan; None where the messages are not all of one structure:
+            then `read` says what is the matter.
+
+        """
+        try:
+            self.read(raws[0])
+        except MessageError:
+            return None
+        return self._lessons[0].layout.read_many(raws) if self._lessons else None
 
     def _read_other(self, raw: bytes) -> tuple[Any, ...]:
         """Read a message whose structure is not that of the last one."""

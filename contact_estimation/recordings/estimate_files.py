@@ -20,7 +20,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Sequence
 
-from ..contact_session import Result
+from ..estimators.estimator import Estimate
 from ..messages import RosbagsCodec, StringEncoder, Vector3StampedEncoder
 from .writing import RecordingWriter
 
@@ -65,12 +65,12 @@ class CsvEstimates:
         self._file = open(path, 'w', encoding='utf-8')
         self._file.write('t,stiffness,damping,stiffness_std,damping_std,status\n')
 
-    def write(self, results: Sequence[Result]) -> None:
-        """Append results."""
+    def write(self, estimates: Sequence[Estimate]) -> None:
+        """Append estimates."""
         self._file.writelines(
             f'{stamp_text(e.stamp_ns)},{e.stiffness!r},{e.damping!r},{e.stiffness_std!r},'
             f'{e.damping_std!r},{e.status.value}\n'
-            for e in (result.estimate for result in results)
+            for e in estimates
         )
 
     def __enter__(self) -> 'CsvEstimates':
@@ -105,10 +105,10 @@ class McapEstimates:
         self._strings = StringEncoder(codec)
         self._place = 'xyz'.index(axis)
 
-    def write(self, results: Sequence[Result]) -> None:
-        """Append results."""
-        for result in results:
-            estimate, stamp_ns = result.estimate, result.estimate.stamp_ns
+    def write(self, estimates: Sequence[Estimate]) -> None:
+        """Append estimates."""
+        for estimate in estimates:
+            stamp_ns = estimate.stamp_ns
             for name in _VECTORS:
                 vector = [_NAN, _NAN, _NAN]
                 vector[self._place] = getattr(estimate, name)

@@ -22,6 +22,8 @@ from scipy.signal import butter
 
 from ..exceptions import ParameterRangeError
 
+Row = Sequence[float]
+
 
 class ButterworthBank:
     """
@@ -62,33 +64,36 @@ class ButterworthBank:
         self._s1 = [0.0 for _ in self._channels]
         self._s2 = [0.0 for _ in self._channels]
 
-    def process(self, row: Sequence[float]) -> Sequence[float]:
+    def process(self, rows: Sequence[Row]) -> Sequence[Row]:
         """
-        Filter one row.
+        Filter rows, one after the other.
 
         Parameters
         ----------
-        row : sequence of float, length channels
-            The signals at this instant.
+        rows : sequence of sequence of float, each of length channels
+            The signals at successive instants.
 
         Returns
         -------
-        filtered : sequence of float, length channels
+        filtered : sequence of sequence of float
             In the same order.
 
         """
         if self._passes:
-            return row
+            return rows
         b0, a1, a2, s1, s2 = self._b0, self._a1, self._a2, self._s1, self._s2
-        filtered = []
-        append = filtered.append
-        for i, x in enumerate(row):  # transposed direct form II
-            bx = b0 * x
-            y = bx + s1[i]
-            s1[i] = bx + bx - a1 * y + s2[i]
-            s2[i] = bx - a2 * y
-            append(y)
-        return filtered
+        columns = []
+        for i, column in enumerate(zip(*rows)):  # transposed direct form II, channel by channel
+            p, q, filtered = s1[i], s2[i], []
+            for x in column:
+                x *= b0
+                y = x + p
+                p = x + x - a1 * y + q
+                q = x - a2 * y
+                filtered.append(y)
+            s1[i], s2[i] = p, q
+            columns.append(filtered)
+        return list(zip(*columns))
 
 
 def check_cutoff(cutoff_frequency: float, sample_rate: float) -> None:

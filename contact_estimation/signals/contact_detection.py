@@ -12,12 +12,13 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Contact decided from force: measured and predicted, with hysteresis."""
+"""Contact decided from the measured force, with hysteresis."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from math import sqrt
+from typing import Sequence
 
 from ..parameters import ParameterGroup, parameter
 
@@ -57,8 +58,8 @@ class ContactDetector:
     Decide contact and learn the level and noise of the force in free flight.
 
     Gating on delta > 0 alone teaches the estimator the withdrawal, where the wall has already
-    let go although delta > 0; so contact needs a measured force above the noise and a predicted
-    force above zero.
+    let go although delta > 0; so contact needs a measured force above the noise. That the
+    predicted force is above the noise too is asked where the estimator learns.
 
     Parameters
     ----------
@@ -99,63 +100,59 @@ class ContactDetector:
         """Variance of the force noise [N^2]."""
         return self._variance
 
-    def update(self, dt: float, pressing: float, predicted: float | None) -> bool:
+    def decide(
+        self, dts: Sequence[float], pressings: Sequence[float], inside: Sequence[bool]
+    ) -> tuple[list[bool], list[float]]:
         """
-        Decide for one sample.
+        Decide for samples, one after the other.
 
         Parameters
         ----------
-        dt : float
-            Time since the last sample [s].
-        pressing : float
+        dts : sequence of float
+            Time from each sample's predecessor [s].
+        pressings : sequence of float
             -F_e, measured [N].
-        predicted : float or None
-            K_hat delta + B_hat v where delta > 0, else 0 [N]; None while the wall's location is
-            too uncertain to predict anything.
+        inside : sequence of bool
+            Whether the tool may be inside the wall: delta > 0, or a location too uncertain to
+            tell.
 
         Returns
         -------
-        contact : bool
-            Whether this sample is in contact.
+        contact : list of bool
+            Of each sample.
+        variances : list of float
+            Of the force noise, as known at each sample [N^2].
 
         """
-        measured = pressing - self.level
-        outside = predicted is not None and predicted <= self._predicted_on
-        if self.contact:
-            self.contact = measured > self._off and not outside
-            return self.contact
-        if measured > self._on and not outside:
-            self._above += 1
-            self.contact = self._above >= self._p.samples
-        else:
-            self._above = 0
-            # `<` keeps a first touch, not yet confirmed, out of the noise statistics.
-            if outside or measured < self._on:
-                self._learn(dt, measured)
-        return self.contact
+        p, contact, level, above = self._p, self.contact, self.level, self._above
+        on, off, variance = self._on, self._off, self._variance
+        flags, variances = [], []
+        for dt, pressing, may in zip(dts, pressings, inside):
+            measured = pressing - level
+            if contact:
+                contact = may and measured > off
+            elif may and measured > on:
+                above += 1  # a first touch, not yet confirmed, is kept out of the statistics
+                contact = above >= p.samples
+            else:
+                above = 0
+                level = self._learn(dt, measured)
+                on, off, variance = self._on, self._off, self._variance
+            flags.append(contact)
+            variances.append(variance)
+        self.contact, self._above = contact, above
+        return flags, variances
 
-    def expect_above(self, predicted_noise: float) -> None:
-        """
-        Set the predicted force that still means no contact.
-
-        Parameters
-        ----------
-        predicted_noise : float
-            K_hat times position noise [N].
-
-        """
-        self._predicted_on = predicted_noise
-
-    def _learn(self, dt: float, measured: float) -> None:
+    def _learn(self, dt: float, measured: float) -> float:
         limit = _OUTLIER * self._sigma
         deviation = max(-limit, min(limit, measured))
         gain = min(dt / _SETTLING_S, 0.1)
         self.level += gain * deviation
         self._variance += gain * (deviation * deviation - self._variance)
         self._set_thresholds()
+        return self.level
 
     def _set_thresholds(self) -> None:
         self._sigma = sqrt(max(self._variance, 1e-18))
         self._on = max(self._p.on_ratio * self._sigma, self._p.minimum_force)
         self._off = min(self._p.off_ratio * self._sigma, self._on)
-        self._predicted_on = getattr(self, '_predicted_on', 0.0)

@@ -40,15 +40,17 @@ class Relation(ABC):
     """
 
     def __init__(self, sample_period_s: float) -> None:
-        self._T = sample_period_s
         self._longest = 1.5 * sample_period_s
+        self.leave()
 
     @abstractmethod
-    def row(
-        self, dt: float, delta: float, velocity: float, pressing: float, contact: bool
-    ) -> Row | None:
+    def leave(self) -> None:
+        """Note that contact has ended: forget the samples before."""
+
+    @abstractmethod
+    def row(self, dt: float, delta: float, velocity: float, pressing: float) -> Row | None:
         """
-        Build the row of this instant.
+        Build the row of an instant in contact.
 
         Parameters
         ----------
@@ -60,13 +62,11 @@ class Relation(ABC):
             Its rate [m/s], NaN where not measured.
         pressing : float
             -F_e without known extra physics [N].
-        contact : bool
-            Whether the wall is touched now.
 
         Returns
         -------
         row : sequence of float or None
-            (y, phi_K, phi_B, phi_c) and further columns; None outside contact.
+            (y, phi_K, phi_B, phi_c, phi_M); None while consecutive samples are lacking.
 
         """
 
@@ -74,26 +74,25 @@ class Relation(ABC):
 class VelocityRelation(Relation):
     """Eq. (7): F = K_e delta + B_e v; from differences where no velocity is measured."""
 
-    def __init__(self, sample_period_s: float) -> None:
-        super().__init__(sample_period_s)
+    def leave(self) -> None:
+        """Forget the sample before; see `Relation.leave`."""
         self._last: tuple[float, float] | None = None
 
-    def row(
-        self, dt: float, delta: float, velocity: float, pressing: float, contact: bool
-    ) -> Row | None:
-        """Build (y, phi_K, phi_B, phi_c); see `Relation.row`."""
+    def row(self, dt: float, delta: float, velocity: float, pressing: float) -> Row | None:
+        """Build (y, phi_K, phi_B, phi_c, 0); see `Relation.row`."""
         if velocity == velocity:
-            return (pressing, delta, velocity, 1.0) if contact else None
+            return pressing, delta, velocity, 1.0, 0.0
         # Without velocity: the trapezoid of eq. (3) over one interval. Averaging force and
         # position over the interval over which the difference is taken keeps them in phase.
-        last, self._last = self._last, (delta, pressing) if contact else None
-        if last is None or not contact or dt > self._longest or dt <= 0.0:
+        last, self._last = self._last, (delta, pressing)
+        if last is None or not 0.0 < dt <= self._longest:
             return None
         return (
             0.5 * (pressing + last[1]),
             0.5 * (delta + last[0]),
             (delta - last[0]) / dt,
             1.0,
+            0.0,
         )
 
 
@@ -108,28 +107,25 @@ class TustinRelation(Relation):
 
     def __init__(self, sample_period_s: float) -> None:
         super().__init__(sample_period_s)
-        self._past: list[tuple[float, float]] = []
         self._per_T = 0.5 / sample_period_s
         self._per_T2 = 1.0 / sample_period_s**2
 
-    def row(
-        self, dt: float, delta: float, velocity: float, pressing: float, contact: bool
-    ) -> Row | None:
+    def leave(self) -> None:
+        """Forget the samples before; see `Relation.leave`."""
+        self._consecutive = 0
+        self._d1 = self._d2 = self._f1 = self._f2 = 0.0
+
+    def row(self, dt: float, delta: float, velocity: float, pressing: float) -> Row | None:
         """Build (y, phi_K, phi_B, phi_c, phi_M); see `Relation.row`."""
-        past = self._past
-        if not contact or dt > self._longest:
-            past.clear()
-        if not contact:
+        d1, d2, f1, f2 = self._d1, self._d2, self._f1, self._f2
+        self._d1, self._d2, self._f1, self._f2 = delta, d1, pressing, f1
+        self._consecutive = self._consecutive + 1 if dt <= self._longest else 1
+        if self._consecutive < 3:
             return None
-        past.append((delta, pressing))
-        if len(past) < 3:
-            return None
-        (d2, f2), (d1, f1), (d0, f0) = past
-        del past[0]
         return (
-            0.25 * (f0 + 2.0 * f1 + f2),
-            0.25 * (d0 + 2.0 * d1 + d2),
-            self._per_T * (d0 - d2),
+            0.25 * (pressing + 2.0 * f1 + f2),
+            0.25 * (delta + 2.0 * d1 + d2),
+            self._per_T * (delta - d2),
             1.0,
-            self._per_T2 * (d0 - 2.0 * d1 + d2),
+            self._per_T2 * (delta - 2.0 * d1 + d2),
         )

@@ -21,6 +21,9 @@ from dataclasses import dataclass
 from math import isfinite, nan
 from typing import Iterable
 
+import numpy as np
+from numpy.typing import NDArray
+
 from ..parameters import ParameterGroup, parameter
 from .contact_sample import ContactSample
 
@@ -76,6 +79,11 @@ class Synchroniser:
         self._wrenches: deque[tuple[int, float]] = deque()
         self._motions: deque[Motion] = deque()
         self._last_wrench_ns = self._last_motion_ns = -(2**63)
+
+    @property
+    def waits(self) -> bool:
+        """Whether a wrench waits for its joint sample."""
+        return bool(self._wrenches)
 
     def configure(self, parameters: SynchronisationParameters) -> None:
         """
@@ -165,6 +173,50 @@ class Synchroniser:
             return self._pair()
         self._drop_old_motions()
         return _NOTHING
+
+    def add_pairs(
+        self,
+        stamps_ns: NDArray[np.int64],
+        forces: NDArray[np.float64],
+        positions: NDArray[np.float64],
+        velocities: NDArray[np.float64],
+    ) -> list[ContactSample] | None:
+        """
+        Take wrenches and joint samples that have the same stamps, many at once.
+
+        Gives what `add_wrench` and `add_motion` would give one by one, or refuses.
+
+        Parameters
+        ----------
+        stamps_ns : ndarray of int64, shape (N,)
+            Stamps of both [ns].
+        forces, positions, velocities : ndarray, shape (N,)
+            F_e [N], x [m] and its rate [m/s], NaN where not measured.
+
+        Returns
+        -------
+        samples : list of ContactSample or None
+            None where something is irregular, so that they must be taken one by one.
+
+        """
+        last = max(self._last_wrench_ns, self._last_motion_ns)
+        regular = (
+            not self._wrenches
+            and int(stamps_ns[0]) > last
+            and bool((np.diff(stamps_ns) > 0).all())
+            and bool(np.isfinite(forces).all())
+            and bool(np.isfinite(positions).all())
+            and not bool(np.isinf(velocities).any())
+        )
+        if not regular:
+            return None
+        columns = (stamps_ns, positions, velocities, forces)
+        samples = list(map(ContactSample, *(column.tolist() for column in columns)))
+        newest = samples[-1]
+        self._last_wrench_ns = self._last_motion_ns = newest.stamp_ns
+        self._motions.clear()
+        self._motions.append(newest[:3])
+        return samples
 
     def count(self, reason: str) -> None:
         """

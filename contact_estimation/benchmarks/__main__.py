@@ -1,0 +1,145 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Speed of node, estimators and replay, each against a reference of the same run; by hand."""
+
+from __future__ import annotations
+
+import json
+import os
+import platform
+from typing import Any, Sequence
+
+from ..commands.command_line import new_file, Parser, run_command
+from ..estimators import ESTIMATORS
+from ..exceptions import ParameterRangeError
+
+BENCHMARKS = ('estimators', 'node', 'replay')
+_CONTACTS = ('mixed', 'always')
+
+
+def make_parser() -> Parser:
+    """Build the command line of the benchmarks."""
+    parser = Parser(
+        prog='benchmarks',
+        description='Measure node, estimators and replay against named references in one run. '
+        'Other work on the machine spoils all times; the ratios suffer least.',
+    )
+    parser.add_argument(
+        'which', nargs='*', metavar='BENCHMARK', help=', '.join(BENCHMARKS) + '; default: all'
+    )
+    parser.add_argument('--json', metavar='FILE', help='all results as JSON')
+    parser.add_argument('--rounds', type=int, help='repetitions; default: node 2, replay 3')
+    node = parser.add_argument_group('node')
+    node.add_argument('--seconds', type=float, default=15.0, help='length of each run (15)')
+    node.add_argument('--estimator', choices=tuple(ESTIMATORS), default='indirect_adaptive')
+    replay = parser.add_argument_group('replay')
+    replay.add_argument('--recording', help='of wrench and joint_states; default: one is made')
+    replay.add_argument('--hours', type=float, default=0.1, help='length of that one (0.1)')
+    replay.add_argument(
+        '--contact', choices=_CONTACTS, default='mixed',
+        help='of that one: a third of the time, or always, the worst case for replay (mixed)',
+    )
+    return parser
+
+
+def run(options: Any) -> int:
+    """
+    Run the chosen benchmarks.
+
+    Parameters
+    ----------
+    options : argparse.Namespace
+        Of `make_parser`.
+
+    Returns
+    -------
+    code : int
+        0.
+
+    Raises
+    ------
+    ParameterRangeError
+        If an option is out of range.
+
+    """
+    _check(options)
+    output = new_file(options.json) if options.json else None
+    results: dict[str, Any] = {'machine': _machine()}
+    for name in BENCHMARKS:
+        if name in (options.which or BENCHMARKS):
+            results[name] = _run_one(name, options)
+    if output:
+        output.write_text(json.dumps(results, indent=1) + '\n')
+    return 0
+
+
+def _check(options: Any) -> None:
+    for name in options.which:
+        if name not in BENCHMARKS:
+            raise ParameterRangeError(
+                f'BENCHMARK must be among {", ".join(BENCHMARKS)}, got {name!r}'
+            )
+    for name in ('rounds', 'seconds', 'hours'):
+        value = getattr(options, name)
+        if value is not None and not 0 < value < 1e6:
+            raise ParameterRangeError(f'--{name} must be > 0, got {value:g}')
+
+
+def _run_one(name: str, options: Any) -> dict[str, Any]:
+    """Import only what is asked for: node needs ROS, estimators filterpy, replay rosbags."""
+    if name == 'node':
+        from .node_benchmark import run_node_benchmark
+
+        return run_node_benchmark(options.seconds, options.rounds or 2, options.estimator)
+    if name == 'replay':
+        from .replay_benchmark import run_replay_benchmark
+
+        return run_replay_benchmark(
+            options.recording, options.hours, options.contact, options.rounds or 3
+        )
+    from .estimator_benchmark import run_estimator_benchmark
+
+    return run_estimator_benchmark(12.0)
+
+
+def _machine() -> dict[str, Any]:
+    return {
+        'processors': os.cpu_count(),
+        'python': platform.python_version(),
+        'system': platform.platform(),
+        'load_average': os.getloadavg(),
+    }
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """
+    Run the command.
+
+    Parameters
+    ----------
+    args : sequence of str, optional
+        Command line; that of the process by default.
+
+    Returns
+    -------
+    code : int
+        0, or 1 after one line on stderr.
+
+    """
+    return run_command(make_parser(), run, args)
+
+
+if __name__ == '__main__':
+    raise SystemExit(main())

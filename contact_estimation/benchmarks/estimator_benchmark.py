@@ -1,0 +1,82 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Cost of one update: whole pipeline, bare estimator, and filterpy's Kalman filter beside them."""
+
+from __future__ import annotations
+
+from statistics import median
+import time
+from typing import Any, Callable
+
+from ..estimators import ESTIMATORS
+from .contact_data import contact_data, learned
+from .estimator_steps import filterpy_step, learning_steps, pipeline_steps, Steps
+from .table import print_table
+
+_BLOCK = 250  # samples; short enough that all contestants see the same load of the machine
+FILTERPY = 'filterpy KalmanFilter'
+_FIGURES = ('pipeline_us', 'pipeline_run_us', 'update_us', 'update_run_us')
+
+
+def run_estimator_benchmark(seconds: float) -> dict[str, Any]:
+    """
+    Let all contestants work through the same samples, in turns, block by block.
+
+    Parameters
+    ----------
+    seconds : float
+        Length of the contact that is worked through [s].
+
+    Returns
+    -------
+    results : dict
+        estimators, one entry each: microseconds per sample (medians over the blocks) and their
+        ratios to filterpy's predict and update. 'run': many samples at once, as in replay.
+
+    """
+    data = contact_data(seconds)
+    contestants: dict[str, Steps] = {FILTERPY: filterpy_step(data)}
+    for name in ESTIMATORS:
+        for part, prepare in (('pipeline', pipeline_steps), ('update', learning_steps)):
+            one_by_one, in_runs = prepare(data, name)
+            contestants[f'{name} {part}_us'] = one_by_one
+            contestants[f'{name} {part}_run_us'] = in_runs
+    spent = _alternate(contestants, len(data.samples))
+    rows = [_row(name, spent, learned(data, name)[1]) for name in ESTIMATORS]
+    rows.append({**dict.fromkeys(rows[0]), 'estimator': FILTERPY, 'update_us': spent[FILTERPY],
+                 'update/filterpy': 1.0})
+    print_table('estimators, in contact; us per sample against filterpy 3x1 predict+update', rows)
+    return {'estimators': rows}
+
+
+def _alternate(contestants: dict[str, Steps], count: int) -> dict[str, float]:
+    spent: dict[str, list[float]] = {name: [] for name in contestants}
+    for begin in range(0, count - _BLOCK + 1, _BLOCK):
+        for name, steps in contestants.items():
+            spent[name].append(_timed(steps, begin))
+    # The first block of each warms up.
+    return {name: median(figures[1:]) for name, figures in spent.items()}
+
+
+def _timed(steps: Callable[[int, int], None], begin: int) -> float:
+    start = time.perf_counter_ns()
+    steps(begin, begin + _BLOCK)
+    return (time.perf_counter_ns() - start) * 1e-3 / _BLOCK
+
+
+def _row(name: str, spent: dict[str, float], share: float) -> dict[str, Any]:
+    times = {figure: spent[f'{name} {figure}'] for figure in _FIGURES}
+    ratios = {f'{figure[:-3]}/filterpy': time / spent[FILTERPY] for figure, time in times.items()}
+    return {'estimator': name, **times, **ratios, 'learning_share': share}

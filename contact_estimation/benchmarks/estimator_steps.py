@@ -1,0 +1,116 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""What the estimator benchmark times: functions that work through samples begin to end."""
+
+from __future__ import annotations
+
+from typing import Callable
+
+from filterpy.kalman import KalmanFilter
+import numpy as np
+
+from ..estimators.estimator import Held
+from .contact_data import ContactData, learned, settled_pipeline
+
+Steps = Callable[[int, int], None]
+_VARIANCE = 1.0 / 3.0  # of the simulated force sensor [N^2]
+_NOT_HELD = Held(False, False)
+
+
+def pipeline_steps(data: ContactData, name: str) -> tuple[Steps, Steps]:
+    """
+    Prepare the pipeline as the node uses it and as replay does.
+
+    Parameters
+    ----------
+    data, name
+        As of `settled_pipeline`.
+
+    Returns
+    -------
+    one_by_one, in_runs : callable
+        Process samples begin to end.
+
+    """
+    process = settled_pipeline(data, name).process
+    process_run = settled_pipeline(data, name).process_run
+    samples = [sample for sample, _ in data.samples]
+
+    def one_by_one(begin: int, end: int) -> None:
+        for sample, reference in data.samples[begin:end]:
+            process(sample, reference)
+
+    def in_runs(begin: int, end: int) -> None:
+        process_run(samples[begin:end], data.samples[begin][1])
+
+    return one_by_one, in_runs
+
+
+def learning_steps(data: ContactData, name: str) -> tuple[Steps, Steps]:
+    """
+    Prepare a bare estimator with the rows that its pipeline would give it.
+
+    Parameters
+    ----------
+    data, name
+        As of `settled_pipeline`.
+
+    Returns
+    -------
+    one_by_one, in_runs : callable
+        Learn from rows begin to end.
+
+    """
+    rows, _ = learned(data, name)
+    one = settled_pipeline(data, name).estimator.learn
+    run = settled_pipeline(data, name).estimator.learn
+
+    def one_by_one(begin: int, end: int) -> None:
+        for row in rows[begin:end]:
+            one((row,), _VARIANCE, _NOT_HELD)
+
+    def in_runs(begin: int, end: int) -> None:
+        run(rows[begin:end], _VARIANCE, _NOT_HELD)
+
+    return one_by_one, in_runs
+
+
+def filterpy_step(data: ContactData) -> Steps:
+    """
+    Prepare a generic Kalman filter for (K_e, B_e, c), one scalar force a step.
+
+    Parameters
+    ----------
+    data : ContactData
+        Where its measurements come from.
+
+    Returns
+    -------
+    steps : callable
+        Predicts and updates with measurements begin to end; regressors are ready arrays.
+
+    """
+    kalman = KalmanFilter(dim_x=3, dim_z=1)
+    kalman.x = np.array([[3000.0], [50.0], [0.0]])
+    kalman.P = np.diag([1e6, 1e4, 1.0])
+    kalman.Q = np.diag([1.0, 0.1, 1e-6])
+    rows = [(row[0], np.array([row[1:4]])) for _, row in learned(data, 'indirect_adaptive')[0]]
+
+    def steps(begin: int, end: int) -> None:
+        for y, phi in rows[begin:end]:
+            kalman.predict()
+            kalman.update(y, R=_VARIANCE, H=phi)
+
+    return steps

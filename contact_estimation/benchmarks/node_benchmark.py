@@ -1,0 +1,77 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The estimator node against an empty node on the same topics."""
+
+from __future__ import annotations
+
+from statistics import median
+from typing import Any
+
+from .node_run import NODES, run_node_once
+from .table import print_table
+
+_RATES = (500.0, 1000.0)
+
+
+def run_node_benchmark(seconds: float, rounds: int, estimator: str) -> dict[str, Any]:
+    """
+    Alternate echo and estimator at each rate.
+
+    Parameters
+    ----------
+    seconds : float
+        Length of each run [s].
+    rounds : int
+        Pairs of runs at each rate.
+    estimator : str
+        Which estimator the estimator node runs.
+
+    Returns
+    -------
+    results : dict
+        runs, one entry a run; ratios, one entry a rate: medians over the pairs.
+
+    """
+    own = {'echo': [], 'estimator': [f'estimator:={estimator}']}
+    runs: list[dict[str, Any]] = []
+    for rate in _RATES:
+        for number in range(rounds):
+            for node in NODES:
+                figures = run_node_once(node, rate, seconds, own[node])
+                runs.append({'rate': rate, 'round': number, **figures})
+    ratios = [_ratios(rate, [run for run in runs if run['rate'] == rate]) for rate in _RATES]
+    print_table(f'node, estimator_node running {estimator}; CPU in % of a core', runs)
+    print_table('node, estimator over echo of the same round, median over rounds', ratios)
+    return {'runs': runs, 'ratios': ratios}
+
+
+def _ratios(rate: float, runs: list[dict[str, Any]]) -> dict[str, Any]:
+    echoes = [run for run in runs if run['node'] == 'echo']
+    estimators = [run for run in runs if run['node'] == 'estimator']
+
+    def ratio(name: str) -> float:
+        return median(b[name] / max(a[name], 1e-9) for a, b in zip(echoes, estimators))
+
+    def lost(of: list[dict[str, Any]]) -> float:
+        return sum(run['lost'] for run in of) / sum(run['sent'] for run in of)
+
+    return {
+        'rate': rate,
+        'cpu_estimator/echo': ratio('cpu_percent'),
+        'p50_estimator/echo': ratio('latency_ms_p50'),
+        'p99_estimator/echo': ratio('latency_ms_p99'),
+        'lost/sent_echo': lost(echoes),
+        'lost/sent_estimator': lost(estimators),
+    }

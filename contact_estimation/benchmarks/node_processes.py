@@ -1,0 +1,72 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Nodes as processes, among themselves."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+
+_GRACE_S = 5.0
+
+
+def start_node(module: str, parameters: list[str]) -> subprocess.Popen[bytes]:
+    """
+    Start a node in a domain of this benchmark's own: the traffic of others would count too.
+
+    Parameters
+    ----------
+    module : str
+        Python module of the node.
+    parameters : list of str
+        ROS parameters as NAME:=VALUE.
+
+    Returns
+    -------
+    process : subprocess.Popen
+        Running.
+
+    """
+    options = [word for parameter in parameters for word in ('-p', parameter)]
+    environment = {
+        **os.environ,
+        'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST',
+        'ROS_DOMAIN_ID': str(1 + os.getpid() % 100),
+    }
+    return subprocess.Popen(
+        [sys.executable, '-m', module, '--ros-args', *options],
+        env=environment, start_new_session=True, stdout=subprocess.DEVNULL,
+    )
+
+
+def end_node(process: subprocess.Popen[bytes]) -> None:
+    """
+    Interrupt a node and wait; kill it where that does not help.
+
+    Parameters
+    ----------
+    process : subprocess.Popen
+        Running or not.
+
+    """
+    if process.poll() is None:
+        process.send_signal(signal.SIGINT)
+    try:
+        process.wait(_GRACE_S)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait()

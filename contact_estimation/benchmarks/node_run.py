@@ -1,0 +1,126 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""One run of a node against the plant, each in a process of its own."""
+
+from __future__ import annotations
+
+from functools import partial
+import json
+from pathlib import Path
+import subprocess
+from tempfile import TemporaryDirectory
+import time
+from typing import Any, Mapping
+
+from ..exceptions import ContactEstimationError
+from .cpu_meter import CpuMeter, machine_cpu_s, process_cpu_s
+from .node_processes import end_node, start_node
+
+NODES = {
+    'echo': 'contact_estimation.benchmarks.echo_node',
+    'estimator': 'contact_estimation.ros.estimator_node',
+}
+_PLANT = 'contact_estimation.ros.plant_node'
+_SAMPLING_S = 0.05
+_PATIENCE_S = 60.0
+
+
+def run_node_once(node: str, rate: float, seconds: float, parameters: list[str]) -> dict[str, Any]:
+    """
+    Let the plant play to a node and measure both sides.
+
+    Parameters
+    ----------
+    node : str
+        A key of NODES.
+    rate : float
+        Of the samples [Hz].
+    seconds : float
+        Length of the experiment [s].
+    parameters : list of str
+        Further parameters of the node, as NAME:=VALUE.
+
+    Returns
+    -------
+    figures : dict
+        node, rate_hz (achieved), cpu_percent of a core between first and last sample,
+        others_percent (of all but node and plant; far from 0, latencies tell little),
+        latency_ms_p50, _p99 and _max, sent, lost.
+
+    Raises
+    ------
+    ContactEstimationError
+        If a process fails or nothing was answered.
+
+    """
+    with TemporaryDirectory() as folder:
+        told = Path(folder) / 'plant.json'
+        under_test = start_node(NODES[node], [f'sample_rate:={rate:.1f}', *parameters])
+        meters = {node: _meter(under_test), 'machine': CpuMeter(machine_cpu_s)}
+        try:
+            plant = start_node(_PLANT, [
+                f'sample_rate:={rate:.1f}', f'duration:={seconds:.3f}', 'repeat:=true',
+                'subscribers:=1', f'summary_file:={told}',
+            ])
+            meters['plant'] = _meter(plant)
+            try:
+                _watch(node, under_test, plant, meters, seconds + _PATIENCE_S)
+            finally:
+                end_node(plant)
+        finally:
+            end_node(under_test)
+        return _figures(node, rate, json.loads(told.read_text()), meters)
+
+
+def _watch(
+    node: str, under_test: subprocess.Popen[bytes], plant: subprocess.Popen[bytes],
+    meters: Mapping[str, CpuMeter], patience_s: float,
+) -> None:
+    give_up = time.monotonic() + patience_s
+    while plant.poll() is None:
+        for meter in meters.values():
+            meter.sample()
+        if under_test.poll() is not None:
+            raise ContactEstimationError(f'{node} ended with {under_test.returncode} too early')
+        if time.monotonic() > give_up:
+            raise ContactEstimationError(f'plant_node did not end within {patience_s:.0f} s')
+        time.sleep(_SAMPLING_S)
+    if plant.returncode:
+        raise ContactEstimationError(f'plant_node ended with {plant.returncode}')
+
+
+def _meter(process: subprocess.Popen[bytes]) -> CpuMeter:
+    return CpuMeter(partial(process_cpu_s, process.pid))
+
+
+def _figures(
+    node: str, rate: float, told: Mapping[str, Any], meters: Mapping[str, CpuMeter]
+) -> dict[str, Any]:
+    """Cut the CPU time to the samples, so that neither start nor end of the node counts."""
+    sent, lost, latency = told['samples_sent'], told['samples_lost'], told['latency_ms']
+    if latency['p99'] is None:
+        raise ContactEstimationError(f'{node} answered none of {sent} samples')
+    begin_ns = told['begin_stamp_ns']
+    end_ns = begin_ns + round(sent / rate * 1e9)
+    shares = {name: meter.percent(begin_ns, end_ns) for name, meter in meters.items()}
+    return {
+        'node': node,
+        'rate_hz': told['rate_hz'],
+        'cpu_percent': shares[node],
+        'others_percent': shares['machine'] - shares[node] - shares['plant'],
+        **{f'latency_ms_{name}': latency[name] for name in ('p50', 'p99', 'max')},
+        'sent': sent,
+        'lost': lost,
+    }

@@ -1,0 +1,79 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""References of the replay benchmark, each run as a command: read a recording, nothing else."""
+
+from __future__ import annotations
+
+from pathlib import Path
+import sys
+from typing import Callable
+
+TOPICS = ('wrench', 'joint_states')
+
+
+def deserialise_with_rosbags(path: Path) -> int:
+    """
+    Turn every message of the two topics into an object, as rosbags users do.
+
+    Parameters
+    ----------
+    path : Path
+        The recording.
+
+    Returns
+    -------
+    count : int
+        Messages.
+
+    """
+    from rosbags.highlevel import AnyReader
+    from rosbags.typesys import get_typestore, Stores
+
+    count = 0
+    with AnyReader([path], default_typestore=get_typestore(Stores.ROS2_JAZZY)) as reader:
+        wanted = [c for c in reader.connections if c.topic.strip('/') in TOPICS]
+        for connection, _, data in reader.messages(wanted):
+            reader.deserialize(data, connection.msgtype)
+            count += 1
+    return count
+
+
+def read_messages(path: Path) -> int:
+    """
+    Read the raw messages of the two topics with this package.
+
+    Parameters
+    ----------
+    path : Path
+        The recording.
+
+    Returns
+    -------
+    count : int
+        Messages.
+
+    """
+    from ..recordings import RecordingReader
+
+    return sum(map(len, RecordingReader(path).batches(TOPICS)))
+
+
+TASKS: dict[str, Callable[[Path], int]] = {
+    'rosbags': deserialise_with_rosbags,
+    'reader': read_messages,
+}
+
+if __name__ == '__main__':
+    print(f'{TASKS[sys.argv[1]](Path(sys.argv[2]))} messages')

@@ -1,0 +1,74 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Simulated samples for the benchmarks: the sine manoeuvre, and one that never leaves the wall."""
+
+from __future__ import annotations
+
+from math import pi
+
+from ..contact_session import ContactSession, Result
+from ..estimation_parameters import EstimationParameters
+from ..parameters import build
+from ..plant.closed_loop import run_closed_loop
+from ..plant.plant_parameters import PlantParameters
+from ..reference.excitation import Sine
+from ..reference.experiment import Experiment
+from ..reference.experiments import experiment_named, manoeuvre
+
+RATE = 500.0
+PERIOD_S = 1.0 / RATE
+_NOISE = {'sensors.force_noise': 1.0, 'sensors.distribution': 'uniform'}  # as in `loop`
+_SETTLED_S = 8.6
+"""Two seconds after the begin of the hold."""
+
+
+def sine_manoeuvre() -> list[Result]:
+    """
+    Play the sine experiment once; it ends at rest where it began.
+
+    Returns
+    -------
+    results : list of Result
+        12 s at 500 Hz.
+
+    """
+    return _play(experiment_named('sine'), experiment_named('sine').duration)
+
+
+def pressing(seconds: float) -> tuple[list[Result], list[Result]]:
+    """
+    Approach the wall and press it under an excitation of 3 Hz.
+
+    Parameters
+    ----------
+    seconds : float
+        Length of the pressing; a multiple of 1 s holds whole periods [s].
+
+    Returns
+    -------
+    approach, pressed : list of Result
+        What comes before the settled contact, and the contact.
+
+    """
+    experiment = manoeuvre('pressing', Sine(8.0, 6.0 * pi), hold_s=seconds + 3.0)
+    results = _play(experiment, _SETTLED_S + seconds)
+    begin = round(_SETTLED_S * RATE)
+    return results[:begin], results[begin:]
+
+
+def _play(experiment: Experiment, duration: float) -> list[Result]:
+    plant = build(PlantParameters, _NOISE)
+    session = ContactSession(build(EstimationParameters, {'sample_rate': RATE}))
+    return run_closed_loop(plant, session, experiment, duration).results

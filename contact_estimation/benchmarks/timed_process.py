@@ -1,0 +1,101 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""A command with its time and memory."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+import subprocess
+from tempfile import TemporaryFile
+import time
+from typing import NamedTuple, Sequence
+
+from ..exceptions import ContactEstimationError
+
+_SAMPLING_S = 0.02
+
+
+class Cost(NamedTuple):
+    """
+    What a command has taken.
+
+    Attributes
+    ----------
+    wall_s, cpu_s : float
+        Time on the clock, and user and system time [s].
+    peak_mb : float
+        Peak resident memory [MB].
+    text : str
+        Standard output.
+
+    """
+
+    wall_s: float
+    cpu_s: float
+    peak_mb: float
+    text: str
+
+
+def run_timed(command: Sequence[str]) -> Cost:
+    """
+    Run a command to its end.
+
+    Its peak memory is its VmHWM and not ru_maxrss of wait4, which counts what this process had
+    in memory when it forked.
+
+    Parameters
+    ----------
+    command : sequence of str
+        Program and arguments.
+
+    Returns
+    -------
+    cost : Cost
+        Time to 20 ms, memory as of at most 20 ms before the end.
+
+    Raises
+    ------
+    ContactEstimationError
+        If the command fails.
+
+    """
+    with TemporaryFile('w+') as output:
+        begin = time.perf_counter()
+        process = subprocess.Popen(command, stdout=output)
+        peak_kb, pid = 0, 0
+        try:
+            while not pid:
+                peak_kb = max(peak_kb, _peak_kb(process.pid))
+                time.sleep(_SAMPLING_S)
+                pid, status, used = os.wait4(process.pid, os.WNOHANG)
+        except BaseException:
+            process.kill()
+            process.wait()
+            raise
+        wall_s = time.perf_counter() - begin
+        process.returncode = os.waitstatus_to_exitcode(status)
+        if process.returncode:
+            raise ContactEstimationError(f'{" ".join(command)} ended with {process.returncode}')
+        output.seek(0)
+        return Cost(wall_s, used.ru_utime + used.ru_stime, peak_kb * 1e-3, output.read())
+
+
+def _peak_kb(pid: int) -> int:
+    try:
+        lines = Path(f'/proc/{pid}/status').read_text().splitlines()
+    except OSError:
+        return 0
+    return next((int(line.split()[1]) for line in lines if line.startswith('VmHWM')), 0)

@@ -1,0 +1,273 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+From raw samples to rows that an estimator can learn from.
+
+Gate first, then filter: with c the contact flag, c F = K_e c delta + B_e c v holds at all times,
+so [c delta, c v, c] and c F pass the same filter. Filtering first would smear the touch-down into
+the estimate.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass
+import math
+from math import ceil, nan
+from typing import Any, NamedTuple, Sequence
+
+from ..parameters import parameter, ParameterGroup
+from .butterworth import ButterworthBank
+from .contact_detection import ContactDetector, ContactParameters
+from .contact_sample import ContactSample
+from .relations import Relation, Row
+
+_COLUMNS = 5
+_ZEROS = (0.0,) * _COLUMNS
+_TARE_S = 0.5
+
+
+@dataclass(frozen=True)
+class ConditioningParameters(ParameterGroup):
+    """The low-pass that regressor and force pass alike."""
+
+    cutoff_frequency: float = parameter(
+        50.0, 'Cut-off of the second-order Butterworth filter; 0: no filter', 'Hz', minimum=0.0
+    )
+
+
+class Conditioned(NamedTuple):
+    """
+    A run of samples, conditioned.
+
+    Attributes
+    ----------
+    dts : list of float
+        Time from each sample's predecessor [s].
+    velocities : list of float
+        Measured or estimated rate of x [m/s].
+    contact : list of bool
+        Whether each sample is in contact.
+    variances : list of float
+        Of the force noise, as known at each sample [N^2].
+    rows : list of row or None
+        (y, phi_K, phi_B, phi_c, ...) of samples in contact; None elsewhere, and where the
+        relation does not hold yet.
+
+    """
+
+    dts: list[float]
+    velocities: list[float]
+    contact: list[bool]
+    variances: list[float]
+    rows: list[Row | None]
+
+
+class Conditioner:
+    """
+    Velocity, contact, known extra physics, relation, gate and filter, in this order.
+
+    Causal, and the same however the samples are cut into runs.
+
+    Parameters
+    ----------
+    contact : ContactParameters
+        Thresholds of contact.
+    sample_rate : float
+        Nominal [Hz].
+    relation : type of Relation
+        What the estimator fits.
+
+    """
+
+    def __init__(
+        self, contact: ContactParameters, sample_rate: float, relation: type[Relation]
+    ) -> None:
+        self.detector = ContactDetector(contact)
+        self.bias = 0.0
+        self.location = 0.0
+        self.location_known = True
+        self.effects: Sequence[Any] = ()
+        self.missing = 0
+        self.build(ConditioningParameters(0.0), sample_rate, relation)
+
+    def build(
+        self, parameters: ConditioningParameters, sample_rate: float, relation: type[Relation]
+    ) -> None:
+        """
+        Make filters and relation anew; contact, noise and tare stay.
+
+        Parameters
+        ----------
+        parameters : ConditioningParameters
+            The filter.
+        sample_rate : float
+            Nominal [Hz].
+        relation : type of Relation
+            What the estimator fits.
+
+        """
+        self._T = 1.0 / sample_rate
+        cutoff = parameters.cutoff_frequency
+        self._filter = ButterworthBank(_COLUMNS, cutoff, sample_rate)
+        self._velocity_filter = ButterworthBank(1, cutoff, sample_rate)
+        # The slower pole decays with cutoff / sqrt(2): after so many samples 1e-9 is left.
+        self._tail = 0 if cutoff == 0.0 else ceil(21.0 * math.sqrt(2.0) * sample_rate
+                                                  / (2.0 * math.pi * cutoff))
+        self._relation_class = relation
+        self.forget_motion()
+
+    def forget_motion(self) -> None:
+        """Begin anew with the next sample, as after a jump of time."""
+        self._filter.reset()
+        self._velocity_filter.reset()
+        self._relation = self._relation_class(self._T)
+        self._tail_left = 0
+        self._first_ns: int | None = None
+        self._last_ns = 0
+        self._last_position = self._last_velocity = nan
+        self.detector.contact = False
+        self._free: deque[float] = deque(maxlen=max(2, round(_TARE_S / self._T)))
+
+    def tare(self) -> tuple[bool, str]:
+        """
+        Take the mean free-flight force of the last half second for zero.
+
+        Returns
+        -------
+        done : bool
+            False in contact or too soon after it.
+        message : str
+            What was done, or why not.
+
+        """
+        if self.detector.contact:
+            return False, 'in contact; move away from the wall and try again'
+        if len(self._free) < (self._free.maxlen or 0):
+            return False, f'out of contact for less than {_TARE_S} s; wait and try again'
+        self.bias -= sum(self._free) / len(self._free)
+        self._free.clear()
+        self.detector.level = 0.0
+        return True, f'force bias is now {self.bias:.6g} N'
+
+    def process(self, samples: Sequence[ContactSample]) -> Conditioned:
+        """
+        Condition a run of samples.
+
+        Parameters
+        ----------
+        samples : sequence of ContactSample
+            In the order of their stamps.
+
+        Returns
+        -------
+        conditioned : Conditioned
+            One entry a sample.
+
+        """
+        dts, deltas, velocities, pressings = self._motion(samples)
+        if self.location_known:
+            inside = [delta > 0.0 for delta in deltas]
+        else:
+            inside = [True] * len(deltas)
+        contact, variances = self.detector.decide(dts, pressings, inside)
+        if self.effects and True in contact:
+            pressings = self._compensate(samples, dts, deltas, velocities, pressings)
+        rows: list[Row | None] = [None] * len(samples)
+        begin, count = 0, len(samples)
+        while begin < count:  # stretch by stretch of contact and of free flight
+            touching, end = contact[begin], begin + 1
+            while end < count and contact[end] is touching:
+                end += 1
+            if touching:
+                stretch = slice(begin, end)
+                rows[stretch] = self._touch(
+                    samples[stretch], dts[stretch], deltas[stretch], pressings[stretch]
+                )
+            else:
+                self._fly(pressings[begin:end], inside[begin:end])
+            begin = end
+        self._last_velocity = velocities[-1]
+        return Conditioned(dts, velocities, contact, variances, rows)
+
+    def _motion(
+        self, samples: Sequence[ContactSample]
+    ) -> tuple[list[float], list[float], list[float], list[float]]:
+        if self._first_ns is None:
+            self._first_ns = self._last_ns = samples[0][0]
+        location, bias, last, longest = self.location, self.bias, self._last_ns, 1.5 * self._T
+        dts, deltas, velocities, pressings = [], [], [], []
+        for stamp_ns, position, velocity, force in samples:
+            dt = (stamp_ns - last) * 1e-9
+            last = stamp_ns
+            if dt > longest:
+                self.missing += round(dt / self._T) - 1
+            dts.append(dt)
+            deltas.append(position - location)
+            velocities.append(
+                velocity if velocity == velocity else self._difference(dt, position)
+            )
+            pressings.append(bias - force)
+            self._last_position = position
+        self._last_ns = last
+        return dts, deltas, velocities, pressings
+
+    def _difference(self, dt: float, position: float) -> float:
+        """Estimate a velocity for all but the relation, which has a better way."""
+        last = self._last_position
+        raw = (position - last) / dt if dt > 0.0 and last == last else 0.0
+        return self._velocity_filter.process(((raw,),))[0][0]
+
+    def _compensate(
+        self, samples: Sequence[ContactSample], dts: list[float], deltas: list[float],
+        velocities: list[float], pressings: list[float],
+    ) -> list[float]:
+        """Subtract what known extra physics adds to the force."""
+        assert self._first_ns is not None
+        compensated, last = [], self._last_velocity
+        for sample, dt, d, v, pressing in zip(samples, dts, deltas, velocities, pressings):
+            a = (v - last) / dt if dt > 0.0 and last == last else 0.0
+            t, last = (sample.stamp_ns - self._first_ns) * 1e-9, v
+            for effect in self.effects:
+                pressing -= effect.resistance(t, d, v, (), math) + effect.inertia * a
+            compensated.append(pressing)
+        return compensated
+
+    def _touch(
+        self, samples: Sequence[ContactSample], dts: list[float], deltas: list[float],
+        pressings: list[float],
+    ) -> list[Row | None]:
+        self._free.clear()
+        row_of, rows = self._relation.row, []
+        for dt, delta, sample, pressing in zip(dts, deltas, samples, pressings):
+            rows.append(row_of(dt, delta, sample[2], pressing))
+        self._tail_left = self._tail
+        filtered = self._filter.process([row or _ZEROS for row in rows])
+        if None in rows:  # the relation waits for consecutive samples
+            return [new if row else None for row, new in zip(rows, filtered)]
+        return list(filtered)
+
+    def _fly(self, pressings: list[float], inside: list[bool]) -> None:
+        """Let the gate's zeros run through the filter until nothing of the contact is left."""
+        if self.location_known:
+            pressings = [p for p, may in zip(pressings, inside) if not may]
+        self._free.extend(pressings)
+        self._relation.leave()
+        if self._tail_left:
+            zeros = min(self._tail_left, len(inside))
+            self._filter.process([_ZEROS] * zeros)
+            self._tail_left -= zeros
+            if not self._tail_left:
+                self._filter.reset()

@@ -1,0 +1,58 @@
+"""Plant, estimator and recorder with one experiment; everything ends with the plant."""
+
+from launch import LaunchDescription
+from launch.actions import DeclareLaunchArgument, EmitEvent, RegisterEventHandler
+from launch.actions import SetEnvironmentVariable
+from launch.event_handlers import OnProcessExit
+from launch.events import Shutdown
+from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
+from launch_ros.actions import Node
+from launch_ros.parameter_descriptions import ParameterValue
+from launch_ros.substitutions import FindPackageShare
+
+PACKAGE = 'contact_estimation'
+
+
+def generate_launch_description() -> LaunchDescription:
+    """Describe the three nodes and their arguments."""
+    config = PathJoinSubstitution([FindPackageShare(PACKAGE), 'config'])
+    plant = Node(
+        package=PACKAGE, executable='plant_node', name='plant_node', output='screen',
+        parameters=[
+            PathJoinSubstitution([config, 'plant_node.yaml']),
+            {
+                'experiment': LaunchConfiguration('experiment'),
+                'duration': ParameterValue(LaunchConfiguration('duration'), value_type=float),
+                'seed': ParameterValue(LaunchConfiguration('seed'), value_type=int),
+                'subscribers': 2,
+            },
+        ],
+    )
+    estimator = Node(
+        package=PACKAGE, executable='estimator_node', name='estimator_node', output='screen',
+        parameters=[
+            LaunchConfiguration('params'),
+            {
+                'estimator': LaunchConfiguration('estimator'),
+                'reference_law': LaunchConfiguration('reference_law'),
+            },
+        ],
+    )
+    recorder = Node(
+        package=PACKAGE, executable='recorder_node', name='recorder_node', output='screen',
+        parameters=[{'output': LaunchConfiguration('output')}],
+    )
+    finished = OnProcessExit(target_action=plant, on_exit=[EmitEvent(event=Shutdown())])
+    return LaunchDescription([
+        DeclareLaunchArgument('output', description='folder for the recording, must not exist'),
+        DeclareLaunchArgument('experiment', default_value='sine'),
+        DeclareLaunchArgument('duration', default_value='0.0', description='0: the experiment'),
+        DeclareLaunchArgument('seed', default_value='0'),
+        DeclareLaunchArgument('estimator', default_value='indirect_adaptive'),
+        DeclareLaunchArgument('reference_law', default_value='eq20'),
+        DeclareLaunchArgument(
+            'params', default_value=PathJoinSubstitution([config, 'estimator_node.yaml'])
+        ),
+        SetEnvironmentVariable('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST'),
+        recorder, estimator, plant, RegisterEventHandler(finished),
+    ])

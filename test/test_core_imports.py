@@ -1,0 +1,50 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The core stands without ROS."""
+
+from __future__ import annotations
+
+from pathlib import Path
+import subprocess
+import sys
+
+import contact_estimation
+import pytest
+
+PACKAGE = Path(contact_estimation.__file__).parent
+FOLDERS = ('signals', 'physics', 'estimators', 'reference', 'plant', 'messages', 'recordings')
+CORE = sorted(
+    '.'.join(('contact_estimation', *path.relative_to(PACKAGE).with_suffix('').parts))
+    for path in (*PACKAGE.glob('*.py'), *(p for f in FOLDERS for p in (PACKAGE / f).glob('*.py')))
+    if path.name != '__init__.py'
+)
+BANNED = ('rclpy', 'geometry_msgs', 'sensor_msgs', 'trajectory_msgs', 'std_msgs')
+
+
+def test_core_imports_without_ros() -> None:
+    code = (
+        'import importlib, sys\n'
+        f'for name in {CORE!r}: importlib.import_module(name)\n'
+        f'print([name for name in {BANNED!r} if name in sys.modules])'
+    )
+    run = subprocess.run(
+        [sys.executable, '-c', code], cwd=PACKAGE.parent, capture_output=True, text=True
+    )
+    assert run.stdout.strip() == '[]', run.stdout + run.stderr
+
+
+@pytest.mark.parametrize('folder', FOLDERS)
+def test_core_has_modules_in_every_folder(folder: str) -> None:
+    assert any(name.startswith(f'contact_estimation.{folder}.') for name in CORE)

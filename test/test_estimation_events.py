@@ -1,0 +1,81 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Events as text, and their repetition at the same sample."""
+
+from __future__ import annotations
+
+from contact_estimation.contact_session import ContactSession
+from contact_estimation.estimation_events import (
+    apply_event,
+    CHANGE,
+    EstimationEvent,
+    RESET,
+    start_event,
+    TARE,
+)
+from contact_estimation.estimation_parameters import EstimationParameters
+from contact_estimation.exceptions import RecordingError
+from contact_estimation.parameters import build
+from core_runs import contact_samples
+import pytest
+
+SAMPLES = contact_samples(0.3)
+EVENTS = [
+    EstimationEvent(CHANGE, 12, {'estimator': 'rls', 'conditioning.cutoff_frequency': 20.0}),
+    EstimationEvent(RESET, 34, {}),
+    EstimationEvent(TARE, -(2**63), {}),
+]
+
+
+def feed(session: ContactSession, begin: int, end: int) -> list[str]:
+    """Pass samples and give the estimates as text."""
+    estimates = []
+    for stamp, position, velocity, force in SAMPLES[begin:end]:
+        session.add_motion(stamp, position, velocity)
+        estimates += [repr(r.estimate) for r in session.add_wrench(stamp, force)]
+    return estimates
+
+
+@pytest.mark.parametrize('event', EVENTS, ids=lambda e: e.kind)
+def test_event_survives_its_text(event: EstimationEvent) -> None:
+    assert EstimationEvent.from_text(event.to_text()) == event
+
+
+def test_start_event_restores_all_parameters() -> None:
+    parameters = build(EstimationParameters, {'estimator': 'kalman', 'sample_rate': 400.0})
+    event = EstimationEvent.from_text(start_event(ContactSession(parameters)).to_text())
+    assert repr(build(EstimationParameters, event.parameters)) == repr(parameters)
+
+
+@pytest.mark.parametrize('text', ['', 'no json', '[]', '{}', '{"event": "reset"}', '3'])
+def test_other_text_is_an_error(text: str) -> None:
+    with pytest.raises(RecordingError, match='expected an estimation event as JSON'):
+        EstimationEvent.from_text(text)
+
+
+@pytest.mark.parametrize('event', EVENTS, ids=lambda e: e.kind)
+def test_scheduled_event_acts_where_the_live_one_did(event: EstimationEvent) -> None:
+    live, replay = (ContactSession(EstimationParameters()) for _ in range(2))
+    expected = feed(live, 0, 300)
+    apply_event(live, event)
+    expected += feed(live, 300, len(SAMPLES))
+    replay.schedule(SAMPLES[299].stamp_ns, lambda: apply_event(replay, event))
+    assert feed(replay, 0, len(SAMPLES)) == expected
+
+
+def test_change_that_no_longer_fits_is_left_out() -> None:
+    session = ContactSession(EstimationParameters())
+    apply_event(session, EstimationEvent(CHANGE, 0, {'conditioning.cutoff_frequency': 400.0}))
+    assert session.parameters == EstimationParameters()

@@ -1,0 +1,119 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Excitation: sine, multisine and the register against a second implementation."""
+
+from __future__ import annotations
+
+from math import pi, sin
+
+from contact_estimation.exceptions import ParameterRangeError
+from contact_estimation.reference.excitation import (
+    Multisine,
+    PseudoRandomBinary,
+    register_sequence,
+    Sine,
+)
+from contact_estimation.reference.experiments import FORCE_EXCITATION
+import numpy as np
+import pytest
+
+
+def shift_register() -> list[int]:
+    """Run ten bits of an integer, bit k - 1 is register k; feedback from 7 and 10."""
+    state, bits = 0b1111111111, []
+    for _ in range(2046):
+        bits.append(state >> 9 & 1)
+        state = (state << 1 | (state >> 6 ^ state >> 9) & 1) & 0b1111111111
+    return bits
+
+
+def test_register_is_that_of_integer_bit_operations() -> None:
+    assert list(register_sequence()) == shift_register()[:1023]
+
+
+def test_register_repeats_after_1023_shifts_and_not_before() -> None:
+    bits = shift_register()
+    periods = [p for p in range(1, 1024) if bits[:1023] == bits[p:p + 1023]]
+    assert periods == [1023]
+
+
+def test_register_is_balanced_but_for_one() -> None:
+    assert sum(register_sequence()) == 512
+
+
+def test_register_is_uncorrelated_with_its_shifts() -> None:
+    signs = 2.0 * np.array(register_sequence()) - 1.0
+    correlation = [float(signs @ np.roll(signs, shift)) for shift in range(1, 1023)]
+    assert set(correlation) == {-1.0}
+
+
+def test_binary_signal_takes_two_values_and_shifts_at_20_hz() -> None:
+    prbs, bits = PseudoRandomBinary(8.0), shift_register()
+    values = [prbs.value(k / 500.0) for k in range(5000)]
+    assert values == [8.0 if bits[k // 25] else -8.0 for k in range(5000)]
+
+
+def test_binary_signal_goes_on_after_its_period() -> None:
+    prbs = PseudoRandomBinary(8.0)
+    assert all(prbs.value(t) == prbs.value(t + 1023 / 20.0) for t in np.arange(0.01, 9.0, 0.05))
+
+
+def test_binary_signal_can_shift_at_another_rate() -> None:
+    prbs, bits = PseudoRandomBinary(1.0, 5.0), shift_register()
+    assert [prbs.value(0.2 * k + 0.1) > 0.0 for k in range(30)] == [b == 1 for b in bits[:30]]
+
+
+def test_sine_is_that_of_the_paper() -> None:
+    sine = FORCE_EXCITATION['sine']
+    assert sine is not None
+    assert all(sine.value(t) == pytest.approx(8.0 * sin(20.0 * t)) for t in (0.0, 0.1, 5.9))
+
+
+def test_sine_peaks_at_its_amplitude() -> None:
+    assert Sine(3.0, 2.0 * pi).value(0.25) == pytest.approx(3.0)
+
+
+def test_multisine_peak_is_its_amplitude() -> None:
+    multisine = FORCE_EXCITATION['multisine']
+    assert multisine is not None
+    values = [abs(multisine.value(t)) for t in np.arange(0.0, 10.0, 1e-3).tolist()]
+    assert max(values) == pytest.approx(8.0, rel=0.01)
+
+
+def test_harmonic_multisine_peak_is_its_amplitude() -> None:
+    multisine = Multisine(2.0, [2.0 * pi * k for k in range(1, 8)])
+    values = [abs(multisine.value(t)) for t in np.arange(0.0, 1.0, 1e-4).tolist()]
+    assert max(values) == pytest.approx(2.0, rel=1e-3)
+
+
+def test_multisine_has_equal_lines_at_its_frequencies_alone() -> None:
+    multisine = Multisine(8.0, [2.0 * pi * f for f in (0.8, 1.9, 3.2)])
+    values = [multisine.value(0.01 * k) for k in range(1000)]  # 10 s hold whole periods
+    lines = np.abs(np.fft.rfft(values))
+    strong = np.flatnonzero(lines > 1e-6 * lines.max())
+    assert strong.tolist() == [8, 19, 32]
+    np.testing.assert_allclose(lines[strong], lines[8], rtol=1e-9)
+
+
+def test_multisine_with_low_crest_beats_sines_in_phase() -> None:
+    omegas = [2.0 * pi * k for k in range(1, 11)]
+    multisine = Multisine(1.0, omegas)
+    rms = np.sqrt(np.mean([multisine.value(t) ** 2 for t in np.arange(0.0, 1.0, 1e-3).tolist()]))
+    assert 1.0 / rms < 2.0  # sines in phase: 3.3
+
+
+def test_multisine_without_frequencies_is_refused() -> None:
+    with pytest.raises(ParameterRangeError, match='at least one frequency'):
+        Multisine(1.0, [])

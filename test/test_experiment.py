@@ -1,0 +1,241 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Experiments: the frozen manoeuvre, repetition and YAML files."""
+
+from __future__ import annotations
+
+from math import cos, isnan, nan, sin
+from pathlib import Path
+from typing import Any
+
+from contact_estimation.exceptions import ContactEstimationError, ModelFileError, UnknownNameError
+from contact_estimation.reference.excitation import PseudoRandomBinary, Sine
+from contact_estimation.reference.experiment import Experiment, Segment
+from contact_estimation.reference.experiments import (
+    experiment_named,
+    EXPERIMENTS,
+    manoeuvre,
+    read_experiment,
+)
+import numpy as np
+import pytest
+import yaml
+
+NAMED = pytest.mark.parametrize('name', EXPERIMENTS)
+SINE = {'kind': 'sine', 'amplitude': 8.0, 'angular_frequency': 20.0}
+GOOD: dict[str, Any] = {
+    'name': 'test', 'start': -0.05,
+    'segments': [
+        {'duration': 1.0, 'position': -0.05},
+        {'duration': 2.0, 'position': 0.01, 'force': 30.0, 'force_excitation': SINE,
+         'position_excitation': {'kind': 'prbs', 'amplitude': 0.002, 'shift_rate': 10.0}},
+        {'duration': 1.5, 'position': 0.01, 'force_excitation':
+         {'kind': 'multisine', 'amplitude': 4.0, 'angular_frequencies': [5.0, 11.0]}},
+    ],
+}
+
+
+def written(content: Any, folder: Path) -> Path:
+    """Write a YAML file."""
+    path = folder / 'experiment.yaml'
+    path.write_text(content if isinstance(content, str) else yaml.safe_dump(content))
+    return path
+
+
+def with_segment(**changes: Any) -> dict[str, Any]:
+    """Give a good experiment of one segment with some keys changed; None removes a key."""
+    segment = {'duration': 1.0, 'position': 0.0, **changes}
+    return {'segments': [{k: v for k, v in segment.items() if v is not None}]}
+
+
+@NAMED
+@pytest.mark.parametrize('t, x_d', [(0.0, -0.1), (4.4, -0.1), (5.5, -0.0398), (6.6, 0.0204)])
+def test_approach_is_the_frozen_quintic(name: str, t: float, x_d: float) -> None:
+    assert experiment_named(name).desired(t).position == pytest.approx(x_d, abs=1e-12)
+
+
+@NAMED
+def test_withdrawal_is_the_frozen_quintic(name: str) -> None:
+    late = 10.0 if name == 'long' else 0.0
+    positions = [experiment_named(name).desired(t + late).position for t in (8.6, 9.7, 10.8, 12)]
+    assert positions == pytest.approx([0.0204, -0.0398, -0.1, -0.1], abs=1e-12)
+
+
+@NAMED
+def test_experiment_ends_after_12_seconds_or_22(name: str) -> None:
+    assert experiment_named(name).duration == pytest.approx(22.0 if name == 'long' else 12.0)
+
+
+@NAMED
+def test_force_is_wanted_from_the_approach_to_the_end_of_the_hold(name: str) -> None:
+    experiment = experiment_named(name)
+    end = 18.6 if name == 'long' else 8.6
+    wanted = [not isnan(experiment.desired(t).force) for t in
+              (0.0, 4.39, 4.41, end - 0.01, end + 0.01, 30.0)]
+    assert wanted == [False, False, True, True, False, False]
+
+
+@pytest.mark.parametrize('name', ['sine', 'long'])
+def test_wanted_force_is_eq_40(name: str) -> None:
+    experiment = experiment_named(name)
+    for t in np.arange(4.5, 8.5, 0.037).tolist():
+        assert experiment.desired(t).force == pytest.approx(50.0 + 8.0 * sin(20.0 * t))
+
+
+def test_wanted_force_without_excitation_is_50_n() -> None:
+    assert {experiment_named('none').desired(t).force for t in (4.5, 6.0, 8.5)} == {50.0}
+
+
+def test_binary_excitation_wants_42_or_58_n() -> None:
+    experiment = experiment_named('prbs')
+    assert {experiment.desired(t).force for t in np.arange(4.5, 8.5, 0.01)} == {42.0, 58.0}
+
+
+def test_depth_is_50_n_under_the_impedance() -> None:
+    depth = experiment_named('none').desired(7.0).position
+    assert depth * 5000.0 * 4800.0 / 9800.0 == pytest.approx(50.0, rel=1e-3)
+
+
+def test_position_excitation_lasts_from_the_approach_to_the_withdrawal() -> None:
+    plain = manoeuvre('plain', force=nan)
+    shaken = manoeuvre('shaken', position_excitation=Sine(0.002, 20.0), force=nan)
+    for t in (4.3, 4.5, 7.0, 9.0, 10.7, 10.9):
+        added = shaken.desired(t).position - plain.desired(t).position
+        expected = 0.002 * sin(20.0 * t) if 4.4 <= t < 10.8 else 0.0
+        assert added == pytest.approx(expected, abs=1e-12)
+
+
+def test_no_force_is_wanted_under_the_impedance_alone() -> None:
+    shaken = manoeuvre('shaken', position_excitation=Sine(0.002, 20.0), force=nan)
+    assert all(isnan(shaken.desired(t).force) for t in (0.0, 5.0, 7.0, 9.0))
+
+
+def test_position_excitation_has_its_feed_forward_at_every_sample() -> None:
+    shaken = manoeuvre('shaken', position_excitation=Sine(0.002, 20.0), force=nan)
+    t = 6.6 + 0.002 * np.arange(1, 1000)  # on the hold
+    rates = [shaken.desired(u).velocity for u in t.tolist()]
+    np.testing.assert_allclose(rates, [0.04 * cos(20.0 * u) for u in t], atol=1e-4)
+
+
+def test_position_excitation_has_its_acceleration_at_every_sample() -> None:
+    shaken = manoeuvre('shaken', position_excitation=Sine(0.002, 20.0), force=nan)
+    t = 6.6 + 0.002 * np.arange(1, 1000)
+    rates = [shaken.desired(u).acceleration for u in t.tolist()]
+    np.testing.assert_allclose(rates, [-0.8 * sin(20.0 * u) for u in t], atol=1e-3)
+
+
+def test_steps_of_the_position_have_no_feed_forward() -> None:
+    stepped = manoeuvre('stepped', position_excitation=PseudoRandomBinary(0.002), force=nan)
+    at = [stepped.desired(t) for t in np.arange(6.62, 8.58, 1e-3).tolist()]
+    assert {(d.velocity, d.acceleration) for d in at} == {(0.0, 0.0)}
+
+
+def test_hold_is_where_force_is_wanted_at_rest() -> None:
+    assert experiment_named('sine').hold() == pytest.approx((6.6, 8.6))
+
+
+def test_experiment_without_force_has_no_hold() -> None:
+    assert manoeuvre('plain', force=nan).hold() is None
+
+
+def test_wanted_force_of_the_hold_is_that_without_excitation() -> None:
+    assert experiment_named('sine').wanted_force == 50.0
+
+
+def test_cycle_repeats_the_motion_for_ever() -> None:
+    cycle, once = experiment_named('sine').cyclic(), experiment_named('sine')
+    for t in (0.0, 5.0, 7.0, 11.9):
+        assert cycle.desired(1200.0 + t)[:3] == pytest.approx(once.desired(t)[:3], abs=1e-9)
+
+
+def test_cycle_of_an_open_experiment_does_not_jump() -> None:
+    cycle = Experiment('open', 0.0, (Segment(1.0, 0.05), Segment(1.0, 0.1))).cyclic()
+    x = [cycle.desired(t).position for t in np.arange(0.0, 9.0, 1e-3).tolist()]
+    assert np.max(np.abs(np.diff(x))) < 4e-4
+
+
+def test_cycle_leaves_the_experiment_itself_as_it_was() -> None:
+    experiment = experiment_named('sine')
+    experiment.cyclic()
+    assert experiment.desired(19.0).position == -0.1
+
+
+def test_unknown_experiment_names_the_nearest() -> None:
+    with pytest.raises(UnknownNameError, match="unknown experiment 'sin'; did you mean 'sine'"):
+        experiment_named('sin')
+
+
+def test_yaml_gives_the_experiment_written_in_python(tmp_path: Path) -> None:
+    read = experiment_named(str(written(GOOD, tmp_path)))
+    prbs = PseudoRandomBinary(0.002, 10.0)
+    for t in (1.01, 1.3, 2.0, 2.97):
+        wanted = read.desired(t)
+        base = Experiment('b', -0.05, (Segment(1.0, -0.05), Segment(2.0, 0.01))).desired(t)
+        assert wanted.force == pytest.approx(30.0 + 8.0 * sin(20.0 * t))
+        assert wanted.position == pytest.approx(base.position + prbs.value(t))
+
+
+def test_yaml_keeps_name_start_and_durations(tmp_path: Path) -> None:
+    read = read_experiment(written(GOOD, tmp_path))
+    assert (read.name, read.start, read.duration) == ('test', -0.05, 4.5)
+
+
+def test_yaml_without_name_takes_that_of_the_file(tmp_path: Path) -> None:
+    assert read_experiment(written(with_segment(), tmp_path)).name == 'experiment'
+
+
+def test_yaml_without_start_begins_where_the_manoeuvre_does(tmp_path: Path) -> None:
+    assert read_experiment(written(with_segment(), tmp_path)).start == -0.1
+
+
+def test_missing_file_is_an_error_that_names_it(tmp_path: Path) -> None:
+    with pytest.raises(ModelFileError, match='none.yaml cannot be read: No such file'):
+        experiment_named(str(tmp_path / 'none.yaml'))
+
+
+@pytest.mark.parametrize('content, message', [
+    ('a: [', 'is not YAML'),
+    ('just text', 'a mapping with `start` and `segments`'),
+    ('', 'a mapping with `start` and `segments`'),
+    ({'start': 0.0}, 'a list `segments`'),
+    ({'segments': []}, 'a list `segments`'),
+    ({'segments': [3]}, 'segments that are mappings'),
+    ({'start': 'left', **with_segment()}, '`start` as a number'),
+    ({'stat': 0.0, **with_segment()}, "'stat'; did you mean 'start'"),
+    (with_segment(duration=None), '`duration` as a number, got None'),
+    (with_segment(duration=0.0), 'duration > 0 s'),
+    (with_segment(duration=True), '`duration` as a number, got True'),
+    (with_segment(position=None), '`position` as a number'),
+    (with_segment(position=float('nan')), '`position` as a number'),
+    (with_segment(force='much'), '`force` as a number'),
+    (with_segment(dept=1.0), "unknown key in experiment file .*'dept'"),
+    (with_segment(force_excitation=3), 'an excitation with `kind`'),
+    (with_segment(force_excitation={'kind': 'sin', 'amplitude': 1.0}), "did you mean 'sine'"),
+    (with_segment(force_excitation={'kind': ['sine'], 'amplitude': 1.0}), 'unknown excitation'),
+    (with_segment(force_excitation={'kind': 'prbs'}), 'an excitation with `amplitude`'),
+    (with_segment(force_excitation={'kind': 'sine', 'amplitude': 1.0}), 'needs amplitude, ang'),
+    (with_segment(force_excitation={**SINE, 'phase': 1.0}), "unknown key .*'phase'"),
+    (with_segment(force_excitation={**SINE, 'amplitude': 'big'}), 'amplitude'),
+    (with_segment(force_excitation={**SINE, 'angular_frequency': 'high'}), 'angular_frequency'),
+    (with_segment(force_excitation={'kind': 'multisine', 'amplitude': 1.0,
+                                    'angular_frequencies': 5.0}), 'angular_frequencies'),
+    (with_segment(force_excitation={'kind': 'multisine', 'amplitude': 1.0,
+                                    'angular_frequencies': []}), 'at least one frequency'),
+])
+def test_mistake_in_the_file_is_an_error_that_says_which(
+    content: Any, message: str, tmp_path: Path
+) -> None:
+    with pytest.raises(ContactEstimationError, match=message):
+        read_experiment(written(content, tmp_path))

@@ -1,0 +1,210 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Parameters: declared once, checked whenever they are made."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, FrozenInstanceError
+from math import inf, isnan, nan
+from typing import Any
+
+from contact_estimation.estimation_parameters import EstimationParameters
+from contact_estimation.exceptions import (
+    ParameterRangeError,
+    ParameterReadOnlyError,
+    UnknownNameError,
+)
+from contact_estimation.parameters import (
+    build,
+    changed,
+    flatten,
+    flatten_mapping,
+    group,
+    parameter,
+    ParameterGroup,
+    specifications,
+)
+from contact_estimation.plant.plant_parameters import PlantParameters
+import pytest
+
+ROOTS = pytest.mark.parametrize('cls', [EstimationParameters, PlantParameters])
+
+
+@dataclass(frozen=True)
+class Inner(ParameterGroup):
+    """A group within a group."""
+
+    gain: float = parameter(2.0, 'A gain', 'N/m', minimum=0.0, maximum=10.0)
+    optional: float = parameter(nan, 'A feature', 'N', minimum=0.0, nan_is_off=True)
+
+
+@dataclass(frozen=True)
+class Outer(ParameterGroup):
+    """A group with every kind of parameter."""
+
+    mode: str = parameter('slow', 'How', choices=('slow', 'fast'))
+    label: str = parameter('', 'Any text')
+    count: int = parameter(3, 'How many', minimum=1)
+    on: bool = parameter(False, 'Whether')
+    fixed: float = parameter(5.0, 'Fixed at start', read_only=True)
+    inner: Inner = group(Inner)
+
+
+@ROOTS
+def test_values_survive_the_dotted_names(cls: type[ParameterGroup]) -> None:
+    values = cls()
+    again = build(cls, flatten(values))
+    assert repr(again) == repr(values)
+
+
+def test_changed_values_survive_the_dotted_names() -> None:
+    values = build(Outer, {'mode': 'fast', 'count': 7, 'inner.gain': 4.5, 'inner.optional': 1.0})
+    assert build(Outer, flatten(values)) == values
+
+
+def test_nested_mappings_become_dotted_names() -> None:
+    flat = flatten_mapping({'mode': 'fast', 'inner': {'gain': 3.0}})
+    assert flat == {'mode': 'fast', 'inner.gain': 3.0}
+
+
+@ROOTS
+def test_names_are_declared_once(cls: type[ParameterGroup]) -> None:
+    names = [spec.name for spec in specifications(cls)]
+    assert len(names) == len(set(names)) and names == list(flatten(cls()))
+
+
+@ROOTS
+def test_every_parameter_says_what_it_means(cls: type[ParameterGroup]) -> None:
+    assert not [spec.name for spec in specifications(cls) if len(spec.description) < 3]
+
+
+@ROOTS
+def test_every_default_is_valid(cls: type[ParameterGroup]) -> None:
+    for spec in specifications(cls):
+        value = spec.check(spec.default)
+        assert value == spec.default or isnan(float(value))
+
+
+def test_missing_names_take_their_defaults() -> None:
+    assert build(Outer, {'count': 9}).inner.gain == 2.0
+
+
+def test_integer_is_taken_for_a_number() -> None:
+    gain = build(Outer, {'inner.gain': 4}).inner.gain
+    assert (gain, type(gain)) == (4.0, float)
+
+
+@pytest.mark.parametrize('name, nearest', [
+    ('inner.gian', 'inner.gain'), ('cuont', 'count'), ('inner.optionl', 'inner.optional'),
+])
+def test_unknown_name_suggests_the_nearest(name: str, nearest: str) -> None:
+    with pytest.raises(UnknownNameError, match=f"unknown parameter '{name}'; .*'{nearest}'"):
+        build(Outer, {name: 1.0})
+
+
+def test_unknown_name_lists_the_known_ones() -> None:
+    with pytest.raises(UnknownNameError, match='known: count, fixed, inner.gain'):
+        build(Outer, {'zzz': 1.0})
+
+
+@pytest.mark.parametrize('name, value, expected', [
+    ('inner.gain', -0.1, 'a number >= 0 and <= 10 N/m'),
+    ('inner.gain', 10.1, 'a number >= 0 and <= 10 N/m'),
+    ('inner.gain', nan, 'a number >= 0 and <= 10 N/m'),
+    ('inner.gain', inf, 'a number >= 0 and <= 10 N/m'),
+    ('inner.gain', '2', 'a number'),
+    ('inner.gain', True, 'a number'),
+    ('inner.gain', None, 'a number'),
+    ('inner.gain', [1.0], 'a number'),
+    ('inner.optional', -1.0, r'a number >= 0 N or NaN \(off\)'),
+    ('inner.optional', inf, r'a number >= 0 N or NaN \(off\)'),
+    ('fixed', inf, 'a number'),
+    ('count', 0, 'an integer >= 1'),
+    ('count', 2.0, 'an integer'),
+    ('count', True, 'an integer'),
+    ('on', 1, 'true or false'),
+    ('on', 'yes', 'true or false'),
+    ('label', 3, 'a text'),
+    ('mode', 3, 'one of slow, fast'),
+])
+def test_invalid_value_is_refused_with_what_was_expected(
+    name: str, value: Any, expected: str
+) -> None:
+    with pytest.raises(ParameterRangeError, match=f'{name} must be {expected}.*, got .*default'):
+        build(Outer, {name: value})
+
+
+def test_unknown_choice_suggests_the_nearest() -> None:
+    with pytest.raises(UnknownNameError, match="unknown mode 'fats'; did you mean 'fast'"):
+        build(Outer, {'mode': 'fats'})
+
+
+def test_choice_is_checked_in_the_constructor_too() -> None:
+    with pytest.raises(UnknownNameError, match='known: fast, slow'):
+        Outer(mode='medium')
+
+
+def test_range_is_checked_in_the_constructor_too() -> None:
+    with pytest.raises(ParameterRangeError, match='gain must be'):
+        Inner(gain=-1.0)
+
+
+def test_nan_means_off_where_it_is_allowed() -> None:
+    assert isnan(build(Outer, {'inner.optional': nan}).inner.optional)
+
+
+@pytest.mark.parametrize('value', [0.0, 10.0])
+def test_ends_of_the_range_belong_to_it(value: float) -> None:
+    assert build(Outer, {'inner.gain': value}).inner.gain == value
+
+
+def test_values_cannot_be_set() -> None:
+    with pytest.raises(FrozenInstanceError):
+        Outer().count = 5  # type: ignore[misc]
+
+
+def test_change_keeps_the_other_values() -> None:
+    before = build(Outer, {'count': 7, 'inner.gain': 3.0})
+    after = changed(before, {'inner.gain': 4.0})
+    assert (after.count, after.inner.gain, before.inner.gain) == (7, 4.0, 3.0)
+
+
+def test_read_only_parameter_cannot_change() -> None:
+    with pytest.raises(ParameterReadOnlyError, match='fixed is fixed at start .5.0., got 6.0'):
+        changed(Outer(), {'fixed': 6.0})
+
+
+def test_read_only_parameter_may_be_given_as_it_is() -> None:
+    assert changed(Outer(), {'fixed': 5.0, 'count': 4}).count == 4
+
+
+def test_read_only_parameter_can_be_given_at_start() -> None:
+    assert build(Outer, {'fixed': 6.0}).fixed == 6.0
+
+
+def test_change_to_an_unknown_name_is_refused() -> None:
+    with pytest.raises(UnknownNameError, match="did you mean 'count'"):
+        changed(Outer(), {'counts': 1})
+
+
+@pytest.mark.parametrize('cutoff', [250.0, 400.0])
+def test_cutoff_must_fit_the_sample_rate(cutoff: float) -> None:
+    with pytest.raises(ParameterRangeError, match='cutoff_frequency must be < half of sample_ra'):
+        build(EstimationParameters, {'conditioning.cutoff_frequency': cutoff})
+
+
+def test_unknown_estimator_names_the_nearest() -> None:
+    with pytest.raises(UnknownNameError, match="unknown estimator 'kalmann'; did you mean 'kalm"):
+        build(EstimationParameters, {'estimator': 'kalmann'})

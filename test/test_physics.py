@@ -1,0 +1,154 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""What every registered effect owes: registering one tests it."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from math import isnan, nan
+from typing import Any
+
+from contact_estimation.exceptions import ParameterRangeError
+from contact_estimation.parameters import build, flatten, parameter, ParameterGroup, specifications
+from contact_estimation.physics import EFFECTS, effects_that_are_on, PhysicsParameters
+from contact_estimation.physics.physics import (
+    ContactEffect,
+    Effect,
+    ForceSensorEffect,
+    RobotEffect,
+)
+from contact_estimation.plant.plant_parameters import PlantParameters
+import numpy as np
+import pytest
+from world_reference import plant_with, simulate
+
+EACH = pytest.mark.parametrize('name', EFFECTS)
+PORTS = {'contact': ContactEffect, 'force_sensor': ForceSensorEffect, 'robot': RobotEffect}
+
+
+@dataclasses.dataclass(frozen=True)
+class TwoParameters(ParameterGroup):
+    """Parameters of an effect that needs both."""
+
+    first: float = parameter(nan, 'One', nan_is_off=True)
+    second: float = parameter(nan, 'Other', nan_is_off=True)
+
+
+class NeedsTwo(ContactEffect):
+    """An effect with two parameters."""
+
+    name, equation, Parameters = 'needs_two', 'F_e -= first + second', TwoParameters
+
+
+def made(name: str) -> Any:
+    """Make an effect with mild values of all its parameters."""
+    cls = EFFECTS[name]
+    return cls(cls.Parameters(**{spec.name: 0.5 for spec in specifications(cls.Parameters)}))
+
+
+@EACH
+def test_name_is_the_key(name: str) -> None:
+    assert EFFECTS[name].name == name
+
+
+@EACH
+def test_port_is_that_of_its_base(name: str) -> None:
+    assert issubclass(EFFECTS[name], PORTS[EFFECTS[name].port])
+
+
+@EACH
+def test_equation_names_every_parameter(name: str) -> None:
+    effect = EFFECTS[name]
+    assert all(spec.name in effect.equation for spec in specifications(effect.Parameters))
+
+
+@EACH
+def test_parameters_are_numbers_that_are_off_by_default(name: str) -> None:
+    for spec in specifications(EFFECTS[name].Parameters):
+        assert isinstance(spec.default, float) and isnan(spec.default) and spec.nan_is_off
+
+
+@EACH
+def test_parameters_have_unit_and_description(name: str) -> None:
+    specs = list(specifications(EFFECTS[name].Parameters))
+    assert specs and all(spec.unit and len(spec.description) > 8 for spec in specs)
+
+
+@EACH
+def test_effect_is_off_without_its_parameters(name: str) -> None:
+    assert EFFECTS[name].when_on(EFFECTS[name].Parameters()) is None
+
+
+@EACH
+def test_effect_that_is_on_changes_the_world(name: str) -> None:
+    specs = specifications(EFFECTS[name].Parameters)
+    values: Any = {f'physics__{name}__{spec.name}': 0.5 for spec in specs}
+    if EFFECTS[name].port == 'force_sensor':
+        pytest.skip('acts on the sensor, not on the world')
+    assert simulate(300, plant_with(**values)) != simulate(300, plant_with())
+
+
+@EACH
+def test_law_gives_the_same_for_numbers_and_arrays(name: str) -> None:
+    effect = made(name)
+    if not isinstance(effect, ContactEffect) or effect.states:
+        pytest.skip('not a law of the wall without states')
+    d, v = np.linspace(1e-4, 1e-2, 20), np.linspace(-0.1, 0.1, 20)
+    arrays = effect.resistance(0.0, d, v, (), np)
+    numbers = [effect.resistance(0.0, x, y, (), math) for x, y in zip(d.tolist(), v.tolist())]
+    np.testing.assert_allclose(arrays, numbers, rtol=1e-12)
+
+
+@EACH
+def test_estimation_and_plant_know_the_effect_by_one_name(name: str) -> None:
+    assert any(key.startswith(f'physics.{name}.') for key in flatten(PlantParameters()))
+
+
+def test_no_effect_is_on_by_default() -> None:
+    assert effects_that_are_on(PhysicsParameters()) == []
+
+
+def test_effects_that_are_on_come_in_the_order_of_the_registry() -> None:
+    physics = build(PhysicsParameters, {
+        f'{name}.{spec.name}': 0.5
+        for name, cls in reversed(EFFECTS.items()) for spec in specifications(cls.Parameters)
+    })
+    assert [effect.name for effect in effects_that_are_on(physics)] == list(EFFECTS)
+
+
+def test_effect_with_only_some_of_its_parameters_is_refused() -> None:
+    with pytest.raises(ParameterRangeError, match='needs_two needs all of first, second; missing'):
+        NeedsTwo.when_on(TwoParameters(first=1.0))
+
+
+def test_effect_with_all_of_its_parameters_is_on() -> None:
+    assert isinstance(NeedsTwo.when_on(TwoParameters(1.0, 2.0)), Effect)
+
+
+def test_coulomb_friction_is_an_odd_smooth_sign() -> None:
+    friction = EFFECTS['coulomb_friction'].when_on(
+        EFFECTS['coulomb_friction'].Parameters(6.0))  # type: ignore[call-arg]
+    assert isinstance(friction, ContactEffect)
+    forces = [friction.resistance(0.0, 0.01, v, (), math) for v in (-0.1, -4e-4, 0.0, 4e-4, 0.1)]
+    slope = 6.0 * (math.e**2 - 1.0) / (math.e**2 + 1.0)
+    assert forces == pytest.approx([-6.0, -slope, 0.0, slope, 6.0])
+
+
+def test_hooks_that_a_contact_effect_leaves_out_change_nothing() -> None:
+    effect = NeedsTwo(TwoParameters(1.0, 2.0))
+    assert (effect.surface(1.0), effect.spring(0.0, 0.1, 7.0, math),
+            effect.damper(0.1, 0.2, 8.0, math), effect.resistance(0.0, 0.1, 0.2, (), math),
+            effect.state_rates(0.0, 0.1, 0.2, True, ())) == ((0.0, 0.0), 7.0, 8.0, 0.0, ())

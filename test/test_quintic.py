@@ -1,0 +1,54 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The quintic against its linear system and finite differences."""
+
+from __future__ import annotations
+
+from contact_estimation.reference.quintic import quintic
+import numpy as np
+import pytest
+
+BEGIN, END, DURATION = -0.1, 0.0204, 2.2
+
+
+def test_quintic_begins_and_ends_at_rest() -> None:
+    assert quintic(BEGIN, END, DURATION, 0.0) == (BEGIN, 0.0, 0.0)
+    assert quintic(BEGIN, END, DURATION, DURATION) == pytest.approx((END, 0.0, 0.0), abs=1e-15)
+
+
+def test_quintic_rests_before_and_after() -> None:
+    assert quintic(BEGIN, END, DURATION, -1.0)[0] == BEGIN
+    assert quintic(BEGIN, END, DURATION, 9.0) == pytest.approx((END, 0.0, 0.0), abs=1e-15)
+
+
+def test_quintic_solves_the_six_end_conditions() -> None:
+    rows = []
+    for t in (0.0, DURATION):
+        powers = np.polynomial.Polynomial.basis
+        rows += [[powers(k).deriv(d)(t) if d else powers(k)(t) for k in range(6)]
+                 for d in range(3)]
+    expected = np.polynomial.Polynomial(np.linalg.solve(rows, [BEGIN, 0, 0, END, 0, 0]))
+    for t in np.linspace(0.0, DURATION, 23).tolist():
+        values = (expected(t), expected.deriv()(t), expected.deriv(2)(t))
+        np.testing.assert_allclose(quintic(BEGIN, END, DURATION, t), values, atol=1e-12)
+
+
+@pytest.mark.parametrize('order', [1, 2])
+def test_derivatives_are_those_of_finite_differences(order: int) -> None:
+    h = 1e-5
+    for t in np.linspace(0.1, DURATION - 0.1, 20).tolist():
+        before, after = (quintic(BEGIN, END, DURATION, t + s * h) for s in (-1, 1))
+        difference = (after[order - 1] - before[order - 1]) / (2.0 * h)
+        assert quintic(BEGIN, END, DURATION, t)[order] == pytest.approx(difference, abs=1e-8)

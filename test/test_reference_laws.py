@@ -1,0 +1,84 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The laws from force to position, alone and in closed loop."""
+
+from __future__ import annotations
+
+from contact_estimation.contact_model import static_force_eq20
+from contact_estimation.estimation_parameters import EstimationParameters
+from contact_estimation.exceptions import ParameterRangeError
+from contact_estimation.parameters import build
+from contact_estimation.reference.laws import eq20_compliance, LAWS, series_compliance
+from contact_estimation.reference.reference_generator import (
+    ReferenceGenerator,
+    ReferenceParameters,
+)
+from core_runs import closed_loop
+import numpy as np
+import pytest
+
+
+def test_eq20_reaches_as_deep_as_the_estimated_spring_bends() -> None:
+    assert 50.0 * eq20_compliance(5000.0, 1e4) == pytest.approx(0.01)
+
+
+def test_series_compliance_makes_two_springs_carry_the_force() -> None:
+    K_e, K_t, F_r = 4800.0, 5000.0, 50.0
+    x_r = F_r * series_compliance(K_e, K_t)
+    _, F_e = np.linalg.solve([[K_t, -1.0], [K_e, 1.0]], [K_t * x_r, 0.0])
+    assert -F_e == pytest.approx(F_r)
+
+
+def test_pass_through_has_no_compliance() -> None:
+    assert LAWS['pass_through'] is None
+
+
+def test_eq20_settles_at_its_static_formula() -> None:
+    run = closed_loop({'reference_law': 'eq20'}, experiment='none', duration=8.6)
+    expected = static_force_eq20(50.0, run.last.stiffness, 4800.0, 5000.0)
+    assert run.force_at(8.0, 8.5) == pytest.approx(expected, rel=0.01)
+
+
+def test_eq20_of_the_benchmark_settles_at_half_of_the_wanted_force() -> None:
+    run = closed_loop({'reference_law': 'eq20'}, experiment='none', duration=8.6)
+    assert run.force_at(8.0, 8.5) == pytest.approx(25.5, abs=0.3)
+
+
+def test_series_gives_the_wanted_force() -> None:
+    run = closed_loop({'reference_law': 'series'})
+    assert run.force_at(7.0, 8.5) == pytest.approx(50.0, rel=0.02)
+
+
+def test_force_tracking_gives_the_wanted_force() -> None:
+    run = closed_loop(
+        {'reference.robot_force_tracking': True}, {'robot.force_tracking': True}, duration=8.6
+    )
+    assert run.force_at(7.0, 8.5) == pytest.approx(50.0, rel=0.02)
+
+
+def test_both_together_would_press_too_hard() -> None:
+    run = closed_loop({'reference_law': 'series'}, {'robot.force_tracking': True}, duration=8.6)
+    assert run.force_at(7.0, 8.5) == pytest.approx(74.5, rel=0.02)
+
+
+def test_both_together_are_refused_by_the_parameters() -> None:
+    with pytest.raises(ParameterRangeError, match='reference_law series.*force_tracking'):
+        build(EstimationParameters,
+              {'reference_law': 'series', 'reference.robot_force_tracking': True})
+
+
+def test_both_together_are_refused_by_the_generator() -> None:
+    with pytest.raises(ParameterRangeError, match='1.5 times too hard'):
+        ReferenceGenerator('series', ReferenceParameters(robot_force_tracking=True))

@@ -1,0 +1,205 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Bad input: the node survives, goes on, and counts what it could not use."""
+
+from __future__ import annotations
+
+from math import inf, isfinite, nan
+from typing import Any, Callable, Iterator
+
+from contact_estimation.signals.contact_sample import ContactSample
+from core_runs import contact_samples
+import numpy as np
+import pytest
+from ros_processes import (
+    DiagnosticStatus, estimator_and_peer, JOINT, joint_state, JointState, JointTrajectory,
+    moved, Peer, PERIOD_NS, session_results, stamp_of, to_stamp, trajectory, wrench,
+)
+
+TOUCH = contact_samples(0.3, force_noise=0.1)
+LONG = contact_samples(1.0, depth=0.012, amplitude=0.004)
+CUT = 300  # in contact
+MILLISECOND = 1_000_000
+
+Send = Callable[[Peer, int], Any]
+
+
+def bad_wrench(shift_ns: int, force: float, frame_id: str = 'tool') -> Send:
+    """Send a wrench so long after the last good sample."""
+    return lambda peer, last: peer.wrenches.publish(wrench(last + shift_ns, force, frame_id))
+
+
+def bad_joint(shift_ns: int, position: float, *names: str) -> Send:
+    """Send a joint state so long after the last good sample."""
+    return lambda peer, last: peer.joints.publish(
+        joint_state(last + shift_ns, position, 0.0, names or (JOINT,))
+    )
+
+
+def empty_joint(*names: str) -> Send:
+    """Send a joint state without positions."""
+    def send(peer: Peer, last: int) -> None:
+        message = JointState(name=list(names))
+        message.header.stamp = to_stamp(last + MILLISECOND)
+        peer.joints.publish(message)
+
+    return send
+
+
+BAD = [
+    ('wrench_not_finite', bad_wrench(MILLISECOND, nan)),
+    ('wrench_not_finite', bad_wrench(MILLISECOND, inf)),
+    ('wrench_not_finite', bad_wrench(MILLISECOND, -inf)),
+    ('wrench_duplicate', bad_wrench(0, -99.0)),
+    ('wrench_out_of_order', bad_wrench(-5 * MILLISECOND, -99.0)),
+    ('wrench_frame_id', bad_wrench(MILLISECOND, -99.0, 'elsewhere')),
+    ('joint_not_finite', bad_joint(MILLISECOND, nan)),
+    ('joint_not_finite', bad_joint(MILLISECOND, inf)),
+    ('joint_duplicate', bad_joint(0, 9.0)),
+    ('joint_out_of_order', bad_joint(-5 * MILLISECOND, 9.0)),
+    ('joint_states_joint_unknown', bad_joint(MILLISECOND, 9.0, 'elbow')),
+    ('joint_states_joint_unknown', empty_joint()),
+    ('joint_states_joint_empty', empty_joint(JOINT)),
+    ('desired_trajectory_empty', lambda peer, _: peer.wishes.publish(JointTrajectory())),
+    ('desired_not_finite', lambda peer, last: peer.wishes.publish(trajectory(last, nan))),
+]
+
+
+@pytest.fixture(scope='module')
+def shared(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Peer]:
+    yield from estimator_and_peer(
+        tmp_path_factory.mktemp('bad_input'), joint=JOINT, diagnostics_rate=10.0
+    )
+
+
+@pytest.fixture
+def peer(shared: Peer) -> Peer:
+    shared.start_afresh()
+    return shared
+
+
+@pytest.mark.parametrize('reason, send', BAD, ids=[f'{k}-{v[0]}' for k, v in enumerate(BAD)])
+def test_bad_message_is_counted_and_changes_nothing(
+    peer: Peer, reason: str, send: Send
+) -> None:
+    before = peer.rejections().get(reason, 0)
+    samples = moved(TOUCH, peer.begin_ns)
+    peer.feed(samples[:CUT])
+    send(peer, samples[CUT - 1].stamp_ns)
+    peer.counted(reason, before + 1)
+    peer.feed(samples[CUT:])
+    expected = [result.estimate.stiffness for result in session_results(samples)]
+    assert list(peer.values('stiffness').values()) == expected
+
+
+def test_rejected_samples_make_the_diagnostics_warn(peer: Peer) -> None:
+    samples = moved(TOUCH, peer.begin_ns)
+    peer.feed(samples[:5])
+    peer.heard['diagnostics'].clear()
+    peer.wrenches.publish(wrench(samples[4].stamp_ns + MILLISECOND, nan))
+    peer.diagnosed(
+        lambda status, _: status.level == DiagnosticStatus.WARN and 'rejected' in status.message,
+        'a warning', fresh=False,
+    )
+
+
+def test_joint_of_several_is_found_by_its_name(peer: Peer) -> None:
+    samples = moved(TOUCH, peer.begin_ns)
+    for stamp_ns, position, velocity, force in samples[:20]:
+        peer.joints.publish(JointState(
+            header=joint_state(stamp_ns, 0.0, 0.0).header, name=['elbow', JOINT],
+            position=[5.0, position], velocity=[5.0, velocity],
+        ))
+        peer.wrenches.publish(wrench(stamp_ns, force))
+    peer.answered(samples[19].stamp_ns)
+    assert list(peer.values('stiffness')) == [s.stamp_ns for s in samples[:20]]
+
+
+def test_time_set_back_restarts_and_keeps_stiffness(peer: Peer) -> None:
+    samples = moved(LONG, peer.begin_ns)
+    jumps = peer.figures()['time_jumps']
+    peer.feed(samples)
+    learned = peer.values('stiffness')[samples[-1].stamp_ns]
+    again = moved(LONG, peer.begin_ns - 10 * 10**9)
+    peer.feed(again)
+    assert learned == pytest.approx(4800.0, rel=0.01)
+    # Nothing is learned before the touch: the approach alone keeps the value to the bit.
+    stiffness = peer.values('stiffness')
+    assert {stiffness[s.stamp_ns] for s in again[:100]} == {learned}
+    assert int(peer.figures()['time_jumps']) == int(jumps) + 2  # the fixture's and this one
+    assert stiffness[again[-1].stamp_ns] == pytest.approx(4800.0, rel=0.01)
+
+
+def test_dropout_of_half_a_second_in_contact_is_survived_and_counted(peer: Peer) -> None:
+    samples = moved(LONG, peer.begin_ns)
+    missing = int(peer.figures()['missing'])
+    kept = samples[:400] + samples[650:]
+    peer.feed(kept)
+    stiffness = peer.values('stiffness')
+    assert list(stiffness) == [sample.stamp_ns for sample in kept]
+    assert all(isfinite(value) for value in stiffness.values())
+    assert stiffness[kept[-1].stamp_ns] == pytest.approx(4800.0, rel=0.02)
+    assert int(peer.figures()['missing']) == missing + 250
+
+
+def test_without_contact_status_stays_free_and_stiffness_the_first_guess(peer: Peer) -> None:
+    noise = np.random.default_rng(0).normal(0.0, 0.5, 1500)
+    peer.feed([
+        ContactSample(peer.begin_ns + k * PERIOD_NS, -0.01, 0.0, float(force))
+        for k, force in enumerate(noise)
+    ])
+    assert set(peer.statuses()) <= {'free'}
+    assert peer.figures()['status'] == 'free'
+    assert set(peer.values('stiffness').values()) == {3000.0}
+    assert set(peer.values('damping').values()) == {50.0}
+
+
+def test_wrenches_without_joint_states_are_counted(peer: Peer) -> None:
+    samples = moved(TOUCH, peer.begin_ns)
+    peer.feed(samples[:20])
+    before = peer.rejections().get('joint_missing', 0)
+    for sample in samples[20:91]:
+        peer.wrenches.publish(wrench(sample.stamp_ns, sample.force))
+    # 0.1 s after its stamp, a wrench is given up: 50 of 71 may still hope.
+    peer.counted('joint_missing', before + 20)
+    peer.joints.publish(joint_state(samples[90].stamp_ns, -0.01, 0.0))
+    peer.feed(samples[91:100])
+    assert samples[95].stamp_ns in peer.values('stiffness')
+
+
+def test_silence_makes_the_diagnostics_stale(peer: Peer) -> None:
+    peer.feed(moved(TOUCH, peer.begin_ns)[:5])
+    peer.diagnosed(
+        lambda status, _: status.level == DiagnosticStatus.STALE
+        and status.message.startswith('no wrench for'),
+        'silence',
+    )
+
+
+def test_diagnostics_carry_the_figures_of_the_contract(peer: Peer) -> None:
+    peer.feed(moved(LONG, peer.begin_ns))
+    figures = peer.figures()
+    assert {
+        'estimator', 'contact', 'excitation_stiffness_std', 'stiffness_std', 'damping_std',
+        'rate_hz', 'missing', 'latency_ms_p50', 'status',
+    } <= set(figures)
+    assert float(figures['stiffness']) == pytest.approx(4800.0, rel=0.01)
+
+
+def test_diagnostics_are_stamped_with_the_time_of_day(peer: Peer) -> None:
+    peer.heard['diagnostics'].clear()
+    peer.spin_until(lambda: len(peer.heard['diagnostics']) >= 2, 'two reports')
+    first, second = list(peer.heard['diagnostics'].values())[:2]
+    assert 0 < stamp_of(second.header.stamp) - stamp_of(first.header.stamp)

@@ -1,0 +1,71 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""What only a fresh node of its own can show."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from contact_estimation.signals.contact_sample import ContactSample
+from core_runs import contact_samples
+import pytest
+from ros_processes import (
+    estimator_and_peer, JOINT, moved, PERIOD_NS, session_results
+)
+
+K_E = 4800.0
+TOUCH = contact_samples(0.5, force_noise=0.1)
+LONG = contact_samples(1.0, depth=0.012, amplitude=0.004)
+
+
+def test_without_desired_trajectory_the_robot_rests_and_presses_with_force_reference(
+    tmp_path: Path,
+) -> None:
+    for peer in estimator_and_peer(tmp_path, force_reference=20.0, joint=JOINT):
+        begin_ns = peer.start_afresh()
+        samples = moved(LONG, begin_ns)
+        peer.feed(samples)
+        positions = list(peer.reference_positions().values())
+        assert positions[:80] == [-0.01] * 80
+        K_hat = peer.values('stiffness')[samples[-1].stamp_ns]
+        assert positions[-1] == pytest.approx(20.0 / K_hat, abs=1e-12)
+        last = peer.references[samples[-1].stamp_ns + PERIOD_NS]
+        assert (last.joint_names, list(last.points[0].effort)) == ([JOINT], [20.0])
+
+
+def test_tare_removes_a_bias(tmp_path: Path) -> None:
+    for peer in estimator_and_peer(tmp_path):
+        begin_ns = peer.start_afresh()
+        free = [ContactSample(begin_ns + k * PERIOD_NS, -0.01, 0.0, -5.0) for k in range(400)]
+        peer.feed(free)
+        answer = peer.trigger('tare')
+        assert answer.success, answer.message
+        peer.diagnosed(
+            lambda _, values: float(values['force_bias']) == pytest.approx(-5.0, abs=1e-3),
+            'a bias of -5 N',
+        )
+        later = free[-1].stamp_ns + PERIOD_NS
+        peer.feed([s._replace(force=s.force - 5.0) for s in moved(LONG, later)])
+        stiffness = list(peer.values('stiffness').values())
+        assert stiffness[-1] == pytest.approx(K_E, rel=0.01)
+
+
+def test_without_dedicated_wait_set_the_same_values_are_published(tmp_path: Path) -> None:
+    for peer in estimator_and_peer(tmp_path, dedicated_wait_set=False):
+        samples = moved(TOUCH, peer.start_afresh())
+        peer.feed(samples)
+        results = session_results(samples)
+        assert list(peer.values('stiffness').values()) == [r.estimate.stiffness for r in results]
+        assert list(peer.values('damping').values()) == [r.estimate.damping for r in results]

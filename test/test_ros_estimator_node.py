@@ -1,0 +1,162 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""What the running node publishes for what it gets."""
+
+from __future__ import annotations
+
+from math import isnan
+from typing import Iterator
+
+from contact_estimation.estimators import ESTIMATORS
+from core_runs import contact_samples
+import pytest
+from ros_processes import (
+    estimator_and_peer, ESTIMATES, moved, Peer, PERIOD_NS, session_results
+)
+
+K_E, B_E = 4800.0, 200.0
+FREE = contact_samples(0.0)[:80]  # before the approach begins
+TOUCH = contact_samples(0.5, force_noise=0.1)
+LONG = contact_samples(1.0, depth=0.012, amplitude=0.004)
+
+
+@pytest.fixture(scope='module')
+def shared(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Peer]:
+    yield from estimator_and_peer(tmp_path_factory.mktemp('estimator'))
+
+
+@pytest.fixture
+def peer(shared: Peer) -> Peer:
+    shared.start_afresh()
+    return shared
+
+
+def test_every_wrench_gets_estimates_with_its_stamp_and_nan_on_other_axes(peer: Peer) -> None:
+    samples = moved(TOUCH, peer.begin_ns)
+    peer.feed(samples)
+    for name in ESTIMATES:
+        messages = peer.heard[name]
+        assert list(messages) == [sample.stamp_ns for sample in samples]
+        assert all(isnan(m.vector.y) and isnan(m.vector.z) for m in messages.values())
+        assert {m.header.frame_id for m in messages.values()} == {'tool'}
+
+
+def test_published_estimates_are_those_of_the_session_bit_for_bit(peer: Peer) -> None:
+    samples = moved(TOUCH, peer.begin_ns)
+    peer.feed(samples)
+    estimates = [result.estimate for result in session_results(samples)]
+    assert list(peer.values('stiffness').values()) == [e.stiffness for e in estimates]
+    assert list(peer.values('damping').values()) == [e.damping for e in estimates]
+
+
+@pytest.mark.parametrize('estimator', ESTIMATORS)
+def test_estimates_converge_to_the_truth(peer: Peer, estimator: str) -> None:
+    peer.change(estimator=estimator)
+    samples = moved(LONG, peer.begin_ns)
+    peer.feed(samples)
+    last = samples[-1].stamp_ns
+    assert peer.values('stiffness')[last] == pytest.approx(K_E, rel=0.01)
+    assert peer.values('damping')[last] == pytest.approx(B_E, rel=0.03)
+
+
+def test_status_is_published_on_change_alone(peer: Peer) -> None:
+    samples = moved(LONG, peer.begin_ns)
+    peer.feed(samples)
+    statuses = peer.statuses()
+    assert statuses[-1] == 'estimating'
+    assert len(statuses) < 20
+    assert all(one != next_one for one, next_one in zip(statuses, statuses[1:]))
+
+
+def test_reference_is_stamped_one_period_after_the_wrench(peer: Peer) -> None:
+    samples = moved(TOUCH, peer.begin_ns)
+    peer.feed(samples)
+    assert list(peer.references) == [sample.stamp_ns + PERIOD_NS for sample in samples]
+    shapes = {(*m.joint_names, len(m.points)) for m in peer.references.values()}
+    assert shapes == {('contact_axis', 1)}
+
+
+def test_desired_trajectory_passes_through_in_free_flight(peer: Peer) -> None:
+    samples = moved(FREE, peer.begin_ns)
+    peer.wish(peer.begin_ns, 0.125, 30.0, 0.5, -2.0)
+    peer.feed(samples[:1])
+    peer.feed(samples[1:])
+    point = peer.references[samples[-1].stamp_ns + PERIOD_NS].points[0]
+    numbers = [point.positions, point.velocities, point.accelerations, point.effort]
+    assert [list(n) for n in numbers] == [[0.125], [0.5], [-2.0], [0.0]]
+
+
+@pytest.mark.parametrize('law, K_t', [('eq20', None), ('series', 4000.0)])
+def test_force_law_holds_in_contact_with_effort(
+    peer: Peer, law: str, K_t: float | None
+) -> None:
+    peer.change(reference_law=law, reference__robot_stiffness=K_t or 5000.0)
+    samples = moved(LONG, peer.begin_ns)
+    peer.wish(peer.begin_ns, -0.01, 30.0)
+    peer.feed(samples)
+    last = samples[-1].stamp_ns
+    compliance = 1.0 / peer.values('stiffness')[last] + (1.0 / K_t if K_t else 0.0)
+    point = peer.references[last + PERIOD_NS].points[0]
+    assert point.positions[0] == pytest.approx(30.0 * compliance, abs=1e-12)
+    assert list(point.effort) == [30.0]
+
+
+def test_pass_through_follows_the_desired_trajectory_in_contact(peer: Peer) -> None:
+    peer.change(reference_law='pass_through')
+    samples = moved(TOUCH, peer.begin_ns)
+    peer.wish(peer.begin_ns, 0.02, 30.0)
+    peer.feed(samples)
+    point = peer.references[samples[-1].stamp_ns + PERIOD_NS].points[0]
+    assert (point.positions[0], point.effort[0]) == (0.02, 0.0)
+
+
+def test_switch_of_the_estimator_in_contact_leaves_no_gap_and_keeps_stiffness(
+    peer: Peer,
+) -> None:
+    samples = moved(LONG, peer.begin_ns)
+    peer.feed(samples[:600])
+    before = peer.values('stiffness')[samples[599].stamp_ns]
+    peer.change(estimator='rls')
+    peer.feed(samples[600:700])
+    stiffness = peer.values('stiffness')
+    stamps = list(stiffness)
+    assert max(b - a for a, b in zip(stamps, stamps[1:])) <= 2 * PERIOD_NS
+    assert stiffness[samples[600].stamp_ns] == before
+    assert stiffness[stamps[-1]] == pytest.approx(K_E, rel=0.02)
+
+
+def test_reset_goes_back_to_the_first_guess(peer: Peer) -> None:
+    samples = moved(LONG, peer.begin_ns)
+    peer.feed(samples[:600])
+    assert peer.values('stiffness')[samples[599].stamp_ns] > 3500.0
+    answer = peer.trigger('reset')
+    peer.feed(samples[600:601])
+    assert answer.success and 'first guess' in answer.message
+    assert peer.values('stiffness')[samples[600].stamp_ns] == 3000.0
+
+
+def test_tare_in_contact_is_refused_with_a_reason(peer: Peer) -> None:
+    peer.feed(moved(TOUCH, peer.begin_ns))
+    answer = peer.trigger('tare')
+    assert not answer.success
+    assert answer.message.startswith('in contact')
+
+
+def test_tare_without_samples_is_refused(peer: Peer) -> None:
+    samples = moved(FREE, peer.begin_ns)
+    peer.feed(samples[:5])
+    answer = peer.trigger('tare')
+    assert not answer.success
+    assert 'less than 0.5 s' in answer.message

@@ -1,0 +1,178 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The parameter services of the running node, over all parameters that the dataclasses have."""
+
+from __future__ import annotations
+
+from math import isfinite, isnan, nan
+from typing import Any, Iterator
+
+from contact_estimation.estimation_parameters import EstimationParameters
+from contact_estimation.estimators import ESTIMATORS
+from contact_estimation.parameters import ParameterSpecification, specifications
+from contact_estimation.ros.estimator_node_parameters import EstimatorNodeParameters
+import pytest
+from ros_processes import estimator_and_peer, Peer
+
+SPECIFICATIONS = [
+    *specifications(EstimationParameters), *specifications(EstimatorNodeParameters)
+]
+CHANGEABLE = [spec for spec in SPECIFICATIONS if not spec.read_only]
+LOWEST = {spec.name: spec.minimum for spec in CHANGEABLE if spec.minimum is not None}
+HIGHEST = {spec.name: spec.maximum for spec in CHANGEABLE if spec.maximum is not None}
+DEFAULTS = {spec.name: spec.default for spec in SPECIFICATIONS}
+
+
+@pytest.fixture(scope='module')
+def shared(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Peer]:
+    yield from estimator_and_peer(tmp_path_factory.mktemp('parameters'))
+
+
+@pytest.fixture
+def peer(shared: Peer) -> Peer:
+    shared.start_afresh()
+    return shared
+
+
+def other_value(spec: ParameterSpecification) -> Any:
+    """Pick a valid value that is not the default."""
+    default = spec.default
+    if spec.choices:
+        return next(choice for choice in spec.choices if choice != default)
+    if isinstance(default, str):
+        return 'other'
+    if isinstance(default, bool):
+        return not default
+    if isinstance(default, int):
+        return default + 1
+    return within(spec, 1.5 * default if isfinite(default) and default else 1e-3)
+
+
+def within(spec: ParameterSpecification, value: float) -> float:
+    """Bring a number into the range of its parameter."""
+    low = value if spec.minimum is None else max(value, spec.minimum)
+    return low if spec.maximum is None else min(low, spec.maximum)
+
+
+def beyond(name: str, limit: float, step: float) -> Any:
+    """Step over a limit, in the type of the parameter."""
+    value = limit + step * max(1.0, abs(limit))
+    return int(value) if isinstance(DEFAULTS[name], int) else value
+
+
+def same(one: Any, other: Any) -> bool:
+    """Compare values, NaN being equal to itself."""
+    return one == other or (isinstance(one, float) and isnan(one) and isnan(other))
+
+
+def test_every_parameter_is_listed_with_its_description(peer: Peer) -> None:
+    names = [spec.name for spec in SPECIFICATIONS]
+    assert set(names) <= set(peer.names())
+    for spec, descriptor in zip(SPECIFICATIONS, peer.describe(names)):
+        assert descriptor.description.startswith(spec.description), spec.name
+        assert descriptor.description.endswith(f'[{spec.unit}]' if spec.unit else '')
+        assert descriptor.additional_constraints == spec.expectation
+        assert descriptor.read_only == spec.read_only
+
+
+def test_ranges_are_in_the_descriptors(peer: Peer) -> None:
+    for descriptor in peer.describe(list(LOWEST)):
+        ranges = [*descriptor.floating_point_range, *descriptor.integer_range]
+        assert all(r.from_value == LOWEST[descriptor.name] for r in ranges)
+        off = isinstance(DEFAULTS[descriptor.name], float) and isnan(DEFAULTS[descriptor.name])
+        assert len(ranges) == (0 if off else 1), descriptor.name
+
+
+def test_every_parameter_starts_with_its_default(peer: Peer) -> None:
+    values = peer.get([spec.name for spec in SPECIFICATIONS])
+    assert {n: v for n, v in values.items() if not same(v, DEFAULTS[n])} == {}
+
+
+def test_every_changeable_parameter_takes_another_value(peer: Peer) -> None:
+    for spec in CHANGEABLE:
+        value = other_value(spec)
+        results = peer.set({spec.name: value})
+        assert results[0].successful, f'{spec.name} = {value!r}: {results[0].reason}'
+        assert same(peer.get([spec.name])[spec.name], value)
+        assert peer.set({spec.name: spec.default})[0].successful
+
+
+def test_read_only_parameters_refuse(peer: Peer) -> None:
+    fixed = [spec for spec in SPECIFICATIONS if spec.read_only]
+    assert fixed
+    for spec in fixed:
+        result = peer.set({spec.name: other_value(spec)})[0]
+        assert not result.successful
+        assert 'read-only' in result.reason
+        assert peer.get([spec.name])[spec.name] == spec.default
+
+
+@pytest.mark.parametrize('limits, step', [(LOWEST, -1.0), (HIGHEST, 1.0)])
+def test_values_out_of_range_are_refused_by_name(
+    peer: Peer, limits: dict[str, float], step: float
+) -> None:
+    values = {name: beyond(name, limit, step) for name, limit in limits.items()}
+    for name, result in zip(values, peer.set(values)):
+        assert not result.successful, name
+        assert name in result.reason
+
+
+def test_not_a_number_is_refused_where_it_does_not_mean_off(peer: Peer) -> None:
+    numbers = {
+        spec.name: nan for spec in CHANGEABLE
+        if isinstance(spec.default, float) and not spec.nan_is_off
+    }
+    for name, result in zip(numbers, peer.set(numbers)):
+        assert not result.successful, name
+        assert name in result.reason
+
+
+def test_wrong_type_is_refused_by_name(peer: Peer) -> None:
+    result = peer.set({'force_reference': 'much'})[0]
+    assert not result.successful
+    assert 'force_reference' in result.reason
+
+
+def test_unknown_estimator_is_refused_with_the_known_names(peer: Peer) -> None:
+    result = peer.set({'estimator': 'kalmann'})[0]
+    assert not result.successful
+    assert "did you mean 'kalman'" in result.reason
+    assert all(name in result.reason for name in ESTIMATORS)
+
+
+def test_series_on_a_robot_that_tracks_force_is_refused(peer: Peer) -> None:
+    peer.change(reference__robot_force_tracking=True)
+    result = peer.set({'reference_law': 'series'})[0]
+    assert not result.successful
+    assert 'force_tracking' in result.reason
+    assert peer.get(['reference_law']) == {'reference_law': 'eq20'}
+
+
+def test_force_tracking_under_series_is_refused(peer: Peer) -> None:
+    peer.change(reference_law='series')
+    result = peer.set({'reference.robot_force_tracking': True})[0]
+    assert not result.successful
+    assert 'series' in result.reason
+
+
+def test_cutoff_above_half_of_the_sample_rate_is_refused(peer: Peer) -> None:
+    result = peer.set({'conditioning.cutoff_frequency': 250.0})[0]
+    assert not result.successful
+    assert 'conditioning.cutoff_frequency' in result.reason
+
+
+def test_refused_change_leaves_the_estimation_as_it_was(peer: Peer) -> None:
+    peer.set({'estimator': 'nonsense', 'environment.initial_stiffness': -1.0})
+    peer.diagnosed(lambda _, values: values['estimator'] == 'indirect_adaptive', 'the estimator')

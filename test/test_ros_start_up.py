@@ -1,0 +1,108 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Starting wrongly ends with exit code 1 and one line on stderr; --help explains."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from contact_estimation.commands.loop import make_parser as loop_parser
+from contact_estimation.commands.replay import make_parser as replay_parser
+from contact_estimation.estimation_parameters import EstimationParameters
+from contact_estimation.parameters import specifications
+import pytest
+from ros_processes import Finished, parameter_arguments, run_module
+
+WRONG: list[tuple[str, dict[str, Any], list[str]]] = [
+    ('estimator_node', {'conditioning.cutoff_frequenzy': 30.0},
+     ["did you mean 'conditioning.cutoff_frequency'"]),
+    ('estimator_node', {'environment.initial_stiffness': -5.0},
+     ['environment.initial_stiffness', '-5', 'N/m']),
+    ('estimator_node', {'sample_rate': 'fast'}, ['sample_rate', "'fast'"]),
+    ('estimator_node', {'estimator': 'fft'}, ["'fft'", 'indirect_adaptive', 'kalman', 'rls']),
+    ('estimator_node', {'reference_law': 'series', 'reference.robot_force_tracking': True},
+     ['series', 'force_tracking']),
+    ('plant_node', {'environment.stifness': 1.0}, ["did you mean 'environment.stiffness'"]),
+    ('plant_node', {'experiment': 'sinus'}, ["'sinus'", "did you mean 'sine'"]),
+    ('plant_node', {'experiment': 'missing.yaml'}, ['missing.yaml', 'cannot be read']),
+    ('recorder_node', {}, ['output']),
+]
+
+
+def assert_one_line(finished: Finished, *parts: str) -> None:
+    """Check that a process has failed as the contract says."""
+    assert 'Traceback' not in finished.stderr
+    lines = finished.stderr.strip().splitlines()
+    assert len(lines) == 1, finished.stderr
+    assert all(part in lines[0] for part in parts), lines[0]
+    assert finished.code == 1
+
+
+@pytest.mark.parametrize('node, parameters, parts', WRONG, ids=[str(w[1]) for w in WRONG])
+def test_wrong_parameter_ends_a_node_with_one_line(
+    tmp_path: Path, node: str, parameters: dict[str, Any], parts: list[str]
+) -> None:
+    finished = run_module(tmp_path, f'ros.{node}', *parameter_arguments(parameters))
+    assert_one_line(finished, *parts)
+
+
+def test_unknown_parameter_in_a_file_names_the_nearest(tmp_path: Path) -> None:
+    file = tmp_path / 'parameters.yaml'
+    file.write_text('estimator_node: {ros__parameters: {tuning: {rls: {forgeting_factor: 0.9}}}}')
+    finished = run_module(
+        tmp_path, 'ros.estimator_node', '--ros-args', '--params-file', str(file)
+    )
+    assert_one_line(finished, "did you mean 'tuning.rls.forgetting_factor'")
+
+
+@pytest.mark.parametrize('text', ['estimator_node: [', 'estimator_node: {estimator: rls}\n'])
+def test_malformed_parameter_file_ends_a_node_with_one_line(tmp_path: Path, text: str) -> None:
+    file = tmp_path / 'parameters.yaml'
+    file.write_text(text)
+    finished = run_module(
+        tmp_path, 'ros.estimator_node', '--ros-args', '--params-file', str(file)
+    )
+    assert_one_line(finished, 'parameters.yaml')
+
+
+def test_missing_parameter_file_ends_a_node_with_one_line(tmp_path: Path) -> None:
+    finished = run_module(
+        tmp_path, 'ros.estimator_node', '--ros-args', '--params-file', 'nowhere.yaml'
+    )
+    assert_one_line(finished, 'nowhere.yaml')
+
+
+def test_help_of_the_estimator_node_lists_every_parameter(tmp_path: Path) -> None:
+    finished = run_module(tmp_path, 'ros.estimator_node', '--help')
+    assert (finished.code, finished.stderr) == (0, '')
+    for spec in specifications(EstimationParameters):
+        assert f'  {spec.name} = ' in finished.stdout
+        assert spec.description in finished.stdout
+
+
+@pytest.mark.parametrize('node', ['plant_node', 'recorder_node'])
+def test_help_of_a_node_succeeds(tmp_path: Path, node: str) -> None:
+    finished = run_module(tmp_path, f'ros.{node}', '--help')
+    assert (finished.code, finished.stderr) == (0, '')
+    assert finished.stdout.startswith(f'{node}: ')
+
+
+@pytest.mark.parametrize('command, parser', [('loop', loop_parser), ('replay', replay_parser)])
+def test_help_of_a_command_succeeds(tmp_path: Path, command: str, parser: Any) -> None:
+    finished = run_module(tmp_path, f'commands.{command}', '--help')
+    assert (finished.code, finished.stderr) == (0, '')
+    options = [o for action in parser()._actions for o in action.option_strings]
+    assert all(option in finished.stdout for option in options)
