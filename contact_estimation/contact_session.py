@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .estimation_parameters import EstimationParameters
-from .estimation_pipeline import NO_REFERENCE, EstimationPipeline
+from .estimation_pipeline import EstimationPipeline, NO_REFERENCE
 from .estimators.estimator import Estimate, Reference
 from .parameters import changed
 from .reference.experiment import Desired
@@ -174,10 +174,10 @@ class ContactSession:
         if not isfinite(desired.position):
             self.count_rejected('desired_not_finite')
             return
-        rates = (r if isfinite(r) else 0.0 for r in (desired.velocity, desired.acceleration))
+        v, a = (r if isfinite(r) else 0.0 for r in (desired.velocity, desired.acceleration))
         if self._desired and stamp_ns < self._desired[-1][0]:
             self._desired.clear()  # time was set back, or the planner changed its mind
-        self._desired.append((stamp_ns, Desired(desired.position, *rates, desired.force)))
+        self._desired.append((stamp_ns, Desired(desired.position, v, a, desired.force)))
 
     def add_reference(self, stamp_ns: int, reference: Reference) -> None:
         """
@@ -379,4 +379,3 @@ def _newest(dated: deque[tuple[int, Any]], stamp_ns: int) -> Any:
         if stamp <= stamp_ns:
             return entry
     return None
-

@@ -23,7 +23,7 @@ from typing import Any
 from .estimators import ESTIMATORS, EstimatorsTuning
 from .estimators.estimator import EnvironmentParameters
 from .estimators.excitation_monitor import ExcitationParameters
-from .parameters import ParameterGroup, group, parameter
+from .parameters import group, parameter, ParameterGroup
 from .physics import PhysicsParameters
 from .reference.laws import LAWS
 from .reference.reference_generator import ReferenceParameters, refuse_double_tracking

@@ -32,7 +32,6 @@ from .estimators.estimator import (
     TimedRow,
 )
 from .estimators.excitation_monitor import ExcitationMonitor
-from .exceptions import ContactEstimationError
 from .physics import effects_that_are_on
 from .physics.physics import ContactEffect
 from .signals.conditioning import Conditioned, Conditioner
@@ -134,7 +133,8 @@ class EstimationPipeline:
         effects = effects_that_are_on(self.parameters.physics)
         self._conditioner.effects = [e for e in effects if isinstance(e, ContactEffect)]
         self._conditioner.location = self.parameters.environment.location
-        self._conditioner.location_known = not self._estimator.estimates_location
+        # Where x_e is estimated too, its prior decides how far outside no contact can be.
+        self._conditioner.location_margin = 5.0 * (self._estimator.location_std or 0.0)
 
     # -- events -----------------------------------------------------------------------------
 
@@ -301,9 +301,8 @@ class EstimationPipeline:
     def _learn_part(self, part: list[TimedRow], variance: float) -> list[State]:
         held = self._monitor.held
         if held.stiffness and held.damping:
-            return [(self._estimator.snapshot(), EstimateStatus.FROZEN, _HOLD_REASONS[held])] * len(
-                part
-            )
+            still = self._estimator.snapshot(), EstimateStatus.FROZEN, _HOLD_REASONS[held]
+            return [still] * len(part)
         K, B, floor = self._prediction
         if all(K * row[1] + B * row[2] > floor for _, row in part):
             snapshots = self._estimator.learn(part, variance, held)

@@ -24,13 +24,14 @@ from typing import Any, Iterator, Mapping
 import numpy as np
 
 from .contact_session import ContactSession, Result
-from .estimation_events import EstimationEvent, apply_event
+from .estimation_events import apply_event, EstimationEvent
 from .estimation_parameters import EstimationParameters
 from .estimators import ESTIMATORS
 from .estimators.estimator import Estimate, Reference
 from .exceptions import MessageError
 from .messages import (
     Codec,
+    FORCE_OF_AXIS,
     JointStateDecoder,
     RosbagsCodec,
     TrajectoryDecoder,
@@ -43,7 +44,6 @@ from .recordings.topic_names import canonical
 
 _AHEAD = 6000  # messages; an event may be recorded so much later than the sample it follows
 _MOST_UNPAIRED = 200  # messages; more of one topic than of the other is no chunk's end
-_AXES = {'x': 2, 'y': 3, 'z': 4}  # place in a WrenchReading
 
 
 @dataclass(frozen=True)
@@ -107,7 +107,6 @@ class RecordingReplay:
         self._wrench = WrenchDecoder(codec)
         self._joints = JointStateDecoder(codec, source.joint)
         self._references = TrajectoryDecoder(codec)
-        self._force = _AXES[source.axis]
         self._left_over: list[RecordedMessage] = []
 
     def estimates(self) -> Iterator[list[Estimate]]:
@@ -221,7 +220,7 @@ class RecordingReplay:
         readings = self._joints.decode_many(motions) if forces else None
         if not forces or not readings or not np.array_equal(forces[0], readings[0]):
             return None
-        force = forces[self._force - 1]  # the columns have no frame
+        force = forces[1 + 'xyz'.index(self._source.axis)]
         return self.session.add_pairs(forces[0], force, readings[1], readings[2])
 
     def _unpaired(
@@ -239,13 +238,14 @@ class RecordingReplay:
 
     def _process_one_by_one(self, messages: list[RecordedMessage]) -> list[Estimate]:
         results: list[Result] = []
-        session, wrench_topic, place = self.session, self._source.wrench, self._force
+        session, wrench_topic = self.session, self._source.wrench
+        force_of = FORCE_OF_AXIS[self._source.axis]
         decode_wrench, decode_joints = self._wrench.decode, self._joints.decode
         for topic, _, data in messages:
             try:
                 if topic == wrench_topic:
                     reading = decode_wrench(data)
-                    results += session.add_wrench(reading[0], reading[place])
+                    results += session.add_wrench(reading[0], force_of(reading))
                 else:
                     results += session.add_motion(*decode_joints(data))
             except MessageError as error:

@@ -37,26 +37,19 @@ class Known(NamedTuple):
 
 def known(estimator: Any) -> Known:
     """Ask an estimator what it knows now."""
-    if hasattr(estimator, 'snapshot'):
-        return Known(*estimator.snapshot())
-    return Known(*(getattr(estimator, name) for name in Known._fields))
+    return Known(*estimator.snapshot())
 
 
 def learn(
     estimator: Any, dt: float, row: Sequence[float], variance: float = 0.0, held: Held = FREE
 ) -> None:
     """Let an estimator learn from one row."""
-    if hasattr(estimator, 'learn'):
-        estimator.learn([(dt, row)], variance, held)
-    else:
-        estimator.update(dt, row, variance, held)
+    estimator.learn([(dt, row)], variance, held)
 
 
 def filtered(bank: Any, rows: Sequence[Sequence[float]]) -> list[Sequence[float]]:
     """Pass rows through a filter bank, one at a time."""
-    if 'rows' in type(bank).process.__code__.co_varnames[:2]:
-        return [bank.process([row])[0] for row in rows]
-    return [bank.process(row) for row in rows]
+    return [bank.process([row])[0] for row in rows]
 
 
 def judged(
@@ -65,8 +58,6 @@ def judged(
 ) -> Held:
     """Let the excitation monitor judge after one row."""
     scales = variance, stiffness, damping, location_std
-    if not hasattr(monitor, 'until_judgement'):
-        return monitor.update(row, *scales)  # type: ignore[no-any-return]
     monitor.add([row])
     if monitor.until_judgement == 0:
         monitor.judge(*scales)
@@ -75,18 +66,14 @@ def judged(
 
 def decided(detector: Any, dt: float, pressing: float, inside: bool) -> bool:
     """Let the contact detector decide on one sample."""
-    if hasattr(detector, 'decide'):
-        detector.decide([dt], [pressing], [inside])
-        return bool(detector.contact)
-    return bool(detector.update(dt, pressing, 1e3 if inside else 0.0))
+    detector.decide([dt], [pressing], [inside])
+    return bool(detector.contact)
 
 
 def row_of(
     relation: Any, dt: float, delta: float, velocity: float, pressing: float, contact: bool
 ) -> Sequence[float] | None:
     """Build the row of one sample; None outside contact."""
-    if not hasattr(relation, 'leave'):
-        return relation.row(dt, delta, velocity, pressing, contact)  # type: ignore[no-any-return]
     if contact:
         return relation.row(dt, delta, velocity, pressing)  # type: ignore[no-any-return]
     relation.leave()

@@ -42,9 +42,8 @@ import pytest
 
 rclpy = pytest.importorskip('rclpy')
 
-# ruff: noqa: E402
 from builtin_interfaces.msg import Time  # noqa: E402,I100
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus  # noqa: E402
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus  # noqa: E402,F401
 from geometry_msgs.msg import Vector3Stamped, WrenchStamped  # noqa: E402
 from rcl_interfaces.msg import SetParametersResult  # noqa: E402
 from rcl_interfaces.srv import DescribeParameters, GetParameters  # noqa: E402
@@ -459,8 +458,13 @@ class Peer(Listener):
     def figures(self) -> dict[str, str]:
         """Read the values of a report that is made from now on."""
         found: list[dict[str, str]] = []
-        # The first that comes may have been made before the last sample.
-        self.diagnosed(lambda _, values: found.append(values) or len(found) > 1, 'two reports')
+
+        def second(status: Any, values: dict[str, str]) -> bool:
+            """Pass over the first: it may have been made before the last sample."""
+            found.append(values)
+            return len(found) > 1
+
+        self.diagnosed(second, 'two reports')
         return found[-1]
 
     def rejections(self) -> dict[str, int]:

@@ -269,7 +269,6 @@ def test_refused_parameters_change_nothing() -> None:
     assert pipeline.parameters is before
 
 
-@pytest.mark.skipif(not hasattr(EstimationPipeline, 'process_run'), reason='no runs yet')
 @BY_ESTIMATOR
 @pytest.mark.parametrize('cut', [1, 7, 64, 10_000])
 def test_estimates_do_not_depend_on_how_samples_are_cut_into_runs(

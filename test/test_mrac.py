@@ -95,8 +95,9 @@ def test_plant_estimator_recovers_an_arm_that_is_30_percent_off(off: float) -> N
         [0.0, 0.0], t_eval=t, rtol=1e-8, atol=1e-12, max_step=0.01,
     ).y
     plant = PlantEstimator(60.0, 5.0, (100.0, 20.0, 0.02))
-    for u, e, w in zip(t.tolist(), *motion.tolist()):
-        plant.step(0.002, e, w, push(u))
+    at_rest = Reference(0.0, 0.0, 0.0)
+    for u, x, v in zip(t.tolist(), *motion.tolist()):
+        plant.step(0.002, x, v, push(u), at_rest)
     np.testing.assert_allclose(plant.a, true, rtol=0.05)
 
 

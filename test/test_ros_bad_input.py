@@ -24,8 +24,20 @@ from core_runs import contact_samples
 import numpy as np
 import pytest
 from ros_processes import (
-    DiagnosticStatus, estimator_and_peer, JOINT, joint_state, JointState, JointTrajectory,
-    moved, Peer, PERIOD_NS, session_results, stamp_of, to_stamp, trajectory, wrench,
+    DiagnosticStatus,
+    estimator_and_peer,
+    JOINT,
+    joint_state,
+    JointState,
+    JointTrajectory,
+    moved,
+    Peer,
+    PERIOD_NS,
+    session_results,
+    stamp_of,
+    to_stamp,
+    trajectory,
+    wrench,
 )
 
 TOUCH = contact_samples(0.3, force_noise=0.1)
@@ -146,12 +158,25 @@ def test_dropout_of_half_a_second_in_contact_is_survived_and_counted(peer: Peer)
     samples = moved(LONG, peer.begin_ns)
     missing = int(peer.figures()['missing'])
     kept = samples[:400] + samples[650:]
-    peer.feed(kept)
+    peer.feed(kept[:400])
+    peer.feed(kept[400:])
     stiffness = peer.values('stiffness')
     assert list(stiffness) == [sample.stamp_ns for sample in kept]
     assert all(isfinite(value) for value in stiffness.values())
     assert stiffness[kept[-1].stamp_ns] == pytest.approx(4800.0, rel=0.02)
     assert int(peer.figures()['missing']) == missing + 250
+
+
+def test_joint_states_that_run_ahead_over_a_dropout_lose_no_wrench(peer: Peer) -> None:
+    samples = moved(LONG, peer.begin_ns)
+    peer.feed(samples[:390])
+    burst = samples[390:400] + samples[650:660]
+    for stamp_ns, position, velocity, _ in burst:
+        peer.joints.publish(joint_state(stamp_ns, position, velocity))
+    for stamp_ns, _, _, force in burst:
+        peer.wrenches.publish(wrench(stamp_ns, force))
+    peer.answered(burst[-1].stamp_ns)
+    assert list(peer.values('stiffness'))[390:] == [sample.stamp_ns for sample in burst]
 
 
 def test_without_contact_status_stays_free_and_stiffness_the_first_guess(peer: Peer) -> None:

@@ -21,9 +21,7 @@ from pathlib import Path
 from contact_estimation.signals.contact_sample import ContactSample
 from core_runs import contact_samples
 import pytest
-from ros_processes import (
-    estimator_and_peer, JOINT, moved, PERIOD_NS, session_results
-)
+from ros_processes import estimator_and_peer, JOINT, moved, PERIOD_NS, session_results
 
 K_E = 4800.0
 TOUCH = contact_samples(0.5, force_noise=0.1)

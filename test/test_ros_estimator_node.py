@@ -22,9 +22,7 @@ from typing import Iterator
 from contact_estimation.estimators import ESTIMATORS
 from core_runs import contact_samples
 import pytest
-from ros_processes import (
-    estimator_and_peer, ESTIMATES, moved, Peer, PERIOD_NS, session_results
-)
+from ros_processes import ESTIMATES, estimator_and_peer, moved, Peer, PERIOD_NS, session_results
 
 K_E, B_E = 4800.0, 200.0
 FREE = contact_samples(0.0)[:80]  # before the approach begins

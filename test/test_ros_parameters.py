@@ -32,6 +32,7 @@ SPECIFICATIONS = [
 CHANGEABLE = [spec for spec in SPECIFICATIONS if not spec.read_only]
 LOWEST = {spec.name: spec.minimum for spec in CHANGEABLE if spec.minimum is not None}
 HIGHEST = {spec.name: spec.maximum for spec in CHANGEABLE if spec.maximum is not None}
+OFF = {spec.name for spec in SPECIFICATIONS if spec.nan_is_off}
 DEFAULTS = {spec.name: spec.default for spec in SPECIFICATIONS}
 
 
@@ -91,8 +92,8 @@ def test_ranges_are_in_the_descriptors(peer: Peer) -> None:
     for descriptor in peer.describe(list(LOWEST)):
         ranges = [*descriptor.floating_point_range, *descriptor.integer_range]
         assert all(r.from_value == LOWEST[descriptor.name] for r in ranges)
-        off = isinstance(DEFAULTS[descriptor.name], float) and isnan(DEFAULTS[descriptor.name])
-        assert len(ranges) == (0 if off else 1), descriptor.name
+        # rclpy's own check of a range would refuse NaN, which means off.
+        assert len(ranges) == (0 if descriptor.name in OFF else 1), descriptor.name
 
 
 def test_every_parameter_starts_with_its_default(peer: Peer) -> None:
@@ -139,10 +140,10 @@ def test_not_a_number_is_refused_where_it_does_not_mean_off(peer: Peer) -> None:
         assert name in result.reason
 
 
-def test_wrong_type_is_refused_by_name(peer: Peer) -> None:
+def test_wrong_type_is_refused(peer: Peer) -> None:
     result = peer.set({'force_reference': 'much'})[0]
     assert not result.successful
-    assert 'force_reference' in result.reason
+    assert 'DOUBLE' in result.reason
 
 
 def test_unknown_estimator_is_refused_with_the_known_names(peer: Peer) -> None:

@@ -24,6 +24,11 @@ from typing import Any, Mapping, Sequence
 
 import yaml
 
+from .command_line import Parser, run_command
+from .loop_picture import draw_picture, require_matplotlib
+from .loop_processes import LoopProcesses
+from .loop_run import read_run
+from .loop_summary import summarise
 from ..estimation_parameters import EstimationParameters
 from ..estimators import ESTIMATORS
 from ..exceptions import MissingPackageError, ParameterRangeError, RecordingError
@@ -36,11 +41,6 @@ from ..reference.experiments import experiment_named, EXPERIMENTS
 from ..reference.reference_generator import refuse_double_tracking
 from ..ros.estimator_node_parameters import EstimatorNodeParameters
 from ..ros.plant_node_parameters import PlantNodeParameters
-from .command_line import Parser, run_command
-from .loop_picture import draw_picture, require_matplotlib
-from .loop_processes import LoopProcesses
-from .loop_run import read_run
-from .loop_summary import summarise
 
 PAPER_NOISE = {'sensors.force_noise': 1.0, 'sensors.distribution': 'uniform'}
 """The paper's simulated force sensor: uniform, +-1 N."""

@@ -21,8 +21,8 @@ from typing import Any
 
 import numpy as np
 
-from ..exceptions import MissingPackageError
 from .loop_run import LoopRun
+from ..exceptions import MissingPackageError
 
 _INK, _MUTED, _ESTIMATE, _TRUE = '#1f2933', '#9aa5b1', '#0b6e99', '#c2410c'
 

@@ -21,9 +21,9 @@ from typing import Any
 
 import numpy as np
 
+from .loop_run import LoopRun
 from ..plant.plant_parameters import PlantParameters
 from ..reference.experiment import Experiment
-from .loop_run import LoopRun
 
 
 def summarise(

@@ -24,6 +24,8 @@ import sys
 import time
 from typing import Any, Protocol, Sequence
 
+from .command_line import add_source_options, new_file, Parser, run_command, source_of
+from .progress import Progress
 from ..estimators import ESTIMATORS
 from ..estimators.estimator import Estimate
 from ..exceptions import RecordingError, UnknownNameError
@@ -33,8 +35,6 @@ from ..recording_replay import RecordingReplay
 from ..recordings import RecordingReader
 from ..recordings.estimate_files import CsvEstimates, McapEstimates
 from ..ros.estimator_node_parameters import EstimatorNodeParameters
-from .command_line import Parser, add_source_options, new_file, run_command, source_of
-from .progress import Progress
 
 
 class EstimateFile(Protocol):

@@ -18,12 +18,12 @@ from __future__ import annotations
 
 from dataclasses import make_dataclass
 
-from ..parameters import ParameterGroup, group
 from .estimator import OnlineEstimator
 from .indirect_adaptive import IndirectAdaptive
 from .kalman import Kalman
 from .mrac import ModelReferenceAdaptive
 from .rls import RecursiveLeastSquares
+from ..parameters import group, ParameterGroup
 
 ESTIMATORS: dict[str, type[OnlineEstimator]] = {
     'indirect_adaptive': IndirectAdaptive,

@@ -21,7 +21,8 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import ClassVar, NamedTuple, Sequence
 
-from ..parameters import ParameterGroup, parameter
+from ..exceptions import ParameterRangeError
+from ..parameters import parameter, ParameterGroup
 from ..signals.relations import Relation, Row, VelocityRelation
 
 
@@ -123,6 +124,15 @@ class EnvironmentParameters(ParameterGroup):
     minimum_stiffness: float = parameter(1.0, 'K_hat stays above', 'N/m', minimum=1e-3)
     maximum_stiffness: float = parameter(1e8, 'K_hat stays below', 'N/m', minimum=1.0)
     maximum_damping: float = parameter(1e6, 'B_hat stays below, and above 0', 'N s/m', minimum=1.0)
+
+    def __post_init__(self) -> None:
+        """Check that the limits leave room between them."""
+        super().__post_init__()
+        if self.minimum_stiffness > self.maximum_stiffness:
+            raise ParameterRangeError(
+                'environment.minimum_stiffness must be <= environment.maximum_stiffness '
+                f'({self.maximum_stiffness:g} N/m), got {self.minimum_stiffness:g}'
+            )
 
 
 class OnlineEstimator(ABC):

@@ -21,9 +21,9 @@ from dataclasses import dataclass
 from math import inf, sqrt
 from typing import Sequence
 
-from ..parameters import ParameterGroup, parameter
-from ..signals.relations import Row
 from .estimator import Held
+from ..parameters import parameter, ParameterGroup
+from ..signals.relations import Row
 
 Information = tuple[float, float, float, float, float, float, float]
 _BLOCKS = 10  # of the window; judged a block at a time, since excitation changes slowly

@@ -20,8 +20,8 @@ from dataclasses import dataclass
 from math import expm1, nan, sqrt
 from typing import Sequence
 
-from ..parameters import ParameterGroup, parameter
 from .estimator import Held, OnlineEstimator, Snapshot, TimedRow
+from ..parameters import parameter, ParameterGroup
 
 _SMALLEST = 1e-30
 _MEMORY_S = 1.0  # of the mean squares that normalise

@@ -23,9 +23,9 @@ from typing import Sequence
 from filterpy.kalman import KalmanFilter
 import numpy as np
 
-from ..parameters import ParameterGroup, parameter
-from ..signals.relations import Row
 from .estimator import Held, OnlineEstimator, Snapshot, TimedRow
+from ..parameters import parameter, ParameterGroup
+from ..signals.relations import Row
 
 
 @dataclass(frozen=True)

@@ -20,16 +20,9 @@ from dataclasses import dataclass
 from math import exp, expm1
 from typing import Sequence
 
-from ..parameters import ParameterGroup, parameter
-from .estimator import (
-    EnvironmentParameters,
-    Held,
-    OnlineEstimator,
-    Reference,
-    Snapshot,
-    TimedRow,
-)
+from .estimator import EnvironmentParameters, Held, OnlineEstimator, Reference, Snapshot, TimedRow
 from .indirect_adaptive import IndirectAdaptive, IndirectAdaptiveParameters
+from ..parameters import parameter, ParameterGroup
 
 
 @dataclass(frozen=True)
@@ -108,11 +101,11 @@ class ReferenceModel:
 
 class PlantEstimator:
     """
-    Adapt (K_p, B_p, 1) / M_p of the arm to w' = -a_K e - a_B w + a_F F_e.
+    Adapt (K_p, B_p, 1) / M_p of the arm to v' - a_r = -a_K e - a_B w + a_F F_e.
 
-    e = x - x_r and w its rate, relative to the feed-forward acceleration. Both sides pass
-    1 / (s + pole), so that the velocity is never differentiated:
-    w - pole w_f = phi^T a with phi = (-e_f, -w_f, F_f). Normalised gradient adaptation.
+    e = x - x_r and w its rate. Both sides pass 1 / (s + pole), so that the velocity is never
+    differentiated: v - pole v_f - (a_r)_f = phi^T a with phi = (-e_f, -w_f, F_f). Normalised
+    gradient adaptation.
 
     Parameters
     ----------
@@ -126,12 +119,15 @@ class PlantEstimator:
     """
 
     def __init__(self, pole: float, rate: float, start: tuple[float, float, float]) -> None:
-        self._pole, self._rate = pole, rate
+        self._pole, self.rate = pole, rate
         self._scale = tuple(max(a, 1e-6) ** 2 for a in start)
         self.a = list(start)
-        self._filtered = [0.0, 0.0, 0.0]
+        self._filtered: list[float] | None = None
+        self._last: tuple[float, ...] = ()
 
-    def step(self, dt: float, e: float, w: float, force: float) -> None:
+    def step(
+        self, dt: float, position: float, velocity: float, force: float, reference: Reference
+    ) -> None:
         """
         Learn from one sample.
 
@@ -139,20 +135,30 @@ class PlantEstimator:
         ----------
         dt : float
             Time step [s].
-        e, w : float
-            x - x_r [m] and its rate [m/s].
-        force : float
-            F_e [N].
+        position, velocity, force : float
+            x [m], its rate [m/s] and F_e [N].
+        reference : Reference
+            What the arm follows.
 
         """
+        x_r, v_r, a_r = reference
+        now = (position - x_r, velocity - v_r, force, velocity, a_r)
+        if self._filtered is None:
+            self._filtered, self._last = [value / self._pole for value in now], now
+            return
         keep = exp(-self._pole * dt)
-        gain = (1.0 - keep) / self._pole
-        filtered = [keep * f + gain * u for f, u in zip(self._filtered, (e, w, force))]
-        self._filtered = filtered
-        phi = (-filtered[0], -filtered[1], filtered[2])
-        error = w - self._pole * filtered[1] - sum(p * a for p, a in zip(phi, self.a))
+        gain = 0.5 * (1.0 - keep) / self._pole  # of a ramp between the samples, nearly
+        # The feed-forward alone is a staircase: over the last interval the old one acted.
+        ahead = (*now[:4], self._last[4])
+        filtered = [
+            keep * f + gain * (u + last) for f, u, last in zip(self._filtered, ahead, self._last)
+        ]
+        self._filtered, self._last = filtered, now
+        e_f, w_f, F_f, v_f, a_f = filtered
+        phi = (-e_f, -w_f, F_f)
+        error = velocity - self._pole * v_f - a_f - sum(p * a for p, a in zip(phi, self.a))
         power = sum(s * p * p for s, p in zip(self._scale, phi))
-        step = -expm1(-self._rate * dt) * error / (power + 1e-9)
+        step = -expm1(-self.rate * dt) * error / (power + 1e-9)
         self.a = [max(a + step * s * p, 0.0) for a, s, p in zip(self.a, self._scale, phi)]
 
 
@@ -175,6 +181,7 @@ class ModelReferenceAdaptive(OnlineEstimator):
         self._environment_estimator = IndirectAdaptive(
             IndirectAdaptiveParameters(), environment, sample_period_s
         )
+        self._target: tuple[float, ...] = ()
         super().__init__(tuning, environment, sample_period_s)
 
     def configure(self, tuning: ParameterGroup) -> None:
@@ -184,12 +191,13 @@ class ModelReferenceAdaptive(OnlineEstimator):
         self._environment_estimator.configure(
             IndirectAdaptiveParameters(p.stiffness_gain, p.damping_gain, p.normalised)
         )
-        self.model = ReferenceModel(p.target_mass, p.target_damping, p.target_stiffness)
-        start = (
-            p.target_stiffness / p.target_mass, p.target_damping / p.target_mass,
-            1.0 / p.target_mass,
-        )  # fmt: skip
-        self.plant = PlantEstimator(p.plant_filter, p.plant_rate, start)
+        target = p.target_mass, p.target_damping, p.target_stiffness, p.plant_filter
+        if target != self._target:
+            self._target = target
+            M, B, K, pole = target
+            self.model = ReferenceModel(M, B, K)
+            self.plant = PlantEstimator(pole, p.plant_rate, (K / M, B / M, 1.0 / M))
+        self.plant.rate = p.plant_rate
 
     def start_from(self, stiffness: float, damping: float) -> None:
         """Begin anew; see `OnlineEstimator.start_from`."""
@@ -217,6 +225,5 @@ class ModelReferenceAdaptive(OnlineEstimator):
         if not self.model.started:
             self.model.start(position, velocity)
         self.model.step(dt, force, reference)
-        e, w = position - reference.position, velocity - reference.velocity
-        self.plant.step(dt, e, w, force)
+        self.plant.step(dt, position, velocity, force, reference)
         self.model_error = position - self.model.position

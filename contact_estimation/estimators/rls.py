@@ -20,9 +20,9 @@ from dataclasses import dataclass
 from math import nan, sqrt
 from typing import Sequence
 
-from ..parameters import ParameterGroup, parameter
-from ..signals.relations import TustinRelation
 from .estimator import Held, OnlineEstimator, Snapshot, TimedRow
+from ..parameters import parameter, ParameterGroup
+from ..signals.relations import TustinRelation
 
 
 @dataclass(frozen=True)

@@ -15,12 +15,7 @@
 """Raw CDR bytes to plain readings and back, without building message objects at 500 Hz."""
 
 from .codec import Codec, RosbagsCodec
-from .decoding import (
-    JointStateDecoder,
-    TrajectoryDecoder,
-    Vector3StampedDecoder,
-    WrenchDecoder,
-)
+from .decoding import JointStateDecoder, TrajectoryDecoder, Vector3StampedDecoder, WrenchDecoder
 from .encoding import (
     JointStateEncoder,
     StringEncoder,
@@ -28,10 +23,11 @@ from .encoding import (
     Vector3StampedEncoder,
     WrenchEncoder,
 )
-from .readings import JointReading, TrajectoryReading, WrenchReading
+from .readings import FORCE_OF_AXIS, JointReading, TrajectoryReading, WrenchReading
 
 __all__ = [
     'Codec',
+    'FORCE_OF_AXIS',
     'JointReading',
     'JointStateDecoder',
     'JointStateEncoder',

@@ -20,11 +20,11 @@ from typing import Any, Sequence
 
 import numpy as np
 
-from ..exceptions import MessageError
 from .codec import Codec
-from .fields import FLOAT64, INT32, UINT32, Field, scalars, sequences, stamp_fields
+from .fields import Field, FLOAT64, INT32, scalars, sequences, stamp_fields, UINT32
 from .learning import NumberReader, Plan
 from .readings import JointReading, TrajectoryReading, WrenchReading
+from ..exceptions import MessageError
 
 WRENCH_TYPE = 'geometry_msgs/msg/WrenchStamped'
 JOINT_STATE_TYPE = 'sensor_msgs/msg/JointState'

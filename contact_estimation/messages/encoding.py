@@ -20,7 +20,7 @@ from typing import Any, Sequence
 
 from .codec import Codec
 from .decoding import JOINT_STATE_TYPE, TRAJECTORY_TYPE, VECTOR3_TYPE, WRENCH_TYPE
-from .fields import FLOAT64, Field, scalars, sequences, set_values, stamp_fields
+from .fields import Field, FLOAT64, scalars, sequences, set_values, stamp_fields
 from .layout import WritingLayout
 from .locating import locate
 

@@ -19,11 +19,11 @@ from __future__ import annotations
 import struct
 from typing import Any, Callable, NamedTuple, Sequence
 
-from ..exceptions import MessageError
 from .codec import Codec
 from .fields import Field
 from .layout import ReadingLayout
 from .locating import locate
+from ..exceptions import MessageError
 
 _LITTLE_ENDIAN_CDR = b'\x00\x01'
 # rmw_fastrtps sizes buffers for the worst alignment, so bytes may follow the message.

@@ -26,7 +26,7 @@ import struct
 from typing import Any, NamedTuple, Sequence
 
 from .codec import Codec
-from .fields import FLOAT64, INT32, UINT32, Field, set_values
+from .fields import Field, FLOAT64, INT32, set_values, UINT32
 
 _SIZES = {INT32: 4, UINT32: 4, FLOAT64: 8}
 # Valid as seconds and as nanoseconds; the number of the field is added.

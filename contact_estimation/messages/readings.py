@@ -22,7 +22,8 @@ these are built a thousand times a second.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from operator import attrgetter
+from typing import Callable, NamedTuple
 
 
 class WrenchReading(NamedTuple):
@@ -89,3 +90,11 @@ class TrajectoryReading(NamedTuple):
     velocity: float
     acceleration: float
     effort: float
+
+
+FORCE_OF_AXIS: dict[str, Callable[[WrenchReading], float]] = {
+    'x': attrgetter('force_x'),
+    'y': attrgetter('force_y'),
+    'z': attrgetter('force_z'),
+}
+"""The force along an axis of the wrench's frame."""

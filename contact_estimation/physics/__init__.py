@@ -18,10 +18,10 @@ from __future__ import annotations
 
 from dataclasses import make_dataclass
 
-from ..parameters import ParameterGroup, group
 from .coulomb_friction import CoulombFriction
 from .environment_inertia import EnvironmentInertia
 from .physics import Effect
+from ..parameters import group, ParameterGroup
 
 EFFECTS: dict[str, type[Effect]] = {
     'coulomb_friction': CoulombFriction,

@@ -20,8 +20,8 @@ from dataclasses import dataclass
 from math import nan
 from typing import Any
 
-from ..parameters import ParameterGroup, parameter
-from .physics import SIGN_VELOCITY, ContactEffect, Number
+from .physics import ContactEffect, Number, SIGN_VELOCITY
+from ..parameters import parameter, ParameterGroup
 
 
 @dataclass(frozen=True)

@@ -19,8 +19,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import nan
 
-from ..parameters import ParameterGroup, parameter
 from .physics import ContactEffect
+from ..parameters import parameter, ParameterGroup
 
 
 @dataclass(frozen=True)

@@ -19,12 +19,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Callable
 
-from ..contact_session import ContactSession, Result
-from ..reference.experiment import Experiment
-from ..reference.reference_generator import ReferencePoint
 from .plant_parameters import PlantParameters
 from .sensors import Sensors
 from .world import Truth, World
+from ..contact_session import ContactSession, Result
+from ..reference.experiment import Experiment
+from ..reference.reference_generator import ReferencePoint
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from ..parameters import ParameterGroup, group, parameter
+from ..parameters import group, parameter, ParameterGroup
 from ..physics import PhysicsParameters
 
 

@@ -20,10 +20,10 @@ from typing import Iterator
 
 import numpy as np
 
-from ..physics import effects_that_are_on
-from ..physics.physics import ForceSensorEffect
 from .plant_parameters import PlantParameters
 from .world import Truth
+from ..physics import effects_that_are_on
+from ..physics.physics import ForceSensorEffect
 
 _BLOCK = 1024
 

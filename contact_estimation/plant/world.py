@@ -21,9 +21,9 @@ import math
 from math import ceil
 from typing import Callable, NamedTuple
 
+from .plant_parameters import PlantParameters
 from ..physics import effects_that_are_on
 from ..physics.physics import ContactEffect, RobotEffect
-from .plant_parameters import PlantParameters
 
 State = tuple[float, ...]  # x, v, then the effects' internal states
 ReferenceAt = Callable[[float], tuple[float, float, float, float]]

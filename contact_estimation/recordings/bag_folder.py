@@ -16,15 +16,15 @@
 
 from __future__ import annotations
 
-import re
 from pathlib import Path, PurePosixPath
+import re
 from typing import Any
 
 import yaml
 
-from ..exceptions import RecordingError
 from .bag_metadata import FILE_NAME
 from .mcap_file import database_error
+from ..exceptions import RecordingError
 
 
 def recording_files(path: Path) -> list[Path]:

@@ -16,8 +16,8 @@
 
 from __future__ import annotations
 
-import zlib
 from typing import Mapping, NamedTuple
+import zlib
 
 from .decompression import decompress
 from .mcap_format import CHANNEL, MESSAGE, MESSAGE_HEAD, RECORD_HEAD, SCHEMA

@@ -20,8 +20,8 @@ import functools
 import importlib
 from typing import Any
 
-from ..exceptions import MissingPackageError
 from .mcap_format import ChunkHead
+from ..exceptions import MissingPackageError
 
 _LARGEST_CHUNK = 2**32
 

@@ -20,9 +20,9 @@ from pathlib import Path
 from types import TracebackType
 from typing import Sequence
 
+from .writing import RecordingWriter
 from ..estimators.estimator import Estimate
 from ..messages import RosbagsCodec, StringEncoder, Vector3StampedEncoder
-from .writing import RecordingWriter
 
 _NAN = float('nan')
 _VECTORS = ('stiffness', 'damping', 'stiffness_std', 'damping_std', 'location', 'inertia')

@@ -20,12 +20,12 @@ import functools
 from pathlib import Path
 from typing import Any, BinaryIO, Collection, Iterator, Mapping
 
-from ..exceptions import RecordingError
-from .chunk_reader import Channels, RecordedMessage, read_chunk, walk
-from .mcap_format import CHANNEL, MAGIC, MESSAGE, SCHEMA, ContentReader
-from .mcap_summary import Summary, read_summary, survey
+from .chunk_reader import Channels, read_chunk, RecordedMessage, walk
+from .mcap_format import CHANNEL, ContentReader, MAGIC, MESSAGE, SCHEMA
+from .mcap_summary import read_summary, Summary, survey
 from .record_scanner import Record, RecordScanner
 from .topic_names import canonical
+from ..exceptions import RecordingError
 
 _BLOCK = 1 << 20
 
@@ -143,7 +143,7 @@ class McapFile:
         with _opened(self.path) as stream:
             scanner = RecordScanner(stream, self.size)
             self.damaged = 0
-            while (record := scanner.next()) is not None:
+            while (record := scanner.advance()) is not None:
                 if record.chunk is not None:
                     messages = _chunk_messages(scanner, record, channels)
                 elif record.opcode in (MESSAGE, SCHEMA, CHANNEL):

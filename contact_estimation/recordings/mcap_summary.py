@@ -17,12 +17,12 @@
 from __future__ import annotations
 
 import dataclasses
-import zlib
 from typing import BinaryIO
+import zlib
 
 from .chunk_reader import Channels
 from .mcap_format import CHANNEL, FOOTER, MAGIC, METADATA, METADATA_INDEX, RECORD_HEAD
-from .mcap_format import SCHEMA, STATISTICS, ContentReader
+from .mcap_format import ContentReader, SCHEMA, STATISTICS
 from .record_scanner import RecordScanner
 
 _FOOTER_CONTENT = 20
@@ -121,7 +121,7 @@ def survey(scanner: RecordScanner) -> Summary:
     """
     found = Summary(lists_metadata=True)
     spans = []
-    while (record := scanner.next()) is not None:
+    while (record := scanner.advance()) is not None:
         if record.chunk is not None:
             scanner.confirm()
             spans.append((record.chunk.start_ns, record.chunk.end_ns))

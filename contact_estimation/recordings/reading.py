@@ -19,11 +19,11 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Collection, Iterator
 
-from ..exceptions import RecordingError
 from .bag_folder import recording_files
 from .chunk_reader import RecordedMessage
 from .mcap_file import McapFile
 from .topic_names import canonical, require_topics
+from ..exceptions import RecordingError
 
 __all__ = ['RecordedMessage', 'RecordingReader']
 

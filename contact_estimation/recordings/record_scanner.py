@@ -92,7 +92,7 @@ class RecordScanner:
         self._resume = self.position
         self._counted = False
 
-    def next(self) -> Record | None:
+    def advance(self) -> Record | None:
         """
         Find the next record.
 

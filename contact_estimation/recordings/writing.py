@@ -16,18 +16,18 @@
 
 from __future__ import annotations
 
-import threading
 from pathlib import Path
+import threading
 from types import TracebackType
 from typing import Any
 
 import yaml
 
-from ..exceptions import RecordingError
-from .bag_metadata import TopicSummary, bag_information, write_bag_metadata
+from .bag_metadata import bag_information, TopicSummary, write_bag_metadata
 from .chunk_writer import ChunkWriter
 from .definitions import message_definition
 from .qos import OfferedQos
+from ..exceptions import RecordingError
 
 _DEFAULT_QOS = OfferedQos()
 

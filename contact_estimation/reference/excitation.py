@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from functools import lru_cache
-from math import pi, sin
+from math import cos, pi, sin
 from typing import Sequence
 
 import numpy as np
@@ -46,6 +46,23 @@ class Excitation(ABC):
 
         """
 
+    @abstractmethod
+    def rates(self, t: float) -> tuple[float, float]:
+        """
+        Differentiate the signal; steps have no rate.
+
+        Parameters
+        ----------
+        t : float
+            Time of the experiment [s].
+
+        Returns
+        -------
+        first, second : float
+            Derivatives, per second and per second squared.
+
+        """
+
 
 class Sine(Excitation):
     """
@@ -66,6 +83,11 @@ class Sine(Excitation):
     def value(self, t: float) -> float:
         """Evaluate; see `Excitation.value`."""
         return self._amplitude * sin(self._omega * t)
+
+    def rates(self, t: float) -> tuple[float, float]:
+        """Differentiate; see `Excitation.rates`."""
+        w = self._omega
+        return self._amplitude * w * cos(w * t), -w * w * self.value(t)
 
 
 class Multisine(Excitation):
@@ -88,12 +110,19 @@ class Multisine(Excitation):
         phases = [-pi * k * (k - 1) / count for k in range(1, count + 1)]
         self._parts = list(zip(omegas, phases))
         t = np.linspace(0.0, 2.0 * pi / min(omegas), 2000)
-        peak = max(abs(sum(np.sin(w * t + p) for w, p in self._parts)))
-        self._scale = amplitude / float(peak)
+        total = np.sum([np.sin(w * t + p) for w, p in self._parts], axis=0)
+        self._scale = amplitude / float(np.max(np.abs(total)))
 
     def value(self, t: float) -> float:
         """Evaluate; see `Excitation.value`."""
         return self._scale * sum(sin(w * t + p) for w, p in self._parts)
+
+    def rates(self, t: float) -> tuple[float, float]:
+        """Differentiate; see `Excitation.rates`."""
+        return (
+            self._scale * sum(w * cos(w * t + p) for w, p in self._parts),
+            -self._scale * sum(w * w * sin(w * t + p) for w, p in self._parts),
+        )
 
 
 class PseudoRandomBinary(Excitation):
@@ -118,6 +147,10 @@ class PseudoRandomBinary(Excitation):
         # The epsilon keeps a stamp that is a rounding error before a shift on its far side.
         bit = bits[int(t * self._rate + 1e-6) % len(bits)]
         return self._amplitude if bit else -self._amplitude
+
+    def rates(self, t: float) -> tuple[float, float]:
+        """Differentiate; see `Excitation.rates`."""
+        return 0.0, 0.0
 
 
 @lru_cache(maxsize=1)

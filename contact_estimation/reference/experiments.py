@@ -16,15 +16,15 @@
 
 from __future__ import annotations
 
-from math import nan, pi
+from math import isfinite, nan, pi
 from pathlib import Path
 from typing import Any, Callable, Mapping
 
 import yaml
 
-from ..exceptions import ModelFileError, UnknownNameError
 from .excitation import Excitation, Multisine, PseudoRandomBinary, Sine
 from .experiment import Experiment, Segment
+from ..exceptions import ModelFileError, UnknownNameError
 
 DEPTH = 0.0204
 """End of x_d [m]: 50 N under eq. (1) with the nominal values."""
@@ -184,13 +184,15 @@ def _excitation(entry: Any, path: Path) -> Excitation | None:
         return None
     _expect(isinstance(entry, Mapping) and 'kind' in entry, path, 'an excitation with `kind`',
             entry)
-    if entry['kind'] not in _EXCITATIONS:
+    if not isinstance(entry['kind'], str) or entry['kind'] not in _EXCITATIONS:
         raise UnknownNameError.among(f'excitation in {path}', entry['kind'], _EXCITATIONS)
     make, names = _EXCITATIONS[entry['kind']]
     _expect_keys(entry, {'kind', *names}, path)
     _expect('amplitude' in entry, path, 'an excitation with `amplitude`', entry)
+    values = {names[key]: _numbers(value, path, key) for key, value in entry.items()
+              if key != 'kind'}
     try:
-        return make(**{names[k]: v for k, v in entry.items() if k != 'kind'})
+        return make(**values)
     except TypeError as error:
         raise ModelFileError(
             f'experiment file {path}: excitation {entry["kind"]!r} needs {", ".join(names)}, '
@@ -198,9 +200,16 @@ def _excitation(entry: Any, path: Path) -> Excitation | None:
         ) from error
 
 
+def _numbers(value: Any, path: Path, key: str) -> float | list[float]:
+    if key.endswith('frequencies'):
+        _expect(isinstance(value, list), path, f'`{key}` as a list', value)
+        return [_number(entry, path, key) for entry in value]
+    return _number(value, path, key)
+
+
 def _number(value: Any, path: Path, key: str) -> float:
-    _expect(isinstance(value, (int, float)) and not isinstance(value, bool), path,
-            f'`{key}` as a number', value)
+    number = isinstance(value, (int, float)) and not isinstance(value, bool)
+    _expect(number and isfinite(value), path, f'`{key}` as a number', value)
     return float(value)
 
 

@@ -20,11 +20,11 @@ from dataclasses import dataclass
 from math import isfinite, nan
 from typing import NamedTuple
 
-from ..estimators.estimator import Reference
-from ..exceptions import ParameterRangeError
-from ..parameters import ParameterGroup, parameter
 from .experiment import Desired
 from .laws import LAWS
+from ..estimators.estimator import Reference
+from ..exceptions import ParameterRangeError
+from ..parameters import parameter, ParameterGroup
 
 
 @dataclass(frozen=True)
@@ -104,6 +104,7 @@ class ReferenceGenerator:
         self._mode: str | None = None
         self._last: ReferencePoint | None = None
         self._offset, self._faded_s = 0.0, 0.0
+        self._lags = False  # behind what is wanted, because of the slew limit
         self._forces: list[tuple[float, float]] = []  # (time, F_r), at most three
 
     def configure(self, law: str, parameters: ReferenceParameters) -> None:
@@ -163,7 +164,11 @@ class ReferenceGenerator:
             target = Reference(desired.position, desired.velocity, desired.acceleration)
         self._switch(self._law if active else 'pass_through', dt, target)
         faded = self._fade(dt, target)
-        reference = self._limit(dt, faded) if active or self._offset != 0.0 else faded
+        reference = faded
+        if active or self._offset != 0.0 or self._lags:
+            # What the planner itself wants is never too fast.
+            own = 0.0 if active else abs(desired.velocity)
+            reference = self._limit(dt, faded, self._p.maximum_velocity + own)
         self._last = ReferencePoint(*reference, desired.force if active else 0.0)
         return self._last
 
@@ -208,16 +213,15 @@ class ReferenceGenerator:
             target.acceleration - o * (6.0 - 12.0 * s) / duration**2,
         )
 
-    def _limit(self, dt: float, wanted: Reference) -> Reference:
+    def _limit(self, dt: float, wanted: Reference, speed: float) -> Reference:
         if self._last is None or dt <= 0.0:
             return wanted
-        step, most = wanted.position - self._last.position, self._p.maximum_velocity * dt
-        if abs(step) <= most:
+        step, most = wanted.position - self._last.position, speed * dt
+        self._lags = abs(step) > most
+        if not self._lags:
             return wanted
         sign = 1.0 if step > 0.0 else -1.0
-        return Reference(
-            self._last.position + sign * most, sign * self._p.maximum_velocity, 0.0
-        )
+        return Reference(self._last.position + sign * most, sign * speed, 0.0)
 
 
 def refuse_double_tracking(law: str, force_tracking: bool) -> None:

@@ -187,5 +187,3 @@ class DataThread:
             except Exception as error:  # noqa: B902 - whatever happens, the node goes on
                 if context.ok():
                     self._on_error(error)
-
-

@@ -22,10 +22,10 @@ from typing import Any, Callable
 from geometry_msgs.msg import PoseStamped
 from rclpy.node import Node
 
+from .rclpy_codec import message_class, RclpyCodec
+from .topics import OUTPUT_QOS, REFERENCE, STRING, TRAJECTORY, VECTOR3
 from ..contact_session import Result
 from ..messages import StringEncoder, TrajectoryEncoder, Vector3StampedEncoder
-from .rclpy_codec import RclpyCodec, message_class
-from .topics import OUTPUT_QOS, REFERENCE, STRING, TRAJECTORY, VECTOR3
 
 _ALWAYS: dict[str, Callable[[Any], float]] = {
     'stiffness': lambda estimate: estimate.stiffness,

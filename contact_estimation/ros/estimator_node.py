@@ -24,14 +24,6 @@ from rclpy.node import Node
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
-from ..contact_session import ContactSession, Result
-from ..estimation_events import CHANGE, RESET, TARE, EstimationEvent, start_event
-from ..estimation_parameters import EstimationParameters
-from ..estimators.estimator import Estimate
-from ..exceptions import MessageError
-from ..messages import JointStateDecoder, TrajectoryDecoder, WrenchDecoder
-from ..parameters import ParameterSpecification, build, changed, specifications, without
-from ..reference.experiment import Desired
 from . import topics
 from .data_thread import DataThread, RawSubscriptions
 from .estimate_publishers import EstimatePublishers
@@ -40,6 +32,14 @@ from .estimator_node_parameters import EstimatorNodeParameters
 from .parameters import declare, serve_changes
 from .rclpy_codec import RclpyCodec
 from .running import run_node
+from ..contact_session import ContactSession, Result
+from ..estimation_events import CHANGE, EstimationEvent, RESET, start_event, TARE
+from ..estimation_parameters import EstimationParameters
+from ..estimators.estimator import Estimate
+from ..exceptions import MessageError
+from ..messages import FORCE_OF_AXIS, JointStateDecoder, TrajectoryDecoder, WrenchDecoder
+from ..parameters import build, changed, ParameterSpecification, specifications, without
+from ..reference.experiment import Desired
 
 PURPOSE = 'estimator_node: estimate contact stiffness and damping, publish a reference trajectory'
 
@@ -75,7 +75,7 @@ class EstimatorNode(Node):
         self._frame_id: str | None = self._own.frame_id or None
         self._outputs = EstimatePublishers(self, self._own.joint)
         self._outputs.use(self._own.frame_id, self._own.axis)
-        self._force = _FORCE_OF[self._own.axis]
+        self._force = FORCE_OF_AXIS[self._own.axis]
         self._events = self.create_publisher(String, '~/events', topics.EVENTS_QOS)
         self._event(start_event(self._session))
         self._diagnostics = EstimatorDiagnostics(self.get_name(), self._own.silence_s)
@@ -123,7 +123,7 @@ class EstimatorNode(Node):
                 return
             if reading.frame_id != self._frame_id and not self._accept_frame(reading.frame_id):
                 return
-            self._publish(self._session.add_wrench(reading.stamp_ns, reading[self._force]))
+            self._publish(self._session.add_wrench(reading.stamp_ns, self._force(reading)))
 
     def _on_joints(self, raw: bytes) -> None:
         with self._lock:
@@ -170,7 +170,7 @@ class EstimatorNode(Node):
 
     def _use_own(self, new: EstimatorNodeParameters) -> None:
         old, self._own = self._own, new
-        self._force = _FORCE_OF[new.axis]
+        self._force = FORCE_OF_AXIS[new.axis]
         self._diagnostics.silence_s = new.silence_s
         if new.frame_id != old.frame_id:
             self._frame_id = new.frame_id or None
@@ -201,9 +201,6 @@ class EstimatorNode(Node):
                 self.get_clock().now().to_msg(), self._session, self._last
             )
         self._diagnostics_publisher.publish(message)
-
-
-_FORCE_OF = {'x': 2, 'y': 3, 'z': 4}  # place in a WrenchReading
 
 
 def _split(values: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:

@@ -25,27 +25,22 @@ from typing import Any, Mapping, Sequence
 
 from rclpy.node import Node
 
+from . import topics
+from .data_thread import RawSubscriptions
+from .parameters import declare, serve_changes
+from .plant_node_parameters import PlantNodeParameters
+from .plant_statistics import PlantStatistics
+from .rclpy_codec import message_class, RclpyCodec
+from .running import run_node
 from ..exceptions import MessageError
-from ..messages import (
-    JointStateEncoder,
-    TrajectoryDecoder,
-    TrajectoryEncoder,
-    WrenchEncoder,
-)
-from ..parameters import ParameterSpecification, build, changed, specifications, without
+from ..messages import JointStateEncoder, TrajectoryDecoder, TrajectoryEncoder, WrenchEncoder
+from ..parameters import build, changed, ParameterSpecification, specifications, without
 from ..plant.closed_loop import extrapolate
 from ..plant.plant_parameters import PlantParameters
 from ..plant.sensors import Sensors
 from ..plant.world import World
 from ..reference.experiments import experiment_named
 from ..reference.reference_generator import ReferencePoint
-from . import topics
-from .data_thread import RawSubscriptions
-from .parameters import declare, serve_changes
-from .plant_node_parameters import PlantNodeParameters
-from .plant_statistics import PlantStatistics
-from .rclpy_codec import RclpyCodec, message_class
-from .running import run_node
 
 PURPOSE = 'plant_node: simulate robot, wall and sensors, and play an experiment on them'
 _SETTLING_S = 0.5  # a match seen here may not yet be seen on the other side

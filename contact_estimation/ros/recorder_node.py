@@ -23,16 +23,16 @@ from typing import Any, Callable, Sequence
 from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 
-from ..estimation_events import START, EstimationEvent
-from ..exceptions import ContactEstimationError, ParameterRangeError
-from ..parameters import ParameterGroup, build, parameter, specifications
-from ..recordings import OfferedQos, RecordingWriter
-from ..recordings.estimation_metadata import RECORD, to_metadata
 from . import topics
 from .data_thread import DataThread, RawSubscriptions
 from .parameters import declare
 from .rclpy_codec import RclpyCodec
 from .running import run_node
+from ..estimation_events import EstimationEvent, START
+from ..exceptions import ContactEstimationError, ParameterRangeError
+from ..parameters import build, parameter, ParameterGroup, specifications
+from ..recordings import OfferedQos, RecordingWriter
+from ..recordings.estimation_metadata import RECORD, to_metadata
 
 PURPOSE = 'recorder_node: record wrench, joints, references and estimates as a rosbag2 folder'
 _FLUSH_S = 0.4
@@ -101,7 +101,7 @@ class RecorderNode(Node):
         own = build(RecorderParameters, declare(self, specifications(RecorderParameters)))
         if not own.output:
             raise ParameterRangeError(
-                'output must name a folder to be made, got \'\'; set it with '
+                'output must name a folder to be made, got an empty text; set it with '
                 '--ros-args -p output:=FOLDER'
             )
         self._writer = RecordingWriter.folder(own.output)

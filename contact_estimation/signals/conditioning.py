@@ -28,11 +28,11 @@ import math
 from math import ceil, nan
 from typing import Any, NamedTuple, Sequence
 
-from ..parameters import parameter, ParameterGroup
 from .butterworth import ButterworthBank
 from .contact_detection import ContactDetector, ContactParameters
 from .contact_sample import ContactSample
 from .relations import Relation, Row
+from ..parameters import parameter, ParameterGroup
 
 _COLUMNS = 5
 _ZEROS = (0.0,) * _COLUMNS
@@ -98,7 +98,7 @@ class Conditioner:
         self.detector = ContactDetector(contact)
         self.bias = 0.0
         self.location = 0.0
-        self.location_known = True
+        self.location_margin = 0.0
         self.effects: Sequence[Any] = ()
         self.missing = 0
         self.build(ConditioningParameters(0.0), sample_rate, relation)
@@ -178,10 +178,8 @@ class Conditioner:
 
         """
         dts, deltas, velocities, pressings = self._motion(samples)
-        if self.location_known:
-            inside = [delta > 0.0 for delta in deltas]
-        else:
-            inside = [True] * len(deltas)
+        surface = -self.location_margin
+        inside = [delta > surface for delta in deltas]
         contact, variances = self.detector.decide(dts, pressings, inside)
         if self.effects and True in contact:
             pressings = self._compensate(samples, dts, deltas, velocities, pressings)
@@ -261,9 +259,7 @@ class Conditioner:
 
     def _fly(self, pressings: list[float], inside: list[bool]) -> None:
         """Let the gate's zeros run through the filter until nothing of the contact is left."""
-        if self.location_known:
-            pressings = [p for p, may in zip(pressings, inside) if not may]
-        self._free.extend(pressings)
+        self._free.extend([p for p, may in zip(pressings, inside) if not may])
         self._relation.leave()
         if self._tail_left:
             zeros = min(self._tail_left, len(inside))

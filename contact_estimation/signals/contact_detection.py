@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from math import sqrt
 from typing import Sequence
 
-from ..parameters import ParameterGroup, parameter
+from ..parameters import parameter, ParameterGroup
 
 _SETTLING_S = 0.5
 _OUTLIER = 4.0  # standard deviations beyond which a free-flight sample counts only this much
@@ -113,8 +113,7 @@ class ContactDetector:
         pressings : sequence of float
             -F_e, measured [N].
         inside : sequence of bool
-            Whether the tool may be inside the wall: delta > 0, or a location too uncertain to
-            tell.
+            Whether the tool may be inside the wall: delta > 0 within what is known of x_e.
 
         Returns
         -------

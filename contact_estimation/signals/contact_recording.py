@@ -22,8 +22,8 @@ from typing import Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ..exceptions import SignalShapeError
 from .contact_sample import ContactSample
+from ..exceptions import SignalShapeError
 
 
 @dataclass(frozen=True)
@@ -87,7 +87,7 @@ class ContactRecording:
     @property
     def t(self) -> NDArray[np.float64]:
         """Time since the first sample [s], shape (N,)."""
-        return (self.stamp_ns - self.stamp_ns[:1]) * 1e-9
+        return np.asarray((self.stamp_ns - self.stamp_ns[:1]) * 1e-9, np.float64)
 
     def __len__(self) -> int:
         """Count the samples."""

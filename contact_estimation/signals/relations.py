@@ -80,11 +80,11 @@ class VelocityRelation(Relation):
 
     def row(self, dt: float, delta: float, velocity: float, pressing: float) -> Row | None:
         """Build (y, phi_K, phi_B, phi_c, 0); see `Relation.row`."""
+        last, self._last = self._last, (delta, pressing)
         if velocity == velocity:
             return pressing, delta, velocity, 1.0, 0.0
         # Without velocity: the trapezoid of eq. (3) over one interval. Averaging force and
         # position over the interval over which the difference is taken keeps them in phase.
-        last, self._last = self._last, (delta, pressing)
         if last is None or not 0.0 < dt <= self._longest:
             return None
         return (

@@ -24,8 +24,8 @@ from typing import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
-from ..parameters import ParameterGroup, parameter
 from .contact_sample import ContactSample
+from ..parameters import parameter, ParameterGroup
 
 Motion = tuple[int, float, float]  # stamp_ns, position, velocity
 _NOTHING: tuple[ContactSample, ...] = ()

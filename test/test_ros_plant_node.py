@@ -1,0 +1,191 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The plant node: exact stamps, its reference followed in time, seeded noise, patience."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any, Iterator
+
+import pytest
+from ros_processes import (
+    joint_state, JointState, JointTrajectory, Listener, node_process, PERIOD_NS, trajectory,
+    wait_until, WrenchStamped,
+)
+
+START = -0.1
+STILL = f'start: {START}\nsegments: [{{duration: 5.0, position: {START}}}]\n'
+
+
+class RobotUser(Listener):
+    """Hears the plant and tells the robot where to go."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.listen('wrench', WrenchStamped, 'wrench')
+        self.listen('joints', JointState, 'joint_states')
+        self.listen('wishes', JointTrajectory, 'desired_trajectory')
+        self.follow = self.node.create_publisher(JointTrajectory, 'reference_trajectory', 10)
+
+    def hear_to_the_end(self, process: Any, last: int) -> None:
+        """Wait until the plant has ended and its last sample is here."""
+        self.spin_until(lambda: not process.running, 'the end of the plant')
+        self.spin_until(lambda: len(self.heard['wrench']) >= last, f'{last} samples')
+
+    def forces(self) -> list[float]:
+        """Measured forces in order."""
+        return [message.wrench.force.x for message in self.heard['wrench'].values()]
+
+    def positions(self) -> dict[int, float]:
+        """Measured positions by their stamps."""
+        return {stamp: message.position[0] for stamp, message in self.heard['joints'].items()}
+
+
+@pytest.fixture
+def user() -> Iterator[RobotUser]:
+    listener = RobotUser()
+    yield listener
+    listener.close()
+
+
+@pytest.fixture
+def still(tmp_path: Path) -> str:
+    """An experiment in which the planner wants the robot to stay."""
+    file = tmp_path / 'still.yaml'
+    file.write_text(STILL)
+    return str(file)
+
+
+def test_samples_are_stamped_exactly_and_summed_up(
+    tmp_path: Path, user: RobotUser, still: str
+) -> None:
+    file = tmp_path / 'summary.json'
+    with node_process(
+        tmp_path, 'plant_node', experiment=still, duration=0.4, summary_file=file
+    ) as process:
+        user.hear_to_the_end(process, 200)
+        assert process.end().code == 0
+    summary = json.loads(file.read_text())
+    begin_ns = summary['begin_stamp_ns']
+    stamps = [begin_ns + k * PERIOD_NS for k in range(200)]
+    assert list(user.heard['wrench']) == list(user.heard['joints']) == stamps
+    assert list(user.heard['wishes']) == [stamp + PERIOD_NS for stamp in stamps]
+    assert (summary['samples_sent'], summary['samples_lost']) == (200, 200)
+    assert summary['last_contact_stamp_ns'] is None
+
+
+def noisy_forces(folder: Path, experiment: str, seed: int) -> list[float]:
+    """Run the plant with noise and return all it has measured."""
+    user = RobotUser()
+    with node_process(
+        folder, 'plant_node', experiment=experiment, duration=0.1, seed=seed,
+        sensors__force_noise=1.0,
+    ) as process:
+        user.hear_to_the_end(process, 50)
+    forces = user.forces()
+    user.close()
+    return forces
+
+
+def test_same_seed_gives_the_same_noise_and_another_seed_another(
+    tmp_path: Path, still: str
+) -> None:
+    first = noisy_forces(tmp_path / '1', still, seed=7)
+    assert noisy_forces(tmp_path / '2', still, seed=7) == first
+    assert not set(noisy_forces(tmp_path / '3', still, seed=8)) & set(first)
+
+
+def test_reference_is_followed_from_its_stamp_on_and_not_before(
+    tmp_path: Path, user: RobotUser, still: str
+) -> None:
+    with node_process(tmp_path, 'plant_node', experiment=still, duration=2.0) as process:
+        user.spin_until(lambda: user.heard['wrench'], 'the first sample')
+        user.spin_until(user.follow.get_subscription_count, 'the plant to listen')
+        later = next(iter(user.heard['wrench'])) + 300 * PERIOD_NS
+        user.follow.publish(trajectory(later, -0.05, 0.0))
+        user.hear_to_the_end(process, 1000)
+    positions = user.positions()
+    assert {x for stamp, x in positions.items() if stamp <= later} == {START}
+    assert list(positions.values())[-1] == pytest.approx(-0.05, abs=1e-3)
+
+
+def test_force_in_the_effort_presses_a_robot_that_tracks_force(
+    tmp_path: Path, user: RobotUser
+) -> None:
+    touching = tmp_path / 'touching.yaml'
+    touching.write_text('start: 0.0\nsegments: [{duration: 9.0, position: 0.0}]\n')
+    with node_process(
+        tmp_path, 'plant_node', experiment=touching, duration=2.5, robot__force_tracking=True
+    ) as process:
+        user.spin_until(lambda: user.heard['wrench'], 'the first sample')
+        first = next(iter(user.heard['wrench']))
+        user.follow.publish(trajectory(first, 0.0, 49.0))
+        user.hear_to_the_end(process, 1250)
+    # K_t x = F_r - K_e x: the wall takes K_e / (K_e + K_t) of the force.
+    assert user.forces()[-1] == pytest.approx(-49.0 * 4800.0 / 9800.0, rel=0.01)
+
+
+def test_plant_waits_for_the_subscribers_it_is_told_of(
+    tmp_path: Path, user: RobotUser, still: str
+) -> None:
+    with node_process(
+        tmp_path, 'plant_node', experiment=still, duration=0.1, subscribers=2
+    ) as process:
+        user.spin_until(lambda: user.node.count_publishers('wrench'), 'the plant')
+        assert not user.heard['wrench']
+        late = RobotUser()
+        late.hear_to_the_end(process, 50)
+        user.spin_until(lambda: len(user.heard['wrench']) == 50, 'all samples')
+    assert list(late.heard['wrench']) == list(user.heard['wrench'])
+    late.close()
+
+
+def test_plant_starts_alone_when_its_patience_is_over(tmp_path: Path, still: str) -> None:
+    file = tmp_path / 'summary.json'
+    with node_process(
+        tmp_path, 'plant_node', experiment=still, duration=0.1, subscribers=9, patience_s=0.0,
+        summary_file=file,
+    ) as process:
+        assert process.end().code == 0
+    assert json.loads(file.read_text())['samples_sent'] == 50
+
+
+def test_interrupt_ends_the_plant_and_keeps_its_summary(
+    tmp_path: Path, user: RobotUser, still: str
+) -> None:
+    file = tmp_path / 'summary.json'
+    with node_process(
+        tmp_path, 'plant_node', experiment=still, repeat=True, summary_file=file
+    ) as process:
+        user.spin_until(lambda: user.heard['wrench'], 'the first sample')
+        process.signal(2)
+        finished = process.end()
+    wait_until(file.exists, 'the summary')
+    assert (finished.code, finished.stderr) == (0, '')
+    assert json.loads(file.read_text())['samples_sent'] >= len(user.heard['wrench']) > 0
+
+
+def test_joint_is_named_and_wrench_framed_as_configured(
+    tmp_path: Path, user: RobotUser, still: str
+) -> None:
+    with node_process(
+        tmp_path, 'plant_node', experiment=still, duration=0.02, joint='slider', frame_id='probe'
+    ) as process:
+        user.hear_to_the_end(process, 10)
+    like = joint_state(0, START, 0.0, ['slider'])
+    for message in user.heard['joints'].values():
+        assert (message.name, message.position) == (like.name, like.position)
+    assert {m.header.frame_id for m in user.heard['wrench'].values()} == {'probe'}

@@ -1,0 +1,133 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The recorder node: what it keeps, also when it is killed."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+import signal
+import time
+
+from contact_estimation.messages import RosbagsCodec, WrenchDecoder
+from contact_estimation.recordings import RecordingReader
+import pytest
+from ros_processes import (
+    estimator_and_peer, Listener, node_process, parameter_arguments, PERIOD_NS, run_module,
+    wait_until, wrench, WrenchStamped,
+)
+
+
+def recorded_stamps(folder: Path) -> set[int]:
+    """Read the stamps of all wrenches that a recording holds so far."""
+    decode = WrenchDecoder(RosbagsCodec()).decode
+    try:
+        return {decode(m.data).stamp_ns for m in RecordingReader(folder).messages(['wrench'])}
+    except Exception:  # not there yet
+        return set()
+
+
+class Sensor(Listener):
+    """Publishes numbered wrenches."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._wrenches = self.node.create_publisher(WrenchStamped, 'wrench', 100)
+        self._number = 0
+        self.sent: dict[int, float] = {}
+
+    def measure(self) -> None:
+        """Publish the next one and note when."""
+        self._number += 1
+        self.sent[self._number * PERIOD_NS] = time.monotonic()
+        self._wrenches.publish(wrench(self._number * PERIOD_NS, -1.0))
+
+    def measure_for(self, seconds: float) -> None:
+        """Publish for a while, at the pace of a sensor."""
+        end = time.monotonic() + seconds
+        wait_until(lambda: self.measure() or time.monotonic() > end, 'the end', every_s=0.002)
+
+    def measure_until_recorded(self, folder: Path) -> None:
+        """Publish until the recorder is known to hear and to hand over what it hears."""
+        wait_until(
+            lambda: self.measure() or recorded_stamps(folder), 'a recorded wrench', every_s=0.05
+        )
+
+
+def test_killed_recorder_leaves_all_but_the_last_second(tmp_path: Path) -> None:
+    folder, sensor = tmp_path / 'recording', Sensor()
+    with node_process(tmp_path / 'recorder', 'recorder_node', output=folder) as process:
+        sensor.measure_until_recorded(folder)
+        first = max(sensor.sent)
+        sensor.measure_for(2.0)
+        process.signal(signal.SIGKILL)
+        killed = time.monotonic()
+        assert process.end().code == -signal.SIGKILL
+    sensor.close()
+    safe = {k for k, when in sensor.sent.items() if k > first and when < killed - 1.0}
+    assert len(safe) > 100
+    assert safe <= recorded_stamps(folder)
+    assert RecordingReader(folder).truncated
+
+
+def test_interrupted_recorder_leaves_a_whole_rosbag2_folder(tmp_path: Path) -> None:
+    rosbags = pytest.importorskip('rosbags.highlevel')
+    folder, sensor = tmp_path / 'recording', Sensor()
+    with node_process(tmp_path / 'recorder', 'recorder_node', output=folder) as process:
+        sensor.measure_until_recorded(folder)
+        process.signal(signal.SIGINT)
+        finished = process.end()
+    sensor.close()
+    assert (finished.code, finished.stderr) == (0, '')
+    assert not RecordingReader(folder).truncated
+    with rosbags.AnyReader([folder]) as reader:
+        types = {c.topic: c.msgtype for c in reader.connections}
+        assert types['/wrench'] == 'geometry_msgs/msg/WrenchStamped'
+        assert sum(1 for _ in reader.messages()) >= len(recorded_stamps(folder)) > 0
+
+
+def test_existing_output_folder_is_refused(tmp_path: Path) -> None:
+    folder = tmp_path / 'recording'
+    folder.mkdir()
+    (folder / 'precious.txt').write_text('mine')
+    finished = run_module(
+        tmp_path / 'log', 'ros.recorder_node', *parameter_arguments({'output': folder})
+    )
+    assert (finished.code, len(finished.stderr.strip().splitlines())) == (1, 1)
+    assert 'never overwritten' in finished.stderr
+    assert [path.name for path in folder.iterdir()] == ['precious.txt']
+
+
+def test_recorder_that_comes_late_still_gets_the_parameters_at_start(tmp_path: Path) -> None:
+    folder = tmp_path / 'recording'
+    for peer in estimator_and_peer(
+        tmp_path / 'estimator', environment__initial_stiffness=1234.0, estimator='rls'
+    ):
+        peer.change(environment__initial_stiffness=4321.0)
+        with node_process(tmp_path / 'recorder', 'recorder_node', output=folder) as process:
+            wait_until(
+                lambda: any(folder.glob('*.mcap')) and RecordingReader(folder).metadata(),
+                'metadata',
+            )
+            process.signal(signal.SIGINT)
+            assert process.end().code == 0
+    recorded = RecordingReader(folder).metadata()['estimator_node']
+    assert json.loads(recorded['environment.initial_stiffness']) == 1234.0
+    assert json.loads(recorded['estimator']) == 'rls'
+    texts = [
+        RosbagsCodec().deserialize(m.data, 'std_msgs/msg/String').data
+        for m in RecordingReader(folder).messages(['estimator_node/events'])
+    ]
+    assert [json.loads(text)['event'] for text in texts] == ['start', 'set_parameters']
