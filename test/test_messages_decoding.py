@@ -17,6 +17,7 @@
 import importlib
 import math
 import struct
+from typing import Any
 
 from contact_estimation.exceptions import MessageError
 from contact_estimation.messages import (
@@ -37,47 +38,47 @@ POINT = 'trajectory_msgs/msg/JointTrajectoryPoint'
 class RclpyCodec:
     """The codec of a ROS installation."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         self.serialization = importlib.import_module('rclpy.serialization')
 
-    def _type(self, type_name):
+    def _type(self, type_name: Any) -> Any:
         package, _, name = type_name.split('/')
         return getattr(importlib.import_module(package + '.msg'), name)
 
-    def serialize(self, message, type_name):
+    def serialize(self, message: Any, type_name: Any) -> Any:
         return self.serialization.serialize_message(message)
 
-    def deserialize(self, data, type_name):
+    def deserialize(self, data: Any, type_name: Any) -> Any:
         return self.serialization.deserialize_message(data, self._type(type_name))
 
-    def new(self, type_name):
+    def new(self, type_name: Any) -> Any:
         return self._type(type_name)()
 
-    def floats(self, values):
+    def floats(self, values: Any) -> Any:
         return list(values)
 
 
 class CountingCodec(RosbagsCodec):
     """Counts how often the library is asked to read a message."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         super().__init__()
         self.reads = 0
 
-    def deserialize(self, data, type_name):
+    def deserialize(self, data: Any, type_name: Any) -> Any:
         self.reads += 1
         return super().deserialize(data, type_name)
 
 
 @pytest.fixture(params=['rosbags', 'rclpy'])
-def codec(request):
+def codec(request: Any) -> Any:
     if request.param == 'rosbags':
         return RosbagsCodec()
     pytest.importorskip('rclpy')
     return RclpyCodec()
 
 
-def stamped(codec, type_name, sec=0, nanosec=0, frame_id=''):
+def stamped(codec: Any, type_name: Any, sec: Any = 0, nanosec: Any = 0, frame_id: Any = '') -> Any:
     message = codec.new(type_name)
     message.header.stamp.sec = sec
     message.header.stamp.nanosec = nanosec
@@ -85,7 +86,7 @@ def stamped(codec, type_name, sec=0, nanosec=0, frame_id=''):
     return message
 
 
-def wrench_bytes(codec, force, torque=(0.0, 0.0, 0.0), **header):
+def wrench_bytes(codec: Any, force: Any, torque: Any = (0.0, 0.0, 0.0), **header: Any) -> Any:
     message = stamped(codec, WRENCH, **header)
     for axis, f, t in zip('xyz', force, torque):
         setattr(message.wrench.force, axis, float(f))
@@ -93,7 +94,9 @@ def wrench_bytes(codec, force, torque=(0.0, 0.0, 0.0), **header):
     return codec.serialize(message, WRENCH)
 
 
-def joint_bytes(codec, names, position, velocity=(), effort=(), **header):
+def joint_bytes(
+    codec: Any, names: Any, position: Any, velocity: Any = (), effort: Any = (), **header: Any
+) -> Any:
     message = stamped(codec, JOINTS, **header)
     message.name = list(names)
     message.position = codec.floats(position)
@@ -102,7 +105,7 @@ def joint_bytes(codec, names, position, velocity=(), effort=(), **header):
     return codec.serialize(message, JOINTS)
 
 
-def trajectory_bytes(codec, names, points, **header):
+def trajectory_bytes(codec: Any, names: Any, points: Any, **header: Any) -> Any:
     message = stamped(codec, TRAJECTORY, **header)
     message.joint_names = list(names)
     message.points = []
@@ -115,12 +118,12 @@ def trajectory_bytes(codec, names, points, **header):
     return codec.serialize(message, TRAJECTORY)
 
 
-def same(one, other):
+def same(one: Any, other: Any) -> Any:
     return one == other or (math.isnan(one) and math.isnan(other))
 
 
 @pytest.mark.parametrize('frame_id', ['', 'tool0', 'tööl', 'a' * 7, 'b' * 8, 'c' * 300])
-def test_wrench_decoder_reads_random_messages(codec, frame_id):
+def test_wrench_decoder_reads_random_messages(codec: Any, frame_id: Any) -> None:
     rng = np.random.default_rng(1)
     decoder = WrenchDecoder(codec)
     for _ in range(20):
@@ -130,7 +133,7 @@ def test_wrench_decoder_reads_random_messages(codec, frame_id):
         assert decoder.decode(raw) == (sec * 10**9 + nanosec, frame_id, *force)
 
 
-def test_library_reads_only_the_first_message_of_a_structure():
+def test_library_reads_only_the_first_message_of_a_structure() -> None:
     codec = CountingCodec()
     decoder = WrenchDecoder(codec)
     for value in range(10):
@@ -138,7 +141,7 @@ def test_library_reads_only_the_first_message_of_a_structure():
     assert codec.reads == 1
 
 
-def test_alternating_structures_are_all_remembered():
+def test_alternating_structures_are_all_remembered() -> None:
     codec = CountingCodec()
     decoder = WrenchDecoder(codec)
     for value in range(30):
@@ -148,7 +151,7 @@ def test_alternating_structures_are_all_remembered():
     assert codec.reads == 3
 
 
-def test_structures_without_end_are_read_by_the_library():
+def test_structures_without_end_are_read_by_the_library() -> None:
     codec = RosbagsCodec()
     decoder = WrenchDecoder(codec)
     for number in range(100):
@@ -158,7 +161,7 @@ def test_structures_without_end_are_read_by_the_library():
     assert decoder.decode(wrench_bytes(codec, (7, 0, 0), frame_id='000')).frame_id == '000'
 
 
-def test_markers_nan_and_infinity_are_ordinary_values(codec):
+def test_markers_nan_and_infinity_are_ordinary_values(codec: Any) -> None:
     marker = struct.unpack('<d', struct.pack('<II', 0x2A5C3B02, 0x2A5C3B02 ^ 0x6B000000))[0]
     decoder = WrenchDecoder(codec)
     for force in [(marker, marker, marker), (math.nan, math.inf, -math.inf), (0.0, -0.0, 1.0)]:
@@ -168,7 +171,7 @@ def test_markers_nan_and_infinity_are_ordinary_values(codec):
             assert reading.stamp_ns == 0x2A5C3B00 * 10**9 + 0x1563D901
 
 
-def test_padding_garbage_does_not_cost_the_fast_path():
+def test_padding_garbage_does_not_cost_the_fast_path() -> None:
     codec = CountingCodec()
     decoder = WrenchDecoder(codec)
     rng = np.random.default_rng(2)
@@ -179,7 +182,7 @@ def test_padding_garbage_does_not_cost_the_fast_path():
     assert codec.reads < 10
 
 
-def test_trailing_alignment_bytes_are_tolerated():
+def test_trailing_alignment_bytes_are_tolerated() -> None:
     codec = CountingCodec()
     decoder = JointStateDecoder(codec)
     for number in range(5):
@@ -188,7 +191,7 @@ def test_trailing_alignment_bytes_are_tolerated():
     assert codec.reads == 1
 
 
-def test_big_endian_is_read_by_the_library():
+def test_big_endian_is_read_by_the_library() -> None:
     codec = RosbagsCodec()
     message = stamped(codec, WRENCH, sec=3, nanosec=4, frame_id='tool')
     message.wrench.force.x = 5.0
@@ -197,7 +200,7 @@ def test_big_endian_is_read_by_the_library():
     assert decoder.decode(raw) == decoder.decode(raw) == (3000000004, 'tool', 5.0, 0.0, 0.0)
 
 
-def test_empty_velocity_and_empty_effort_of_equal_length_are_told_apart(codec):
+def test_empty_velocity_and_empty_effort_of_equal_length_are_told_apart(codec: Any) -> None:
     with_velocity = joint_bytes(codec, ['x'], [1.0], velocity=[2.0])
     with_effort = joint_bytes(codec, ['x'], [1.0], effort=[3.0])
     decoder = JointStateDecoder(codec)
@@ -206,7 +209,7 @@ def test_empty_velocity_and_empty_effort_of_equal_length_are_told_apart(codec):
         assert math.isnan(decoder.decode(with_effort).velocity)
 
 
-def test_chosen_joint_is_read_among_several(codec):
+def test_chosen_joint_is_read_among_several(codec: Any) -> None:
     rng = np.random.default_rng(3)
     decoder = JointStateDecoder(codec, 'wrist')
     for _ in range(10):
@@ -223,7 +226,9 @@ def test_chosen_joint_is_read_among_several(codec):
     ('z', ['x', 'y'], [1.0, 2.0], 'joint_unknown'),
     ('y', ['x', 'y'], [1.0], 'joint_empty'),
 ])
-def test_joint_trouble_has_a_reason_each_time(codec, joint, names, position, reason):
+def test_joint_trouble_has_a_reason_each_time(
+    codec: Any, joint: Any, names: Any, position: Any, reason: Any
+) -> None:
     decoder = JointStateDecoder(codec, joint)
     for _ in range(3):
         with pytest.raises(MessageError) as caught:
@@ -231,7 +236,7 @@ def test_joint_trouble_has_a_reason_each_time(codec, joint, names, position, rea
         assert caught.value.reason == reason
 
 
-def test_other_publishers_on_the_topic_do_not_cost_the_library():
+def test_other_publishers_on_the_topic_do_not_cost_the_library() -> None:
     codec = CountingCodec()
     decoder = JointStateDecoder(codec, 'x')
     for value in range(10):
@@ -241,7 +246,7 @@ def test_other_publishers_on_the_topic_do_not_cost_the_library():
     assert codec.reads == 2
 
 
-def test_first_point_of_a_trajectory_is_read(codec):
+def test_first_point_of_a_trajectory_is_read(codec: Any) -> None:
     points = [
         {'positions': [k, k + 0.1], 'velocities': [k + 0.2, k + 0.3],
          'accelerations': [k + 0.4, k + 0.5], 'effort': [k + 0.6, k + 0.7]}
@@ -253,7 +258,7 @@ def test_first_point_of_a_trajectory_is_read(codec):
         assert decoder.decode(raw) == (9 * 10**9, 1.1, 1.3, 1.5, 1.7)
 
 
-def test_missing_derivatives_are_nan(codec):
+def test_missing_derivatives_are_nan(codec: Any) -> None:
     raw = trajectory_bytes(codec, ['x'], [{'positions': [1.0], 'effort': [math.nan]}])
     decoder = TrajectoryDecoder(codec)
     for _ in range(2):
@@ -262,7 +267,7 @@ def test_missing_derivatives_are_nan(codec):
         assert all(map(math.isnan, reading[2:]))
 
 
-def test_long_trajectory_is_read():
+def test_long_trajectory_is_read() -> None:
     codec = RosbagsCodec()
     points = [{'positions': [float(k)], 'effort': [2.0]} for k in range(1, 500)]
     raw = trajectory_bytes(codec, ['x'], points)
@@ -276,7 +281,9 @@ def test_long_trajectory_is_read():
     ('z', ['x', 'y'], [{'positions': [1.0, 2.0]}], 'joint_unknown'),
     ('y', ['x', 'y'], [{'positions': [1.0]}], 'trajectory_empty'),
 ])
-def test_trajectory_trouble_has_a_reason(codec, joint, names, points, reason):
+def test_trajectory_trouble_has_a_reason(
+    codec: Any, joint: Any, names: Any, points: Any, reason: Any
+) -> None:
     decoder = TrajectoryDecoder(codec, joint)
     for _ in range(2):
         with pytest.raises(MessageError) as caught:
@@ -284,7 +291,7 @@ def test_trajectory_trouble_has_a_reason(codec, joint, names, points, reason):
         assert caught.value.reason == reason
 
 
-def test_malformed_bytes_have_a_reason(codec):
+def test_malformed_bytes_have_a_reason(codec: Any) -> None:
     decoder = WrenchDecoder(codec)
     good = wrench_bytes(codec, (1, 2, 3), frame_id='tool0')
     decoder.decode(good)
@@ -295,7 +302,7 @@ def test_malformed_bytes_have_a_reason(codec):
     assert decoder.decode(good).force_z == 3.0
 
 
-def test_random_joint_states_agree_with_the_library(codec):
+def test_random_joint_states_agree_with_the_library(codec: Any) -> None:
     rng = np.random.default_rng(4)
     decoder = JointStateDecoder(codec, 'j0')
     for _ in range(300):

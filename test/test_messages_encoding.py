@@ -15,6 +15,7 @@
 """Encoders write what the message library writes, and decoders read it back."""
 
 import math
+from typing import Any
 
 from contact_estimation.messages import (
     JointStateDecoder,
@@ -34,14 +35,14 @@ FRAMES = ['', 'tool0', 'base_link', 'a' * 100]
 STAMP_NS = 1_750_000_000_123_456_789
 
 
-def from_rclpy(raw, module, name):
+def from_rclpy(raw: Any, module: Any, name: Any) -> Any:
     """Let rclpy read a message, skip where there is no ROS installation."""
     serialization = pytest.importorskip('rclpy.serialization')
     message_type = getattr(pytest.importorskip(module), name)
     return serialization.deserialize_message(raw, message_type)
 
 
-def rclpy_bytes(message, type_name):
+def rclpy_bytes(message: Any, type_name: Any) -> Any:
     """
     Serialise by rclpy, with zeros in the alignment padding.
 
@@ -57,7 +58,7 @@ def rclpy_bytes(message, type_name):
 
 
 @pytest.mark.parametrize('frame_id', FRAMES)
-def test_vector_has_the_bytes_of_rclpy(frame_id):
+def test_vector_has_the_bytes_of_rclpy(frame_id: Any) -> None:
     encoder = Vector3StampedEncoder(RosbagsCodec(), frame_id)
     for values in np.random.default_rng(1).normal(size=(20, 3)):
         raw = encoder.encode(STAMP_NS, *values)
@@ -68,7 +69,7 @@ def test_vector_has_the_bytes_of_rclpy(frame_id):
 
 
 @pytest.mark.parametrize('frame_id', FRAMES)
-def test_trajectory_has_the_bytes_of_rclpy(frame_id):
+def test_trajectory_has_the_bytes_of_rclpy(frame_id: Any) -> None:
     encoder = TrajectoryEncoder(RosbagsCodec(), frame_id, 'x_axis')
     for values in np.random.default_rng(2).normal(size=(20, 4)):
         raw = encoder.encode(STAMP_NS, *values)
@@ -79,7 +80,7 @@ def test_trajectory_has_the_bytes_of_rclpy(frame_id):
 
 
 @pytest.mark.parametrize('frame_id', FRAMES)
-def test_wrench_comes_back(frame_id):
+def test_wrench_comes_back(frame_id: Any) -> None:
     codec = RosbagsCodec()
     encoder, decoder = WrenchEncoder(codec, frame_id), WrenchDecoder(codec)
     for force in [(1.0, -2.0, 3.0), (math.inf, 0.0, 5e-324)]:
@@ -93,7 +94,7 @@ def test_wrench_comes_back(frame_id):
 
 
 @pytest.mark.parametrize('with_velocity', [True, False])
-def test_joint_state_comes_back(with_velocity):
+def test_joint_state_comes_back(with_velocity: Any) -> None:
     codec = RosbagsCodec()
     encoder = JointStateEncoder(codec, 'base', 'x_axis', with_velocity)
     reading = JointStateDecoder(codec, 'x_axis').decode(encoder.encode(STAMP_NS, 0.25, -0.5))
@@ -101,7 +102,7 @@ def test_joint_state_comes_back(with_velocity):
     assert reading.velocity == -0.5 if with_velocity else math.isnan(reading.velocity)
 
 
-def test_trajectory_comes_back():
+def test_trajectory_comes_back() -> None:
     codec = RosbagsCodec()
     encoder = TrajectoryEncoder(codec, 'base', 'x_axis')
     values = (0.1, 0.2, 0.3, 25.0)
@@ -109,20 +110,20 @@ def test_trajectory_comes_back():
     assert math.isnan(TrajectoryDecoder(codec).decode(encoder.encode(0, *values[:3], math.nan))[4])
 
 
-def test_time_from_start_is_zero():
+def test_time_from_start_is_zero() -> None:
     codec = RosbagsCodec()
     raw = TrajectoryEncoder(codec, 'base', 'x').encode(STAMP_NS, 1.0, 2.0, 3.0, 4.0)
     point = codec.deserialize(raw, 'trajectory_msgs/msg/JointTrajectory').points[0]
     assert (point.time_from_start.sec, point.time_from_start.nanosec) == (0, 0)
 
 
-def test_negative_stamp_keeps_its_value():
+def test_negative_stamp_keeps_its_value() -> None:
     codec = RosbagsCodec()
     raw = WrenchEncoder(codec, '').encode(-1, 0.0, 0.0, 0.0)
     assert WrenchDecoder(codec).decode(raw).stamp_ns == -1
 
 
-def test_string_comes_back():
+def test_string_comes_back() -> None:
     codec = RosbagsCodec()
     raw = StringEncoder(codec).encode('frozen: weak excitation, ε')
     assert codec.deserialize(raw, 'std_msgs/msg/String').data == 'frozen: weak excitation, ε'
@@ -135,7 +136,7 @@ def test_string_comes_back():
     'rcl_interfaces/msg/ParameterEvent',
     'sensor_msgs/msg/PointCloud2',
 ])
-def test_new_messages_of_any_type_can_be_serialised(type_name):
+def test_new_messages_of_any_type_can_be_serialised(type_name: Any) -> None:
     codec = RosbagsCodec()
     message = codec.new(type_name)
     raw = codec.serialize(message, type_name)

@@ -15,8 +15,10 @@
 """Recordings are read whole, cut anywhere or damaged, in bounded memory."""
 
 import os
+from pathlib import Path
 import subprocess
 import sys
+from typing import Any
 
 from contact_estimation.exceptions import RecordingError
 from contact_estimation.recordings import RecordingReader, RecordingWriter
@@ -35,7 +37,13 @@ print(count, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before)
 """
 
 
-def plain_file(path, count=300, compression=CompressionType.ZSTD, finish=True, **options):
+def plain_file(
+    path: Any,
+    count: Any = 300,
+    compression: Any = CompressionType.ZSTD,
+    finish: Any = True,
+    **options: Any,
+) -> Any:
     """Write a file by the package mcap; message k of topic k % 2 holds the number k."""
     options = {'chunk_size': 1000, **options}
     noise = np.random.default_rng(0)
@@ -55,14 +63,16 @@ def plain_file(path, count=300, compression=CompressionType.ZSTD, finish=True, *
     return path
 
 
-def numbers(reader, topics=None):
+def numbers(reader: Any, topics: Any = None) -> Any:
     return [int.from_bytes(m.data[:8], 'little') for m in reader.messages(topics)]
 
 
 @pytest.mark.parametrize('compression', list(CompressionType))
 @pytest.mark.parametrize('chunked', [True, False])
 @pytest.mark.parametrize('finish', [True, False])
-def test_every_kind_of_file_is_read(tmp_path, compression, chunked, finish):
+def test_every_kind_of_file_is_read(
+    tmp_path: Path, compression: Any, chunked: Any, finish: Any
+) -> None:
     path = plain_file(tmp_path / 'a.mcap', compression=compression, use_chunking=chunked,
                       finish=finish)
     reader = RecordingReader(path)
@@ -73,7 +83,7 @@ def test_every_kind_of_file_is_read(tmp_path, compression, chunked, finish):
     assert (reader.truncated, reader.damaged_chunks, reader.progress) == (not finish, 0, 1.0)
 
 
-def test_file_without_any_index_is_read(tmp_path):
+def test_file_without_any_index_is_read(tmp_path: Path) -> None:
     path = plain_file(tmp_path / 'a.mcap', index_types=IndexType.NONE, use_statistics=False,
                       use_summary_offsets=False, repeat_channels=False, repeat_schemas=False)
     reader = RecordingReader(path)
@@ -84,27 +94,27 @@ def test_file_without_any_index_is_read(tmp_path):
     assert not reader.truncated
 
 
-def test_topic_is_handed_out_as_it_was_asked_for(tmp_path):
+def test_topic_is_handed_out_as_it_was_asked_for(tmp_path: Path) -> None:
     reader = RecordingReader(plain_file(tmp_path / 'a.mcap'))
     assert {message.topic for message in reader.messages(['even', '/odd'])} == {'even', '/odd'}
     assert {message.topic for message in reader.messages()} == {'/even', '/odd'}
 
 
-def test_batches_hold_the_same_messages(tmp_path):
+def test_batches_hold_the_same_messages(tmp_path: Path) -> None:
     reader = RecordingReader(plain_file(tmp_path / 'a.mcap'))
     batches = list(reader.batches(['odd']))
     assert len(batches) > 10
     assert [m for batch in batches for m in batch] == list(reader.messages(['odd']))
 
 
-def test_progress_rises_from_chunk_to_chunk(tmp_path):
+def test_progress_rises_from_chunk_to_chunk(tmp_path: Path) -> None:
     reader = RecordingReader(plain_file(tmp_path / 'a.mcap'))
     steps = [reader.progress for _ in reader.batches()]
     assert steps == sorted(set(steps))
     assert 0 < steps[0] < 0.1
 
 
-def test_log_times_are_those_of_the_messages(tmp_path):
+def test_log_times_are_those_of_the_messages(tmp_path: Path) -> None:
     reader = RecordingReader(plain_file(tmp_path / 'a.mcap'))
     assert [m.log_time_ns for m in reader.messages()] == list(range(300))
     assert (reader.start_ns, reader.end_ns) == (0, 299)
@@ -113,7 +123,9 @@ def test_log_times_are_those_of_the_messages(tmp_path):
 @pytest.mark.parametrize('compression, chunked', [
     (CompressionType.ZSTD, True), (CompressionType.NONE, True), (CompressionType.NONE, False),
 ])
-def test_cut_anywhere_keeps_all_complete_chunks(tmp_path, compression, chunked):
+def test_cut_anywhere_keeps_all_complete_chunks(
+    tmp_path: Path, compression: Any, chunked: Any
+) -> None:
     whole = plain_file(tmp_path / 'whole.mcap', 120, compression, use_chunking=chunked)
     content = whole.read_bytes()
     complete = ends_of_batches(whole) if chunked else {}
@@ -134,7 +146,7 @@ def test_cut_anywhere_keeps_all_complete_chunks(tmp_path, compression, chunked):
         reader.metadata(), reader.topics(), reader.start_ns
 
 
-def ends_of_batches(path):
+def ends_of_batches(path: Any) -> Any:
     """Map where each chunk ends in the file to the number of messages up to there."""
     reader = RecordingReader(path)
     ends, count = {}, 0
@@ -146,7 +158,9 @@ def ends_of_batches(path):
 
 @pytest.mark.parametrize('compression', list(CompressionType))
 @pytest.mark.parametrize('finish', [True, False])
-def test_garbage_in_a_chunk_costs_that_chunk(tmp_path, compression, finish):
+def test_garbage_in_a_chunk_costs_that_chunk(
+    tmp_path: Path, compression: Any, finish: Any
+) -> None:
     path = plain_file(tmp_path / 'a.mcap', compression=compression, finish=finish)
     ends = list(ends_of_batches(path))
     content = bytearray(path.read_bytes())
@@ -163,7 +177,7 @@ def test_garbage_in_a_chunk_costs_that_chunk(tmp_path, compression, finish):
 
 @pytest.mark.parametrize('chunked', [True, False])
 @pytest.mark.parametrize('change', ['overwrite', 'remove', 'insert'])
-def test_garbage_anywhere_is_survived(tmp_path, chunked, change):
+def test_garbage_anywhere_is_survived(tmp_path: Path, chunked: Any, change: Any) -> None:
     path = plain_file(tmp_path / 'a.mcap', 200, use_chunking=chunked)
     content = path.read_bytes()
     rng = np.random.default_rng(1)
@@ -177,7 +191,7 @@ def test_garbage_anywhere_is_survived(tmp_path, chunked, change):
         reader.metadata(), reader.topics()
 
 
-def test_damaged_first_chunk_does_not_hide_the_topics(tmp_path):
+def test_damaged_first_chunk_does_not_hide_the_topics(tmp_path: Path) -> None:
     path = plain_file(tmp_path / 'a.mcap')
     content = bytearray(path.read_bytes())
     content[250:300] = bytes(50)
@@ -185,7 +199,7 @@ def test_damaged_first_chunk_does_not_hide_the_topics(tmp_path):
     assert len(numbers(RecordingReader(path), ['even'])) > 100
 
 
-def test_damaged_summary_is_replaced_by_reading(tmp_path):
+def test_damaged_summary_is_replaced_by_reading(tmp_path: Path) -> None:
     path = plain_file(tmp_path / 'a.mcap')
     content = bytearray(path.read_bytes())
     content[-400:-300] = bytes(100)
@@ -195,7 +209,7 @@ def test_damaged_summary_is_replaced_by_reading(tmp_path):
     assert numbers(reader) == list(range(300))
 
 
-def test_ten_times_the_messages_need_the_same_memory(tmp_path):
+def test_ten_times_the_messages_need_the_same_memory(tmp_path: Path) -> None:
     peaks = []
     for count in (20_000, 200_000):
         path = tmp_path / f'{count}.mcap'
@@ -211,7 +225,7 @@ def test_ten_times_the_messages_need_the_same_memory(tmp_path):
     assert peaks[1] - peaks[0] < 3000
 
 
-def test_split_bag_is_read_in_the_order_of_its_metadata(tmp_path):
+def test_split_bag_is_read_in_the_order_of_its_metadata(tmp_path: Path) -> None:
     folder = tmp_path / 'bag'
     folder.mkdir()
     plain_file(folder / 'bag_1.mcap', 10)
@@ -223,7 +237,7 @@ def test_split_bag_is_read_in_the_order_of_its_metadata(tmp_path):
     assert numbers(RecordingReader(folder)) == [*range(10), *range(20)]
 
 
-def test_folder_without_metadata_is_read_in_natural_order(tmp_path):
+def test_folder_without_metadata_is_read_in_natural_order(tmp_path: Path) -> None:
     for number, count in ((10, 5), (9, 3)):
         plain_file(tmp_path / f'bag_{number}.mcap', count)
     reader = RecordingReader(tmp_path)
@@ -231,7 +245,7 @@ def test_folder_without_metadata_is_read_in_natural_order(tmp_path):
     assert reader.progress == 1.0
 
 
-def test_folder_that_lacks_a_listed_file_is_refused(tmp_path):
+def test_folder_that_lacks_a_listed_file_is_refused(tmp_path: Path) -> None:
     with RecordingWriter.folder(tmp_path / 'run'):
         pass
     (tmp_path / 'run' / 'run_0.mcap').unlink()
@@ -239,7 +253,7 @@ def test_folder_that_lacks_a_listed_file_is_refused(tmp_path):
         RecordingReader(tmp_path / 'run')
 
 
-def test_database_bag_names_the_conversion(tmp_path):
+def test_database_bag_names_the_conversion(tmp_path: Path) -> None:
     (tmp_path / 'bag_0.db3').write_bytes(b'SQLite format 3\0' + bytes(100))
     for path in (tmp_path, tmp_path / 'bag_0.db3'):
         with pytest.raises(RecordingError, match='ros2 bag convert'):
@@ -252,28 +266,28 @@ def test_database_bag_names_the_conversion(tmp_path):
     (b'#ROSBAG V2.0\n', 'ROS 1 bag'),
     (b'\x89MCAP', 'no MCAP file'),
 ])
-def test_files_that_are_no_recording_are_named(tmp_path, content, text):
+def test_files_that_are_no_recording_are_named(tmp_path: Path, content: Any, text: Any) -> None:
     (tmp_path / 'a.mcap').write_bytes(content)
     with pytest.raises(RecordingError, match=text) as caught:
         RecordingReader(tmp_path / 'a.mcap')
     assert '\n' not in str(caught.value)
 
 
-def test_missing_and_empty_places_are_named(tmp_path):
+def test_missing_and_empty_places_are_named(tmp_path: Path) -> None:
     with pytest.raises(RecordingError, match='does not exist'):
         RecordingReader(tmp_path / 'nowhere')
     with pytest.raises(RecordingError, match='holds no recording: .* got nothing'):
         RecordingReader(tmp_path)
 
 
-def test_missing_topic_lists_those_that_are_there(tmp_path):
+def test_missing_topic_lists_those_that_are_there(tmp_path: Path) -> None:
     reader = RecordingReader(plain_file(tmp_path / 'a.mcap'))
     with pytest.raises(RecordingError, match='has no topic /wrench; it has: /even .*/odd') as e:
         reader.messages(['wrench', 'odd'])
     assert '--topic wrench:=/name' in str(e.value)
 
 
-def test_similar_topic_is_suggested(tmp_path):
+def test_similar_topic_is_suggested(tmp_path: Path) -> None:
     path = tmp_path / 'a.mcap'
     with RecordingWriter.file(path) as writer:
         writer.write('/fts/wrench', STRING, b'', 0)
@@ -281,7 +295,7 @@ def test_similar_topic_is_suggested(tmp_path):
         RecordingReader(path).messages(['wrench'])
 
 
-def test_recording_without_messages_lacks_every_topic(tmp_path):
+def test_recording_without_messages_lacks_every_topic(tmp_path: Path) -> None:
     RecordingWriter.folder(tmp_path / 'run').close()
     reader = RecordingReader(tmp_path / 'run')
     assert (list(reader.messages()), reader.topics(), reader.start_ns) == ([], {}, None)
@@ -289,7 +303,7 @@ def test_recording_without_messages_lacks_every_topic(tmp_path):
         reader.messages(['wrench'])
 
 
-def test_topics_leave_no_trace_in_progress(tmp_path):
+def test_topics_leave_no_trace_in_progress(tmp_path: Path) -> None:
     reader = RecordingReader(plain_file(tmp_path / 'a.mcap', finish=False))
     reader.topics()
     assert (reader.progress, reader.damaged_chunks) == (0.0, 0)

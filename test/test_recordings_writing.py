@@ -19,6 +19,7 @@ from pathlib import Path
 import signal
 import subprocess
 import sys
+from typing import Any
 
 from contact_estimation.exceptions import RecordingError
 from contact_estimation.messages import RosbagsCodec, StringEncoder, WrenchEncoder
@@ -47,7 +48,7 @@ os.kill(os.getpid(), signal.SIGKILL)
 """
 
 
-def fill(writer, count=1000):
+def fill(writer: Any, count: Any = 1000) -> None:
     codec = RosbagsCodec()
     wrench, text = WrenchEncoder(codec, 'tool0'), StringEncoder(codec)
     best_effort = OfferedQos(reliability='best_effort')
@@ -60,14 +61,14 @@ def fill(writer, count=1000):
 
 
 @pytest.fixture
-def folder(tmp_path):
+def folder(tmp_path: Path) -> Any:
     with RecordingWriter.folder(tmp_path / 'run') as writer:
         writer.write_metadata('parameters', {'estimator': 'rls'})
         fill(writer)
     return tmp_path / 'run'
 
 
-def test_rosbags_reads_every_message_of_a_folder(folder):
+def test_rosbags_reads_every_message_of_a_folder(folder: Any) -> None:
     with AnyReader([folder]) as reader:
         assert reader.message_count == 1010
         forces = [
@@ -78,16 +79,17 @@ def test_rosbags_reads_every_message_of_a_folder(folder):
     assert forces == list(range(1000))
 
 
-def test_rosbags_finds_definition_hash_and_qos(folder):
+def test_rosbags_finds_definition_hash_and_qos(folder: Any) -> None:
     with AnyReader([folder]) as reader:
         connection = next(c for c in reader.connections if c.topic == '/wrench')
         expected = reader.typestore.hash_rihs01(WRENCH)
         assert connection.digest == expected
         assert 'MSG: geometry_msgs/Wrench' in connection.msgdef.data
-        assert connection.ext.offered_qos_profiles[0].reliability.name == 'BEST_EFFORT'
+        extension: Any = connection.ext
+        assert extension.offered_qos_profiles[0].reliability.name == 'BEST_EFFORT'
 
 
-def test_metadata_yaml_is_that_of_rosbag2_version_9(folder):
+def test_metadata_yaml_is_that_of_rosbag2_version_9(folder: Any) -> None:
     content = yaml.safe_load((folder / 'metadata.yaml').read_text())['rosbag2_bagfile_information']
     assert content['version'] == 9
     assert content['storage_identifier'] == 'mcap'
@@ -102,60 +104,62 @@ def test_metadata_yaml_is_that_of_rosbag2_version_9(folder):
     assert topic['topic_metadata']['offered_qos_profiles'][0]['reliability'] == 'best_effort'
 
 
-def test_mcap_reads_a_single_file(tmp_path):
+def test_mcap_reads_a_single_file(tmp_path: Path) -> None:
     path = tmp_path / 'out.mcap'
     with RecordingWriter.file(path) as writer:
         fill(writer)
     with open(path, 'rb') as stream:
         reader = make_reader(stream, validate_crcs=True)
         messages = list(reader.iter_messages(['/wrench']))
-        channel = next(c for c in reader.get_summary().channels.values() if c.topic == '/wrench')
+        summary: Any = reader.get_summary()
+        channel = next(c for c in summary.channels.values() if c.topic == '/wrench')
     assert len(messages) == 1000
     assert messages[3][2].publish_time == START_NS + 3 * PERIOD_NS
     assert set(channel.metadata) == {'offered_qos_profiles', 'topic_type_hash'}
     assert not (tmp_path / 'metadata.yaml').exists()
 
 
-def test_topics_of_one_type_share_its_schema(tmp_path):
+def test_topics_of_one_type_share_its_schema(tmp_path: Path) -> None:
     with RecordingWriter.file(tmp_path / 'out.mcap') as writer:
         for topic in ('/a', '/b'):
             writer.write(topic, STRING, bytes([0, 1, 0, 0, 1, 0, 0, 0, 0]), 1)
     with open(tmp_path / 'out.mcap', 'rb') as stream:
-        assert len(make_reader(stream).get_summary().schemas) == 1
+        summary: Any = make_reader(stream).get_summary()
+    assert len(summary.schemas) == 1
 
 
-def test_nothing_is_overwritten(folder):
+def test_nothing_is_overwritten(folder: Any) -> None:
     with pytest.raises(RecordingError, match='never overwritten'):
         RecordingWriter.folder(folder)
     with pytest.raises(RecordingError, match='never overwritten'):
         RecordingWriter.file(folder / 'run_0.mcap')
 
 
-def test_empty_folder_may_be_used(tmp_path):
+def test_empty_folder_may_be_used(tmp_path: Path) -> None:
     RecordingWriter.folder(tmp_path).close()
     assert (tmp_path / 'metadata.yaml').exists()
 
 
-def test_place_that_cannot_be_written_is_named(tmp_path):
+def test_place_that_cannot_be_written_is_named(tmp_path: Path) -> None:
     (tmp_path / 'file').touch()
     with pytest.raises(RecordingError, match='cannot write|never overwritten'):
         RecordingWriter.file(tmp_path / 'file' / 'out.mcap')
 
 
-def test_unknown_type_is_named(tmp_path):
+def test_unknown_type_is_named(tmp_path: Path) -> None:
     with RecordingWriter.file(tmp_path / 'out.mcap') as writer:
         with pytest.raises(RecordingError, match='my_msgs/msg/Own'):
             writer.write('/own', 'my_msgs/msg/Own', b'', 0)
 
 
-def test_topic_keeps_its_type(tmp_path):
+def test_topic_keeps_its_type(tmp_path: Path) -> None:
     with RecordingWriter.file(tmp_path / 'out.mcap') as writer:
         writer.write('/topic', STRING, b'', 0)
         with pytest.raises(RecordingError, match='recorded as std_msgs'):
             writer.write('/topic', WRENCH, b'', 0)
 
 
-def test_closed_recording_refuses_messages(tmp_path):
+def test_closed_recording_refuses_messages(tmp_path: Path) -> None:
     writer = RecordingWriter.file(tmp_path / 'out.mcap')
     writer.close()
     writer.close()
@@ -164,7 +168,7 @@ def test_closed_recording_refuses_messages(tmp_path):
         writer.write('/topic', STRING, b'', 0)
 
 
-def test_full_disk_is_named():
+def test_full_disk_is_named() -> None:
     if not os.path.exists('/dev/full'):
         pytest.skip('no /dev/full here')
     writer = RecordingWriter.__new__(RecordingWriter)
@@ -172,7 +176,7 @@ def test_full_disk_is_named():
         _use_stream(writer, open('/dev/full', 'wb'))
 
 
-def _use_stream(writer, stream):
+def _use_stream(writer: Any, stream: Any) -> None:
     """Write to a stream that cannot be created by path."""
     from contact_estimation.recordings import writing
     with pytest.MonkeyPatch.context() as patch:
@@ -180,7 +184,7 @@ def _use_stream(writer, stream):
         writer.__init__(Path('/tmp/never_created.mcap'), None)
 
 
-def test_flushed_messages_are_readable_while_recording(tmp_path):
+def test_flushed_messages_are_readable_while_recording(tmp_path: Path) -> None:
     writer = RecordingWriter.file(tmp_path / 'out.mcap')
     fill(writer, 7)
     writer.flush()
@@ -191,7 +195,7 @@ def test_flushed_messages_are_readable_while_recording(tmp_path):
 
 
 @pytest.mark.parametrize('rate_hz, seconds', [(1000, 20), (20, 20), (1, 20)])
-def test_kill_loses_at_most_the_last_second(tmp_path, rate_hz, seconds):
+def test_kill_loses_at_most_the_last_second(tmp_path: Path, rate_hz: Any, seconds: Any) -> None:
     path = tmp_path / 'run'
     environment = dict(os.environ, PYTHONPATH=os.pathsep.join(sys.path))
     done = subprocess.run([sys.executable, '-c', KILLED, str(path), str(rate_hz), str(seconds)],
@@ -206,7 +210,9 @@ def test_kill_loses_at_most_the_last_second(tmp_path, rate_hz, seconds):
     assert reader.metadata() == {'parameters': {'estimator': 'rls'}}
 
 
-def test_older_mcap_without_flush_ends_chunks_all_the_same(tmp_path, monkeypatch):
+def test_older_mcap_without_flush_ends_chunks_all_the_same(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     if not hasattr(Writer, '_Writer__finalize_chunk'):
         pytest.skip('this mcap has no such method')
     monkeypatch.delattr(Writer, 'flush', raising=False)
@@ -216,6 +222,6 @@ def test_older_mcap_without_flush_ends_chunks_all_the_same(tmp_path, monkeypatch
     writer.close()
 
 
-def test_qos_of_rclpy_is_converted():
+def test_qos_of_rclpy_is_converted() -> None:
     qos = pytest.importorskip('rclpy.qos')
     assert OfferedQos.of_profile(qos.qos_profile_sensor_data) == OfferedQos('best_effort', 5)
