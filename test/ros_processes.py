@@ -433,6 +433,15 @@ class Peer(Listener):
         request = SetParameters.Request(parameters=parameters)
         return list(self.call(SetParameters, f'{self.name}/set_parameters', request).results)
 
+    def begin_change(self, **values: Any) -> Callable[[], bool]:
+        """Ask for a change of parameters without waiting; tells when it is done."""
+        self._defaults.update(self.get(list(values)))
+        self._changed.update(values)
+        name = f'{self.name}/set_parameters'
+        parameters = [Parameter(n, value=v).to_parameter_msg() for n, v in values.items()]
+        future = self._clients[name].call_async(SetParameters.Request(parameters=parameters))
+        return lambda: bool(future.done() and future.result().results[0].successful)
+
     def change(self, **values: Any) -> None:
         """Set parameters, which must succeed; double underscores stand for dots."""
         results = self.set({name.replace('__', '.'): value for name, value in values.items()})

@@ -16,7 +16,7 @@
 
 from __future__ import annotations
 
-from math import inf, isfinite, nan
+from math import inf, nan
 from typing import Any, Callable, Iterator
 
 from contact_estimation.signals.contact_sample import ContactSample
@@ -162,8 +162,8 @@ def test_dropout_of_half_a_second_in_contact_is_survived_and_counted(peer: Peer)
     peer.feed(kept[400:])
     stiffness = peer.values('stiffness')
     assert list(stiffness) == [sample.stamp_ns for sample in kept]
-    assert all(isfinite(value) for value in stiffness.values())
-    assert stiffness[kept[-1].stamp_ns] == pytest.approx(4800.0, rel=0.02)
+    assert list(stiffness.values()) == [r.estimate.stiffness for r in session_results(kept)]
+    assert stiffness[kept[-1].stamp_ns] == pytest.approx(4800.0, rel=0.05)
     assert int(peer.figures()['missing']) == missing + 250
 
 

@@ -21,6 +21,7 @@ from pathlib import Path
 import signal
 import time
 
+from contact_estimation.exceptions import RecordingError
 from contact_estimation.messages import RosbagsCodec, WrenchDecoder
 from contact_estimation.recordings import RecordingReader
 import pytest
@@ -35,7 +36,7 @@ def recorded_stamps(folder: Path) -> set[int]:
     decode = WrenchDecoder(RosbagsCodec()).decode
     try:
         return {decode(m.data).stamp_ns for m in RecordingReader(folder).messages(['wrench'])}
-    except Exception:  # not there yet
+    except RecordingError:  # not there yet
         return set()
 
 
@@ -57,13 +58,18 @@ class Sensor(Listener):
     def measure_for(self, seconds: float) -> None:
         """Publish for a while, at the pace of a sensor."""
         end = time.monotonic() + seconds
-        wait_until(lambda: self.measure() or time.monotonic() > end, 'the end', every_s=0.002)
+        while time.monotonic() < end:
+            self.measure()
+            time.sleep(0.002)
 
     def measure_until_recorded(self, folder: Path) -> None:
         """Publish until the recorder is known to hear and to hand over what it hears."""
-        wait_until(
-            lambda: self.measure() or recorded_stamps(folder), 'a recorded wrench', every_s=0.05
-        )
+        def measured() -> set[int]:
+            """Publish once more and look."""
+            self.measure()
+            return recorded_stamps(folder)
+
+        wait_until(measured, 'a recorded wrench', every_s=0.05)
 
 
 def test_killed_recorder_leaves_all_but_the_last_second(tmp_path: Path) -> None:

@@ -18,13 +18,13 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple, Sequence
 
+from .simulated_samples import pressing, RATE
 from ..contact_session import Result
 from ..estimation_parameters import EstimationParameters
 from ..estimation_pipeline import EstimationPipeline
 from ..estimators.estimator import EstimateStatus, Held, Reference, TimedRow
 from ..parameters import build
 from ..signals.contact_sample import ContactSample
-from .simulated_samples import pressing, RATE
 
 
 class ContactData(NamedTuple):

@@ -20,10 +20,10 @@ from statistics import median
 import time
 from typing import Any, Callable
 
-from ..estimators import ESTIMATORS
 from .contact_data import contact_data, learned
 from .estimator_steps import filterpy_step, learning_steps, pipeline_steps, Steps
 from .table import print_table
+from ..estimators import ESTIMATORS
 
 _BLOCK = 250  # samples; short enough that all contestants see the same load of the machine
 FILTERPY = 'filterpy KalmanFilter'

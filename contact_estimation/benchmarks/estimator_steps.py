@@ -21,8 +21,8 @@ from typing import Callable
 from filterpy.kalman import KalmanFilter
 import numpy as np
 
-from ..estimators.estimator import Held
 from .contact_data import ContactData, learned, settled_pipeline
+from ..estimators.estimator import Held
 
 Steps = Callable[[int, int], None]
 _VARIANCE = 1.0 / 3.0  # of the simulated force sensor [N^2]

@@ -20,10 +20,10 @@ from itertools import chain, cycle, islice
 from pathlib import Path
 from typing import Iterator
 
+from .simulated_samples import pressing, RATE, sine_manoeuvre
 from ..contact_session import Result
 from ..messages import JointStateEncoder, RosbagsCodec, WrenchEncoder
 from ..recordings import RecordingWriter
-from .simulated_samples import pressing, RATE, sine_manoeuvre
 
 CONTACTS = ('mixed', 'always')
 _BEGIN_NS = 1_700_000_000_000_000_000

@@ -24,9 +24,9 @@ from tempfile import TemporaryDirectory
 import time
 from typing import Any, Mapping
 
-from ..exceptions import ContactEstimationError
 from .cpu_meter import CpuMeter, machine_cpu_s, process_cpu_s
 from .node_processes import end_node, start_node
+from ..exceptions import ContactEstimationError
 
 NODES = {
     'echo': 'contact_estimation.benchmarks.echo_node',

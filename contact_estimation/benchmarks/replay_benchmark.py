@@ -23,11 +23,11 @@ import sys
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from ..exceptions import RecordingError
-from ..recordings import RecordingReader
 from .long_recording import write_long_recording
 from .table import print_table
 from .timed_process import Cost, run_timed
+from ..exceptions import RecordingError
+from ..recordings import RecordingReader
 
 _REFERENCE = 'rosbags deserialise'
 _ESTIMATORS = ('indirect_adaptive', 'rls')

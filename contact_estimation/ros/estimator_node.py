@@ -86,7 +86,7 @@ class EstimatorNode(Node):
         self.create_timer(1.0 / self._own.diagnostics_rate, self._report)
         self.create_service(Trigger, '~/reset', self._on_reset)
         self.create_service(Trigger, '~/tare', self._on_tare)
-        serve_changes(self, self._change_parameters)
+        serve_changes(self, all_specifications(), self._change_parameters)
 
     def _subscribe(self) -> None:
         codec = RclpyCodec()

@@ -26,6 +26,7 @@ from rcl_interfaces.msg import (
     SetParametersResult,
 )
 from rclpy.node import Node
+from rclpy.parameter import Parameter
 
 from ..exceptions import ContactEstimationError, UnknownNameError
 from ..parameters import ParameterSpecification
@@ -108,7 +109,11 @@ def descriptor(spec: ParameterSpecification) -> ParameterDescriptor:
     return message
 
 
-def serve_changes(node: Node, change: Callable[[Mapping[str, Any]], None]) -> None:
+def serve_changes(
+    node: Node,
+    known: Iterable[ParameterSpecification],
+    change: Callable[[Mapping[str, Any]], None],
+) -> None:
     """
     Let parameters change live.
 
@@ -116,6 +121,8 @@ def serve_changes(node: Node, change: Callable[[Mapping[str, Any]], None]) -> No
     ----------
     node : rclpy.node.Node
         The node.
+    known : iterable of ParameterSpecification
+        Its parameters.
     change : callable
         Takes dotted names and values; a ContactEstimationError rejects them, and its text is
         the reason that the caller sees.
@@ -130,4 +137,25 @@ def serve_changes(node: Node, change: Callable[[Mapping[str, Any]], None]) -> No
             return SetParametersResult(successful=False, reason=str(error))
         return SetParametersResult(successful=True)
 
+    numbers = {spec.name for spec in known if isinstance(spec.default, float)}
+    node.add_pre_set_parameters_callback(
+        lambda parameters: [_as_number(p) if p.name in numbers else p for p in parameters]
+    )
     node.add_on_set_parameters_callback(on_set)
+
+
+def _as_number(parameter: Parameter) -> Parameter:
+    """
+    Take 500, '1e-06' and 'nan' for the numbers that they are.
+
+    `ros2 param set NAME 500` sends an integer, and `ros2 param load` sends what `ros2 param dump`
+    has written as 1e-06 or nan as text.
+
+    """
+    value = parameter.value
+    if isinstance(value, (int, str)) and not isinstance(value, bool):
+        try:
+            return Parameter(parameter.name, Parameter.Type.DOUBLE, float(value))
+        except ValueError:
+            pass
+    return parameter

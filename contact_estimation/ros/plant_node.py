@@ -80,7 +80,7 @@ class PlantNode(Node):
         self._period_ns = round(1e9 / self._plant.sample_rate)
         self.statistics = PlantStatistics(self._period_ns)
         self._connect()
-        serve_changes(self, self._change_parameters)
+        serve_changes(self, all_specifications(), self._change_parameters)
         self._stopping = False
         self._thread = Thread(target=self._run, name='plant', daemon=True)
 

@@ -1,0 +1,225 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The loop as users start it: three processes, a recording and a summary, whatever happens."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+import signal
+from typing import Any, NamedTuple
+
+from contact_estimation.commands import loop
+from contact_estimation.recording_replay import RecordingReplay, RecordingSource
+from contact_estimation.recordings import RecordingReader
+import pytest
+from ros_processes import Finished, ModuleProcess, run_module, wait_until
+
+KEYS = [
+    'estimator', 'law', 'stiffness', 'damping', 'stiffness_error_percent',
+    'damping_error_percent', 'mean_force_n', 'desired_force_n', 'rate_hz', 'samples_sent',
+    'samples_lost', 'latency_ms',
+]
+EXPERIMENT = """
+start: -0.005
+segments:
+- {duration: 0.2, position: -0.005}
+- {duration: 0.3, position: 0.02, force: 50.0, force_excitation: &sine
+    {kind: sine, amplitude: 8.0, angular_frequency: 20.0}}
+- {duration: 2.0, position: 0.02, force: 50.0, force_excitation: *sine}
+- {duration: 0.5, position: -0.005}
+"""
+
+
+class Run(NamedTuple):
+    """A finished loop."""
+
+    folder: Path
+    finished: Finished
+
+    @property
+    def summary(self) -> dict[str, Any]:
+        """Read summary.json."""
+        content: dict[str, Any] = json.loads((self.folder / 'summary.json').read_text())
+        return content
+
+
+def arguments(folder: Path, *more: str) -> list[str]:
+    """Write the experiment; return the command line."""
+    file = folder / 'touch.yaml'
+    file.write_text(EXPERIMENT)
+    return ['--output', str(folder / 'out'), '--experiment', str(file), *more]
+
+
+@pytest.fixture(scope='module')
+def whole(tmp_path_factory: pytest.TempPathFactory) -> Run:
+    folder = tmp_path_factory.mktemp('loop')
+    given = arguments(folder, '--duration', '3', '--seed', '4')
+    return Run(folder / 'out', run_module(folder / 'log', 'commands.loop', *given))
+
+
+def test_loop_succeeds_and_says_what_it_found(whole: Run) -> None:
+    assert (whole.finished.code, whole.finished.stderr) == (0, '')
+    assert whole.finished.stdout.startswith('indirect_adaptive, law eq20: K_e 4')
+
+
+def test_summary_has_the_keys_of_the_contract(whole: Run) -> None:
+    assert list(whole.summary) == KEYS
+    assert list(whole.summary['latency_ms']) == ['p50', 'p99', 'max']
+
+
+def test_lost_samples_are_counted_as_an_integer(whole: Run) -> None:
+    assert whole.summary['samples_sent'] == 1500
+    assert type(whole.summary['samples_lost']) is int
+    assert 0 <= whole.summary['samples_lost'] <= 1500
+
+
+def test_estimates_at_the_last_contact_are_near_the_truth(whole: Run) -> None:
+    summary = whole.summary
+    assert summary['stiffness'] == pytest.approx(4800.0, rel=0.05)
+    assert summary['stiffness_error_percent'] == pytest.approx(
+        100.0 * (summary['stiffness'] / 4800.0 - 1.0)
+    )
+    assert abs(summary['damping_error_percent']) < 15.0
+
+
+def test_eq20_presses_with_about_half_of_the_wanted_force(whole: Run) -> None:
+    assert whole.summary['desired_force_n'] == 50.0
+    assert whole.summary['mean_force_n'] == pytest.approx(50.0 * 5.0 / 9.8, rel=0.1)
+
+
+def test_loop_leaves_recording_and_picture(whole: Run) -> None:
+    assert {path.name for path in whole.folder.iterdir()} >= {
+        'recording', 'summary.json', 'summary.png'
+    }
+    reader = RecordingReader(whole.folder / 'recording')
+    assert not reader.truncated
+    assert {
+        '/wrench', '/joint_states', '/desired_trajectory', '/reference_trajectory',
+        '/estimator_node/stiffness', '/estimator_node/damping', '/diagnostics',
+    } <= set(reader.topics())
+    assert 'estimator_node' in reader.metadata()
+
+
+def test_replay_of_the_loop_ends_at_the_estimates_of_the_summary(whole: Run) -> None:
+    reader = RecordingReader(whole.folder / 'recording')
+    replay = RecordingReplay(reader, RecordingSource(), {})
+    estimates = [estimate for batch in replay.estimates() for estimate in batch]
+    told = json.loads((whole.folder / 'plant_summary.json').read_text())
+    last = {e.stamp_ns: e for e in estimates}[told['last_contact_stamp_ns']]
+    assert (last.stiffness, last.damping) == (whole.summary['stiffness'],
+                                              whole.summary['damping'])
+
+
+def grown(folder: Path) -> bool:
+    """Tell whether the recording holds contact samples already."""
+    return any(file.stat().st_size > 150_000 for file in folder.glob('out/recording/*.mcap'))
+
+
+def child(parent: int, word: str) -> int:
+    """Find a child process by a word of its command line."""
+    for process in Path(f'/proc/{parent}/task/{parent}/children').read_text().split():
+        if word.encode() in Path(f'/proc/{process}/cmdline').read_bytes():
+            return int(process)
+    raise AssertionError(f'no child with {word!r}')
+
+
+def assert_kept(folder: Path, finished: Finished, text: str) -> None:
+    """Check that a disturbed loop has said so and kept its recording."""
+    assert finished.code == 1
+    assert 'Traceback' not in finished.stderr
+    lines = finished.stderr.strip().splitlines()
+    assert len(lines) == 1 and text in lines[0], finished.stderr
+    reader = RecordingReader(folder / 'out' / 'recording')
+    assert sum(1 for _ in reader.messages(['wrench'])) > 100
+
+
+def test_interrupt_leaves_a_readable_recording(tmp_path: Path) -> None:
+    given = arguments(tmp_path, '--duration', '600')
+    with ModuleProcess(tmp_path / 'log', 'commands.loop', *given) as process:
+        wait_until(lambda: grown(tmp_path), 'a recording')
+        process.signal(signal.SIGINT)
+        assert_kept(tmp_path, process.end(), 'interrupted')
+
+
+def test_death_of_the_estimator_leaves_a_readable_recording(tmp_path: Path) -> None:
+    given = arguments(tmp_path, '--duration', '600')
+    with ModuleProcess(tmp_path / 'log', 'commands.loop', *given) as process:
+        wait_until(lambda: grown(tmp_path), 'a recording')
+        estimator = child(process.pid, 'estimator_node')
+        os.kill(estimator, signal.SIGKILL)
+        assert_kept(tmp_path, process.end(), 'estimator_node ended with signal SIGKILL')
+
+
+WRONG = [
+    (['--experiment', 'sinus'], "did you mean 'sine'"),
+    (['--experiment', 'nowhere.yaml'], 'cannot be read'),
+    (['--estimator', 'fft'], 'indirect_adaptive'),
+    (['--duration', '-1'], '--duration must be > 0'),
+    (['--duration', 'long'], '--duration'),
+    (['--seed', '-1'], 'seed'),
+    (['--params', 'nowhere.yaml'], 'nowhere.yaml'),
+    (['--nonsense'], '--nonsense'),
+]
+
+
+def refusal(capfd: pytest.CaptureFixture[str], *given: str) -> str:
+    """Run the loop where it must refuse; return its one line."""
+    try:
+        code = loop.main(list(given))
+    except SystemExit as end:
+        code = int(str(end.code))
+    lines = capfd.readouterr().err.strip().splitlines()
+    assert (code, len(lines)) == (1, 1), lines
+    return lines[0]
+
+
+@pytest.mark.parametrize('wrong, text', WRONG, ids=[' '.join(w[0]) for w in WRONG])
+def test_wrong_option_is_refused_before_anything_is_made(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str], wrong: list[str], text: str
+) -> None:
+    line = refusal(capfd, '--output', str(tmp_path / 'out'), *wrong)
+    assert text in line
+    assert not (tmp_path / 'out').exists()
+
+
+def test_existing_output_is_refused(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / 'precious.txt').write_text('mine')
+    line = refusal(capfd, '--output', str(tmp_path))
+    assert 'exists already' in line
+    assert [path.name for path in tmp_path.iterdir()] == ['precious.txt']
+
+
+def test_series_with_force_tracking_is_refused(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / 'parameters.yaml'
+    file.write_text(
+        'plant_node: {ros__parameters: {robot: {force_tracking: true}}}\n'
+        'estimator_node: {ros__parameters: {reference_law: series}}\n'
+    )
+    line = refusal(capfd, '--output', str(tmp_path / 'out'), '--params', str(file))
+    assert 'series' in line and 'force_tracking' in line
+    assert not (tmp_path / 'out').exists()
+
+
+def test_unknown_parameter_in_the_file_names_the_nearest(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / 'parameters.yaml'
+    file.write_text('plant_node: {ros__parameters: {environment: {stifness: 4.0}}}\n')
+    line = refusal(capfd, '--output', str(tmp_path / 'out'), '--params', str(file))
+    assert "did you mean 'environment.stiffness'" in line
