@@ -364,18 +364,16 @@ class ContactSession:
         return reference
 
     def _desired_at(self, stamp_ns: int, position: float) -> Desired:
-        """Take the newest wish for that instant; without any, rest where the robot was."""
-        newest = _newest(self._desired, stamp_ns)
-        if newest is not None:
-            return newest
+        """
+        Take the newest wish for that instant; without any, rest where the robot was.
+
+        A wish that nobody renews is a place to rest at, not a motion to go on with.
+
+        """
+        for stamp, desired in reversed(self._desired):
+            if stamp <= stamp_ns:
+                old = (stamp_ns - stamp) * 1e-9 > self.parameters.synchronisation.timeout_s
+                return desired._replace(velocity=0.0, acceleration=0.0) if old else desired
         if self._resting_position != self._resting_position:
             self._resting_position = position
         return Desired(self._resting_position, 0.0, 0.0, self.parameters.force_reference)
-
-
-def _newest(dated: deque[tuple[int, Any]], stamp_ns: int) -> Any:
-    """Find the newest entry with a stamp at or before the given one; None without any."""
-    for stamp, entry in reversed(dated):
-        if stamp <= stamp_ns:
-            return entry
-    return None

@@ -218,6 +218,12 @@ def session_results(samples: Iterable[ContactSample], **parameters: Any) -> list
     return results
 
 
+def _set_request(values: Mapping[str, Any]) -> Any:
+    return SetParameters.Request(parameters=[
+        Parameter(name, value=value).to_parameter_msg() for name, value in values.items()
+    ])
+
+
 class Listener:
     """
     A ROS node of the test, spun only while it waits for something.
@@ -266,13 +272,17 @@ class Listener:
 
     def call(self, service_type: Any, name: str, request: Any) -> Any:
         """Call a service and wait for its answer."""
+        future = self.begin_call(service_type, name, request)
+        self.spin_until(future.done, f'the answer of {name}')
+        return future.result()
+
+    def begin_call(self, service_type: Any, name: str, request: Any) -> Any:
+        """Call a service without waiting for its answer."""
         if name not in self._clients:
             self._clients[name] = self.node.create_client(service_type, name)
         client = self._clients[name]
         self.spin_until(client.service_is_ready, f'service {name}')
-        future = client.call_async(request)
-        self.spin_until(future.done, f'the answer of {name}')
-        return future.result()
+        return client.call_async(request)
 
 
 class Peer(Listener):
@@ -427,19 +437,13 @@ class Peer(Listener):
         if new:
             self._defaults.update(self.get(new))
         self._changed.update(values)
-        parameters = [
-            Parameter(name, value=value).to_parameter_msg() for name, value in values.items()
-        ]
-        request = SetParameters.Request(parameters=parameters)
+        request = _set_request(values)
         return list(self.call(SetParameters, f'{self.name}/set_parameters', request).results)
 
     def begin_change(self, **values: Any) -> Callable[[], bool]:
         """Ask for a change of parameters without waiting; tells when it is done."""
-        self._defaults.update(self.get(list(values)))
-        self._changed.update(values)
-        name = f'{self.name}/set_parameters'
-        parameters = [Parameter(n, value=v).to_parameter_msg() for n, v in values.items()]
-        future = self._clients[name].call_async(SetParameters.Request(parameters=parameters))
+        request = _set_request(values)
+        future = self.begin_call(SetParameters, f'{self.name}/set_parameters', request)
         return lambda: bool(future.done() and future.result().results[0].successful)
 
     def change(self, **values: Any) -> None:

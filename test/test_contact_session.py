@@ -186,9 +186,16 @@ def test_force_reference_stands_in_for_a_desired_force() -> None:
 
 def test_desired_position_passes_through_out_of_contact() -> None:
     session = session_for()
-    session.add_desired(PERIOD_NS, Desired(-0.02, 0.1, 0.5, nan))
+    session.add_desired(SAMPLES[0].stamp_ns + PERIOD_NS, Desired(-0.02, 0.1, 0.5, nan))
     (result,) = feed(session, SAMPLES[:1])
     assert result.reference == (-0.02, 0.1, 0.5, 0.0)
+
+
+def test_wish_that_nobody_renews_is_a_place_to_rest_at() -> None:
+    session = session_for()
+    session.add_desired(SAMPLES[0].stamp_ns - 200_000_000, Desired(-0.02, 0.1, 0.5, nan))
+    (result,) = feed(session, SAMPLES[:1])
+    assert result.reference == (-0.02, 0.0, 0.0, 0.0)
 
 
 def test_desired_of_the_future_waits_for_its_stamp() -> None:

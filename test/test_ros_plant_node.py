@@ -22,8 +22,15 @@ from typing import Any, Iterator
 
 import pytest
 from ros_processes import (
-    joint_state, JointState, JointTrajectory, Listener, node_process, PERIOD_NS, trajectory,
-    wait_until, WrenchStamped,
+    joint_state,
+    JointState,
+    JointTrajectory,
+    Listener,
+    node_process,
+    PERIOD_NS,
+    trajectory,
+    wait_until,
+    WrenchStamped,
 )
 
 START = -0.1

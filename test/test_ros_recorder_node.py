@@ -26,8 +26,15 @@ from contact_estimation.messages import RosbagsCodec, WrenchDecoder
 from contact_estimation.recordings import RecordingReader
 import pytest
 from ros_processes import (
-    estimator_and_peer, Listener, node_process, parameter_arguments, PERIOD_NS, run_module,
-    wait_until, wrench, WrenchStamped,
+    estimator_and_peer,
+    Listener,
+    node_process,
+    parameter_arguments,
+    PERIOD_NS,
+    run_module,
+    wait_until,
+    wrench,
+    WrenchStamped,
 )
 
 

@@ -20,7 +20,6 @@ from dataclasses import dataclass
 from math import nan, sqrt
 from typing import Sequence
 
-from filterpy.kalman import KalmanFilter
 import numpy as np
 
 from .estimator import Held, OnlineEstimator, Snapshot, TimedRow
@@ -77,6 +76,9 @@ class Kalman(OnlineEstimator):
 
     def start_from(self, stiffness: float, damping: float) -> None:
         """Begin anew with the prior; see `OnlineEstimator.start_from`."""
+        # Imported here: it loads scipy.stats, which takes longer than all the rest together.
+        from filterpy.kalman import KalmanFilter
+
         p = self._p
         self._filter = KalmanFilter(dim_x=3, dim_z=1)
         self._filter.x = np.array([[stiffness], [damping], [0.0]])

@@ -80,9 +80,13 @@ class RawSubscriptions:
                 'several times the CPU'
             )
         self._group = _NeverByExecutor() if self.dedicated else None
-        self._subscriptions: list[tuple[Any, Callback]] = []
+        self._waking: list[tuple[Any, Callback]] = []
+        self._quiet: list[tuple[Any, Callback]] = []
+        self._wait_set: Any = None
 
-    def subscribe(self, topic: str, type_name: str, qos: QoSProfile, callback: Callback) -> None:
+    def subscribe(
+        self, topic: str, type_name: str, qos: QoSProfile, callback: Callback, wakes: bool = True
+    ) -> None:
         """
         Subscribe to a topic; the callback gets the serialised message.
 
@@ -96,56 +100,57 @@ class RawSubscriptions:
             Quality of service.
         callback : callable
             Takes the bytes.
+        wakes : bool
+            False: such messages wait until one of another topic comes and are handed out before
+            it; each wake costs more than the message does.
 
         """
         subscription = self._node.create_subscription(
             message_class(type_name), topic, callback, qos, raw=True, callback_group=self._group
         )
-        self._subscriptions.append((subscription, callback))
+        (self._waking if wakes else self._quiet).append((subscription, callback))
 
-    def wait(self, timeout_ns: int) -> bool:
+    def wait(self, timeout_ns: int) -> None:
         """
-        Wait for messages and hand all that have come to their callbacks.
+        Wait for messages and hand those that have come to their callbacks.
 
         Parameters
         ----------
         timeout_ns : int
             Longest time to wait [ns].
 
-        Returns
-        -------
-        came : bool
-            Whether anything came.
-
         """
-        count = len(self._subscriptions)
-        wait_set = _WaitSet(count, 0, 0, 0, 0, 0, self._node.context.handle)
-        with wait_set:
-            wait_set.clear_entities()
-            for subscription, _ in self._subscriptions:
-                wait_set.add_subscription(subscription.handle)
-            wait_set.wait(max(0, timeout_ns))
-        return self.take_all()
+        waking = self._waking
+        if self._wait_set is None:
+            self._wait_set = _WaitSet(len(waking), 0, 0, 0, 0, 0, self._node.context.handle)
+        wait_set = self._wait_set
+        wait_set.clear_entities()
+        for subscription, _ in waking:
+            wait_set.add_subscription(subscription.handle)
+        wait_set.wait(max(0, timeout_ns))
+        ready = [place for place in range(len(waking))
+                 if wait_set.is_ready('subscription', place)]
+        if ready:
+            self._take_all(self._quiet)
+        for place in ready:
+            subscription, callback = waking[place]
+            taken = subscription.handle.take_message(subscription.msg_type, True)
+            if taken is not None:
+                callback(taken[0])
 
-    def take_all(self) -> bool:
-        """
-        Hand all waiting messages to their callbacks, without waiting.
+    def take_all(self) -> None:
+        """Hand all waiting messages to their callbacks, without waiting."""
+        self._take_all(self._quiet)
+        self._take_all(self._waking)
 
-        Returns
-        -------
-        came : bool
-            Whether anything had come.
-
-        """
-        came = False
-        for subscription, callback in self._subscriptions:
+    @staticmethod
+    def _take_all(subscriptions: list[tuple[Any, Callback]]) -> None:
+        for subscription, callback in subscriptions:
             take, message_type = subscription.handle.take_message, subscription.msg_type
             taken = take(message_type, True)
             while taken is not None:
-                came = True
                 callback(taken[0])
                 taken = take(message_type, True)
-        return came
 
 
 class DataThread:

@@ -95,12 +95,12 @@ class EstimatorNode(Node):
         self._desired = TrajectoryDecoder(codec)
         data = RawSubscriptions(self, self._own.dedicated_wait_set)
         # In this order they are served: a wrench finds the wish and the motion of its instant.
-        for topic, type_name, callback in (
-            (topics.DESIRED, topics.TRAJECTORY, self._on_desired),
-            (topics.JOINT_STATES, 'sensor_msgs/msg/JointState', self._on_joints),
-            (topics.WRENCH, 'geometry_msgs/msg/WrenchStamped', self._on_wrench),
+        for topic, type_name, callback, wakes in (
+            (topics.DESIRED, topics.TRAJECTORY, self._on_desired, False),
+            (topics.JOINT_STATES, 'sensor_msgs/msg/JointState', self._on_joints, True),
+            (topics.WRENCH, 'geometry_msgs/msg/WrenchStamped', self._on_wrench, True),
         ):
-            data.subscribe(topic, type_name, topics.INPUT_QOS, callback)
+            data.subscribe(topic, type_name, topics.INPUT_QOS, callback, wakes)
         self._thread = DataThread(data, self._diagnostics.failed)
 
     def start(self) -> None:

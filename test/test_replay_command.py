@@ -1,0 +1,321 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The command replay: what it writes, and one line on stderr for what it cannot read."""
+
+from __future__ import annotations
+
+import json
+from math import isnan
+from pathlib import Path
+import subprocess
+import sys
+from typing import NamedTuple
+
+from contact_estimation.commands import replay
+from contact_estimation.contact_session import ContactSession
+from contact_estimation.estimation_parameters import EstimationParameters
+from contact_estimation.estimators.estimator import Estimate
+from contact_estimation.messages import JointStateEncoder, RosbagsCodec, WrenchEncoder
+from contact_estimation.recordings import RecordingReader, RecordingWriter
+from core_runs import contact_samples
+import pytest
+
+SAMPLES = contact_samples(1.0, force_noise=0.5)
+BEGIN_NS = 1_750_000_000_000_000_000
+WRENCH, JOINT_STATE = 'geometry_msgs/msg/WrenchStamped', 'sensor_msgs/msg/JointState'
+COLUMNS = ('stiffness', 'damping', 'stiffness_std', 'damping_std')
+
+
+class Ended(NamedTuple):
+    """How the command has ended and what it has said."""
+
+    code: int
+    out: str
+    err: str
+
+
+class Command:
+    """The command replay in this process: an exception that escapes it fails the test."""
+
+    def __init__(self, capfd: pytest.CaptureFixture[str]) -> None:
+        self._capfd = capfd
+
+    def __call__(self, *arguments: object) -> Ended:
+        self._capfd.readouterr()
+        try:
+            code = replay.main([str(argument) for argument in arguments])
+        except SystemExit as end:
+            code = int(str(end.code))
+        return Ended(code, *self._capfd.readouterr())
+
+    def refusal(self, *arguments: object) -> str:
+        """Run where the command must refuse; return its one line."""
+        ended = self(*arguments)
+        lines = ended.err.strip().splitlines()
+        assert (ended.code, ended.out, len(lines)) == (1, '', 1), ended
+        assert lines[0].startswith('replay: ')
+        return lines[0]
+
+
+@pytest.fixture
+def command(capfd: pytest.CaptureFixture[str]) -> Command:
+    return Command(capfd)
+
+
+def write_recording(
+    path: Path, wrench: str = '/wrench', joints: str = '/joint_states', axis: int = 0
+) -> Path:
+    """Record the samples, 500 a second of log time."""
+    codec = RosbagsCodec()
+    wrenches = WrenchEncoder(codec, 'tool')
+    positions = JointStateEncoder(codec, 'tool', 'contact_x', True)
+    with RecordingWriter.file(path) as writer:
+        for stamp_ns, position, velocity, force in SAMPLES:
+            stamp_ns += BEGIN_NS
+            motion = positions.encode(stamp_ns, position, velocity)
+            writer.write(joints, JOINT_STATE, motion, stamp_ns)
+            forces = [5.0, 5.0, 5.0]
+            forces[axis] = force
+            writer.write(wrench, WRENCH, wrenches.encode(stamp_ns, *forces), stamp_ns)
+    return path
+
+
+def expected() -> list[Estimate]:
+    """Pass the samples through a session."""
+    session, estimates = ContactSession(EstimationParameters()), []
+    for stamp_ns, position, velocity, force in SAMPLES:
+        session.add_motion(stamp_ns + BEGIN_NS, position, velocity)
+        estimates += [r.estimate for r in session.add_wrench(stamp_ns + BEGIN_NS, force)]
+    return estimates
+
+
+@pytest.fixture(scope='module')
+def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return write_recording(tmp_path_factory.mktemp('replay') / 'a.mcap')
+
+
+def test_csv_has_a_row_a_sample_whose_numbers_keep_their_bits(
+    recording: Path, tmp_path: Path, command: Command
+) -> None:
+    assert command(recording, '--csv', tmp_path / 'a.csv').code == 0
+    header, *rows = (tmp_path / 'a.csv').read_text().splitlines()
+    assert header == 't,stiffness,damping,stiffness_std,damping_std,status'
+    for row, estimate in zip(rows, expected(), strict=True):
+        t, *numbers, status = row.split(',')
+        assert int(t.replace('.', '')) == estimate.stamp_ns
+        assert [float(n) for n in numbers] == [getattr(estimate, name) for name in COLUMNS]
+        assert status == estimate.status.value
+
+
+def test_json_has_the_keys_of_the_contract(
+    recording: Path, tmp_path: Path, command: Command
+) -> None:
+    assert command(recording, '--json', tmp_path / 'a.json').code == 0
+    summary = json.loads((tmp_path / 'a.json').read_text())
+    assert {
+        'estimator', 'samples', 'stiffness', 'damping', 'location', 'status', 'recorded_s',
+        'wall_s',
+    } <= set(summary)
+    last = expected()[-1]
+    assert (summary['stiffness'], summary['samples']) == (last.stiffness, len(SAMPLES))
+    assert summary['recorded_s'] == pytest.approx(0.002 * (len(SAMPLES) - 1))
+
+
+def test_mcap_output_is_read_by_rosbags(
+    recording: Path, tmp_path: Path, command: Command
+) -> None:
+    rosbags = pytest.importorskip('rosbags.highlevel')
+    store = pytest.importorskip('rosbags.typesys')
+    assert command(recording, '--output', tmp_path / 'out.mcap').code == 0
+    typestore = store.get_typestore(store.Stores.ROS2_JAZZY)
+    with rosbags.AnyReader([tmp_path / 'out.mcap'], default_typestore=typestore) as reader:
+        connections = [c for c in reader.connections if c.topic == '/estimator_node/stiffness']
+        vectors = [
+            reader.deserialize(raw, c.msgtype).vector
+            for c, _, raw in reader.messages(connections)
+        ]
+    assert [vector.x for vector in vectors] == [e.stiffness for e in expected()]
+    assert all(isnan(vector.y) and isnan(vector.z) for vector in vectors)
+
+
+def test_mcap_output_has_the_topics_of_the_node(
+    recording: Path, tmp_path: Path, command: Command
+) -> None:
+    command(recording, '--output', tmp_path / 'out.mcap')
+    topics = RecordingReader(tmp_path / 'out.mcap').topics()
+    assert {f'/estimator_node/{name}' for name in (*COLUMNS, 'status')} <= set(topics)
+
+
+def test_existing_mcap_output_is_refused(
+    recording: Path, tmp_path: Path, command: Command
+) -> None:
+    (tmp_path / 'out.mcap').write_bytes(b'precious')
+    assert 'never overwritten' in command.refusal(recording, '--output', tmp_path / 'out.mcap')
+    assert (tmp_path / 'out.mcap').read_bytes() == b'precious'
+
+
+@pytest.mark.parametrize('option', ['--csv', '--json', '--output'])
+def test_output_into_a_missing_folder_is_refused_and_leaves_nothing(
+    recording: Path, tmp_path: Path, command: Command, option: str
+) -> None:
+    line = command.refusal(recording, option, tmp_path / 'nowhere' / 'file')
+    assert 'does not exist' in line
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_estimator_and_parameters_can_be_chosen(
+    recording: Path, tmp_path: Path, command: Command
+) -> None:
+    file = tmp_path / 'parameters.yaml'
+    file.write_text(
+        'estimator_node: {ros__parameters: {axis: x, tuning: {rls: {forgetting_factor: 1.0}}}}'
+    )
+    ended = command(recording, '--estimator', 'rls', '--params', file)
+    assert ended.code == 0
+    assert ended.out.startswith(f'rls: {len(SAMPLES)} samples')
+
+
+def test_topics_and_axis_can_be_chosen(tmp_path: Path, command: Command) -> None:
+    path = write_recording(tmp_path / 'a.mcap', '/fts/wrench', '/robot/joints', axis=2)
+    ended = command(
+        path, '--topic', 'wrench:=/fts/wrench', '--topic', 'joint_states:=/robot/joints',
+        '--axis', 'z', '--joint', 'contact_x', '--json', tmp_path / 'a.json',
+    )
+    assert ended.code == 0
+    summary = json.loads((tmp_path / 'a.json').read_text())
+    assert summary['stiffness'] == expected()[-1].stiffness
+
+
+@pytest.mark.parametrize('share', [0.99, 0.7, 0.5, 0.35])
+def test_recording_cut_short_is_read_up_to_the_cut_with_a_note(
+    recording: Path, tmp_path: Path, command: Command, share: float
+) -> None:
+    path, whole = tmp_path / 'cut.mcap', recording.read_bytes()
+    path.write_bytes(whole[:int(share * len(whole))])
+    ended = command(path, '--csv', tmp_path / 'a.csv')
+    assert ended.code == 0
+    assert 'cut short' in ended.err
+    stiffness = [row.split(',')[1] for row in (tmp_path / 'a.csv').read_text().splitlines()[1:]]
+    assert stiffness == [repr(e.stiffness) for e in expected()][:len(stiffness)]
+
+
+@pytest.mark.parametrize('size', [0, 1, 8, 9, 60, 200])
+def test_recording_cut_before_the_first_message_is_refused(
+    recording: Path, tmp_path: Path, command: Command, size: int
+) -> None:
+    path = tmp_path / 'cut.mcap'
+    path.write_bytes(recording.read_bytes()[:size])
+    command.refusal(path)
+
+
+def test_cut_anywhere_never_ends_in_a_traceback(
+    recording: Path, tmp_path: Path, command: Command
+) -> None:
+    path, whole = tmp_path / 'cut.mcap', recording.read_bytes()
+    for size in range(5, len(whole), len(whole) // 40):
+        path.write_bytes(whole[:size])
+        ended = command(path)
+        assert ended.code == 0 or len(ended.err.strip().splitlines()) == 1, size
+
+
+def test_damaged_bytes_amid_the_recording_are_passed_over(
+    recording: Path, tmp_path: Path, command: Command
+) -> None:
+    path, content = tmp_path / 'damaged.mcap', bytearray(recording.read_bytes())
+    place = int(0.4 * len(content))  # in the second of three chunks
+    content[place:place + 500] = bytes(500)
+    path.write_bytes(content)
+    ended = command(path, '--json', tmp_path / 'a.json')
+    assert ended.code == 0
+    assert 'damaged' in ended.err
+    assert json.loads((tmp_path / 'a.json').read_text())['damaged_chunks'] >= 1
+
+
+def test_missing_topic_is_named_with_those_that_are_there(
+    tmp_path: Path, command: Command
+) -> None:
+    path = write_recording(tmp_path / 'a.mcap', wrench='/fts/wrench')
+    line = command.refusal(path)
+    assert '/wrench' in line and '/fts/wrench' in line and '--topic' in line
+
+
+def test_unknown_joint_is_refused_with_a_count(recording: Path, command: Command) -> None:
+    assert 'joint_unknown' in command.refusal(recording, '--joint', 'elbow')
+
+
+BAD_FILES = {
+    'empty.mcap': b'', 'garbage.mcap': bytes(range(256)) * 20, 'text.mcap': b'hello\n',
+    'zeros.mcap': bytes(10_000),
+}
+
+
+@pytest.mark.parametrize('name', BAD_FILES)
+def test_file_that_is_no_recording_is_refused_by_name(
+    tmp_path: Path, command: Command, name: str
+) -> None:
+    (tmp_path / name).write_bytes(BAD_FILES[name])
+    assert name in command.refusal(tmp_path / name)
+
+
+def test_missing_file_is_refused_by_name(tmp_path: Path, command: Command) -> None:
+    assert 'nowhere.mcap' in command.refusal(tmp_path / 'nowhere.mcap')
+
+
+def test_folder_without_recording_is_refused(tmp_path: Path, command: Command) -> None:
+    (tmp_path / 'notes.txt').write_text('none')
+    assert 'notes.txt' in command.refusal(tmp_path)
+
+
+WRONG = [
+    (['--estimator', 'kalmann'], "did you mean 'kalman'"),
+    (['--topic', 'wrench=/a'], 'NAME:=TOPIC'),
+    (['--topic', 'wrench:='], 'NAME:=TOPIC'),
+    (['--topic', 'force:=/a'], 'wrench'),
+    (['--topic', 'wrench:=/nothing'], '/nothing'),
+    (['--axis', 'w'], '--axis'),
+    (['--params', 'nowhere.yaml'], 'nowhere.yaml'),
+    (['--nonsense'], '--nonsense'),
+]
+
+
+@pytest.mark.parametrize('wrong, text', WRONG, ids=[' '.join(w[0]) for w in WRONG])
+def test_wrong_option_is_refused(
+    recording: Path, command: Command, wrong: list[str], text: str
+) -> None:
+    assert text in command.refusal(recording, *wrong)
+
+
+@pytest.mark.parametrize('text, part', [
+    ('estimator_node: [', 'not YAML'),
+    ('estimator_node: 5', 'ros__parameters'),
+    ('estimator_node: {ros__parameters: {estimater: rls}}', "did you mean 'estimator'"),
+    ('estimator_node: {ros__parameters: {sample_rate: -1.0}}', 'sample_rate'),
+    ('estimator_node: {ros__parameters: {sample_rate: fast}}', 'sample_rate'),
+])
+def test_wrong_parameter_file_is_refused(
+    recording: Path, tmp_path: Path, command: Command, text: str, part: str
+) -> None:
+    file = tmp_path / 'parameters.yaml'
+    file.write_text(text)
+    assert part in command.refusal(recording, '--params', file)
+
+
+def test_process_prints_one_line_and_no_traceback(tmp_path: Path) -> None:
+    run = subprocess.run(
+        [sys.executable, '-m', 'contact_estimation.commands.replay', 'nowhere.mcap'],
+        capture_output=True, text=True,
+    )
+    assert (run.returncode, run.stdout) == (1, '')
+    assert len(run.stderr.splitlines()) == 1
