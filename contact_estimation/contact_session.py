@@ -37,6 +37,23 @@ from .signals.synchronisation import Synchroniser
 _WISHES_KEPT = 64
 
 
+class Moment(NamedTuple):
+    """
+    A sample, told apart from one of the same stamp before time was set back.
+
+    Attributes
+    ----------
+    jumps : int
+        How often time had been set back before.
+    stamp_ns : int
+        Stamp of the sample [ns].
+
+    """
+
+    jumps: int
+    stamp_ns: int
+
+
 class Result(NamedTuple):
     """
     What one wrench sample has led to.
@@ -90,9 +107,11 @@ class ContactSession:
         self._generates = generate_reference
         self._generator = ReferenceGenerator(parameters.reference_law, parameters.reference)
         self._desired: deque[tuple[int, Desired]] = deque(maxlen=_WISHES_KEPT)
-        self._references: deque[tuple[int, Reference]] = deque()
+        self._references: deque[tuple[Moment, Reference]] = deque()
         self._followed = NO_REFERENCE
-        self._scheduled: deque[tuple[int, Callable[[], object]]] = deque()
+        self._scheduled: deque[tuple[Moment, Callable[[], object]]] = deque()
+        self._jumps = 0
+        self._frame_id = parameters.frame_id
         self._start_ns: int | None = None
         self._resting_position = nan
         self._period_ns = round(1e9 / parameters.sample_rate)
@@ -179,7 +198,7 @@ class ContactSession:
             self._desired.clear()  # time was set back, or the planner changed its mind
         self._desired.append((stamp_ns, Desired(desired.position, v, a, desired.force)))
 
-    def add_reference(self, stamp_ns: int, reference: Reference) -> None:
+    def add_reference(self, stamp_ns: int, reference: Reference, jumps: int = 0) -> None:
         """
         Take the reference that is in force, where it is not generated here.
 
@@ -191,9 +210,38 @@ class ContactSession:
             Instant from which the robot follows it [ns].
         reference : Reference
             x_r with derivatives.
+        jumps : int
+            How often time had been set back before.
 
         """
-        self._references.append((stamp_ns, reference))
+        self._references.append((Moment(jumps, stamp_ns), reference))
+
+    def accepts_frame(self, frame_id: str) -> bool:
+        """
+        Check the frame of a wrench; the first one counts where none is configured.
+
+        Parameters
+        ----------
+        frame_id : str
+            Of the wrench.
+
+        Returns
+        -------
+        accepted : bool
+            False: the wrench must not be added; it is counted as rejected.
+
+        """
+        if not self._frame_id:
+            self._frame_id = frame_id
+        if frame_id == self._frame_id:
+            return True
+        self.count_rejected('wrench_frame_id')
+        return False
+
+    @property
+    def frame_id(self) -> str:
+        """Frame of the wrenches; '' before the first."""
+        return self._frame_id
 
     def count_rejected(self, reason: str) -> None:
         """
@@ -209,19 +257,24 @@ class ContactSession:
 
     # -- events -----------------------------------------------------------------------------
 
-    def schedule(self, after_stamp_ns: int, action: Callable[[], object]) -> None:
+    @property
+    def moment(self) -> Moment:
+        """The last sample processed."""
+        return Moment(self._jumps, self.last_stamp_ns)
+
+    def schedule(self, after: Moment, action: Callable[[], object]) -> None:
         """
         Do something after one sample and before the next, whenever they come.
 
         Parameters
         ----------
-        after_stamp_ns : int
-            Stamp of the sample that it follows [ns]; in the order of the events.
+        after : Moment
+            The sample that it follows; in the order of the events.
         action : callable
             Called without arguments.
 
         """
-        self._scheduled.append((after_stamp_ns, action))
+        self._scheduled.append((after, action))
 
     def change_parameters(self, changes: Mapping[str, Any]) -> None:
         """
@@ -248,6 +301,18 @@ class ContactSession:
     def reset(self) -> None:
         """Go back to the first guess of K_e and B_e."""
         self.pipeline.reset()
+
+    def set_bias(self, bias: float) -> None:
+        """
+        Take a known force for zero, as an earlier tare has found it.
+
+        Parameters
+        ----------
+        bias : float
+            Subtracted from the measured F_e [N].
+
+        """
+        self.pipeline.set_bias(bias)
 
     def tare(self) -> tuple[bool, str]:
         """
@@ -311,7 +376,10 @@ class ContactSession:
             return 0
         if not self._scheduled:
             return len(samples)
-        return bisect.bisect_right(samples, self._scheduled[0][0], key=itemgetter(0))
+        jumps, stamp_ns = self._scheduled[0][0]
+        if jumps > self._jumps:
+            return len(samples)
+        return bisect.bisect_right(samples, stamp_ns, key=itemgetter(0))
 
     # -- one sample -------------------------------------------------------------------------
 
@@ -319,9 +387,10 @@ class ContactSession:
         if self._synchroniser.jumped:
             self._restart_time()
         stamp_ns = sample.stamp_ns
-        while self._scheduled and self._scheduled[0][0] < stamp_ns:
+        now = Moment(self._jumps, stamp_ns)
+        while self._scheduled and self._scheduled[0][0] < now:
             self._scheduled.popleft()[1]()
-        while self._references and self._references[0][0] <= stamp_ns:
+        while self._references and self._references[0][0] <= now:
             self._followed = self._references.popleft()[1]
         pipeline = self.pipeline
         estimate = pipeline.process(sample, self._followed)
@@ -332,12 +401,11 @@ class ContactSession:
 
     def _restart_time(self) -> None:
         self._synchroniser.jumped = False
-        while self._scheduled and self._scheduled[0][0] >= self.last_stamp_ns:
-            self._scheduled.popleft()[1]()
+        self._jumps += 1
         self.pipeline.restart_time()
         self._generator.reset()
-        self._references.clear()
         self._followed = NO_REFERENCE
+        self._resting_position = nan
         self._start_ns = None
         self.last_stamp_ns = -(2**63)
 
@@ -360,7 +428,7 @@ class ContactSession:
             estimate.stiffness,
         )
         if self.pipeline.estimator.follows_reference:
-            self._references.append((target_ns, Reference(*reference[:3])))
+            self.add_reference(target_ns, Reference(*reference[:3]), self._jumps)
         return reference
 
     def _desired_at(self, stamp_ns: int, position: float) -> Desired:

@@ -19,9 +19,8 @@ from __future__ import annotations
 import json
 from typing import Any, Mapping, NamedTuple
 
-from .contact_session import ContactSession
+from .contact_session import ContactSession, Moment
 from .exceptions import ContactEstimationError, RecordingError
-from .parameters import flatten
 
 START, CHANGE, RESET, TARE = 'start', 'set_parameters', 'reset', 'tare'
 
@@ -37,19 +36,27 @@ class EstimationEvent(NamedTuple):
     after_stamp_ns : int
         It took effect after the sample with this stamp and before the next [ns].
     parameters : mapping
-        All parameters at start, the changed ones of a change; else empty.
+        All parameters at start, the changed ones of a change, {'force_bias': N} of a tare.
+    jumps : int
+        How often time had been set back before.
 
     """
 
     kind: str
     after_stamp_ns: int
     parameters: Mapping[str, Any]
+    jumps: int = 0
+
+    @property
+    def moment(self) -> Moment:
+        """The sample after which it took effect."""
+        return Moment(self.jumps, self.after_stamp_ns)
 
     def to_text(self) -> str:
         """Write the event as one line of JSON."""
         return json.dumps(
             {'event': self.kind, 'after_stamp_ns': self.after_stamp_ns,
-             'parameters': dict(self.parameters)}
+             'time_jumps': self.jumps, 'parameters': dict(self.parameters)}
         )
 
     @classmethod
@@ -76,7 +83,8 @@ class EstimationEvent(NamedTuple):
         try:
             content = json.loads(text)
             return cls(
-                content['event'], int(content['after_stamp_ns']), dict(content['parameters'])
+                content['event'], int(content['after_stamp_ns']), dict(content['parameters']),
+                int(content['time_jumps']),
             )
         except (ValueError, KeyError, TypeError) as error:
             raise RecordingError(
@@ -84,22 +92,29 @@ class EstimationEvent(NamedTuple):
             ) from error
 
 
-def start_event(session: ContactSession) -> EstimationEvent:
+def event_now(
+    session: ContactSession, kind: str, parameters: Mapping[str, Any]
+) -> EstimationEvent:
     """
-    Describe how a session starts.
+    Describe what has just been done to a session.
 
     Parameters
     ----------
     session : ContactSession
-        Not yet fed.
+        It.
+    kind : str
+        'start', 'set_parameters', 'reset' or 'tare'.
+    parameters : mapping
+        As in `EstimationEvent`.
 
     Returns
     -------
     event : EstimationEvent
-        With all parameters.
+        After the last sample processed.
 
     """
-    return EstimationEvent(START, session.last_stamp_ns, flatten(session.parameters))
+    jumps, stamp_ns = session.moment
+    return EstimationEvent(kind, stamp_ns, parameters, jumps)
 
 
 def apply_event(session: ContactSession, event: EstimationEvent) -> None:
@@ -124,4 +139,4 @@ def apply_event(session: ContactSession, event: EstimationEvent) -> None:
     elif event.kind == RESET:
         session.reset()
     elif event.kind == TARE:
-        session.tare()
+        session.set_bias(event.parameters['force_bias'])

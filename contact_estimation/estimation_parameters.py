@@ -51,6 +51,16 @@ class EstimationParameters(ParameterGroup):
         500.0, 'Nominal rate of the wrench; filters and relations are built for it', 'Hz',
         minimum=1.0, maximum=1e5,
     )
+    axis: str = parameter(
+        'x', 'Force axis of the contact', choices=('x', 'y', 'z'), read_only=True
+    )
+    joint: str = parameter(
+        '', 'Joint whose position is the contact axis; empty: the only one', read_only=True
+    )
+    frame_id: str = parameter(
+        '', 'Expected frame of the wrench; empty: that of the first one. Others are rejected',
+        read_only=True,
+    )
     environment: EnvironmentParameters = group(EnvironmentParameters)
     conditioning: ConditioningParameters = group(ConditioningParameters)
     contact: ContactParameters = group(ContactParameters)

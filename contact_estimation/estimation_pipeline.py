@@ -164,6 +164,18 @@ class EstimationPipeline:
         """
         return self._conditioner.tare()
 
+    def set_bias(self, bias: float) -> None:
+        """
+        Take a known force for zero.
+
+        Parameters
+        ----------
+        bias : float
+            Subtracted from the measured F_e [N].
+
+        """
+        self._conditioner.set_bias(bias)
+
     @property
     def bias(self) -> float:
         """Force that is subtracted from the measured F_e, set by `tare` [N]."""

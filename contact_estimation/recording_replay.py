@@ -55,10 +55,6 @@ class RecordingSource:
     ----------
     wrench, joint_states, reference_trajectory : str
         Topics.
-    axis : str
-        Force axis: 'x', 'y' or 'z'.
-    joint : str
-        Joint of the contact axis; '' is the only one.
     events : str
         Topic of the estimator node's events.
 
@@ -67,8 +63,6 @@ class RecordingSource:
     wrench: str = 'wrench'
     joint_states: str = 'joint_states'
     reference_trajectory: str = 'reference_trajectory'
-    axis: str = 'x'
-    joint: str = ''
     events: str = 'estimator_node/events'
 
 
@@ -102,12 +96,14 @@ class RecordingReplay:
         recorded = from_metadata(reader.metadata())
         parameters = build(EstimationParameters, {**_still_known(recorded), **chosen})
         self.session = ContactSession(parameters, generate_reference=False)
+        self._axis = parameters.axis
         codec: Codec = RosbagsCodec()
         self._codec = codec
         self._wrench = WrenchDecoder(codec)
-        self._joints = JointStateDecoder(codec, source.joint)
+        self._joints = JointStateDecoder(codec, parameters.joint)
         self._references = TrajectoryDecoder(codec)
         self._left_over: list[RecordedMessage] = []
+        self._last_reference_ns, self._reference_jumps = -(2**63), 0
 
     def estimates(self) -> Iterator[list[Estimate]]:
         """
@@ -175,7 +171,7 @@ class RecordingReplay:
         event = EstimationEvent.from_text(text)
         kept = {k: v for k, v in event.parameters.items() if k not in self._chosen}
         event = event._replace(parameters=kept)
-        self.session.schedule(event.after_stamp_ns, partial(apply_event, self.session, event))
+        self.session.schedule(event.moment, partial(apply_event, self.session, event))
 
     def _add_reference(self, raw: bytes) -> None:
         try:
@@ -184,7 +180,11 @@ class RecordingReplay:
             self.session.count_rejected(f'reference_{error.reason}')
             return
         rates = (0.0 if rate != rate else rate for rate in (v, a))
-        self.session.add_reference(stamp_ns, Reference(x, *rates))
+        jump_ns = self.session.parameters.synchronisation.time_jump_s * 1e9
+        if stamp_ns < self._last_reference_ns - jump_ns:
+            self._reference_jumps += 1
+        self._last_reference_ns = stamp_ns
+        self.session.add_reference(stamp_ns, Reference(x, *rates), self._reference_jumps)
 
     def _process(self, batch: list[RecordedMessage]) -> list[Estimate]:
         """Take a batch at once where it is regular, else message by message."""
@@ -220,7 +220,11 @@ class RecordingReplay:
         readings = self._joints.decode_many(motions) if forces else None
         if not forces or not readings or not np.array_equal(forces[0], readings[0]):
             return None
-        force = forces[1 + 'xyz'.index(self._source.axis)]
+        frame_id = self._wrench.frame_id
+        if self.session.frame_id not in ('', frame_id):
+            return None
+        self.session.accepts_frame(frame_id)
+        force = forces[1 + 'xyz'.index(self._axis)]
         return self.session.add_pairs(forces[0], force, readings[1], readings[2])
 
     def _unpaired(
@@ -239,12 +243,14 @@ class RecordingReplay:
     def _process_one_by_one(self, messages: list[RecordedMessage]) -> list[Estimate]:
         results: list[Result] = []
         session, wrench_topic = self.session, self._source.wrench
-        force_of = FORCE_OF_AXIS[self._source.axis]
+        force_of = FORCE_OF_AXIS[self._axis]
         decode_wrench, decode_joints = self._wrench.decode, self._joints.decode
         for topic, _, data in messages:
             try:
                 if topic == wrench_topic:
                     reading = decode_wrench(data)
+                    if not session.accepts_frame(reading.frame_id):
+                        continue
                     results += session.add_wrench(reading[0], force_of(reading))
                 else:
                     results += session.add_motion(*decode_joints(data))

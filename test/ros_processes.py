@@ -396,7 +396,7 @@ class Peer(Listener):
         return {stamp: m.points[0].positions[0] for stamp, m in self.references.items()}
 
     def values(self, name: str) -> dict[int, float]:
-        """Published values on the contact axis by their stamps."""
+        """Return published values on the contact axis by their stamps."""
         return {stamp: message.vector.x for stamp, message in self.heard[name].items()}
 
     def statuses(self) -> list[str]:

@@ -107,7 +107,7 @@ def test_parameter_can_be_set_to_its_maximum_in_contact(spec: ParameterSpecifica
     assert survives(spec.name, type(spec.default)(spec.maximum or 0))
 
 
-@pytest.mark.parametrize('spec', SPECIFICATIONS, ids=name_of)
+@pytest.mark.parametrize('spec', CHANGEABLE, ids=name_of)
 def test_wrong_type_is_refused_by_name_and_changes_nothing(spec: ParameterSpecification) -> None:
     session = session_for()
     before = session.parameters

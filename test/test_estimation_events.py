@@ -16,18 +16,19 @@
 
 from __future__ import annotations
 
-from contact_estimation.contact_session import ContactSession
+from contact_estimation.contact_session import ContactSession, Moment
 from contact_estimation.estimation_events import (
     apply_event,
     CHANGE,
     EstimationEvent,
+    event_now,
     RESET,
-    start_event,
+    START,
     TARE,
 )
 from contact_estimation.estimation_parameters import EstimationParameters
 from contact_estimation.exceptions import RecordingError
-from contact_estimation.parameters import build
+from contact_estimation.parameters import build, flatten
 from core_runs import contact_samples
 import pytest
 
@@ -35,7 +36,7 @@ SAMPLES = contact_samples(0.3)
 EVENTS = [
     EstimationEvent(CHANGE, 12, {'estimator': 'rls', 'conditioning.cutoff_frequency': 20.0}),
     EstimationEvent(RESET, 34, {}),
-    EstimationEvent(TARE, -(2**63), {}),
+    EstimationEvent(TARE, -(2**63), {'force_bias': 0.125}, 1),
 ]
 
 
@@ -55,7 +56,9 @@ def test_event_survives_its_text(event: EstimationEvent) -> None:
 
 def test_start_event_restores_all_parameters() -> None:
     parameters = build(EstimationParameters, {'estimator': 'kalman', 'sample_rate': 400.0})
-    event = EstimationEvent.from_text(start_event(ContactSession(parameters)).to_text())
+    event = EstimationEvent.from_text(
+        event_now(ContactSession(parameters), START, flatten(parameters)).to_text()
+    )
     assert repr(build(EstimationParameters, event.parameters)) == repr(parameters)
 
 
@@ -71,7 +74,7 @@ def test_scheduled_event_acts_where_the_live_one_did(event: EstimationEvent) -> 
     expected = feed(live, 0, 300)
     apply_event(live, event)
     expected += feed(live, 300, len(SAMPLES))
-    replay.schedule(SAMPLES[299].stamp_ns, lambda: apply_event(replay, event))
+    replay.schedule(Moment(0, SAMPLES[299].stamp_ns), lambda: apply_event(replay, event))
     assert feed(replay, 0, len(SAMPLES)) == expected
 
 

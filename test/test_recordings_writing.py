@@ -69,7 +69,8 @@ def folder(tmp_path: Path) -> Any:
 
 
 def test_rosbags_reads_every_message_of_a_folder(folder: Any) -> None:
-    with AnyReader([folder]) as reader:
+    with AnyReader([folder]) as opened:
+        reader: Any = opened
         assert reader.message_count == 1010
         forces = [
             reader.deserialize(raw, connection.msgtype).wrench.force.x

@@ -201,16 +201,6 @@ def test_replay_leaves_out_a_wrench_of_another_frame(recording: Recording) -> No
     assert_same(recorded, recording.replayed(), samples)
 
 
-def test_another_estimator_can_be_chosen_for_replay(recording: Recording) -> None:
-    peer, samples = recording.peer, moved(CONTACT, recording.begin_ns)
-    peer.feed(samples)
-    recorded = recording.finish(samples[-1].stamp_ns)
-    last = samples[-1].stamp_ns
-    replayed = recording.replayed(estimator='rls')['stiffness'][last]
-    assert replayed != recorded['stiffness'][last]
-    assert replayed == pytest.approx(4800.0, rel=0.05)
-
-
 def test_replay_of_a_recording_begun_after_a_tare_equals_the_node(tmp_path: Path) -> None:
     for peer in estimator_and_peer(tmp_path / 'estimator', diagnostics_rate=10.0):
         begin_ns = peer.begin_ns + 10**9

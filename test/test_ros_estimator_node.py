@@ -89,11 +89,19 @@ def test_reference_is_stamped_one_period_after_the_wrench(peer: Peer) -> None:
 def test_desired_trajectory_passes_through_in_free_flight(peer: Peer) -> None:
     samples = moved(FREE, peer.begin_ns)
     peer.wish(peer.begin_ns, 0.125, 30.0, 0.5, -2.0)
-    peer.feed(samples[:1])
-    peer.feed(samples[1:])
-    point = peer.references[samples[-1].stamp_ns + PERIOD_NS].points[0]
+    peer.feed(samples)
+    point = peer.references[samples[20].stamp_ns + PERIOD_NS].points[0]
     numbers = [point.positions, point.velocities, point.accelerations, point.effort]
     assert [list(n) for n in numbers] == [[0.125], [0.5], [-2.0], [0.0]]
+
+
+def test_desired_trajectory_that_nobody_renews_is_a_place_to_rest_at(peer: Peer) -> None:
+    samples = moved(FREE, peer.begin_ns)
+    peer.wish(peer.begin_ns, 0.125, 30.0, 0.5, -2.0)
+    peer.feed(samples)
+    point = peer.references[samples[-1].stamp_ns + PERIOD_NS].points[0]
+    numbers = [point.positions, point.velocities, point.accelerations]
+    assert [list(n) for n in numbers] == [[0.125], [0.0], [0.0]]
 
 
 @pytest.mark.parametrize('law, K_t', [('eq20', None), ('series', 4000.0)])

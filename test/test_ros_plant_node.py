@@ -18,11 +18,10 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Any, Iterator
+from typing import Any, Iterator, NamedTuple
 
 import pytest
 from ros_processes import (
-    joint_state,
     JointState,
     JointTrajectory,
     Listener,
@@ -70,49 +69,65 @@ def user() -> Iterator[RobotUser]:
 
 @pytest.fixture
 def still(tmp_path: Path) -> str:
-    """An experiment in which the planner wants the robot to stay."""
+    """Write an experiment in which the planner wants the robot to stay."""
     file = tmp_path / 'still.yaml'
     file.write_text(STILL)
     return str(file)
 
 
-def test_samples_are_stamped_exactly_and_summed_up(
-    tmp_path: Path, user: RobotUser, still: str
-) -> None:
-    file = tmp_path / 'summary.json'
-    with node_process(
-        tmp_path, 'plant_node', experiment=still, duration=0.4, summary_file=file
-    ) as process:
-        user.hear_to_the_end(process, 200)
-        assert process.end().code == 0
-    summary = json.loads(file.read_text())
-    begin_ns = summary['begin_stamp_ns']
-    stamps = [begin_ns + k * PERIOD_NS for k in range(200)]
-    assert list(user.heard['wrench']) == list(user.heard['joints']) == stamps
-    assert list(user.heard['wishes']) == [stamp + PERIOD_NS for stamp in stamps]
-    assert (summary['samples_sent'], summary['samples_lost']) == (200, 200)
-    assert summary['last_contact_stamp_ns'] is None
+class NoisyRun(NamedTuple):
+    """What a listener has heard of a whole run, and what the plant says of it."""
+
+    heard: dict[str, dict[int, Any]]
+    summary: dict[str, Any]
+
+    @property
+    def forces(self) -> list[float]:
+        """Measured forces in order."""
+        return [message.wrench.force.x for message in self.heard['wrench'].values()]
 
 
-def noisy_forces(folder: Path, experiment: str, seed: int) -> list[float]:
-    """Run the plant with noise and return all it has measured."""
-    user = RobotUser()
+def noisy_run(folder: Path, seed: int) -> NoisyRun:
+    """Run the plant with noise and names of its own for 0.2 s."""
+    user, experiment, summary = RobotUser(), folder / 'still.yaml', folder / 'summary.json'
+    experiment.write_text(STILL)
     with node_process(
-        folder, 'plant_node', experiment=experiment, duration=0.1, seed=seed,
-        sensors__force_noise=1.0,
+        folder, 'plant_node', experiment=experiment, duration=0.2, seed=seed,
+        sensors__force_noise=1.0, summary_file=summary, joint='slider', frame_id='probe',
     ) as process:
-        user.hear_to_the_end(process, 50)
-    forces = user.forces()
+        user.hear_to_the_end(process, 100)
     user.close()
-    return forces
+    return NoisyRun(user.heard, json.loads(summary.read_text()))
 
 
-def test_same_seed_gives_the_same_noise_and_another_seed_another(
-    tmp_path: Path, still: str
+@pytest.fixture(scope='module')
+def run(tmp_path_factory: pytest.TempPathFactory) -> NoisyRun:
+    return noisy_run(tmp_path_factory.mktemp('plant'), seed=7)
+
+
+def test_samples_are_stamped_exactly_with_the_period(run: NoisyRun) -> None:
+    stamps = [run.summary['begin_stamp_ns'] + k * PERIOD_NS for k in range(100)]
+    assert list(run.heard['wrench']) == list(run.heard['joints']) == stamps
+    assert list(run.heard['wishes']) == [stamp + PERIOD_NS for stamp in stamps]
+
+
+def test_summary_counts_what_was_sent_and_never_answered(run: NoisyRun) -> None:
+    assert (run.summary['samples_sent'], run.summary['samples_lost']) == (100, 100)
+    assert run.summary['last_contact_stamp_ns'] is None
+
+
+def test_joint_is_named_and_wrench_framed_as_configured(run: NoisyRun) -> None:
+    assert {(*m.name, *m.position) for m in run.heard['joints'].values()} == {('slider', START)}
+    assert {m.header.frame_id for m in run.heard['wrench'].values()} == {'probe'}
+
+
+@pytest.mark.parametrize('seed, same', [(7, True), (8, False)])
+def test_noise_is_that_of_the_seed(
+    run: NoisyRun, tmp_path: Path, seed: int, same: bool
 ) -> None:
-    first = noisy_forces(tmp_path / '1', still, seed=7)
-    assert noisy_forces(tmp_path / '2', still, seed=7) == first
-    assert not set(noisy_forces(tmp_path / '3', still, seed=8)) & set(first)
+    forces = noisy_run(tmp_path, seed).forces
+    assert (forces == run.forces) is same
+    assert bool(set(forces) & set(run.forces)) is same
 
 
 def test_reference_is_followed_from_its_stamp_on_and_not_before(
@@ -183,16 +198,3 @@ def test_interrupt_ends_the_plant_and_keeps_its_summary(
     wait_until(file.exists, 'the summary')
     assert (finished.code, finished.stderr) == (0, '')
     assert json.loads(file.read_text())['samples_sent'] >= len(user.heard['wrench']) > 0
-
-
-def test_joint_is_named_and_wrench_framed_as_configured(
-    tmp_path: Path, user: RobotUser, still: str
-) -> None:
-    with node_process(
-        tmp_path, 'plant_node', experiment=still, duration=0.02, joint='slider', frame_id='probe'
-    ) as process:
-        user.hear_to_the_end(process, 10)
-    like = joint_state(0, START, 0.0, ['slider'])
-    for message in user.heard['joints'].values():
-        assert (message.name, message.position) == (like.name, like.position)
-    assert {m.header.frame_id for m in user.heard['wrench'].values()} == {'probe'}

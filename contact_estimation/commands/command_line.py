@@ -84,8 +84,8 @@ def add_source_options(parser: argparse.ArgumentParser) -> None:
         '--topic', action='append', default=[], metavar='NAME:=TOPIC',
         help='read TOPIC as NAME, one of ' + ', '.join(TOPICS) + '; may be given several times',
     )
-    parser.add_argument('--axis', choices=('x', 'y', 'z'), default='x', help='force axis')
-    parser.add_argument('--joint', default='', help='joint of the contact axis (the only one)')
+    parser.add_argument('--axis', choices=('x', 'y', 'z'), help='force axis (x)')
+    parser.add_argument('--joint', help='joint of the contact axis (the only one)')
 
 
 def source_of(options: Any) -> RecordingSource:
@@ -100,7 +100,7 @@ def source_of(options: Any) -> RecordingSource:
     Returns
     -------
     source : RecordingSource
-        Topics, axis and joint.
+        The topics.
 
     Raises
     ------
@@ -118,7 +118,7 @@ def source_of(options: Any) -> RecordingSource:
         if name.strip('/') not in TOPICS:
             raise UnknownNameError.among('--topic', name, TOPICS)
         names[name.strip('/')] = topic
-    return RecordingSource(axis=options.axis, joint=options.joint, **names)
+    return RecordingSource(**names)
 
 
 def new_file(path: str) -> Path:

@@ -84,7 +84,7 @@ def run(options: Any) -> int:
     last: Estimate | None = None
     samples = 0
     with ExitStack() as stack:
-        files = _open_files(options, stack)
+        files = _open_files(options, replay.session.parameters.axis, stack)
         for estimates in replay.estimates():
             if not estimates:
                 continue
@@ -122,15 +122,18 @@ def _chosen(options: Any) -> dict[str, Any]:
         if options.estimator not in ESTIMATORS:
             raise UnknownNameError.among('estimator', options.estimator, ESTIMATORS)
         chosen['estimator'] = options.estimator
+    for name in ('axis', 'joint'):
+        if getattr(options, name) is not None:
+            chosen[name] = getattr(options, name)
     return chosen
 
 
-def _open_files(options: Any, stack: ExitStack) -> list[EstimateFile]:
+def _open_files(options: Any, axis: str, stack: ExitStack) -> list[EstimateFile]:
     files: list[EstimateFile] = []
     if options.csv:
         files.append(stack.enter_context(CsvEstimates(new_file(options.csv))))
     if options.output:
-        files.append(stack.enter_context(McapEstimates(new_file(options.output), options.axis)))
+        files.append(stack.enter_context(McapEstimates(new_file(options.output), axis)))
     return files
 
 

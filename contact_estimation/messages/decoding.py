@@ -73,9 +73,14 @@ class WrenchDecoder:
         sec, nanosec, x, y, z = self._reader.read(raw)
         return WrenchReading(sec * _NS_PER_S + nanosec, self._reader.note, x, y, z)
 
+    @property
+    def frame_id(self) -> str:
+        """Frame of the message read last."""
+        return self._reader.note
+
     def decode_many(self, raws: Sequence[bytes]) -> tuple[Any, ...] | None:
         """
-        Read many messages at once.
+        Read many messages at once; all have the frame of the first.
 
         Parameters
         ----------

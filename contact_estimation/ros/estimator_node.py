@@ -33,12 +33,12 @@ from .parameters import declare, serve_changes
 from .rclpy_codec import RclpyCodec
 from .running import run_node
 from ..contact_session import ContactSession, Result
-from ..estimation_events import CHANGE, EstimationEvent, RESET, start_event, TARE
+from ..estimation_events import CHANGE, EstimationEvent, event_now, RESET, START, TARE
 from ..estimation_parameters import EstimationParameters
 from ..estimators.estimator import Estimate
 from ..exceptions import MessageError
 from ..messages import FORCE_OF_AXIS, JointStateDecoder, TrajectoryDecoder, WrenchDecoder
-from ..parameters import build, changed, ParameterSpecification, specifications, without
+from ..parameters import build, changed, flatten, ParameterSpecification, specifications, without
 from ..reference.experiment import Desired
 
 PURPOSE = 'estimator_node: estimate contact stiffness and damping, publish a reference trajectory'
@@ -72,12 +72,12 @@ class EstimatorNode(Node):
         self._session = ContactSession(build(EstimationParameters, estimation))
         self._lock = Lock()
         self._last: Estimate | None = None
-        self._frame_id: str | None = self._own.frame_id or None
-        self._outputs = EstimatePublishers(self, self._own.joint)
-        self._outputs.use(self._own.frame_id, self._own.axis)
-        self._force = FORCE_OF_AXIS[self._own.axis]
+        parameters = self._session.parameters
+        self._outputs = EstimatePublishers(self, parameters.joint)
+        self._outputs.use(parameters.frame_id, parameters.axis)
+        self._force = FORCE_OF_AXIS[parameters.axis]
         self._events = self.create_publisher(String, '~/events', topics.EVENTS_QOS)
-        self._event(start_event(self._session))
+        self._event(event_now(self._session, START, flatten(self._session.parameters)))
         self._diagnostics = EstimatorDiagnostics(self.get_name(), self._own.silence_s)
         self._subscribe()
         self._diagnostics_publisher = self.create_publisher(
@@ -91,7 +91,7 @@ class EstimatorNode(Node):
     def _subscribe(self) -> None:
         codec = RclpyCodec()
         self._wrench = WrenchDecoder(codec)
-        self._joints = JointStateDecoder(codec, self._own.joint)
+        self._joints = JointStateDecoder(codec, self._session.parameters.joint)
         self._desired = TrajectoryDecoder(codec)
         data = RawSubscriptions(self, self._own.dedicated_wait_set)
         # In this order they are served: a wrench finds the wish and the motion of its instant.
@@ -121,8 +121,10 @@ class EstimatorNode(Node):
             except MessageError as error:
                 self._session.count_rejected(f'wrench_{error.reason}')
                 return
-            if reading.frame_id != self._frame_id and not self._accept_frame(reading.frame_id):
+            if not self._session.accepts_frame(reading.frame_id):
                 return
+            if reading.frame_id != self._outputs.frame_id:
+                self._outputs.use(reading.frame_id, self._session.parameters.axis)
             self._publish(self._session.add_wrench(reading.stamp_ns, self._force(reading)))
 
     def _on_joints(self, raw: bytes) -> None:
@@ -143,14 +145,6 @@ class EstimatorNode(Node):
                 return
             self._session.add_desired(stamp_ns, Desired(*wish))
 
-    def _accept_frame(self, frame_id: str) -> bool:
-        if self._frame_id is None:
-            self._frame_id = frame_id
-            self._outputs.use(frame_id, self._own.axis)
-            return True
-        self._session.count_rejected('wrench_frame_id')
-        return False
-
     def _publish(self, results: Sequence[Result]) -> None:
         for result in results:
             self._outputs.publish(result, self._own.publish_target_pose)
@@ -165,22 +159,14 @@ class EstimatorNode(Node):
             new_own = changed(self._own, own)
             if estimation:
                 self._session.change_parameters(estimation)
-                self._event(EstimationEvent(CHANGE, self._session.last_stamp_ns, estimation))
-            self._use_own(new_own)
-
-    def _use_own(self, new: EstimatorNodeParameters) -> None:
-        old, self._own = self._own, new
-        self._force = FORCE_OF_AXIS[new.axis]
-        self._diagnostics.silence_s = new.silence_s
-        if new.frame_id != old.frame_id:
-            self._frame_id = new.frame_id or None
-        if (new.axis, new.frame_id) != (old.axis, old.frame_id):
-            self._outputs.use(self._frame_id or '', new.axis)
+                self._event(event_now(self._session, CHANGE, estimation))
+            self._own = new_own
+            self._diagnostics.silence_s = new_own.silence_s
 
     def _on_reset(self, request: Any, response: Any) -> Any:
         with self._lock:
             self._session.reset()
-            self._event(EstimationEvent(RESET, self._session.last_stamp_ns, {}))
+            self._event(event_now(self._session, RESET, {}))
         response.success, response.message = True, 'estimate is the first guess again'
         return response
 
@@ -188,7 +174,8 @@ class EstimatorNode(Node):
         with self._lock:
             response.success, response.message = self._session.tare()
             if response.success:
-                self._event(EstimationEvent(TARE, self._session.last_stamp_ns, {}))
+                bias = {'force_bias': self._session.pipeline.bias}
+                self._event(event_now(self._session, TARE, bias))
         return response
 
     def _event(self, event: EstimationEvent) -> None:

@@ -23,15 +23,8 @@ from ..parameters import parameter, ParameterGroup
 
 @dataclass(frozen=True)
 class EstimatorNodeParameters(ParameterGroup):
-    """Names, rates and options of the node."""
+    """Rates and options of the node."""
 
-    axis: str = parameter('x', 'Force axis of the contact', choices=('x', 'y', 'z'))
-    joint: str = parameter(
-        '', 'Joint whose position is the contact axis; empty: the only one', read_only=True
-    )
-    frame_id: str = parameter(
-        '', 'Expected frame of the wrench; empty: that of the first one. Others are rejected'
-    )
     diagnostics_rate: float = parameter(
         2.0, 'Rate of /diagnostics', 'Hz', minimum=1.0, maximum=10.0, read_only=True
     )

@@ -22,6 +22,7 @@ from typing import Callable, Iterable, Protocol, Sequence
 
 import rclpy
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.logging import LoggingSeverity, set_logger_level
 from rclpy.node import Node
 
 from ..exceptions import ContactEstimationError
@@ -76,7 +77,10 @@ def run_node(
     if 'HOME' not in os.environ:
         os.environ.setdefault('ROS_LOG_DIR', '/tmp')
     try:
+        # rcl would print the error of a parameter file before we do, over several lines.
+        set_logger_level('rcl', LoggingSeverity.FATAL)
         rclpy.init(args=['node', *arguments])
+        set_logger_level('rcl', LoggingSeverity.UNSET)
     except Exception as error:  # noqa: B902 - rcl's own errors share no base class
         print(f'cannot start: {_one_line(error)}', file=sys.stderr)
         return 1

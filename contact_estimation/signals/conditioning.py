@@ -157,10 +157,22 @@ class Conditioner:
             return False, 'in contact; move away from the wall and try again'
         if len(self._free) < (self._free.maxlen or 0):
             return False, f'out of contact for less than {_TARE_S} s; wait and try again'
-        self.bias -= sum(self._free) / len(self._free)
+        self.set_bias(self.bias - sum(self._free) / len(self._free))
+        return True, f'force bias is now {self.bias:.6g} N'
+
+    def set_bias(self, bias: float) -> None:
+        """
+        Take a force for zero.
+
+        Parameters
+        ----------
+        bias : float
+            Subtracted from the measured F_e [N].
+
+        """
+        self.bias = bias
         self._free.clear()
         self.detector.level = 0.0
-        return True, f'force bias is now {self.bias:.6g} N'
 
     def process(self, samples: Sequence[ContactSample]) -> Conditioned:
         """

@@ -28,6 +28,7 @@ from .contact_sample import ContactSample
 from ..parameters import parameter, ParameterGroup
 
 Motion = tuple[int, float, float]  # stamp_ns, position, velocity
+_MOTIONS_KEPT = 10_000  # where no wrench comes
 _NOTHING: tuple[ContactSample, ...] = ()
 
 
@@ -249,9 +250,11 @@ class Synchroniser:
         self._wrenches.clear()
 
     def _drop_old_motions(self) -> None:
-        # Keeps one before the last wrench, to interpolate from.
-        motions, limit = self._motions, self._last_motion_ns - 2 * self._timeout_ns
-        while len(motions) > 1 and motions[1][0] < limit:
+        # Keeps one at or before the last wrench, to interpolate from, and all after it.
+        motions, limit = self._motions, self._last_wrench_ns
+        if limit > self._last_motion_ns + self._jump_ns:
+            limit = -(2**63)  # time was set back, and the wrenches have not followed yet
+        while len(motions) > 1 and (motions[1][0] <= limit or len(motions) > _MOTIONS_KEPT):
             motions.popleft()
 
     def _pair(self) -> list[ContactSample]:
