@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 from .estimation_parameters import EstimationParameters
 from .estimation_pipeline import EstimationPipeline, NO_REFERENCE
 from .estimators.estimator import Estimate, Reference
-from .parameters import changed
+from .parameter_values import changed
 from .reference.experiment import Desired
 from .reference.reference_generator import ReferenceGenerator, ReferencePoint
 from .signals.contact_sample import ContactSample

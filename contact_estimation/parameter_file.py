@@ -22,7 +22,7 @@ from typing import Any, Mapping
 import yaml
 
 from .exceptions import ModelFileError
-from .parameters import flatten_mapping
+from .parameter_values import flatten_mapping
 
 ANY_NODE = '/**'
 

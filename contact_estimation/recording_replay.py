@@ -37,7 +37,8 @@ from .messages import (
     TrajectoryDecoder,
     WrenchDecoder,
 )
-from .parameters import build, specifications
+from .parameter_values import build
+from .parameters import specifications
 from .recordings import RecordedMessage, RecordingReader
 from .recordings.estimation_metadata import from_metadata
 from .recordings.topic_names import canonical

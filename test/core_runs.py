@@ -25,7 +25,7 @@ from contact_estimation.contact_session import ContactSession, Result
 from contact_estimation.estimation_parameters import EstimationParameters
 from contact_estimation.estimation_pipeline import EstimationPipeline
 from contact_estimation.estimators.estimator import Estimate
-from contact_estimation.parameters import build
+from contact_estimation.parameter_values import build
 from contact_estimation.plant.closed_loop import run_closed_loop
 from contact_estimation.plant.plant_parameters import PlantParameters
 from contact_estimation.plant.world import Truth

@@ -36,7 +36,7 @@ from typing import Any, Callable, Iterable, Iterator, Mapping, NamedTuple, Seque
 import contact_estimation
 from contact_estimation.contact_session import ContactSession, Result
 from contact_estimation.estimation_parameters import EstimationParameters
-from contact_estimation.parameters import build
+from contact_estimation.parameter_values import build
 from contact_estimation.signals.contact_sample import ContactSample
 import pytest
 

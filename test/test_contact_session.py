@@ -24,7 +24,8 @@ from contact_estimation.estimation_parameters import EstimationParameters
 from contact_estimation.estimators import ESTIMATORS
 from contact_estimation.estimators.estimator import Reference
 from contact_estimation.exceptions import ContactEstimationError
-from contact_estimation.parameters import build, ParameterSpecification, specifications
+from contact_estimation.parameter_values import build
+from contact_estimation.parameters import ParameterSpecification, specifications
 from contact_estimation.reference.experiment import Desired
 from contact_estimation.signals.contact_sample import ContactSample
 from core_runs import closed_loop, contact_samples, PAPER_SENSORS, PERIOD_NS

@@ -28,7 +28,7 @@ from contact_estimation.estimation_events import (
 )
 from contact_estimation.estimation_parameters import EstimationParameters
 from contact_estimation.exceptions import RecordingError
-from contact_estimation.parameters import build, flatten
+from contact_estimation.parameter_values import build, flatten
 from core_runs import contact_samples
 import pytest
 

@@ -23,7 +23,7 @@ from contact_estimation.estimation_parameters import EstimationParameters
 from contact_estimation.estimation_pipeline import EstimationPipeline
 from contact_estimation.estimators import ESTIMATORS
 from contact_estimation.estimators.estimator import Estimate, EstimateStatus
-from contact_estimation.parameters import build, changed
+from contact_estimation.parameter_values import build, changed
 from contact_estimation.signals.contact_sample import ContactSample
 from core_runs import (
     closed_loop,

@@ -26,16 +26,8 @@ from contact_estimation.exceptions import (
     ParameterReadOnlyError,
     UnknownNameError,
 )
-from contact_estimation.parameters import (
-    build,
-    changed,
-    flatten,
-    flatten_mapping,
-    group,
-    parameter,
-    ParameterGroup,
-    specifications,
-)
+from contact_estimation.parameter_values import build, changed, flatten, flatten_mapping
+from contact_estimation.parameters import group, parameter, ParameterGroup, specifications
 from contact_estimation.plant.plant_parameters import PlantParameters
 import pytest
 

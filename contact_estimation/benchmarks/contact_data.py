@@ -23,7 +23,7 @@ from ..contact_session import Result
 from ..estimation_parameters import EstimationParameters
 from ..estimation_pipeline import EstimationPipeline
 from ..estimators.estimator import EstimateStatus, Held, Reference, TimedRow
-from ..parameters import build
+from ..parameter_values import build
 from ..signals.contact_sample import ContactSample
 
 

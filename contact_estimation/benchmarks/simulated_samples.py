@@ -20,7 +20,7 @@ from math import pi
 
 from ..contact_session import ContactSession, Result
 from ..estimation_parameters import EstimationParameters
-from ..parameters import build
+from ..parameter_values import build
 from ..plant.closed_loop import run_closed_loop
 from ..plant.plant_parameters import PlantParameters
 from ..reference.excitation import Sine

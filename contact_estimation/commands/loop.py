@@ -34,7 +34,7 @@ from ..estimators import ESTIMATORS
 from ..exceptions import MissingPackageError, ParameterRangeError, RecordingError
 from ..messages.typestore import jazzy_typestore
 from ..parameter_file import read_parameter_file
-from ..parameters import build, without
+from ..parameter_values import build, without
 from ..plant.plant_parameters import PlantParameters
 from ..reference.experiment import Experiment
 from ..reference.experiments import experiment_named, EXPERIMENTS

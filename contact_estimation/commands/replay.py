@@ -30,7 +30,7 @@ from ..estimators import ESTIMATORS
 from ..estimators.estimator import Estimate
 from ..exceptions import RecordingError, UnknownNameError
 from ..parameter_file import read_parameter_file
-from ..parameters import without
+from ..parameter_values import without
 from ..recording_replay import RecordingReplay
 from ..recordings import RecordingReader
 from ..recordings.estimate_files import CsvEstimates, McapEstimates

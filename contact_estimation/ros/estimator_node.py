@@ -38,7 +38,8 @@ from ..estimation_parameters import EstimationParameters
 from ..estimators.estimator import Estimate
 from ..exceptions import MessageError
 from ..messages import FORCE_OF_AXIS, JointStateDecoder, TrajectoryDecoder, WrenchDecoder
-from ..parameters import build, changed, flatten, ParameterSpecification, specifications, without
+from ..parameter_values import build, changed, flatten, without
+from ..parameters import ParameterSpecification, specifications
 from ..reference.experiment import Desired
 
 PURPOSE = 'estimator_node: estimate contact stiffness and damping, publish a reference trajectory'

@@ -34,7 +34,8 @@ from .rclpy_codec import message_class, RclpyCodec
 from .running import run_node
 from ..exceptions import MessageError
 from ..messages import JointStateEncoder, TrajectoryDecoder, TrajectoryEncoder, WrenchEncoder
-from ..parameters import build, changed, ParameterSpecification, specifications, without
+from ..parameter_values import build, changed, without
+from ..parameters import ParameterSpecification, specifications
 from ..plant.closed_loop import extrapolate
 from ..plant.plant_parameters import PlantParameters
 from ..plant.sensors import Sensors

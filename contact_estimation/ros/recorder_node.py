@@ -30,7 +30,8 @@ from .rclpy_codec import RclpyCodec
 from .running import run_node
 from ..estimation_events import EstimationEvent, START
 from ..exceptions import ContactEstimationError, ParameterRangeError
-from ..parameters import build, parameter, ParameterGroup, specifications
+from ..parameter_values import build
+from ..parameters import parameter, ParameterGroup, specifications
 from ..recordings import OfferedQos, RecordingWriter
 from ..recordings.estimation_metadata import RECORD, to_metadata
 
