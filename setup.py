@@ -53,6 +53,7 @@ setup(
             'recorder_node = contact_estimation.ros.recorder_node:main',
             'loop = contact_estimation.commands.loop:main',
             'replay = contact_estimation.commands.replay:main',
+            'reproduce = contact_estimation.commands.reproduce:main',
         ],
     },
     python_requires='>=3.10',

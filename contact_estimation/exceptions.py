@@ -71,6 +71,10 @@ class SignalShapeError(ContactEstimationError, ValueError):
     """Arrays that belong together differ in shape."""
 
 
+class EstimationError(ContactEstimationError):
+    """The data do not show what an off-line estimator needs."""
+
+
 class RecordingError(ContactEstimationError):
     """A recording cannot be read, or lacks what is needed."""
 

@@ -17,12 +17,16 @@
 from __future__ import annotations
 
 from dataclasses import make_dataclass
+from typing import Callable
 
 from .estimator import OnlineEstimator
 from .indirect_adaptive import IndirectAdaptive
 from .kalman import Kalman
 from .mrac import ModelReferenceAdaptive
+from .offline_estimator import OfflineEstimator, TargetImpedance
 from .rls import RecursiveLeastSquares
+from .signal_processing import SignalProcessing
+from .signal_processing_refined import SignalProcessingRefined
 from ..parameters import group, ParameterGroup
 
 ESTIMATORS: dict[str, type[OnlineEstimator]] = {
@@ -31,6 +35,12 @@ ESTIMATORS: dict[str, type[OnlineEstimator]] = {
     'mrac': ModelReferenceAdaptive,
     'kalman': Kalman,
 }
+
+OFFLINE_ESTIMATORS: dict[str, Callable[[TargetImpedance], OfflineEstimator]] = {
+    'signal_processing': SignalProcessing,
+    'signal_processing_refined': SignalProcessingRefined,
+}
+"""Need the whole recording, and the force alone; the node refuses them."""
 
 EstimatorsTuning: type[ParameterGroup] = make_dataclass(
     'EstimatorsTuning',

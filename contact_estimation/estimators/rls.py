@@ -112,7 +112,7 @@ class RecursiveLeastSquares(OnlineEstimator):
                 M += l_M * error
                 MM -= l_M * p_M
             if not (K_low < K < K_high and 0.0 < B < B_high):
-                K, B = _project(K, B, KK, KB, BB, limits)
+                K, B, M = _project((K, B, M), (KK, KB, KM, BB, BM), limits)
             g_K, g_B, g_M = self._growth(K, B, KK, BB, free_K, free_B, free_M)
             KK *= g_K * g_K
             KB *= g_K * g_B
@@ -158,16 +158,20 @@ class RecursiveLeastSquares(OnlineEstimator):
 
 
 def _project(
-    K: float, B: float, KK: float, KB: float, BB: float, limits: tuple[float, float, float]
-) -> tuple[float, float]:
-    """Go back to a limit along the covariance: cutting B alone would tear it off K."""
+    theta: tuple[float, float, float],
+    P: tuple[float, float, float, float, float],
+    limits: tuple[float, float, float],
+) -> tuple[float, float, float]:
+    """Go back to a limit along the covariance: cutting B alone would tear it off K and M."""
+    K, B, M = theta
+    KK, KB, KM, BB, BM = P
     K_low, K_high, B_high = limits
     if B < 0.0 and BB > 0.0:
-        K -= KB / BB * B
-        B = 0.0
+        K, M, B = K - KB / BB * B, M - BM / BB * B, 0.0
     if K < K_low and KK > 0.0:
-        B += KB / KK * (K_low - K)
-    return min(max(K, K_low), K_high), min(max(B, 0.0), B_high)
+        excess = (K_low - K) / KK
+        B, M = B + KB * excess, M + KM * excess
+    return min(max(K, K_low), K_high), min(max(B, 0.0), B_high), M
 
 
 def initial_covariance(

@@ -1,0 +1,181 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The paper's signal processing method, eqs. (8) to (18), exactly as written."""
+
+from __future__ import annotations
+
+from math import nan, pi, sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .offline_estimator import OfflineEstimate, OfflineEstimator, TargetImpedance
+from ..exceptions import EstimationError
+from ..signals.contact_recording import ContactRecording
+
+FFT_POINTS = 1024
+"""The printed 2.930 Hz is bin 6 of 1024 points at 500 Hz; the true frequency is 2.76 Hz."""
+
+SETTLED = 0.05
+"""Share of the steady state within which the response counts as settled, eq. (8)."""
+
+
+class SignalProcessing(OfflineEstimator):
+    """
+    Frequency from a bin of the FFT, damping from the cycles until the force has settled.
+
+    Needs the force alone, of a step response that is under-damped.
+
+    Parameters
+    ----------
+    target : TargetImpedance
+        Impedance of the robot.
+
+    """
+
+    name = 'signal_processing'
+
+    def __init__(self, target: TargetImpedance) -> None:
+        self._target = target
+
+    def estimate(self, recording: ContactRecording) -> OfflineEstimate:
+        """Apply eqs. (8) to (18); see `OfflineEstimator.estimate`."""
+        t, force = step_response(recording)
+        w_d = dominant_frequency(t, force)
+        cycles = settling_time(t, force) * w_d / (2.0 * pi)
+        zeta = damping_ratio(cycles)
+        w_n = w_d / sqrt(1.0 - zeta**2)  # eq. (15)
+        K_e, B_e = environment_of(w_n, zeta, self._target)
+        return OfflineEstimate(K_e, B_e, nan, nan)
+
+
+def environment_of(w_n: float, zeta: float, target: TargetImpedance) -> tuple[float, float]:
+    """
+    Subtract the robot from the joint impedance, eqs. (17) and (18).
+
+    Parameters
+    ----------
+    w_n : float
+        Undamped natural frequency [rad/s].
+    zeta : float
+        Damping ratio.
+    target : TargetImpedance
+        Impedance of the robot.
+
+    Returns
+    -------
+    K_e, B_e : float
+        Of the environment [N/m], [N s/m].
+
+    """
+    K_e = w_n**2 * target.mass - target.stiffness
+    B_e = 2.0 * zeta * sqrt((target.stiffness + K_e) * target.mass) - target.damping
+    return K_e, B_e
+
+
+def damping_ratio(cycles: float) -> float:
+    """
+    Invert eq. (10): zeta of a response that takes so many cycles to settle, eq. (11).
+
+    Parameters
+    ----------
+    cycles : float
+        Fractions included.
+
+    Returns
+    -------
+    zeta : float
+        Damping ratio.
+
+    """
+    turns = 2.996 / (2.0 * pi)  # -ln(0.05) / 2 pi
+    return turns / sqrt(cycles**2 + turns**2)
+
+
+def step_response(
+    recording: ContactRecording,
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """
+    Cut the response out of a recording: from the greatest change of force on.
+
+    Parameters
+    ----------
+    recording : ContactRecording
+        With a step of the reference in contact.
+
+    Returns
+    -------
+    t : ndarray, shape (N,)
+        Time since the step [s].
+    force : ndarray, shape (N,)
+        Pressing force [N].
+
+    Raises
+    ------
+    EstimationError
+        If less than FFT_POINTS samples follow the step.
+
+    """
+    force = -recording.force
+    noise = float(np.std(np.diff(force[: max(10, len(force) // 50)]))) / sqrt(2.0)
+    above = np.flatnonzero(force > 6.0 * noise + 0.1 * float(np.max(force, initial=0.0)))
+    begin = max(0, int(above[0]) - 1) if len(above) else len(force)
+    if len(force) - begin < FFT_POINTS:
+        raise EstimationError(
+            f'signal processing needs {FFT_POINTS} samples after a step of the force, got '
+            f'{len(force) - begin}; record longer, or check the sign of the force'
+        )
+    return recording.t[begin:] - recording.t[begin], force[begin:]
+
+
+def dominant_frequency(t: NDArray[np.float64], force: NDArray[np.float64]) -> float:
+    """
+    Find the strongest bin of the FFT: mean removed, no window, no padding.
+
+    Parameters
+    ----------
+    t, force : ndarray, shape (N,)
+        Time [s] and force [N], N >= FFT_POINTS.
+
+    Returns
+    -------
+    w_d : float
+        Damped natural frequency [rad/s], a multiple of the bin width.
+
+    """
+    part = force[:FFT_POINTS]
+    magnitude = np.abs(np.fft.rfft(part - np.mean(part)))
+    period = float(t[FFT_POINTS - 1] - t[0]) / (FFT_POINTS - 1)
+    return 2.0 * pi * int(np.argmax(magnitude)) / (FFT_POINTS * period)
+
+
+def settling_time(t: NDArray[np.float64], force: NDArray[np.float64]) -> float:
+    """
+    Find the last instant outside 5 % of the steady state, eq. (8).
+
+    Parameters
+    ----------
+    t, force : ndarray, shape (N,)
+        Time [s] and force [N]; the last half is the steady state.
+
+    Returns
+    -------
+    T_s : float
+        Settling time [s].
+
+    """
+    steady = float(np.mean(force[len(force) // 2:]))
+    outside = np.flatnonzero(np.abs(force - steady) > SETTLED * abs(steady))
+    return float(t[outside[-1]]) if len(outside) else 0.0

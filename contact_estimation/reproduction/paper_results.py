@@ -1,0 +1,38 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Figures printed in Erickson, Weber and Sharf (2003), section 4, zeros restored."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+
+class PaperError(NamedTuple):
+    """|Error| at the last instant of contact [%]; an upper bound where the paper gives one."""
+
+    stiffness: float
+    damping: float
+
+
+PAPER: dict[tuple[str, str], PaperError] = {
+    ('simulation_sine', 'indirect_adaptive'): PaperError(0.1, 1.0),
+    ('simulation_sine', 'mrac'): PaperError(0.1, 1.0),
+    ('simulation_sine', 'rls'): PaperError(1.3, 1.0),
+    ('simulation_none', 'signal_processing'): PaperError(13.0, 13.0),
+    ('simulation_none', 'indirect_adaptive'): PaperError(2.4, 3.0),
+    ('simulation_none', 'mrac'): PaperError(0.1, 0.0),
+    ('simulation_none', 'rls'): PaperError(1.7, 2.5),
+}
+"""By case and estimator."""

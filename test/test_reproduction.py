@@ -1,0 +1,101 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The paper's table: what its rows hold, and that runs come from their seeds."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from contact_estimation.commands.reproduce import main
+from contact_estimation.plant.world import Truth
+from contact_estimation.reproduction.cases import BEST, CASES, OnlineCase
+from contact_estimation.reproduction.paper_results import PAPER
+from contact_estimation.reproduction.runs import bounds, Errors, NOISE_VARIANCE, run_case
+from contact_estimation.reproduction.table import as_text, row_of
+import numpy as np
+import pytest
+
+KEYS = {
+    'case', 'estimator', 'law', 'seeds', 'stiffness_error_percent', 'damping_error_percent',
+    'stiffness_bound_percent', 'damping_bound_percent', 'paper_stiffness_error_percent',
+    'paper_damping_error_percent',
+}
+
+
+def case(name: str, estimator: str) -> OnlineCase:
+    """Find an on-line case."""
+    return next(c for c in CASES if isinstance(c, OnlineCase)
+                and (c.case, c.estimator) == (name, estimator))
+
+
+def test_every_figure_of_the_paper_has_its_row() -> None:
+    assert set(PAPER) <= {(c.case, c.estimator) for c in CASES}
+
+
+def test_row_has_the_contract_s_keys_and_the_median_of_absolute_errors() -> None:
+    errors = [Errors(-1.0, 2.0, 0.1, 0.2), Errors(3.0, -4.0, 0.1, 0.2), Errors(2.0, 1.0, 0.1, 0.2)]
+    row = row_of(CASES[0], errors)
+    assert KEYS <= set(row)
+    assert (row['stiffness_error_percent'], row['damping_error_percent']) == (2.0, 2.0)
+
+
+def test_text_has_a_line_a_row() -> None:
+    rows = [row_of(c, [Errors(1.0, 2.0, 0.1, float('nan'))]) for c in CASES]
+    assert len(as_text(rows).splitlines()) == len(CASES) + 1
+
+
+def test_same_seed_gives_the_same_errors_and_another_does_not() -> None:
+    best = case('simulation_sine', BEST)
+    assert run_case(best, 3) == run_case(best, 3) != run_case(best, 4)
+
+
+@pytest.mark.parametrize('name', ['simulation_sine', 'simulation_none', 'simulation_prbs'])
+def test_best_estimator_is_within_four_bounds(name: str) -> None:
+    errors = run_case(case(name, BEST), 11)
+    assert abs(errors.stiffness) < 4.0 * errors.stiffness_bound
+    assert abs(errors.damping) < 4.0 * errors.damping_bound
+
+
+def test_plain_rls_survives_the_hold_without_excitation() -> None:
+    errors = run_case(case('simulation_none', 'rls'), 0)
+    assert abs(errors.stiffness) < 1.0
+    assert abs(errors.damping) < 15.0
+
+
+def test_bound_is_the_spread_of_least_squares() -> None:
+    generator = np.random.default_rng(0)
+    phi = np.column_stack([0.01 + 0.002 * np.sin(np.arange(400) / 9.0),
+                           0.03 * np.cos(np.arange(400) / 9.0)])
+    truths = [Truth(0.0, d, v, 0.0, -1.0) for d, v in phi.tolist()]
+    noise = generator.uniform(-1.0, 1.0, (400, 3000))
+    spread = np.std(np.linalg.lstsq(phi, noise, rcond=None)[0], axis=1)
+    assert NOISE_VARIANCE == pytest.approx(np.var(noise), rel=0.01)
+    np.testing.assert_allclose(bounds(truths, with_inertia=False), spread, rtol=0.05)
+
+
+def test_command_writes_table_and_figures(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    table, figures = tmp_path / 'table.json', tmp_path / 'figures'
+    assert main(['--seeds', '1', '--json', str(table), '--output', str(figures)]) == 0
+    assert len(json.loads(table.read_text())['cases']) == len(CASES)
+    assert len(list(figures.glob('figure_*.png'))) == 5
+    assert 'signal_processing_refined' in capsys.readouterr().out
+
+
+def test_no_seed_at_all_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(['--seeds', '0']) == 1
+    assert '--seeds must be >= 1' in capsys.readouterr().err
