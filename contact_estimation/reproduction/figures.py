@@ -49,9 +49,9 @@ def draw_figures(folder: Path) -> list[Path]:
     folder.mkdir(parents=True, exist_ok=True)
     return [
         _trajectory(pyplot, folder / 'figure_05_trajectory.png'),
-        _estimates(pyplot, 'simulation_sine', folder / 'figure_06_with_excitation.png'),
+        _estimates(pyplot, 6, 'simulation_sine', folder / 'figure_06_with_excitation.png'),
         *_signal_processing(pyplot, folder),
-        _estimates(pyplot, 'simulation_none', folder / 'figure_09_without_excitation.png'),
+        _estimates(pyplot, 9, 'simulation_none', folder / 'figure_09_without_excitation.png'),
     ]
 
 
@@ -81,18 +81,19 @@ def _trajectory(pyplot: Any, path: Path) -> Path:
     return _save(pyplot, figure, path)
 
 
-def _estimates(pyplot: Any, case: str, path: Path) -> Path:
+def _estimates(pyplot: Any, number: int, case: str, path: Path) -> Path:
     figure, axes = pyplot.subplots(2, 1, figsize=(8.0, 7.0), sharex=True, layout='constrained')
-    for online, colour in zip(_online(case), _COLOURS):
+    # mrac shares its environment estimator with indirect_adaptive, so the two lie on each other.
+    for online, colour, style in zip(_online(case), _COLOURS, ('-', '--', '-', '-')):
         run = simulate(online, 0)
         t = [truth.t for truth in run.truths]
-        label = f'{online.estimator} ({online.law})'
-        axes[0].plot(t, [r.estimate.stiffness for r in run.results], color=colour, label=label)
-        axes[1].plot(t, [r.estimate.damping for r in run.results], color=colour, label=label)
+        look = {'linestyle': style, 'color': colour, 'label': f'{online.estimator} ({online.law})'}
+        axes[0].plot(t, [r.estimate.stiffness for r in run.results], **look)
+        axes[1].plot(t, [r.estimate.damping for r in run.results], **look)
     for axis, true, name in zip(axes, (K_E, B_E), ('stiffness [N/m]', 'damping [kg/s]')):
         axis.axhline(true, color=_TRUE, zorder=0)
         axis.set(ylabel=name, ylim=(0.0, 1.6 * true), xlim=(5.5, 9.6))
-    axes[0].set_title(f'Figs. 6 and 9: {case}, seed 0')
+    axes[0].set_title(f'Fig. {number}: {case}, seed 0')
     axes[0].legend(frameon=False, fontsize=8)
     axes[1].set_xlabel('time [s]')
     return _save(pyplot, figure, path)
