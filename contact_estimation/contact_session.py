@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import bisect
 from collections import Counter, deque
-from math import isfinite, nan
+from math import inf, isfinite, nan
 from operator import itemgetter
 from typing import Any, Callable, Mapping, NamedTuple
 
@@ -187,16 +187,22 @@ class ContactSession:
         stamp_ns : int
             Instant for which it is wanted [ns].
         desired : Desired
-            Position with derivatives and force; a position that is not finite is rejected.
+            Position with derivatives and force; a position that is not finite is rejected, and
+            a force that does not press counts as none.
 
         """
         if not isfinite(desired.position):
             self.count_rejected('desired_not_finite')
             return
+        force = desired.force
+        if force <= 0.0 or force - force != 0.0:  # NaN alone is a wish: none
+            if force < 0.0 or force == inf:
+                self.count_rejected('desired_force_not_positive')
+            force = nan
         v, a = (r if isfinite(r) else 0.0 for r in (desired.velocity, desired.acceleration))
         if self._desired and stamp_ns < self._desired[-1][0]:
             self._desired.clear()  # time was set back, or the planner changed its mind
-        self._desired.append((stamp_ns, Desired(desired.position, v, a, desired.force)))
+        self._desired.append((stamp_ns, Desired(desired.position, v, a, force)))
 
     def add_reference(self, stamp_ns: int, reference: Reference, jumps: int = 0) -> None:
         """
@@ -416,8 +422,10 @@ class ContactSession:
             self._start_ns = sample.stamp_ns
         target_ns = sample.stamp_ns + period_ns
         period = period_ns * 1e-9
+        # After a gap the robot still is where the last reference left it.
         since_last = (
-            period if self.last_stamp_ns < 0 else (sample.stamp_ns - self.last_stamp_ns) * 1e-9
+            period if self.last_stamp_ns < 0
+            else min((sample.stamp_ns - self.last_stamp_ns) * 1e-9, 2.0 * period)
         )
         reference = self._generator.step(
             (target_ns - self._start_ns) * 1e-9,

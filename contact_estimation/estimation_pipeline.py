@@ -187,6 +187,11 @@ class EstimationPipeline:
         return self._conditioner.missing
 
     @property
+    def sample_period_s(self) -> float:
+        """Mean spacing of the last samples by their stamps [s]; 0 before any."""
+        return self._conditioner.sample_period_s
+
+    @property
     def noise_std(self) -> float:
         """Standard deviation of the force noise in free flight [N]."""
         return math.sqrt(self._conditioner.detector.noise_variance)

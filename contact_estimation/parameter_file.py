@@ -21,10 +21,11 @@ from typing import Any, Mapping
 
 import yaml
 
-from .exceptions import ModelFileError
+from .exceptions import ModelFileError, UnknownNameError
 from .parameter_values import flatten_mapping
 
 ANY_NODE = '/**'
+KNOWN_NODES = ('estimator_node', 'plant_node', 'recorder_node')
 
 
 def read_parameter_file(path: Path | str, node: str) -> dict[str, Any]:
@@ -47,9 +48,16 @@ def read_parameter_file(path: Path | str, node: str) -> dict[str, Any]:
     ------
     ModelFileError
         If the file is missing or not of that shape.
+    UnknownNameError
+        If it has a section for an unknown node, which nobody would read.
 
     """
     content = _load(Path(path))
+    for section in content:
+        if str(section).strip('/') not in KNOWN_NODES and section != ANY_NODE:
+            raise UnknownNameError.among(
+                f'node in parameter file {path}', section, (*KNOWN_NODES, ANY_NODE)
+            )
     parameters: dict[str, Any] = {}
     for section in (ANY_NODE, node, f'/{node}'):
         if section in content:
@@ -80,4 +88,7 @@ def _section(content: Any, path: Path | str, section: str) -> dict[str, Any]:
             f'section {section!r} of parameter file {path} must hold `ros__parameters` with a '
             f'mapping, got {content!r}'
         )
-    return flatten_mapping(inner)
+    try:
+        return flatten_mapping(inner)
+    except RecursionError as error:
+        raise ModelFileError(f'parameter file {path} contains itself by an alias') from error

@@ -97,8 +97,7 @@ class ParameterSpecification:
             If the type is wrong or the value is out of range.
 
         """
-        if isinstance(self.default, float) and type(value) is int:
-            value = float(value)
+        value = self._as_meant(value)
         if type(value) is not type(self.default):
             raise self._error(value)
         if self.choices and value not in self.choices:
@@ -106,6 +105,15 @@ class ParameterSpecification:
         if isinstance(value, (int, float)) and not isinstance(value, bool):
             self._check_range(value)
         return value  # type: ignore[no-any-return]
+
+    def _as_meant(self, value: Any) -> Any:
+        """Undo what YAML makes of some values: 1e5 is a text to PyYAML, y is true to rcl."""
+        if isinstance(self.default, float) and type(value) in (int, str):
+            try:
+                return float(value)
+            except (ValueError, OverflowError):
+                return value
+        return 'y' if value is True and 'y' in self.choices else value
 
     def _check_range(self, value: float) -> None:
         if self.nan_is_off and math.isnan(value):

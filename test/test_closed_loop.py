@@ -92,3 +92,12 @@ def test_last_contact_is_the_last_sample_with_force() -> None:
         PlantParameters(), ContactSession(EstimationParameters()), experiment_named('none'), 6.5
     )
     assert run.last_contact == len(run.truths) - 1
+
+
+def test_rls_is_honest_at_the_first_touch() -> None:
+    run = closed_loop({'estimator': 'rls'}, PAPER_SENSORS)
+    learned = [e for e in (r.estimate for r in run.results) if e.status == 'estimating']
+    for name, true in (('stiffness', 4800.0), ('damping', 200.0)):
+        errors = np.array([getattr(e, name) - true for e in learned])
+        claimed = np.array([getattr(e, f'{name}_std') for e in learned])
+        assert np.max(np.abs(errors) / claimed) < 5.0

@@ -251,3 +251,28 @@ def test_tare_is_that_of_the_pipeline() -> None:
     session = session_for()
     feed(session, SAMPLES)
     assert session.tare() == session.pipeline.tare()
+
+
+def test_reference_does_not_leap_after_a_gap() -> None:
+    session, second = session_for(), 1_000_000_000
+    held = Desired(0.0204, 0.0, 0.0, 50.0)
+    results = []
+    for stamp, position, velocity, force in contact_samples(0.6):
+        session.add_desired(stamp + PERIOD_NS, held)
+        session.add_motion(stamp, position, velocity)
+        results += session.add_wrench(stamp, force)
+    later = results[-1].sample.stamp_ns + 10 * second
+    session.add_desired(later + PERIOD_NS, Desired(0.0204, 0.0, 0.0, nan))
+    session.add_motion(later, 0.0, 0.0)
+    (after,) = session.add_wrench(later, 0.0)
+    before = results[-1].reference
+    assert before is not None and after.reference is not None
+    assert abs(after.reference.position - before.position) <= 2.0 * 0.25 * PERIOD_NS * 1e-9
+
+
+@pytest.mark.parametrize('force', [-30.0, 0.0, inf])
+def test_force_that_does_not_press_is_no_wish(force: float) -> None:
+    session = session_for()
+    session.add_desired(SAMPLES[0].stamp_ns, Desired(-0.02, 0.0, 0.0, force))
+    (result,) = feed(session, SAMPLES[:1])
+    assert result.reference == (-0.02, 0.0, 0.0, 0.0)

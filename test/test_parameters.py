@@ -116,7 +116,7 @@ def test_unknown_name_lists_the_known_ones() -> None:
     ('inner.gain', 10.1, 'a number >= 0 and <= 10 N/m'),
     ('inner.gain', nan, 'a number >= 0 and <= 10 N/m'),
     ('inner.gain', inf, 'a number >= 0 and <= 10 N/m'),
-    ('inner.gain', '2', 'a number'),
+    ('inner.gain', 'two', 'a number'),
     ('inner.gain', True, 'a number'),
     ('inner.gain', None, 'a number'),
     ('inner.gain', [1.0], 'a number'),
@@ -200,3 +200,11 @@ def test_cutoff_must_fit_the_sample_rate(cutoff: float) -> None:
 def test_unknown_estimator_names_the_nearest() -> None:
     with pytest.raises(UnknownNameError, match="unknown estimator 'kalmann'; did you mean 'kalm"):
         build(EstimationParameters, {'estimator': 'kalmann'})
+
+
+def test_axis_y_is_taken_as_meant_where_yaml_made_it_true() -> None:
+    assert build(EstimationParameters, {'axis': True}).axis == 'y'
+
+
+def test_number_that_yaml_left_a_text_is_taken_as_meant() -> None:
+    assert build(EstimationParameters, {'tuning.kalman.stiffness_std': '1e5'}) is not None

@@ -167,6 +167,32 @@ def test_existing_mcap_output_is_refused(
 
 
 @pytest.mark.parametrize('option', ['--csv', '--json', '--output'])
+def test_recording_is_never_overwritten_by_a_result(
+    recording: Path, command: Command, option: str
+) -> None:
+    before = recording.read_bytes()
+    assert 'overwritten' in command.refusal(recording, option, recording)
+    assert recording.read_bytes() == before
+
+
+def test_two_results_in_one_file_are_refused(
+    recording: Path, tmp_path: Path, command: Command
+) -> None:
+    both = tmp_path / 'both.txt'
+    assert 'two results' in command.refusal(recording, '--csv', both, '--json', both)
+
+
+def test_section_for_an_unknown_node_is_refused(
+    recording: Path, tmp_path: Path, command: Command
+) -> None:
+    parameters = tmp_path / 'parameters.yaml'
+    parameters.write_text('estimater_node: {ros__parameters: {estimator: rls}}')
+    assert "did you mean 'estimator_node'?" in command.refusal(
+        recording, '--params', parameters
+    )
+
+
+@pytest.mark.parametrize('option', ['--csv', '--json', '--output'])
 def test_output_into_a_missing_folder_is_refused_and_leaves_nothing(
     recording: Path, tmp_path: Path, command: Command, option: str
 ) -> None:

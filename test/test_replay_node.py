@@ -122,7 +122,7 @@ def assert_same(
     stamps = [sample.stamp_ns for sample in samples]
     for name in VALUES:
         pairs = [(recorded[name].get(stamp), replayed[name].get(stamp)) for stamp in stamps]
-        wrong = [(k, *pair) for k, pair in enumerate(pairs) if pair[0] != pair[1]]
+        wrong = [(k, *pair) for k, pair in enumerate(pairs) if repr(pair[0]) != repr(pair[1])]
         assert wrong[:1] == [], f'{name} of {len(wrong)} samples: number, recorded, replayed'
 
 

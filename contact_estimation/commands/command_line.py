@@ -19,11 +19,12 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 import sys
-from typing import Any, Callable, NoReturn, Sequence
+from typing import Any, Callable, Iterable, NoReturn, Sequence
 
 from ..exceptions import ContactEstimationError, RecordingError, UnknownNameError
 from ..recording_replay import RecordingSource
 
+_MCAP_MAGIC = b'\x89MCAP0\r\n'
 TOPICS = ('wrench', 'joint_states', 'reference_trajectory')
 
 
@@ -123,12 +124,12 @@ def source_of(options: Any) -> RecordingSource:
 
 def new_file(path: str) -> Path:
     """
-    Check that a file can be made.
+    Check that a result can be written without losing a recording.
 
     Parameters
     ----------
     path : str
-        Where it shall be.
+        Where it shall be; an earlier result there is replaced.
 
     Returns
     -------
@@ -138,11 +139,50 @@ def new_file(path: str) -> Path:
     Raises
     ------
     RecordingError
-        If the folder does not exist.
+        If the folder does not exist, or a recording is there.
 
     """
-    if not Path(path).absolute().parent.is_dir():
+    file = Path(path)
+    if not file.absolute().parent.is_dir():
         raise RecordingError(
-            f'cannot write {path}: folder {Path(path).parent} does not exist; make it first'
+            f'cannot write {path}: folder {file.parent} does not exist; make it first'
         )
-    return Path(path)
+    if file.is_dir():
+        raise RecordingError(f'cannot write {path}: it is a folder; name a file in it')
+    if file.is_file() and _is_recording(file):
+        raise RecordingError(
+            f'cannot write {path}: it is a recording, and nothing recorded is ever overwritten; '
+            'name another file'
+        )
+    return file
+
+
+def _is_recording(file: Path) -> bool:
+    with open(file, 'rb') as stream:
+        start = stream.read(16)
+    return start.startswith((_MCAP_MAGIC, b'SQLite format 3')) or file.name == 'metadata.yaml'
+
+
+def different_files(paths: Iterable[str | None]) -> None:
+    """
+    Check that results do not overwrite each other.
+
+    Parameters
+    ----------
+    paths : iterable of str or None
+        Where results shall be; None where none is asked for.
+
+    Raises
+    ------
+    RecordingError
+        If two are the same file.
+
+    """
+    seen: set[Path] = set()
+    for path in paths:
+        if path is None:
+            continue
+        where = Path(path).absolute()
+        if where in seen:
+            raise RecordingError(f'two results cannot both be written to {path}; name two files')
+        seen.add(where)

@@ -93,9 +93,17 @@ def run(options: Any) -> int:
     output = _new_folder(options.output)
     parameters, told = output / 'parameters.yaml', output / 'plant_summary.json'
     sections['plant_node']['summary_file'] = str(told)
+    sections['recorder_node'] = {'output': str(output / 'recording')}
     _write_parameters(parameters, sections)
-    failure = LoopProcesses(parameters, output / 'recording').run(duration)
-    data = read_run(output / 'recording', told)
+    failure = LoopProcesses(parameters).run(duration)
+    if failure:
+        print(f'loop: {failure}', file=sys.stderr)
+    try:
+        data = read_run(output / 'recording', told)
+    except RecordingError:
+        if failure:
+            return 1
+        raise
     summary = summarise(
         data, plant, experiment, estimation.estimator, _law_text(estimation, plant)
     )
@@ -103,7 +111,11 @@ def run(options: Any) -> int:
     wall = plant.environment
     draw_picture(data, _title(summary), wall.stiffness, wall.damping, output / 'summary.png')
     _print(summary, output)
-    if failure:
+    if not failure and summary['samples_lost'] == summary['samples_sent']:
+        failure = (
+            'the estimator used no sample; expected one answer for each, see the rejected ones '
+            'in /diagnostics of the recording, and check joint and frame_id in --params'
+        )
         print(f'loop: {failure}', file=sys.stderr)
     return 1 if failure else 0
 
@@ -137,8 +149,10 @@ def _sections(options: Any, experiment: Experiment) -> dict[str, dict[str, Any]]
 def _duration(given: float | None, experiment: Experiment) -> float:
     if given is None:
         return experiment.duration
-    if not 0.0 < given < 1e7:
-        raise ParameterRangeError(f'--duration must be > 0 s, got {given:g}')
+    if not 0.0 < given <= _LONGEST_S:
+        raise ParameterRangeError(
+            f'--duration must be > 0 and <= {_LONGEST_S:g} s, got {given:g}'
+        )
     return given
 
 
@@ -201,7 +215,7 @@ def _print(summary: Mapping[str, Any], output: Path) -> None:
     print(
         f'mean force {_text(summary["mean_force_n"], ".2f")} N over the hold, '
         f'{_text(summary["desired_force_n"], ".2f")} N wanted'
-        + (_EQ20_NOTE if summary['law'] == 'eq20' else '')
+        + (_EQ20_NOTE if summary['law'] == 'eq20' and summary['desired_force_n'] else '')
     )
     print(
         f'{summary["samples_sent"]} samples at {_text(summary["rate_hz"], ".1f")} Hz, '
@@ -210,6 +224,7 @@ def _print(summary: Mapping[str, Any], output: Path) -> None:
     print(f'see {output}/summary.png, summary.json and recording/')
 
 
+_LONGEST_S = 1e6
 _EQ20_NOTE = ' (eq. 20 alone reaches about half; see reference_law series or force tracking)'
 
 

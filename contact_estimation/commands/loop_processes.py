@@ -40,14 +40,12 @@ class LoopProcesses:
     ----------
     parameters : Path
         ROS 2 parameter file for all of them.
-    recording : Path
-        Folder for the recording.
 
     """
 
-    def __init__(self, parameters: Path, recording: Path) -> None:
+    def __init__(self, parameters: Path) -> None:
         arguments = {
-            'recorder_node': ['-p', f'output:={recording}'],
+            'recorder_node': ['--params-file', str(parameters)],
             'estimator_node': ['--params-file', str(parameters)],
             'plant_node': ['--params-file', str(parameters)],
         }
@@ -75,11 +73,15 @@ class LoopProcesses:
             What went wrong; '' where nothing did.
 
         """
+        signal.signal(signal.SIGTERM, signal.default_int_handler)
         try:
             failure = self._wait(duration)
         except KeyboardInterrupt:
             failure = 'interrupted; the recording holds what was run until then'
         finally:
+            # Impatience must not orphan the nodes, which would answer the next run.
+            for number in (signal.SIGINT, signal.SIGTERM):
+                signal.signal(number, signal.SIG_IGN)
             stubborn = [name for name in ('plant_node', 'estimator_node', 'recorder_node')
                         if not self._end(name)]
         if stubborn and not failure:

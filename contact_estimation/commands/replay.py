@@ -24,7 +24,14 @@ import sys
 import time
 from typing import Any, Protocol, Sequence
 
-from .command_line import add_source_options, new_file, Parser, run_command, source_of
+from .command_line import (
+    add_source_options,
+    different_files,
+    new_file,
+    Parser,
+    run_command,
+    source_of,
+)
 from .progress import Progress
 from ..estimators import ESTIMATORS
 from ..estimators.estimator import Estimate
@@ -77,6 +84,9 @@ def run(options: Any) -> int:
 
     """
     begin = time.perf_counter()
+    different_files((options.csv, options.json, options.output))
+    if options.json:
+        new_file(options.json)
     reader = RecordingReader(options.recording)
     replay = RecordingReplay(reader, source_of(options), _chosen(options))
     progress = Progress('replay')
@@ -96,6 +106,7 @@ def run(options: Any) -> int:
     progress.done()
     if first is None or last is None:
         raise RecordingError(_no_sample(options.recording, replay))
+    _warn_of_rate(replay)
     recorded_s = (last.stamp_ns - first.stamp_ns) * 1e-9
     summary = {
         'estimator': replay.session.parameters.estimator,
@@ -137,6 +148,13 @@ def _open_files(options: Any, axis: str, stack: ExitStack) -> list[EstimateFile]
     return files
 
 
+def _warn_of_rate(replay: RecordingReplay) -> None:
+    rate, period = replay.session.parameters.sample_rate, replay.session.pipeline.sample_period_s
+    if period > 0.0 and not 0.9 < period * rate < 1.1:
+        print(f'  samples come at {1.0 / period:.4g} Hz, but sample_rate is {rate:g}; set it with '
+              '--params, or filters and rls are built for the wrong rate', file=sys.stderr)
+
+
 def _no_sample(recording: str, replay: RecordingReplay) -> str:
     reasons = ', '.join(f'{count} {reason}' for reason, count in replay.session.rejected.items())
     return (
@@ -161,6 +179,7 @@ def _print(summary: dict[str, Any]) -> None:
         if value is not None:
             band = f' +- {std:.3g}' if std is not None else ''
             print(f'  {name:<10}{value:12.6g}{band} {unit}')
+    print(f'  status    {summary["status"]:>12}')
     trouble = {**summary['rejected']}
     if summary['missing']:
         trouble['missing'] = summary['missing']

@@ -118,9 +118,11 @@ class EnvironmentParameters(ParameterGroup):
     location: float = parameter(0.0, 'Surface of the untouched wall, x_e', 'm')
     initial_stiffness: float = parameter(
         3000.0, 'First guess of K_e; err on the soft side, or the force overshoots', 'N/m',
-        minimum=1e-3,
+        minimum=1e-3, maximum=1e9,
     )
-    initial_damping: float = parameter(50.0, 'First guess of B_e', 'N s/m', minimum=0.0)
+    initial_damping: float = parameter(
+        50.0, 'First guess of B_e', 'N s/m', minimum=0.0, maximum=1e9
+    )
     minimum_stiffness: float = parameter(1.0, 'K_hat stays above', 'N/m', minimum=1e-3)
     maximum_stiffness: float = parameter(1e8, 'K_hat stays below', 'N/m', minimum=1.0)
     maximum_damping: float = parameter(1e6, 'B_hat stays below, and above 0', 'N s/m', minimum=1.0)

@@ -32,10 +32,10 @@ class KalmanParameters(ParameterGroup):
     """Prior and random walk of the state (K_e, B_e, K_e times location shift)."""
 
     stiffness_std: float = parameter(
-        1e5, 'Prior standard deviation of K_e', 'N/m', minimum=1e-3
+        1e5, 'Prior standard deviation of K_e', 'N/m', minimum=1e-3, maximum=1e12
     )
     damping_std: float = parameter(
-        1e4, 'Prior standard deviation of B_e', 'N s/m', minimum=1e-3
+        1e4, 'Prior standard deviation of B_e', 'N s/m', minimum=1e-3, maximum=1e12
     )
     location_std: float = parameter(
         1e-4,

@@ -33,7 +33,10 @@ class RecursiveLeastSquaresParameters(ParameterGroup):
         0.98, 'lambda per sample; nearer to 1: smoother, slower', minimum=0.5, maximum=1.0
     )
     initial_covariance: float = parameter(
-        1e5, 'Diagonal of P[0] in the coordinates A, B, C of eq. (31)', minimum=1e-12
+        1e10,
+        'Diagonal of P[0] in the coordinates A, B, C of eq. (31). The paper has 1e5, which claims '
+        'to know B_e and M_e beforehand: a first touch then looks far surer than it is',
+        minimum=1e-12, maximum=1e20,
     )
     estimate_inertia: bool = parameter(True, 'Estimate M_e too; false: M_e = 0')
     maximum_relative_std: float = parameter(
@@ -74,7 +77,7 @@ class RecursiveLeastSquares(OnlineEstimator):
         self.stiffness, self.damping = stiffness, damping
         self._M = 0.0
         self._P = initial_covariance(self._p.initial_covariance, self.sample_period_s)
-        self._noise_variance = 0.0
+        self._noise_variance = nan  # no row yet, so no spread can be told
 
     def learn(
         self, rows: Sequence[TimedRow], noise_variance: float, held: Held

@@ -57,6 +57,11 @@ def recording_files(path: Path) -> list[Path]:
     if information is not None:
         return _listed_files(path, information)
     files = sorted(path.glob('*.mcap'), key=_natural_order)
+    if len({re.sub(r'_\d+$', '', file.stem) for file in files}) > 1:
+        raise RecordingError(
+            f'folder {path} holds several recordings ({_content(path)}) and no metadata.yaml; '
+            'expected one recording, whose files differ in a number at the end; give one of them'
+        )
     if files:
         return files
     if any(path.glob('*.db3')):

@@ -106,6 +106,8 @@ class Multisine(Excitation):
     def __init__(self, amplitude: float, omegas: Sequence[float]) -> None:
         if not omegas:
             raise ParameterRangeError('a multisine needs at least one frequency, got none')
+        if min(omegas) <= 0.0:
+            raise ParameterRangeError(f'frequencies must be > 0 rad/s, got {min(omegas):g}')
         count = len(omegas)
         phases = [-pi * k * (k - 1) / count for k in range(1, count + 1)]
         self._parts = list(zip(omegas, phases))
@@ -139,6 +141,8 @@ class PseudoRandomBinary(Excitation):
     """
 
     def __init__(self, amplitude: float, shift_rate: float = 20.0) -> None:
+        if shift_rate <= 0.0:
+            raise ParameterRangeError(f'shift_rate must be > 0 Hz, got {shift_rate:g}')
         self._amplitude, self._rate = amplitude, shift_rate
 
     def value(self, t: float) -> float:

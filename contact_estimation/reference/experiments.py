@@ -169,7 +169,7 @@ def _segment(entry: Any, path: Path) -> Segment:
     _expect(isinstance(entry, Mapping), path, 'segments that are mappings', entry)
     _expect_keys(entry, _SEGMENT_KEYS, path)
     duration = _number(entry.get('duration'), path, 'duration')
-    _expect(duration > 0.0, path, 'duration > 0 s', duration)
+    _expect(duration >= 1e-3, path, 'duration >= 0.001 s', duration)
     return Segment(
         duration,
         _number(entry.get('position'), path, 'position'),
@@ -208,6 +208,11 @@ def _numbers(value: Any, path: Path, key: str) -> float | list[float]:
 
 
 def _number(value: Any, path: Path, key: str) -> float:
+    if isinstance(value, str):  # PyYAML takes 1e5 for a text
+        try:
+            value = float(value)
+        except ValueError:
+            pass
     number = isinstance(value, (int, float)) and not isinstance(value, bool)
     _expect(number and isfinite(value), path, f'`{key}` as a number', value)
     return float(value)

@@ -31,7 +31,9 @@ BEST = 'kalman'
 """Named before any of these runs: the best on-line estimator, told that x_e is known."""
 
 _BEST_TUNING = {'tuning.kalman.location_std': 0.0, 'tuning.kalman.relative_walk': 0.0}
-_RLS_TUNING = {**PLAIN, 'tuning.rls.maximum_relative_std': 1e9}
+_RLS_TUNING = {
+    **PLAIN, 'tuning.rls.maximum_relative_std': 1e9, 'tuning.rls.initial_covariance': 1e5,
+}
 _POSITION_EXCITATION: dict[str, Excitation | None] = {
     'sine': Sine(0.002, 20.0),  # eq. (41)
     'prbs': PseudoRandomBinary(0.002),

@@ -28,6 +28,7 @@ from ..estimators.estimator import Estimate
 from ..percentiles import percentiles
 
 _LATENCIES_KEPT = 2000
+_TARE_DUE = 2.0  # force noises; the level is a mean over half a second
 
 
 class EstimatorDiagnostics:
@@ -124,6 +125,9 @@ class EstimatorDiagnostics:
             return DiagnosticStatus.WARN, 'wrench comes, but no joint state fits its stamps'
         if newly:
             return DiagnosticStatus.WARN, f'{newly} samples rejected since the last report'
+        warning = _warning(session)
+        if warning:
+            return DiagnosticStatus.WARN, warning
         reason = f': {estimate.reason}' if estimate.reason else ''
         return DiagnosticStatus.OK, f'{estimate.status.value}{reason}'
 
@@ -170,3 +174,14 @@ class EstimatorDiagnostics:
         if self.last_error:
             values['last_error'] = self.last_error
         return values
+
+
+def _warning(session: ContactSession) -> str:
+    """Tell of what makes good-looking numbers wrong: a biased sensor, a wrong rate."""
+    pipeline, rate = session.pipeline, session.parameters.sample_rate
+    level, period = pipeline.free_flight_level, pipeline.sample_period_s
+    if abs(level) > max(_TARE_DUE * pipeline.noise_std, 1e-3):
+        return f'the sensor reads {-level:.3g} N out of contact; call ~/tare there'
+    if period > 0.0 and not 0.9 < period * rate < 1.1:
+        return f'samples come at {1.0 / period:.4g} Hz, but sample_rate is {rate:g}; set it'
+    return ''

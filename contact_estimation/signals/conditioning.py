@@ -37,6 +37,7 @@ from ..parameters import parameter, ParameterGroup
 _COLUMNS = 5
 _ZEROS = (0.0,) * _COLUMNS
 _TARE_S = 0.5
+_PERIOD_GAIN = 0.01  # of the mean sample period
 
 
 @dataclass(frozen=True)
@@ -101,6 +102,7 @@ class Conditioner:
         self.location_margin = 0.0
         self.effects: Sequence[Any] = ()
         self.missing = 0
+        self.sample_period_s = 0.0
         self.build(ConditioningParameters(0.0), sample_rate, relation)
 
     def build(
@@ -219,19 +221,21 @@ class Conditioner:
             self._first_ns = self._last_ns = samples[0][0]
         location, bias, last, longest = self.location, self.bias, self._last_ns, 1.5 * self._T
         dts, deltas, velocities, pressings = [], [], [], []
+        mean = self.sample_period_s
         for stamp_ns, position, velocity, force in samples:
             dt = (stamp_ns - last) * 1e-9
             last = stamp_ns
             if dt > longest:
                 self.missing += round(dt / self._T) - 1
             dts.append(dt)
+            mean += _PERIOD_GAIN * (dt - mean) if mean else dt
             deltas.append(position - location)
             velocities.append(
                 velocity if velocity == velocity else self._difference(dt, position)
             )
             pressings.append(bias - force)
             self._last_position = position
-        self._last_ns = last
+        self._last_ns, self.sample_period_s = last, mean
         return dts, deltas, velocities, pressings
 
     def _difference(self, dt: float, position: float) -> float:

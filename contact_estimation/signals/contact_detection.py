@@ -35,6 +35,7 @@ class ContactParameters(ParameterGroup):
         'Standard deviation of the force noise to start from; learned in free flight after that',
         'N',
         minimum=1e-9,
+        maximum=1e6,
     )
     position_noise: float = parameter(
         1e-6, 'Standard deviation of the position noise', 'm', minimum=0.0

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from collections import Counter, deque
 from dataclasses import dataclass
-from math import isfinite, nan
+from math import inf, isfinite, nan
 from typing import Iterable
 
 import numpy as np
@@ -28,6 +28,8 @@ from .contact_sample import ContactSample
 from ..parameters import parameter, ParameterGroup
 
 Motion = tuple[int, float, float]  # stamp_ns, position, velocity
+_LARGEST_FORCE, _LARGEST_POSITION, _LARGEST_VELOCITY = 1e6, 1e3, 1e3
+# [N], [m], [m/s]: beyond any robot, so a broken message
 _MOTIONS_KEPT = 10_000  # where no wrench comes
 _NOTHING: tuple[ContactSample, ...] = ()
 
@@ -46,7 +48,7 @@ class SynchronisationParameters(ParameterGroup):
     )
     time_jump_s: float = parameter(
         0.5, 'Stamps going back by more than this mean that time itself was set back', 's',
-        minimum=1e-3,
+        minimum=1e-3, maximum=1e6,
     )
 
 
@@ -122,8 +124,9 @@ class Synchroniser:
                 return _NOTHING
             self._restart(stamp_ns)
         self._last_wrench_ns = stamp_ns
-        if not isfinite(force):
-            self.rejected['wrench_not_finite'] += 1
+        if not abs(force) <= _LARGEST_FORCE:  # NaN as well
+            finite = isfinite(force)
+            self.rejected['wrench_absurd' if finite else 'wrench_not_finite'] += 1
             return _NOTHING
         motions = self._motions
         if motions and not self._wrenches and motions[-1][0] == stamp_ns:
@@ -158,11 +161,12 @@ class Synchroniser:
                 return _NOTHING
             self._motions.clear()
         self._last_motion_ns = stamp_ns
-        if not isfinite(position):
-            self.rejected['joint_not_finite'] += 1
-            return _NOTHING
-        if velocity - velocity != 0.0:  # infinite as well as NaN
+        if velocity in (inf, -inf):
             velocity = nan
+        if not abs(position) <= _LARGEST_POSITION or abs(velocity) > _LARGEST_VELOCITY:
+            finite = isfinite(position)
+            self.rejected['joint_absurd' if finite else 'joint_not_finite'] += 1
+            return _NOTHING
         wrenches = self._wrenches
         if len(wrenches) == 1 and wrenches[0][0] == stamp_ns:
             force = wrenches.popleft()[1]
@@ -205,9 +209,9 @@ class Synchroniser:
             not self._wrenches
             and int(stamps_ns[0]) > last
             and bool((np.diff(stamps_ns) > 0).all())
-            and bool(np.isfinite(forces).all())
-            and bool(np.isfinite(positions).all())
-            and not bool(np.isinf(velocities).any())
+            and bool((np.abs(forces) <= _LARGEST_FORCE).all())
+            and bool((np.abs(positions) <= _LARGEST_POSITION).all())
+            and not bool((np.abs(velocities) > _LARGEST_VELOCITY).any())
         )
         if not regular:
             return None
