@@ -215,7 +215,7 @@ def _print(summary: Mapping[str, Any], output: Path) -> None:
     print(
         f'mean force {_text(summary["mean_force_n"], ".2f")} N over the hold, '
         f'{_text(summary["desired_force_n"], ".2f")} N wanted'
-        + (_EQ20_NOTE if summary['law'] == 'eq20' and summary['desired_force_n'] else '')
+        + (_EQ20_NOTE if summary['law'] == 'eq20' and summary['mean_force_n'] else '')
     )
     print(
         f'{summary["samples_sent"]} samples at {_text(summary["rate_hz"], ".1f")} Hz, '
