@@ -36,6 +36,8 @@ CHANGEABLE = [spec for spec in SPECIFICATIONS if not spec.read_only]
 NUMBERS = [spec for spec in CHANGEABLE if type(spec.default) in (int, float)]
 LOWER = [spec for spec in NUMBERS if spec.minimum is not None]
 UPPER = [spec for spec in NUMBERS if spec.maximum is not None]
+# At their least, the ranges of the sensors reject every sample: see test_synchronisation.py.
+RANGES = [f'synchronisation.maximum_{name}' for name in ('force', 'position', 'velocity')]
 SAMPLES = contact_samples(0.2, force_noise=0.3)[60:]
 IN_CONTACT = 190  # of SAMPLES: at full depth, where the sine begins
 
@@ -98,7 +100,7 @@ def test_parameter_can_be_changed_in_contact(spec: ParameterSpecification) -> No
     assert survives(spec.name, other_value(spec))
 
 
-@pytest.mark.parametrize('spec', LOWER, ids=name_of)
+@pytest.mark.parametrize('spec', [s for s in LOWER if s.name not in RANGES], ids=name_of)
 def test_parameter_can_be_set_to_its_minimum_in_contact(spec: ParameterSpecification) -> None:
     assert survives(spec.name, type(spec.default)(spec.minimum or 0))
 

@@ -232,3 +232,19 @@ def test_new_time_out_holds_at_once() -> None:
     of.configure(SynchronisationParameters(timeout_s=1.0))
     send(of, [('joint', 0), ('wrench', 2 * MS), ('wrench', 900 * MS)])
     assert not of.rejected
+
+
+@pytest.mark.parametrize('force, count', [(149.0, 1), (151.0, 0), (-151.0, 0)])
+def test_force_beyond_the_range_of_the_sensor_is_rejected(force: float, count: int) -> None:
+    of = synchroniser()
+    of.configure(SynchronisationParameters(maximum_force=150.0))
+    of.add_motion(2 * MS, 0.0, 0.0)
+    assert len(list(of.add_wrench(2 * MS, force))) == count
+    assert of.rejected['wrench_absurd'] == 1 - count
+
+
+def test_motion_beyond_its_range_is_rejected() -> None:
+    of = synchroniser()
+    of.add_motion(2 * MS, 1e4, 0.0)
+    of.add_motion(4 * MS, 0.0, -1e4)
+    assert of.rejected['joint_absurd'] == 2

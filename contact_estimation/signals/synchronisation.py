@@ -28,8 +28,6 @@ from .contact_sample import ContactSample
 from ..parameters import parameter, ParameterGroup
 
 Motion = tuple[int, float, float]  # stamp_ns, position, velocity
-_LARGEST_FORCE, _LARGEST_POSITION, _LARGEST_VELOCITY = 1e6, 1e3, 1e3
-# [N], [m], [m/s]: beyond any robot, so a broken message
 _MOTIONS_KEPT = 10_000  # where no wrench comes
 _NOTHING: tuple[ContactSample, ...] = ()
 
@@ -49,6 +47,16 @@ class SynchronisationParameters(ParameterGroup):
     time_jump_s: float = parameter(
         0.5, 'Stamps going back by more than this mean that time itself was set back', 's',
         minimum=1e-3, maximum=1e6,
+    )
+    maximum_force: float = parameter(
+        1e6, 'A larger force is no measurement and is rejected; set it to the range of the sensor',
+        'N', minimum=1.0,
+    )
+    maximum_position: float = parameter(
+        1e3, 'A larger position is no measurement and is rejected', 'm', minimum=1e-3
+    )
+    maximum_velocity: float = parameter(
+        1e3, 'A larger velocity is no measurement and is rejected', 'm/s', minimum=1e-3
     )
 
 
@@ -101,6 +109,9 @@ class Synchroniser:
         self._timeout_ns = int(parameters.timeout_s * 1e9)
         self._gap_ns = int(parameters.maximum_gap_s * 1e9)
         self._jump_ns = int(parameters.time_jump_s * 1e9)
+        self._largest_force = parameters.maximum_force
+        self._largest_position = parameters.maximum_position
+        self._largest_velocity = parameters.maximum_velocity
 
     def add_wrench(self, stamp_ns: int, force: float) -> Iterable[ContactSample]:
         """
@@ -124,7 +135,7 @@ class Synchroniser:
                 return _NOTHING
             self._restart(stamp_ns)
         self._last_wrench_ns = stamp_ns
-        if not abs(force) <= _LARGEST_FORCE:  # NaN as well
+        if not abs(force) <= self._largest_force:  # NaN as well
             finite = isfinite(force)
             self.rejected['wrench_absurd' if finite else 'wrench_not_finite'] += 1
             return _NOTHING
@@ -163,7 +174,7 @@ class Synchroniser:
         self._last_motion_ns = stamp_ns
         if velocity in (inf, -inf):
             velocity = nan
-        if not abs(position) <= _LARGEST_POSITION or abs(velocity) > _LARGEST_VELOCITY:
+        if not abs(position) <= self._largest_position or abs(velocity) > self._largest_velocity:
             finite = isfinite(position)
             self.rejected['joint_absurd' if finite else 'joint_not_finite'] += 1
             return _NOTHING
@@ -209,9 +220,9 @@ class Synchroniser:
             not self._wrenches
             and int(stamps_ns[0]) > last
             and bool((np.diff(stamps_ns) > 0).all())
-            and bool((np.abs(forces) <= _LARGEST_FORCE).all())
-            and bool((np.abs(positions) <= _LARGEST_POSITION).all())
-            and not bool((np.abs(velocities) > _LARGEST_VELOCITY).any())
+            and bool((np.abs(forces) <= self._largest_force).all())
+            and bool((np.abs(positions) <= self._largest_position).all())
+            and not bool((np.abs(velocities) > self._largest_velocity).any())
         )
         if not regular:
             return None
