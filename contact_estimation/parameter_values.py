@@ -173,3 +173,26 @@ def without(cls: type[ParameterGroup], values: Mapping[str, Any]) -> dict[str, A
     """
     own = {spec.name for spec in specifications(cls)}
     return {name: value for name, value in values.items() if name not in own}
+
+
+def divided(
+    cls: type[ParameterGroup], values: Mapping[str, Any]
+) -> tuple[dict[str, Any], dict[str, Any]]:
+    """
+    Tell the parameters of a group from the others.
+
+    Parameters
+    ----------
+    cls : type of ParameterGroup
+        The group.
+    values : mapping
+        Dotted name to value, of several groups.
+
+    Returns
+    -------
+    others, own : dict
+        What is not, and what is of the group.
+
+    """
+    others = without(cls, values)
+    return others, {name: value for name, value in values.items() if name not in others}

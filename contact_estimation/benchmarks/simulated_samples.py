@@ -22,14 +22,13 @@ from ..contact_session import ContactSession, Result
 from ..estimation_parameters import EstimationParameters
 from ..parameter_values import build
 from ..plant.closed_loop import run_closed_loop
-from ..plant.plant_parameters import PlantParameters
+from ..plant.plant_parameters import PAPER_NOISE, PlantParameters
 from ..reference.excitation import Sine
 from ..reference.experiment import Experiment
 from ..reference.experiments import experiment_named, manoeuvre
 
 RATE = 500.0
 PERIOD_S = 1.0 / RATE
-_NOISE = {'sensors.force_noise': 1.0, 'sensors.distribution': 'uniform'}  # as in `loop`
 _SETTLED_S = 8.6
 """Two seconds after the begin of the hold."""
 
@@ -69,6 +68,6 @@ def pressing(seconds: float) -> tuple[list[Result], list[Result]]:
 
 
 def _play(experiment: Experiment, duration: float) -> list[Result]:
-    plant = build(PlantParameters, _NOISE)
+    plant = build(PlantParameters, PAPER_NOISE)
     session = ContactSession(build(EstimationParameters, {'sample_rate': RATE}))
     return run_closed_loop(plant, session, experiment, duration).results

@@ -35,15 +35,12 @@ from ..exceptions import MissingPackageError, ParameterRangeError, RecordingErro
 from ..messages.typestore import jazzy_typestore
 from ..parameter_file import read_parameter_file
 from ..parameter_values import build, without
-from ..plant.plant_parameters import PlantParameters
+from ..plant.plant_parameters import PAPER_NOISE, PlantParameters
 from ..reference.experiment import Experiment
 from ..reference.experiments import experiment_named, EXPERIMENTS
 from ..reference.reference_generator import refuse_double_tracking
 from ..ros.estimator_node_parameters import EstimatorNodeParameters
 from ..ros.plant_node_parameters import PlantNodeParameters
-
-PAPER_NOISE = {'sensors.force_noise': 1.0, 'sensors.distribution': 'uniform'}
-"""The paper's simulated force sensor: uniform, +-1 N."""
 
 
 def make_parser() -> Parser:

@@ -17,11 +17,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Callable
 
 from .plant_parameters import PlantParameters
 from .sensors import Sensors
-from .world import Truth, World
+from .world import ReferenceAt, Truth, World
 from ..contact_session import ContactSession, Result
 from ..reference.experiment import Experiment
 from ..reference.reference_generator import ReferencePoint
@@ -51,9 +50,7 @@ class ClosedLoopRun:
         return next(touching, None)
 
 
-def extrapolate(
-    since: float, reference: ReferencePoint
-) -> Callable[[float], tuple[float, float, float, float]]:
+def extrapolate(since: float, reference: ReferencePoint) -> ReferenceAt:
     """
     Follow a reference until the next comes: its parabola for two sample periods at most.
 

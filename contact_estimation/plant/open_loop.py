@@ -16,15 +16,11 @@
 
 from __future__ import annotations
 
-from typing import Callable
-
 from .plant_parameters import PlantParameters
 from .sensors import Sensors
-from .world import Truth, World
+from .world import ReferenceAt, Truth, World
 from ..signals.contact_recording import ContactRecording
 from ..signals.contact_sample import ContactSample
-
-ReferenceAt = Callable[[float], tuple[float, float, float, float]]
 
 
 def run_open_loop(

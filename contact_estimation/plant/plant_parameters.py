@@ -22,6 +22,9 @@ from typing import Any
 from ..parameters import group, parameter, ParameterGroup
 from ..physics import PhysicsParameters
 
+PAPER_NOISE = {'sensors.force_noise': 1.0, 'sensors.distribution': 'uniform'}
+"""The paper's simulated force sensor: uniform, +-1 N."""
+
 
 @dataclass(frozen=True)
 class WallParameters(ParameterGroup):

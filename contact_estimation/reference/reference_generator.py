@@ -17,7 +17,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import isfinite, nan
+from math import isfinite
 from typing import NamedTuple
 
 from .experiment import Desired
@@ -247,6 +247,3 @@ def refuse_double_tracking(law: str, force_tracking: bool) -> None:
             'together press about 1.5 times too hard; expected one of them, got both; use '
             'reference_law eq20 with force tracking, or switch force_tracking off'
         )
-
-
-NOTHING_DESIRED = Desired(nan, 0.0, 0.0, nan)

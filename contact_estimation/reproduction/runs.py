@@ -30,13 +30,12 @@ from ..estimators.offline_estimator import TargetImpedance
 from ..parameter_values import build
 from ..plant.closed_loop import ClosedLoopRun, run_closed_loop
 from ..plant.open_loop import run_open_loop
-from ..plant.plant_parameters import PlantParameters
+from ..plant.plant_parameters import PAPER_NOISE, PlantParameters
 from ..plant.world import Truth
 from ..signals.contact_recording import ContactRecording
 
 K_E, B_E = 4800.0, 200.0
 DESIRED_FORCE = 50.0
-NOISE = {'sensors.force_noise': 1.0, 'sensors.distribution': 'uniform'}
 NOISE_VARIANCE = 1.0 / 3.0
 """Of the uniform noise of +-1 N [N^2]."""
 
@@ -100,7 +99,7 @@ def simulate(case: OnlineCase, seed: int) -> ClosedLoopRun:
         Truth and results of every sample.
 
     """
-    plant = build(PlantParameters, {**NOISE, 'seed': seed})
+    plant = build(PlantParameters, {**PAPER_NOISE, 'seed': seed})
     parameters = build(
         EstimationParameters,
         {'estimator': case.estimator, 'reference_law': case.law, **case.tuning},
@@ -149,7 +148,7 @@ def step_recording(seed: int) -> ContactRecording:
     """
     target = TargetImpedance()
     plant = build(PlantParameters, {
-        **NOISE, 'seed': seed, 'robot.mass': target.mass, 'robot.damping': target.damping,
+        **PAPER_NOISE, 'seed': seed, 'robot.mass': target.mass, 'robot.damping': target.damping,
         'robot.stiffness': target.stiffness,
     })
     depth = DESIRED_FORCE * (target.stiffness + K_E) / (target.stiffness * K_E)

@@ -38,7 +38,7 @@ from ..estimation_parameters import EstimationParameters
 from ..estimators.estimator import Estimate
 from ..exceptions import MessageError
 from ..messages import FORCE_OF_AXIS, JointStateDecoder, TrajectoryDecoder, WrenchDecoder
-from ..parameter_values import build, changed, flatten, without
+from ..parameter_values import build, changed, divided, flatten
 from ..parameters import ParameterSpecification, specifications
 from ..reference.experiment import Desired
 
@@ -68,7 +68,7 @@ class EstimatorNode(Node):
 
     def __init__(self) -> None:
         super().__init__('estimator_node')
-        estimation, own = _split(declare(self, all_specifications()))
+        estimation, own = divided(EstimatorNodeParameters, declare(self, all_specifications()))
         self._own = build(EstimatorNodeParameters, own)
         self._session = ContactSession(build(EstimationParameters, estimation))
         self._lock = Lock()
@@ -155,7 +155,7 @@ class EstimatorNode(Node):
     # -- events -----------------------------------------------------------------------------
 
     def _change_parameters(self, changes: Mapping[str, Any]) -> None:
-        estimation, own = _split(changes)
+        estimation, own = divided(EstimatorNodeParameters, changes)
         with self._lock:
             new_own = changed(self._own, own)
             if estimation:
@@ -189,12 +189,6 @@ class EstimatorNode(Node):
                 self.get_clock().now().to_msg(), self._session, self._last
             )
         self._diagnostics_publisher.publish(message)
-
-
-def _split(values: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Tell the parameters of the estimation from those of the node alone."""
-    shared = without(EstimatorNodeParameters, values)
-    return shared, {name: value for name, value in values.items() if name not in shared}
 
 
 def main(args: Sequence[str] | None = None) -> int:

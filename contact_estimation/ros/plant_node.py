@@ -34,7 +34,7 @@ from .rclpy_codec import message_class, RclpyCodec
 from .running import run_node
 from ..exceptions import MessageError
 from ..messages import JointStateEncoder, TrajectoryDecoder, TrajectoryEncoder, WrenchEncoder
-from ..parameter_values import build, changed, without
+from ..parameter_values import build, changed, divided
 from ..parameters import ParameterSpecification, specifications
 from ..plant.closed_loop import extrapolate
 from ..plant.plant_parameters import PlantParameters
@@ -65,7 +65,7 @@ class PlantNode(Node):
 
     def __init__(self) -> None:
         super().__init__('plant_node')
-        world, own = _split(declare(self, all_specifications()))
+        world, own = divided(PlantNodeParameters, declare(self, all_specifications()))
         self._plant = build(PlantParameters, world)
         self._own = build(PlantNodeParameters, own)
         experiment = experiment_named(self._own.experiment)
@@ -192,17 +192,11 @@ class PlantNode(Node):
     # -- parameters -------------------------------------------------------------------------
 
     def _change_parameters(self, changes: Mapping[str, Any]) -> None:
-        world, own = _split(changes)
+        world, own = divided(PlantNodeParameters, changes)
         changed(self._own, own)
         self._plant = changed(self._plant, world)
         self._world.configure(self._plant)
         self._sensors.configure(self._plant)
-
-
-def _split(values: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Tell the parameters of the world from those of the node alone."""
-    shared = without(PlantNodeParameters, values)
-    return shared, {name: value for name, value in values.items() if name not in shared}
 
 
 def main(args: Sequence[str] | None = None) -> int:

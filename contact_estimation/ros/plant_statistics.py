@@ -80,7 +80,7 @@ class PlantStatistics:
         -------
         summary : dict
             samples_sent, samples_lost, rate_hz, latency_ms {p50, p99, max},
-            last_contact_stamp_ns (null without contact), begin_stamp_ns.
+            references_unusable, last_contact_stamp_ns (null without contact), begin_stamp_ns.
 
         """
         count = len(self._sent)
@@ -91,6 +91,7 @@ class PlantStatistics:
             'samples_lost': count - len(self._delays),
             'rate_hz': (count - 1) / spent if spent > 0.0 else None,
             'latency_ms': percentiles([d * 1e-6 for d in self._delays.values()]),
+            'references_unusable': self.unusable,
             'begin_stamp_ns': self.begin_ns,
             'last_contact_stamp_ns':
                 None if last is None else self.begin_ns + last * self._period_ns,
