@@ -18,15 +18,68 @@ from __future__ import annotations
 
 from dataclasses import make_dataclass
 
+from .actuator_saturation import ActuatorSaturation
+from .adhesion import Adhesion
+from .backlash import Backlash
+from .bilinear_stiffness import BilinearStiffness
+from .bouc_wen_hysteresis import BoucWenHysteresis
+from .command_delay import CommandDelay
+from .contact_offset import ContactOffset
 from .coulomb_friction import CoulombFriction
+from .cubic_stiffness import CubicStiffness
+from .dead_zone import DeadZone
 from .environment_inertia import EnvironmentInertia
+from .force_bias import ForceBias
+from .force_delay import ForceDelay
+from .force_drift import ForceDrift
+from .force_lag import ForceLag
+from .force_saturation import ForceSaturation
+from .hunt_crossley_damping import HuntCrossleyDamping
+from .impedance_mismatch import ImpedanceMismatch
+from .moving_environment import MovingEnvironment
 from .physics import Effect
+from .plastic_set import PlasticSet
+from .power_law_stiffness import PowerLawStiffness
+from .quadratic_damping import QuadraticDamping
+from .reflected_inertia import ReflectedInertia
+from .robot_friction import RobotFriction
+from .stiffness_drift import StiffnessDrift
+from .stribeck_friction import StribeckFriction
+from .tool_inertia import ToolInertia
+from .viscoelastic_relaxation import ViscoelasticRelaxation
 from ..parameters import group, ParameterGroup
 
 EFFECTS: dict[str, type[Effect]] = {
     'coulomb_friction': CoulombFriction,
+    'stribeck_friction': StribeckFriction,
     'environment_inertia': EnvironmentInertia,
+    'cubic_stiffness': CubicStiffness,
+    'power_law_stiffness': PowerLawStiffness,
+    'hunt_crossley_damping': HuntCrossleyDamping,
+    'quadratic_damping': QuadraticDamping,
+    'viscoelastic_relaxation': ViscoelasticRelaxation,
+    'bouc_wen_hysteresis': BoucWenHysteresis,
+    'contact_offset': ContactOffset,
+    'moving_environment': MovingEnvironment,
+    'adhesion': Adhesion,
+    'dead_zone': DeadZone,
+    'backlash': Backlash,
+    'bilinear_stiffness': BilinearStiffness,
+    'stiffness_drift': StiffnessDrift,
+    'plastic_set': PlasticSet,
+    'tool_inertia': ToolInertia,
+    'force_lag': ForceLag,
+    'force_delay': ForceDelay,
+    'force_bias': ForceBias,
+    'force_drift': ForceDrift,
+    'force_saturation': ForceSaturation,
+    'robot_friction': RobotFriction,
+    'impedance_mismatch': ImpedanceMismatch,
+    'reflected_inertia': ReflectedInertia,
+    'command_delay': CommandDelay,
+    'actuator_saturation': ActuatorSaturation,
 }
+"""Of the contact, of the force sensor in the order of its chain, of the robot."""
 
 PhysicsParameters: type[ParameterGroup] = make_dataclass(
     'PhysicsParameters',

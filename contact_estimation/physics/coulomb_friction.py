@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from math import nan
 from typing import Any
 
-from .physics import ContactEffect, Number, SIGN_VELOCITY
+from .physics import ContactEffect, Number, Scales, SIGN_VELOCITY
 from ..parameters import parameter, ParameterGroup
 
 
@@ -29,7 +29,8 @@ class CoulombFrictionParameters(ParameterGroup):
     """Parameters of `CoulombFriction`."""
 
     F_c: float = parameter(
-        nan, 'Dry friction of the wall, against its motion', 'N', minimum=0.0, nan_is_off=True
+        nan, 'Dry friction of the wall, against its motion', 'N',
+        minimum=0.0, nan_is_off=True,
     )
 
 
@@ -43,3 +44,8 @@ class CoulombFriction(ContactEffect):
     def resistance(self, t: Number, d: Number, v: Number, state: Any, m: Any) -> Number:
         """Give F_c sgn(v); see `ContactEffect.resistance`."""
         return self.values.F_c * m.tanh(v / SIGN_VELOCITY)
+
+    @classmethod
+    def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
+        """One start: the law is linear in F_c."""
+        return [(0.02 * scales.force,)]

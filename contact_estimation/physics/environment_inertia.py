@@ -19,7 +19,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import nan
 
-from .physics import ContactEffect
+from .physics import ContactEffect, Scales
 from ..parameters import parameter, ParameterGroup
 
 
@@ -28,7 +28,8 @@ class EnvironmentInertiaParameters(ParameterGroup):
     """Parameters of `EnvironmentInertia`."""
 
     M_e: float = parameter(
-        nan, 'Mass of the wall that moves with the tool', 'kg', minimum=0.0, nan_is_off=True
+        nan, 'Mass of the wall that moves with the tool', 'kg',
+        minimum=0.0, nan_is_off=True,
     )
 
 
@@ -42,3 +43,8 @@ class EnvironmentInertia(ContactEffect):
     def __init__(self, values: EnvironmentInertiaParameters) -> None:
         super().__init__(values)
         self.inertia = values.M_e
+
+    @classmethod
+    def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
+        """One start: the law is linear in M_e."""
+        return [(0.1,)]

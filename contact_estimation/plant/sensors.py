@@ -22,26 +22,23 @@ import numpy as np
 
 from .plant_parameters import PlantParameters
 from .world import Truth
-from ..physics import effects_that_are_on
-from ..physics.physics import ForceSensorEffect
 
 _BLOCK = 1024
 
 
 class Sensors:
     """
-    Force sensor with its physics, then noise; position with noise, then quantisation.
+    Noise on the sensed force; noise, then quantisation on the position.
 
     Parameters
     ----------
     parameters : PlantParameters
-        Noise, quantisation, seed and physics.
+        Noise, quantisation and seed.
 
     """
 
     def __init__(self, parameters: PlantParameters) -> None:
         self.configure(parameters)
-        self._last_t: float | None = None
         seeds = np.random.SeedSequence(parameters.seed).spawn(3)
         # One stream a signal: switching one noise off leaves the others as they were.
         self._streams = [self._noise(np.random.default_rng(seed)) for seed in seeds]
@@ -57,8 +54,6 @@ class Sensors:
 
         """
         self._p = parameters.sensors
-        effects = effects_that_are_on(parameters.physics)
-        self._chain = [e for e in effects if isinstance(e, ForceSensorEffect)]
 
     def _noise(self, generator: np.random.Generator) -> Iterator[float]:
         while True:
@@ -85,12 +80,7 @@ class Sensors:
 
         """
         p = self._p
-        dt = 0.0 if self._last_t is None else truth.t - self._last_t
-        self._last_t = truth.t
-        force = truth.force
-        for effect in self._chain:
-            force = effect.sense(truth.t, dt, force, truth.acceleration)
-        force += p.force_noise * next(self._streams[0])
+        force = truth.sensed + p.force_noise * next(self._streams[0])
         position = truth.position + p.position_noise * next(self._streams[1])
         if p.position_quantisation > 0.0:
             position = round(position / p.position_quantisation) * p.position_quantisation

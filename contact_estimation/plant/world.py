@@ -16,32 +16,44 @@
 
 from __future__ import annotations
 
-from enum import Enum
 import math
 from math import ceil
-from typing import Callable, NamedTuple
+from typing import Any, Callable, NamedTuple
 
 from .plant_parameters import PlantParameters
 from ..physics import effects_that_are_on
-from ..physics.physics import ContactEffect, RobotEffect
+from ..physics.contact_law import ContactLaw
+from ..physics.physics import ForceSensorEffect
+from ..physics.robot_law import RobotLaw
 
 State = tuple[float, ...]  # x, v, then the effects' internal states
 ReferenceAt = Callable[[float], tuple[float, float, float, float]]
 _BISECTIONS = 40
 
 
-class Mode(Enum):
-    """Which equation of contact holds; each is smooth by itself."""
+class Mode(NamedTuple):
+    """
+    Which equation of contact holds; each is smooth by itself.
 
-    FREE = 'free'
-    PRESSING = 'pressing'
-    SLACK = 'slack'
-    """Inside the surface at rest, but the wall has let go: it cannot pull."""
+    Attributes
+    ----------
+    contact : bool
+        The surface is reached and a force can be passed on.
+    pressing : bool
+        And the wall pushes; otherwise it has let go, or pulls as hard as it can.
+    held : bool
+        Out of contact, but the wall still pulls.
+
+    """
+
+    contact: bool
+    pressing: bool
+    held: bool
 
 
 class Truth(NamedTuple):
     """
-    The world at an instant, before any sensor.
+    The world at an instant, before any noise.
 
     Attributes
     ----------
@@ -51,6 +63,8 @@ class Truth(NamedTuple):
         Of the end-effector [m], [m/s], [m/s^2].
     force : float
         F_e [N], negative while pressing.
+    sensed : float
+        What the physics of the force sensor make of F_e [N].
 
     """
 
@@ -59,6 +73,7 @@ class Truth(NamedTuple):
     velocity: float
     acceleration: float
     force: float
+    sensed: float
 
 
 class World:
@@ -67,7 +82,8 @@ class World:
 
     M_t xdd = u - drag + F_e with u of eq. (1) and F_e of eq. (3), plus what the effects add.
     Fourth-order Runge-Kutta; touch-down and release are found by bisection and stepped onto, so
-    that no step straddles a switch of equations.
+    that no step straddles a switch of equations. The physics of the force sensor follow at every
+    step, for a lag is no matter of samples.
 
     Parameters
     ----------
@@ -79,10 +95,11 @@ class World:
     """
 
     def __init__(self, parameters: PlantParameters, position: float) -> None:
-        self.configure(parameters)
         self.t = 0.0
-        states = sum(effect.states for effect in self._wall)
-        self._state: State = (position, 0.0) + (0.0,) * states
+        self._physics: Any = None
+        self.configure(parameters)
+        self._state: State = (position, 0.0) + (0.0,) * self._law.states
+        self._last_sensed = (-1.0, 0.0)
 
     def configure(self, parameters: PlantParameters) -> None:
         """
@@ -94,17 +111,17 @@ class World:
             The new world; the set of effects with internal states must stay.
 
         """
-        self._p = parameters
-        effects = effects_that_are_on(parameters.physics)
-        self._wall = [e for e in effects if isinstance(e, ContactEffect)]
-        self._arm = [e for e in effects if isinstance(e, RobotEffect)]
-        self._wall_mass = parameters.environment.inertia + sum(e.inertia for e in self._wall)
-        robot = parameters.robot
-        self._M_t = robot.mass * math.prod(e.mass_scale for e in self._arm)
-        self._B_t = robot.damping * math.prod(e.damping_scale for e in self._arm)
-        self._K_t = robot.stiffness * math.prod(e.stiffness_scale for e in self._arm)
-        self._robot_mass = self._M_t + sum(e.reflected_inertia for e in self._arm)
-        self._delay = sum(e.reference_delay for e in self._arm)
+        if parameters.physics != self._physics:  # else effects would forget their past
+            self._physics = parameters.physics
+            self._effects = effects_that_are_on(parameters.physics)
+            self._chain = [e for e in self._effects if isinstance(e, ForceSensorEffect)]
+        effects = self._effects
+        wall, robot = parameters.environment, parameters.robot
+        self._law = ContactLaw(
+            wall.stiffness, wall.damping, wall.location, wall.inertia, wall.unilateral, effects
+        )
+        self._robot = RobotLaw(robot.mass, robot.damping, robot.stiffness, effects)
+        self._force_tracking = robot.force_tracking
         self._steps = max(1, ceil(parameters.integration_rate / parameters.sample_rate))
 
     def advance(self, duration: float, reference: ReferenceAt) -> None:
@@ -122,6 +139,8 @@ class World:
         self._reference = reference
         end, h = self.t + duration, duration / self._steps
         for k in range(self._steps):
+            if self._chain:
+                self.truth(reference)
             self._step_with_events(self.t, h if k < self._steps - 1 else end - self.t)
         self.t = end
 
@@ -141,72 +160,54 @@ class World:
 
         """
         self._reference = reference
-        mode = self._mode(self.t, self._state)
-        acceleration = self._acceleration(self.t, self._state, mode)
-        force = 0.0
-        if mode is Mode.PRESSING:
-            force = -(self._static_resistance(self.t, self._state)
-                      + self._wall_mass * acceleration)
-        return Truth(self.t, self._state[0], self._state[1], acceleration, force)
+        x, v, *_ = self._state
+        acceleration, force, _ = self._dynamics(self.t, self._state)
+        return Truth(self.t, x, v, acceleration, force, self._sense(force, acceleration))
+
+    def _sense(self, force: float, acceleration: float) -> float:
+        last, reading = self._last_sensed
+        if last == self.t:  # a lag must not pass the same instant twice
+            return reading
+        dt = self.t - last if last >= 0.0 else 0.0
+        for effect in self._chain:
+            force = effect.sense(self.t, dt, force, acceleration)
+        self._last_sensed = (self.t, force)
+        return force
 
     # -- equations --------------------------------------------------------------------------
 
     def _control(self, t: float, x: float, v: float) -> float:
         """Eq. (1) without F_e: the force that drives the robot's mass."""
-        x_r, v_r, a_r, F_r = self._reference(t - self._delay)
-        u = self._M_t * a_r - self._B_t * (v - v_r) - self._K_t * (x - x_r)
-        if self._p.robot.force_tracking and F_r == F_r:
-            u += F_r
-        for effect in self._arm:
-            u = effect.control(u)
-        return u - sum(effect.drag(v) for effect in self._arm)
+        x_r, v_r, a_r, F_r = self._reference(t - self._robot.reference_delay)
+        tracked = F_r if self._force_tracking and F_r == F_r else 0.0
+        return float(self._robot.force(x, v, (x_r, v_r, a_r, tracked), math))
 
-    def _penetration(self, t: float, state: State) -> tuple[float, float]:
-        d, v = state[0] - self._p.environment.location, state[1]
-        for effect in self._wall:
-            shift, rate = effect.surface(t)
-            d, v = d - shift, v - rate
-        return d, v
-
-    def _static_resistance(self, t: float, state: State) -> float:
-        """Sum spring, damper and resistances: the pressing force less inertia."""
-        d, v = self._penetration(t, state)
-        environment = self._p.environment
-        spring, damper, other = environment.stiffness * d, environment.damping * v, 0.0
-        first = 2
-        for effect in self._wall:
-            last = first + effect.states
-            spring = effect.spring(t, d, spring, math)
-            damper = effect.damper(d, v, damper, math)
-            other += effect.resistance(t, d, v, state[first:last], math)
-            first = last
-        return spring + damper + other
-
-    def _mode(self, t: float, state: State) -> Mode:
-        if not self._p.environment.unilateral:
-            return Mode.PRESSING
-        if self._penetration(t, state)[0] <= 0.0:
-            return Mode.FREE
-        resistance = self._static_resistance(t, state)
-        if self._wall_mass > 0.0:
-            resistance += self._wall_mass * self._acceleration(t, state, Mode.PRESSING)
-        return Mode.PRESSING if resistance > 0.0 else Mode.SLACK
-
-    def _acceleration(self, t: float, state: State, mode: Mode) -> float:
-        u = self._control(t, state[0], state[1])
-        if mode is not Mode.PRESSING:
-            return u / self._robot_mass
-        return (u - self._static_resistance(t, state)) / (self._robot_mass + self._wall_mass)
+    def _dynamics(
+        self, t: float, state: State, mode: Mode | None = None
+    ) -> tuple[float, float, Mode]:
+        """Solve for acceleration and F_e, under the equations of a mode if one is given."""
+        law = self._law
+        x, v = state[0], state[1]
+        u, mass = self._control(t, x, v), self._robot.mass
+        contact, resistance, free = law.touch(t, x, v, state[2:], math)
+        if mode is None:
+            pressing = -resistance
+            if law.inertia > 0.0 and contact:
+                pressing -= law.inertia * (u - resistance) / (mass + law.inertia)
+            pushes = contact and (pressing < law.pull or not law.unilateral)
+            mode = Mode(bool(contact), bool(pushes), not contact and free != 0.0)
+        if mode.pressing:
+            a = (u - resistance) / (mass + law.inertia)
+            return a, -(resistance + law.inertia * a), mode
+        force = law.pull if mode.contact else (free if mode.held else 0.0)
+        return (u + force) / mass, force, mode
 
     def _rates(self, t: float, state: State, mode: Mode) -> State:
-        rates: State = (state[1], self._acceleration(t, state, mode))
+        rates: State = (state[1], self._dynamics(t, state, mode)[0])
         if len(state) > 2:
-            d, v = self._penetration(t, state)
-            first = 2
-            for effect in self._wall:
-                last = first + effect.states
-                rates += effect.state_rates(t, d, v, d > 0.0, state[first:last])
-                first = last
+            law = self._law
+            d, v, _ = law.penetration(t, state[0], state[1], state[2:], math)
+            rates += law.rates(t, d, v, state[2:])
         return rates
 
     # -- integration ------------------------------------------------------------------------
@@ -217,10 +218,19 @@ class World:
         k2 = self._rates(t + half, tuple(s + half * k for s, k in zip(state, k1)), mode)
         k3 = self._rates(t + half, tuple(s + half * k for s, k in zip(state, k2)), mode)
         k4 = self._rates(t + h, tuple(s + h * k for s, k in zip(state, k3)), mode)
-        return tuple(
+        after = tuple(
             s + h / 6.0 * (a + 2.0 * b + 2.0 * c + d)
             for s, a, b, c, d in zip(state, k1, k2, k3, k4)
         )
+        return self._settle(t + h, after) if len(after) > 2 else after
+
+    def _settle(self, t: float, state: State) -> State:
+        law = self._law
+        d, v, _ = law.penetration(t, state[0], state[1], state[2:], math)
+        return state[:2] + tuple(law.settle(d, v, state[2:]))
+
+    def _mode(self, t: float, state: State) -> Mode:
+        return self._dynamics(t, state)[2]
 
     def _step_with_events(self, t: float, h: float) -> None:
         """Step, cut at every switch of the contact equation."""
@@ -228,13 +238,13 @@ class World:
         for _ in range(8):  # more switches within one step would be chatter at the surface
             mode = self._mode(t, self._state)
             after = self._runge_kutta(t, self._state, end - t, mode)
-            if self._mode(end, after) is mode:
+            if self._mode(end, after) == mode:
                 break
             low, high = 0.0, end - t
             for _ in range(_BISECTIONS):
                 middle = 0.5 * (low + high)
                 state = self._runge_kutta(t, self._state, middle, mode)
-                if self._mode(t + middle, state) is mode:
+                if self._mode(t + middle, state) == mode:
                     low = middle
                 else:
                     high = middle

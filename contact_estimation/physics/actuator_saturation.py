@@ -1,0 +1,52 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""A robot whose drives cannot give all the force asked for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import nan
+from typing import Any
+
+from .physics import Number, positive, RobotEffect, Scales
+from ..parameters import parameter, ParameterGroup
+
+
+@dataclass(frozen=True)
+class ActuatorSaturationParameters(ParameterGroup):
+    """Parameters of `ActuatorSaturation`."""
+
+    limit: float = parameter(
+        nan, 'Greatest force of the drives', 'N',
+        minimum=0.0, nan_is_off=True,
+    )
+
+
+class ActuatorSaturation(RobotEffect):
+    """The control force u clipped to +-limit."""
+
+    name = 'actuator_saturation'
+    equation = "M_t x'' = clip(u, +-limit) + F_e"
+    Parameters = ActuatorSaturationParameters
+
+    def control(self, u: Number, m: Any) -> Number:
+        """Clip u; see `RobotEffect.control`."""
+        limit = self.values.limit
+        return positive(u + limit, m) - positive(u - limit, m) - limit
+
+    @classmethod
+    def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
+        """Spread the limit below the greatest control force."""
+        return [(share * scales.control,) for share in (0.3, 0.5, 0.7, 0.85, 0.96)]

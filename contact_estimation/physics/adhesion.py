@@ -1,0 +1,74 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""A wall that sticks to the tool and holds it back."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import nan
+from typing import Any
+
+import numpy as np
+
+from .physics import Array, ContactEffect, Number, Scales
+from ..parameters import parameter, ParameterGroup
+
+NECK = 1.5e-3
+"""Distance from the surface at which the wall lets go [m]."""
+
+
+@dataclass(frozen=True)
+class AdhesionParameters(ParameterGroup):
+    """Parameters of `Adhesion`."""
+
+    F_a: float = parameter(nan, 'Greatest pull of the wall', 'N', minimum=0.0, nan_is_off=True)
+
+
+class Adhesion(ContactEffect):
+    """In contact F_e <= F_a; then, withdrawing, F_e = F_a (1 + d / 1.5 mm) until d = -1.5 mm."""
+
+    name = 'adhesion'
+    equation = 'F_e <= F_a in contact; F_e = F_a (1 + d / 1.5 mm) on leaving'
+    Parameters = AdhesionParameters
+    needs_touch = True
+
+    states = 1  # 1 from touch-down until the neck has torn
+
+    def __init__(self, values: AdhesionParameters) -> None:
+        super().__init__(values)
+        self.pull = values.F_a
+
+    def tail(self, d: Number, v: Number, state: Any, m: Any) -> Number:
+        """Give the pull of the neck; see `ContactEffect.tail`."""
+        holds = (state[0] > 0.5) * (v < 0.0) * (d > -NECK)
+        return holds * self.values.F_a * (1.0 + d / NECK)
+
+    def settle(
+        self, d: float, v: float, contact: bool, state: tuple[float, ...]
+    ) -> tuple[float, ...]:
+        """Stick on contact, tear at the end of the neck."""
+        return (1.0,) if contact else (state[0] if d > -NECK else 0.0,)
+
+    def states_along(self, t: Array, d: Array, v: Array, contact: Array) -> Array:
+        """Tell at each sample what came last, contact or the end of the neck."""
+        index = np.arange(1, len(t) + 1)
+        touched = np.maximum.accumulate(np.where(contact, index, 0))
+        torn = np.maximum.accumulate(np.where(d <= -NECK, index, 0))
+        return (touched > torn).astype(float)[None, :]
+
+    @classmethod
+    def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
+        """Start from the greatest pull in the recording."""
+        return [(max(scales.greatest_pull, 0.02 * scales.force),)]

@@ -1,0 +1,78 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Play between the tool and what touches the wall."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import nan
+from typing import Any
+
+import numpy as np
+
+from .physics import Array, ContactEffect, Number, Scales
+from ..parameters import parameter, ParameterGroup
+
+
+@dataclass(frozen=True)
+class BacklashParameters(ParameterGroup):
+    """Parameters of `Backlash`."""
+
+    gap: float = parameter(nan, 'Width of the play', 'm', minimum=0.0, nan_is_off=True)
+
+
+class Backlash(ContactEffect):
+    """y = play(x, gap); the force is that of (y, y') where |x - y| = gap / 2, else 0."""
+
+    name = 'backlash'
+    equation = "F_e of (y, y'), y = play(x, gap)"
+    Parameters = BacklashParameters
+    needs_touch = True
+
+    states = 1  # where the tool stands within the play, x - y
+    state_is_position = True
+
+    def transmit(self, d: Number, v: Number, state: Any, m: Any) -> tuple[Any, Any, Any]:
+        """Pass on what the play lets through; see `ContactEffect.transmit`."""
+        half = 0.5 * self.values.gap
+        engaged = abs(state[0]) >= half * (1.0 - 1e-9)
+        return d - state[0], v, engaged
+
+    def state_rates(
+        self, t: float, d: float, v: float, contact: bool, state: tuple[float, ...]
+    ) -> tuple[float, ...]:
+        """Move within the play with the tool; `settle` stops at its ends."""
+        return (v,)
+
+    def settle(
+        self, d: float, v: float, contact: bool, state: tuple[float, ...]
+    ) -> tuple[float, ...]:
+        """Stop at the ends of the play."""
+        half = 0.5 * self.values.gap
+        return (min(half, max(-half, state[0])),)
+
+    def states_along(self, t: Array, d: Array, v: Array, contact: Array) -> Array:
+        """Run the play operator over the measured positions."""
+        half, place = 0.5 * self.values.gap, 0.0
+        places = [0.0]
+        for step in np.diff(d).tolist():
+            place = min(half, max(-half, place + step))
+            places.append(place)
+        return np.array(places)[None, :]
+
+    @classmethod
+    def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
+        """Spread the play."""
+        return [(share * scales.depth,) for share in (0.01, 0.05, 0.2)]

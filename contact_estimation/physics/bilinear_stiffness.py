@@ -1,0 +1,51 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""A second spring that the tool meets at a depth."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import nan
+from typing import Any
+
+from .physics import ContactEffect, Number, positive, Scales
+from ..parameters import parameter, ParameterGroup
+
+
+@dataclass(frozen=True)
+class BilinearStiffnessParameters(ParameterGroup):
+    """Parameters of `BilinearStiffness`."""
+
+    K_2: float = parameter(nan, 'Additional stiffness beyond the depth', 'N/m', nan_is_off=True)
+    depth: float = parameter(nan, 'Where it begins', 'm', minimum=0.0, nan_is_off=True)
+
+
+class BilinearStiffness(ContactEffect):
+    """R = K_2 max(d - depth, 0), additional."""
+
+    name = 'bilinear_stiffness'
+    equation = 'F_e -= K_2 max(d - depth, 0)'
+    Parameters = BilinearStiffnessParameters
+    needs_touch = True
+
+    def resistance(self, t: Number, d: Number, v: Number, state: Any, m: Any) -> Number:
+        """Give K_2 max(d - depth, 0); see `ContactEffect.resistance`."""
+        return self.values.K_2 * positive(d - self.values.depth, m)
+
+    @classmethod
+    def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
+        """Spread the depth; the law is linear in K_2."""
+        shares = (0.2, 0.35, 0.5, 0.65, 0.8, 0.92)
+        return [(0.1 * scales.stiffness, share * scales.depth) for share in shares]

@@ -1,0 +1,50 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""A robot that hears its reference late."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import nan
+
+from .physics import RobotEffect, Scales
+from ..parameters import parameter, ParameterGroup
+
+
+@dataclass(frozen=True)
+class CommandDelayParameters(ParameterGroup):
+    """Parameters of `CommandDelay`."""
+
+    delay: float = parameter(
+        nan, 'Time by which the reference is late', 's',
+        minimum=0.0, nan_is_off=True,
+    )
+
+
+class CommandDelay(RobotEffect):
+    """The reference at t - delay."""
+
+    name = 'command_delay'
+    equation = 'x_r(t - delay) in eq. (1)'
+    Parameters = CommandDelayParameters
+
+    def __init__(self, values: CommandDelayParameters) -> None:
+        super().__init__(values)
+        self.reference_delay = values.delay
+
+    @classmethod
+    def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
+        """Spread the delay."""
+        return [(0.001,), (0.005,), (0.02,)]

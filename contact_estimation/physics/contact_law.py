@@ -1,0 +1,263 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The wall with all its effects: one law for the plant's numbers and the diagnosis' arrays."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .physics import Array, ContactEffect, Effect
+
+State = tuple[float, ...]
+
+
+class Touch(NamedTuple):
+    """
+    The wall at an instant, before its inertia is known.
+
+    Attributes
+    ----------
+    contact : bool or ndarray of bool
+        The surface is reached, and a force can be passed on.
+    resistance : float or ndarray
+        Sum of spring, damper and resistances [N].
+    free_force : float or ndarray
+        F_e while there is no contact [N].
+
+    """
+
+    contact: Any
+    resistance: Any
+    free_force: Any
+
+
+class ContactLaw:
+    """
+    Eq. (3) with a wall that cannot pull, and what the effects make of it.
+
+    F_e = min(pull, -(resistance + inertia a)) in contact, else the free force; the pull is 0
+    without adhesion.
+
+    Parameters
+    ----------
+    stiffness, damping, location, inertia : float
+        K_e [N/m], B_e [N s/m], x_e [m], M_e [kg].
+    unilateral : bool
+        Whether the wall can let go.
+    effects : sequence of Effect
+        Those of the contact act, others are left out.
+
+    """
+
+    def __init__(
+        self, stiffness: float, damping: float, location: float, inertia: float,
+        unilateral: bool, effects: Sequence[Effect],
+    ) -> None:
+        self._K_e, self._B_e, self._x_e = stiffness, damping, location
+        self.unilateral = unilateral
+        wall = [effect for effect in effects if isinstance(effect, ContactEffect)]
+        self.effects = wall
+        self.inertia = inertia + sum(effect.inertia for effect in wall)
+        self.pull = sum(effect.pull for effect in wall)
+        self.states = sum(effect.states for effect in wall)
+        self._exponent = 1.0
+        for effect in wall:
+            self._exponent *= effect.exponent
+        starts = np.cumsum([0, *(effect.states for effect in wall)]).tolist()
+        placed = [(effect, slice(a, b)) for effect, a, b in zip(wall, starts[:-1], starts[1:])]
+        # Hooks that do nothing are not called: a plant steps twenty thousand times a second.
+        self._surfaces, self._transmissions, self._deflections, self._springs = (
+            [place for place in placed if _overrides(place[0], hook)]
+            for hook in ('surface', 'transmit', 'deflection', 'spring')
+        )
+        self._dampers, self._resistances, self._tails = (
+            [place for place in placed if _overrides(place[0], hook)]
+            for hook in ('damper', 'resistance', 'tail')
+        )
+        self._stateful = [place for place in placed if place[0].states]
+
+    def penetration(self, t: Any, x: Any, v: Any, states: Any, m: Any) -> tuple[Any, Any, Any]:
+        """
+        Tell how deep the tool is in the wall.
+
+        Parameters
+        ----------
+        t, x, v : float or ndarray, shape (N,)
+            Time [s], position [m] and velocity [m/s] of the end-effector.
+        states : tuple of float, or ndarray, shape (states, N)
+            Internal states of all effects.
+        m : module
+            `math` or `numpy`.
+
+        Returns
+        -------
+        d, v : float or ndarray, shape (N,)
+            Penetration [m] and its rate [m/s].
+        engaged : bool or ndarray of bool
+            Whether a force can be passed on.
+
+        """
+        d, engaged = x - self._x_e, True
+        for effect, place in self._surfaces:
+            shift, rate = effect.surface(t, states[place], m)
+            d, v = d - shift, v - rate
+        for effect, place in self._transmissions:
+            d, v, engaged = effect.transmit(d, v, states[place], m)
+        return d, v, engaged
+
+    def touch(self, t: Any, x: Any, v: Any, states: Any, m: Any) -> Touch:
+        """
+        Evaluate the law but for inertia; parameters as `penetration`.
+
+        Returns
+        -------
+        touch : Touch
+            Contact and forces.
+
+        """
+        d, v, engaged = self.penetration(t, x, v, states, m)
+        return self._touch(t, d, v, engaged, states, m)
+
+    def _touch(self, t: Any, d: Any, v: Any, engaged: Any, states: Any, m: Any) -> Touch:
+        contact = (d > 0.0) & engaged if self.unilateral else engaged
+        free: Any = 0.0
+        for effect, place in self._tails:
+            free = free + effect.tail(d, v, states[place], m)
+        return Touch(contact, self._resistance(t, d, v, states, m), free)
+
+    def _resistance(self, t: Any, d: Any, v: Any, states: Any, m: Any) -> Any:
+        deflection = d
+        for effect, _ in self._deflections:
+            deflection = effect.deflection(deflection, m)
+        spring, damper = self._K_e * deflection, self._B_e * v
+        for effect, _ in self._springs:
+            spring = effect.spring(t, d, spring, m)
+        for effect, _ in self._dampers:
+            damper = effect.damper(d, v, damper, self._exponent, m)
+        resistance = spring + damper
+        for effect, place in self._resistances:
+            resistance = resistance + effect.resistance(t, d, v, states[place], m)
+        return resistance
+
+    def rates(self, t: float, d: float, v: float, states: State) -> State:
+        """
+        Differentiate the internal states; parameters as `penetration`, d from there.
+
+        Returns
+        -------
+        rates : tuple of float
+            Time derivatives.
+
+        """
+        rates: State = ()
+        for effect, place in self._stateful:
+            rates += effect.state_rates(t, d, v, d > 0.0, states[place])
+        return rates
+
+    def settle(self, d: float, v: float, states: State) -> State:
+        """
+        Keep the internal states where they may be; parameters as `rates`.
+
+        Returns
+        -------
+        states : tuple of float
+            What holds from here on.
+
+        """
+        settled: State = ()
+        for effect, place in self._stateful:
+            settled += effect.settle(d, v, d > 0.0, states[place])
+        return settled
+
+    def states_along(self, t: Array, x: Array, v: Array) -> Array:
+        """
+        Follow all internal states along a recorded motion.
+
+        Parameters
+        ----------
+        t, x, v : ndarray, shape (N,)
+            Time [s], evenly spaced, position [m] and velocity [m/s].
+
+        Returns
+        -------
+        states : ndarray, shape (states, N)
+            In the order of the effects.
+
+        """
+        states = np.zeros((self.states, len(t)))
+        if not self.states:
+            return states
+        d, engaged = x - self._x_e, np.ones(len(t), bool)
+        moved = self._surfaces + self._transmissions
+        for effect, place in moved:
+            if effect.states:
+                states[place] = effect.states_along(t, d, v, d > 0.0)
+            shift, rate = effect.surface(t, states[place], np)
+            d, v, _ = effect.transmit(d - shift, v - rate, states[place], np)
+        contact = (d > 0.0) & engaged if self.unilateral else engaged
+        for effect, place in self._stateful:
+            if (effect, place) not in moved:
+                states[place] = effect.states_along(t, d, v, contact)
+        return states
+
+    def force_and_depth(self, t: Array, x: Array, v: Array, a: Array) -> tuple[Array, Array]:
+        """
+        Predict F_e from a recorded motion.
+
+        Parameters
+        ----------
+        t, x, v, a : ndarray, shape (N,)
+            Time [s], evenly spaced, position [m] and its derivatives [m/s], [m/s^2].
+
+        Returns
+        -------
+        F_e : ndarray, shape (N,)
+            Force on the end-effector [N].
+        d : ndarray, shape (N,)
+            Penetration [m].
+
+        """
+        states = self.states_along(t, x, v)
+        d, rate, engaged = self.penetration(t, x, v, states, np)
+        touch = self._touch(t, d, rate, engaged, states, np)
+        pressing = -(touch.resistance + self.inertia * a)
+        if not self.unilateral:
+            return np.where(touch.contact, pressing, 0.0), d
+        held = np.where(touch.contact, np.minimum(self.pull, pressing), touch.free_force)
+        return held, d
+
+    def force(self, t: Array, x: Array, v: Array, a: Array) -> Array:
+        """Predict F_e alone; see `force_and_depth`."""
+        return self.force_and_depth(t, x, v, a)[0]
+
+    def contact(self, t: Array, x: Array, v: Array) -> NDArray[np.bool_]:
+        """
+        Tell where the surface is reached; parameters as `force_and_depth`.
+
+        Returns
+        -------
+        contact : ndarray of bool, shape (N,)
+            d > 0.
+
+        """
+        d = self.penetration(t, x, v, self.states_along(t, x, v), np)[0]
+        return np.asarray(d > 0.0)
+
+
+def _overrides(effect: ContactEffect, hook: str) -> bool:
+    return getattr(type(effect), hook) is not getattr(ContactEffect, hook)

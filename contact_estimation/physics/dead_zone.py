@@ -1,0 +1,52 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""A gap under the surface in which only the damper acts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import nan
+from typing import Any
+
+from .physics import ContactEffect, Number, positive, Scales
+from ..parameters import parameter, ParameterGroup
+
+
+@dataclass(frozen=True)
+class DeadZoneParameters(ParameterGroup):
+    """Parameters of `DeadZone`."""
+
+    gap: float = parameter(
+        nan, 'Depth at which the spring begins', 'm',
+        minimum=0.0, nan_is_off=True,
+    )
+
+
+class DeadZone(ContactEffect):
+    """K_e max(d - gap, 0); damping from d > 0."""
+
+    name = 'dead_zone'
+    equation = 'F_e = -(K_e max(d - gap, 0) + B_e v)'
+    Parameters = DeadZoneParameters
+    needs_touch = True
+
+    def deflection(self, d: Number, m: Any) -> Number:
+        """Give max(d - gap, 0); see `ContactEffect.deflection`."""
+        return positive(d - self.values.gap, m)
+
+    @classmethod
+    def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
+        """Spread the gap."""
+        return [(share * scales.depth,) for share in (0.02, 0.1, 0.3)]

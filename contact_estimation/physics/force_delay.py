@@ -1,0 +1,70 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""A force sensor whose samples come late."""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass
+from math import nan
+
+import numpy as np
+
+from .physics import Array, ForceSensorEffect, Scales
+from ..parameters import parameter, ParameterGroup
+
+
+@dataclass(frozen=True)
+class ForceDelayParameters(ParameterGroup):
+    """Parameters of `ForceDelay`."""
+
+    delay: float = parameter(
+        nan, 'Time by which the force is late', 's',
+        minimum=0.0, nan_is_off=True,
+    )
+
+
+class ForceDelay(ForceSensorEffect):
+    """F(t - delay)."""
+
+    name = 'force_delay'
+    equation = 'F_measured(t) = F_e(t - delay)'
+    Parameters = ForceDelayParameters
+
+    memory = True
+
+    def __init__(self, values: ForceDelayParameters) -> None:
+        super().__init__(values)
+        self._past: deque[tuple[float, float]] = deque()
+
+    def sense(self, t: float, dt: float, force: float, acceleration: float) -> float:
+        """Look back, straight between the samples; see `ForceSensorEffect.sense`."""
+        past, then = self._past, t - self.values.delay
+        past.append((t, force))
+        while len(past) > 1 and past[1][0] <= then:
+            past.popleft()
+        (t_0, f_0), (t_1, f_1) = past[0], past[min(1, len(past) - 1)]
+        if then <= t_0 or t_1 <= t_0:
+            return f_0
+        return f_0 + (f_1 - f_0) * (then - t_0) / (t_1 - t_0)
+
+    def sense_along(self, t: Array, force: Array, acceleration: Array) -> Array:
+        """Look back, straight between the samples; see `ForceSensorEffect.sense_along`."""
+        return np.interp(t - self.values.delay, t, force)
+
+    @classmethod
+    def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
+        """Spread the delay."""
+        return [(0.001,), (0.004,), (0.012,), (0.03,)]

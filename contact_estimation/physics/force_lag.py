@@ -1,0 +1,75 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""A force sensor with a low-pass in it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import exp, nan
+
+import numpy as np
+from scipy.signal import lfilter
+
+from .physics import Array, ForceSensorEffect, Scales
+from ..parameters import parameter, ParameterGroup
+
+
+@dataclass(frozen=True)
+class ForceLagParameters(ParameterGroup):
+    """Parameters of `ForceLag`."""
+
+    tau: float = parameter(nan, 'Time constant of the low-pass', 's', minimum=0.0, nan_is_off=True)
+
+
+class ForceLag(ForceSensorEffect):
+    """tau y' + y = F."""
+
+    name = 'force_lag'
+    equation = "tau y' + y = F_e"
+    Parameters = ForceLagParameters
+
+    memory = True
+
+    def __init__(self, values: ForceLagParameters) -> None:
+        super().__init__(values)
+        self._y: float | None = None
+        self._last = 0.0
+
+    def sense(self, t: float, dt: float, force: float, acceleration: float) -> float:
+        """Filter with F straight between the samples; see `ForceSensorEffect.sense`."""
+        decay, begin, end = self._weights(dt)
+        y = force if self._y is None else decay * self._y + begin * self._last + end * force
+        self._y, self._last = y, force
+        return y
+
+    def sense_along(self, t: Array, force: Array, acceleration: Array) -> Array:
+        """Filter with F straight between the samples; see `ForceSensorEffect.sense_along`."""
+        decay, begin, end = self._weights(float(t[1] - t[0]))
+        push = np.concatenate(([force[0]], begin * force[:-1] + end * force[1:]))
+        return np.asarray(lfilter([1.0], [1.0, -decay], push))
+
+    def _weights(self, dt: float) -> tuple[float, float, float]:
+        """Solve the equation over a step: y = decay y_0 + begin F_0 + end F_1."""
+        tau = self.values.tau
+        if dt <= 0.0 or tau < 1e-3 * dt:
+            return 0.0, 0.0, 1.0
+        decay = exp(-dt / tau)
+        mean = tau / dt * (1.0 - decay)
+        return decay, mean - decay, 1.0 - mean
+
+    @classmethod
+    def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
+        """Spread tau."""
+        return [(0.002,), (0.01,), (0.04,)]

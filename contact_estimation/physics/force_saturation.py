@@ -1,0 +1,54 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""A force sensor at the end of its range."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import nan
+
+import numpy as np
+
+from .physics import Array, ForceSensorEffect, Scales
+from ..parameters import parameter, ParameterGroup
+
+
+@dataclass(frozen=True)
+class ForceSaturationParameters(ParameterGroup):
+    """Parameters of `ForceSaturation`."""
+
+    limit: float = parameter(nan, 'End of the range', 'N', minimum=0.0, nan_is_off=True)
+
+
+class ForceSaturation(ForceSensorEffect):
+    """F clipped to +-limit."""
+
+    name = 'force_saturation'
+    equation = 'F_measured = clip(F_e, +-limit)'
+    Parameters = ForceSaturationParameters
+
+    def sense(self, t: float, dt: float, force: float, acceleration: float) -> float:
+        """Clip; see `ForceSensorEffect.sense`."""
+        limit = float(self.values.limit)
+        return min(limit, max(-limit, force))
+
+    def sense_along(self, t: Array, force: Array, acceleration: Array) -> Array:
+        """Clip; see `ForceSensorEffect.sense_along`."""
+        return np.clip(force, -self.values.limit, self.values.limit)
+
+    @classmethod
+    def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
+        """Spread the limit below the greatest force."""
+        return [(share * scales.force,) for share in (0.4, 0.6, 0.75, 0.87, 0.96)]

@@ -1,0 +1,57 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Damping that grows with depth, without a jump at touch-down."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import nan
+from typing import Any
+
+from .physics import ContactEffect, Number, positive, Scales
+from ..parameters import parameter, ParameterGroup
+
+
+@dataclass(frozen=True)
+class HuntCrossleyDampingParameters(ParameterGroup):
+    """Parameters of `HuntCrossleyDamping`."""
+
+    chi: float = parameter(nan, 'Damping a unit of depth', 'N s/m^2', minimum=0.0, nan_is_off=True)
+
+
+class HuntCrossleyDamping(ContactEffect):
+    """
+    chi d v in place of B_e v; chi d^n v together with power_law_stiffness.
+
+    Hunt and Crossley (1975).
+
+    """
+
+    name = 'hunt_crossley_damping'
+    equation = 'F_e = -(K_e d + chi d v)'
+    Parameters = HuntCrossleyDampingParameters
+    needs_touch = True
+
+    replaces_damping = True
+
+    def damper(self, d: Number, v: Number, force: Number, exponent: float, m: Any) -> Number:
+        """Give chi d^n v; see `ContactEffect.damper`."""
+        depth = d if exponent == 1.0 else positive(d, m) ** exponent
+        return self.values.chi * depth * v
+
+    @classmethod
+    def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
+        """One start: the law is linear in chi."""
+        return [(2.0 * scales.damping / scales.depth,)]

@@ -1,0 +1,61 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""A robot whose impedance is not the one it was told."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import nan
+
+from .physics import RobotEffect, Scales
+from ..parameters import parameter, ParameterGroup
+
+
+@dataclass(frozen=True)
+class ImpedanceMismatchParameters(ParameterGroup):
+    """Parameters of `ImpedanceMismatch`."""
+
+    K_t_scale: float = parameter(
+        nan, 'Stiffness of the robot, as a multiple of the nominal', '1',
+        minimum=0.0, nan_is_off=True,
+    )
+    B_t_scale: float = parameter(
+        nan, 'Damping of the robot, likewise', '1',
+        minimum=0.0, nan_is_off=True,
+    )
+    M_t_scale: float = parameter(
+        nan, 'Mass of the robot, likewise', '1',
+        minimum=0.01, nan_is_off=True,
+    )
+
+
+class ImpedanceMismatch(RobotEffect):
+    """actual = scale x nominal, for M_t, B_t and K_t."""
+
+    name = 'impedance_mismatch'
+    equation = 'M_t_scale M_t, B_t_scale B_t, K_t_scale K_t in eq. (1)'
+    Parameters = ImpedanceMismatchParameters
+    neutral = {'K_t_scale': 1.0, 'B_t_scale': 1.0, 'M_t_scale': 1.0}
+
+    def __init__(self, values: ImpedanceMismatchParameters) -> None:
+        super().__init__(values)
+        self.stiffness_scale = values.K_t_scale
+        self.damping_scale = values.B_t_scale
+        self.mass_scale = values.M_t_scale
+
+    @classmethod
+    def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
+        """One start: nearly linear."""
+        return [(1.02, 1.02, 1.02)]

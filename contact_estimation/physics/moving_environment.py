@@ -1,0 +1,57 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""A wall that swings."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import nan, pi
+from typing import Any
+
+import numpy as np
+
+from .physics import ContactEffect, Number, Scales
+from ..parameters import parameter, ParameterGroup
+
+
+@dataclass(frozen=True)
+class MovingEnvironmentParameters(ParameterGroup):
+    """Parameters of `MovingEnvironment`."""
+
+    amplitude: float = parameter(nan, 'Swing of the surface', 'm', minimum=0.0, nan_is_off=True)
+    frequency: float = parameter(nan, 'Its frequency', 'Hz', minimum=0.0, nan_is_off=True)
+    phase: float = parameter(nan, 'Its phase at the first sample', 'rad', nan_is_off=True)
+
+
+class MovingEnvironment(ContactEffect):
+    """x_e = nominal + amplitude sin(2 pi frequency t + phase)."""
+
+    name = 'moving_environment'
+    equation = 'x_e = nominal + amplitude sin(2 pi frequency t + phase)'
+    Parameters = MovingEnvironmentParameters
+
+    def surface(self, t: Number, state: Any, m: Any) -> tuple[Any, Any]:
+        """Give the swing; see `ContactEffect.surface`."""
+        p = self.values
+        omega = 2.0 * pi * p.frequency
+        angle = omega * t + p.phase
+        return p.amplitude * m.sin(angle), p.amplitude * omega * m.cos(angle)
+
+    @classmethod
+    def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
+        """Take the peaks of the residual's spectrum: the error is a comb in the frequency."""
+        found = scales.peaks()
+        return [(abs(peak) / scales.stiffness, frequency, float(np.angle(1j * peak)))
+                for frequency, peak in found]

@@ -1,0 +1,61 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""A spring whose force grows with a power of the depth (Hertz: 3/2)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import nan
+from typing import Any
+
+from .physics import ContactEffect, Number, positive, Scales
+from ..parameters import parameter, ParameterGroup
+
+
+@dataclass(frozen=True)
+class PowerLawStiffnessParameters(ParameterGroup):
+    """Parameters of `PowerLawStiffness`."""
+
+    n: float = parameter(
+        nan, 'Exponent of the depth', '1',
+        minimum=0.1, maximum=10.0, nan_is_off=True,
+    )
+    K_n: float = parameter(nan, 'Force at unit depth', 'N/m^n', minimum=0.0, nan_is_off=True)
+
+
+class PowerLawStiffness(ContactEffect):
+    """K_n d^n in place of K_e d."""
+
+    name = 'power_law_stiffness'
+    equation = 'F_e = -(K_n d^n + B_e v)'
+    Parameters = PowerLawStiffnessParameters
+    needs_touch = True
+    neutral = {'n': 1.0}
+
+    replaces_stiffness = True
+
+    def __init__(self, values: PowerLawStiffnessParameters) -> None:
+        super().__init__(values)
+        self.exponent = values.n
+
+    def spring(self, t: Number, d: Number, force: Number, m: Any) -> Number:
+        """Give K_n d^n; see `ContactEffect.spring`."""
+        return self.values.K_n * positive(d, m) ** self.values.n
+
+    @classmethod
+    def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
+        """Spread the exponent, with the force at half the depth unchanged."""
+        half, K = 0.5 * scales.depth, scales.stiffness
+        return [(n, K * half ** (1.0 - n)) for n in (0.8, 0.95, 1.05, 1.2, 1.5)]

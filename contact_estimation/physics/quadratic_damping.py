@@ -1,0 +1,48 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Drag that grows with the square of the speed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import nan
+from typing import Any
+
+from .physics import ContactEffect, Number, Scales
+from ..parameters import parameter, ParameterGroup
+
+
+@dataclass(frozen=True)
+class QuadraticDampingParameters(ParameterGroup):
+    """Parameters of `QuadraticDamping`."""
+
+    B_2: float = parameter(nan, 'Drag at unit speed', 'N s^2/m^2', nan_is_off=True)
+
+
+class QuadraticDamping(ContactEffect):
+    """R = B_2 v |v|."""
+
+    name = 'quadratic_damping'
+    equation = 'F_e -= B_2 v |v|'
+    Parameters = QuadraticDampingParameters
+
+    def resistance(self, t: Number, d: Number, v: Number, state: Any, m: Any) -> Number:
+        """Give B_2 v |v|; see `ContactEffect.resistance`."""
+        return self.values.B_2 * v * abs(v)
+
+    @classmethod
+    def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
+        """One start: the law is linear in B_2."""
+        return [(0.2 * scales.damping / scales.speed,)]

@@ -1,0 +1,50 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Inertia of rotors and gears that the feed-forward does not know."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import nan
+
+from .physics import RobotEffect, Scales
+from ..parameters import parameter, ParameterGroup
+
+
+@dataclass(frozen=True)
+class ReflectedInertiaParameters(ParameterGroup):
+    """Parameters of `ReflectedInertia`."""
+
+    M_r: float = parameter(
+        nan, 'Inertia that the feed-forward does not know', 'kg',
+        minimum=0.0, nan_is_off=True,
+    )
+
+
+class ReflectedInertia(RobotEffect):
+    """(M_t + M_r) x'' in the motion; the feed-forward has M_t alone."""
+
+    name = 'reflected_inertia'
+    equation = "(M_t + M_r) x'' = u + F_e"
+    Parameters = ReflectedInertiaParameters
+
+    def __init__(self, values: ReflectedInertiaParameters) -> None:
+        super().__init__(values)
+        self.reflected_inertia = values.M_r
+
+    @classmethod
+    def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
+        """One start: nearly linear."""
+        return [(0.02 * scales.mass,)]

@@ -1,0 +1,51 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Dry friction in the joints of the robot."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import nan
+from typing import Any
+
+from .physics import Number, RobotEffect, Scales, SIGN_VELOCITY
+from ..parameters import parameter, ParameterGroup
+
+
+@dataclass(frozen=True)
+class RobotFrictionParameters(ParameterGroup):
+    """Parameters of `RobotFriction`."""
+
+    F_c: float = parameter(
+        nan, 'Dry friction of the robot, against its motion', 'N',
+        minimum=0.0, nan_is_off=True,
+    )
+
+
+class RobotFriction(RobotEffect):
+    """-F_c sgn(xd) added to the motion of the robot."""
+
+    name = 'robot_friction'
+    equation = "M_t x'' = u - F_c sgn(x') + F_e"
+    Parameters = RobotFrictionParameters
+
+    def drag(self, velocity: Number, m: Any) -> Number:
+        """Give F_c sgn(xd); see `RobotEffect.drag`."""
+        return self.values.F_c * m.tanh(velocity / SIGN_VELOCITY)
+
+    @classmethod
+    def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
+        """One start: the law is linear in F_c."""
+        return [(0.05 * scales.force,)]

@@ -1,0 +1,103 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The robot with all its effects: one law for the plant's numbers and the diagnosis' arrays."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, Sequence
+
+from .physics import Effect, RobotEffect
+
+
+class RobotLaw:
+    """
+    Eq. (1) as a force on a mass: mass xdd = force + F_e.
+
+    force = control(M_t xdd_r - B_t (xd - xd_r) - K_t (x - x_r) + F_r) - drag(xd), the reference
+    late by `reference_delay`, F_r under force tracking alone.
+
+    Parameters
+    ----------
+    mass, damping, stiffness : float
+        M_t [kg], B_t [N s/m], K_t [N/m].
+    effects : sequence of Effect
+        Those of the robot act, others are left out.
+
+    Attributes
+    ----------
+    mass : float
+        What moves [kg].
+    damping, stiffness : float
+        Of the impedance law [N s/m], [N/m].
+    reference_delay : float
+        Time by which the reference arrives late [s].
+
+    """
+
+    def __init__(
+        self, mass: float, damping: float, stiffness: float, effects: Sequence[Effect]
+    ) -> None:
+        arm = [effect for effect in effects if isinstance(effect, RobotEffect)]
+        self._feed_forward = mass * math.prod(effect.mass_scale for effect in arm)
+        self.damping = damping * math.prod(effect.damping_scale for effect in arm)
+        self.stiffness = stiffness * math.prod(effect.stiffness_scale for effect in arm)
+        self.mass = self._feed_forward + sum(effect.reflected_inertia for effect in arm)
+        self.reference_delay = sum(effect.reference_delay for effect in arm)
+        self._controls = [e for e in arm if type(e).control is not RobotEffect.control]
+        self._drags = [e for e in arm if type(e).drag is not RobotEffect.drag]
+
+    def wanted(self, x: Any, v: Any, reference: Sequence[Any]) -> Any:
+        """
+        Evaluate the impedance law.
+
+        Parameters
+        ----------
+        x, v : float or ndarray, shape (N,)
+            Position [m] and velocity [m/s].
+        reference : sequence of float or ndarray
+            x_r [m], its rate [m/s] and acceleration [m/s^2], F_r [N] (0: none).
+
+        Returns
+        -------
+        u : float or ndarray, shape (N,)
+            Force asked of the drives [N].
+
+        """
+        x_r, v_r, a_r, F_r = reference
+        return (self._feed_forward * a_r - self.damping * (v - v_r)
+                - self.stiffness * (x - x_r) + F_r)
+
+    def force(self, x: Any, v: Any, reference: Sequence[Any], m: Any) -> Any:
+        """
+        Give the force that drives the mass; parameters as `wanted`, m as `math` or `numpy`.
+
+        Returns
+        -------
+        force : float or ndarray, shape (N,)
+            Without F_e [N].
+
+        """
+        u = self.wanted(x, v, reference)
+        for effect in self._controls:
+            u = effect.control(u, m)
+        for effect in self._drags:
+            u = u - effect.drag(v, m)
+        return u
+
+    @property
+    def is_linear(self) -> bool:
+        """Whether no effect bends the law."""
+        return not self._controls and not self._drags

@@ -1,0 +1,56 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Mass between the force sensor and the contact."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import nan
+
+import numpy as np
+
+from .physics import Array, ForceSensorEffect, Scales
+from ..parameters import parameter, ParameterGroup
+
+
+@dataclass(frozen=True)
+class ToolInertiaParameters(ParameterGroup):
+    """Parameters of `ToolInertia`."""
+
+    mass: float = parameter(
+        nan, 'Mass of the tool beyond the sensor', 'kg',
+        minimum=0.0, nan_is_off=True,
+    )
+
+
+class ToolInertia(ForceSensorEffect):
+    """F - mass a, also in free flight."""
+
+    name = 'tool_inertia'
+    equation = 'F_measured = F_e - mass a'
+    Parameters = ToolInertiaParameters
+
+    def sense(self, t: float, dt: float, force: float, acceleration: float) -> float:
+        """Subtract mass a; see `ForceSensorEffect.sense`."""
+        return force - float(self.values.mass) * acceleration
+
+    def sense_along(self, t: Array, force: Array, acceleration: Array) -> Array:
+        """Subtract mass a; see `ForceSensorEffect.sense_along`."""
+        return np.asarray(force - self.values.mass * acceleration)
+
+    @classmethod
+    def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
+        """One start: the law is linear in mass."""
+        return [(0.1,)]

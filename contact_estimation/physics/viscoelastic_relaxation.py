@@ -1,0 +1,87 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""A wall that goes on yielding: a Maxwell branch beside spring and damper."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import exp, nan
+from typing import Any
+
+import numpy as np
+from scipy.signal import lfilter
+
+from .physics import Array, ContactEffect, Number, Scales, stretches
+from ..parameters import parameter, ParameterGroup
+
+
+@dataclass(frozen=True)
+class ViscoelasticRelaxationParameters(ParameterGroup):
+    """Parameters of `ViscoelasticRelaxation`."""
+
+    K_1: float = parameter(nan, 'Stiffness that relaxes', 'N/m', minimum=0.0, nan_is_off=True)
+    tau: float = parameter(nan, 'Time in which it relaxes', 's', minimum=0.0001, nan_is_off=True)
+
+
+class ViscoelasticRelaxation(ContactEffect):
+    """R = s, s' = K_1 v - s / tau; out of contact s' = -s / tau and s >= 0."""
+
+    name = 'viscoelastic_relaxation'
+    equation = "F_e -= s, s' = K_1 v - s / tau"
+    Parameters = ViscoelasticRelaxationParameters
+
+    states = 1
+
+    def resistance(self, t: Number, d: Number, v: Number, state: Any, m: Any) -> Number:
+        """Give s; see `ContactEffect.resistance`."""
+        return state[0]
+
+    def state_rates(
+        self, t: float, d: float, v: float, contact: bool, state: tuple[float, ...]
+    ) -> tuple[float, ...]:
+        """Give s'; see `ContactEffect.state_rates`."""
+        driven = self.values.K_1 * v if contact else 0.0
+        return (driven - state[0] / self.values.tau,)
+
+    def settle(
+        self, d: float, v: float, contact: bool, state: tuple[float, ...]
+    ) -> tuple[float, ...]:
+        """Keep s >= 0 out of contact: the branch cannot pull the surface on."""
+        return state if contact else (max(state[0], 0.0),)
+
+    def states_along(self, t: Array, d: Array, v: Array, contact: Array) -> Array:
+        """Solve the linear equation stretch by stretch, v straight between samples."""
+        h = float(t[1] - t[0])
+        tau, K_1 = self.values.tau, self.values.K_1
+        decay = exp(-h / tau)
+        begin, end = tau / h * (1.0 - decay) - decay, 1.0 - tau / h * (1.0 - decay)
+        push = K_1 * tau * end * v
+        push[1:] += K_1 * tau * begin * v[:-1]
+        s, last = np.empty(len(t)), 0.0
+        for first, stop in stretches(contact):
+            if contact[first]:
+                # Touch-down falls between two samples: since then the tool has gone d.
+                entry = K_1 * min(float(d[first]), h * abs(float(v[first])))
+                steps = np.concatenate(([entry], push[first + 1:stop]))
+                s[first:stop] = lfilter([1.0], [1.0, -decay], steps, zi=[decay * last])[0]
+            else:
+                s[first:stop] = max(last, 0.0) * decay ** np.arange(1, stop - first + 1)
+            last = float(s[stop - 1])
+        return s[None, :]
+
+    @classmethod
+    def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
+        """Spread tau; the law is linear in K_1."""
+        return [(0.1 * scales.stiffness, tau) for tau in (0.01, 0.03, 0.1, 0.3, 1.0)]
