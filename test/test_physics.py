@@ -32,11 +32,21 @@ from contact_estimation.physics.physics import (
     RobotEffect,
 )
 from contact_estimation.plant.plant_parameters import PlantParameters
+from effect_examples import example
 import numpy as np
 import pytest
-from world_reference import plant_with, simulate
+from world_reference import K_e, plant_with, simulate, with_effect
 
 EACH = pytest.mark.parametrize('name', EFFECTS)
+VANISHING = {  # where 0 or the neutral value is out of range, or another has to fit
+    'stribeck_friction': {'physics__stribeck_friction__v_s': 1.0},
+    'power_law_stiffness': {'physics__power_law_stiffness__K_n': K_e},
+    'viscoelastic_relaxation': {'physics__viscoelastic_relaxation__tau': 1.0},
+    'force_saturation': {'physics__force_saturation__limit': 1e9},
+    'actuator_saturation': {'physics__actuator_saturation__limit': 1e5},
+}
+WITHOUT_DAMPING = {name for name, cls in EFFECTS.items()
+                   if getattr(cls, 'replaces_damping', False)}
 PORTS = {'contact': ContactEffect, 'force_sensor': ForceSensorEffect, 'robot': RobotEffect}
 
 
@@ -52,12 +62,6 @@ class NeedsTwo(ContactEffect):
     """An effect with two parameters."""
 
     name, equation, Parameters = 'needs_two', 'F_e -= first + second', TwoParameters
-
-
-def made(name: str) -> Any:
-    """Make an effect with mild values of all its parameters."""
-    cls = EFFECTS[name]
-    return cls(cls.Parameters(**{spec.name: 0.5 for spec in specifications(cls.Parameters)}))
 
 
 @EACH
@@ -95,16 +99,24 @@ def test_effect_is_off_without_its_parameters(name: str) -> None:
 
 @EACH
 def test_effect_that_is_on_changes_the_world(name: str) -> None:
-    specs = specifications(EFFECTS[name].Parameters)
-    values: Any = {f'physics__{name}__{spec.name}': 0.5 for spec in specs}
-    if EFFECTS[name].port == 'force_sensor':
-        pytest.skip('acts on the sensor, not on the world')
-    assert simulate(300, plant_with(**values)) != simulate(300, plant_with())
+    assert simulate(700, with_effect(name)) != simulate(700, plant_with())
+
+
+@EACH
+def test_effect_with_neutral_parameters_changes_nothing(name: str) -> None:
+    names = [spec.name for spec in specifications(EFFECTS[name].Parameters)]
+    wall: Any = {'environment__damping': 0.0} if name in WITHOUT_DAMPING else {}
+    neutral: Any = {f'physics__{name}__{key}': EFFECTS[name].neutral.get(key, 0.0)
+                    for key in names}
+    neutral.update(VANISHING.get(name, {}))
+    got = np.array(simulate(700, plant_with(**wall, **neutral)))
+    nominal = np.array(simulate(700, plant_with(**wall)))
+    np.testing.assert_allclose(got, nominal, rtol=1e-9, atol=1e-9)
 
 
 @EACH
 def test_law_gives_the_same_for_numbers_and_arrays(name: str) -> None:
-    effect = made(name)
+    effect = example(name)
     if not isinstance(effect, ContactEffect) or effect.states:
         pytest.skip('not a law of the wall without states')
     d, v = np.linspace(1e-4, 1e-2, 20), np.linspace(-0.1, 0.1, 20)
@@ -150,6 +162,6 @@ def test_coulomb_friction_is_an_odd_smooth_sign() -> None:
 
 def test_hooks_that_a_contact_effect_leaves_out_change_nothing() -> None:
     effect = NeedsTwo(TwoParameters(1.0, 2.0))
-    assert (effect.surface(1.0), effect.spring(0.0, 0.1, 7.0, math),
-            effect.damper(0.1, 0.2, 8.0, math), effect.resistance(0.0, 0.1, 0.2, (), math),
+    assert (effect.surface(1.0, (), math), effect.spring(0.0, 0.1, 7.0, math),
+            effect.damper(0.1, 0.2, 8.0, 1.0, math), effect.resistance(0.0, 0.1, 0.2, (), math),
             effect.state_rates(0.0, 0.1, 0.2, True, ())) == ((0.0, 0.0), 7.0, 8.0, 0.0, ())

@@ -12,40 +12,30 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Sensors: seeded noise in independent streams, quantisation and the chain of effects."""
+"""Sensors: seeded noise in independent streams, and quantisation."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from math import isnan, nan
+from math import isnan
 from typing import Any
 
-from contact_estimation.parameters import parameter, ParameterGroup
-from contact_estimation.physics.physics import ForceSensorEffect
 from contact_estimation.plant.sensors import Sensors
 from contact_estimation.plant.world import Truth
 import numpy as np
 from numpy.typing import NDArray
 import pytest
-from world_reference import plant_with, register
+from world_reference import plant_with
 
 NOISY: dict[str, Any] = {
     'sensors__force_noise': 1.0, 'sensors__position_noise': 1e-5, 'sensors__velocity_noise': 1e-3,
 }
 
 
-@dataclass(frozen=True)
-class Lag(ParameterGroup):
-    """Parameters of the effect in this test."""
-
-    tau: float = parameter(nan, 'Time constant', 's', nan_is_off=True)
-
-
 def measured(count: int = 3000, **values: Any) -> NDArray[np.float64]:
-    """Measure a world at rest at 12.3 mm, 0.2 m/s and -50 N; (count, 3)."""
+    """Measure 12.3 mm, 0.2 m/s and -49 N, which the sensor takes for -50 N; (count, 3)."""
     sensors = Sensors(plant_with(**values))
     return np.array([
-        sensors.measure(Truth(0.002 * k, 0.0123, 0.2, 0.0, -50.0)) for k in range(count)
+        sensors.measure(Truth(0.002 * k, 0.0123, 0.2, 0.0, -49.0, -50.0)) for k in range(count)
     ])
 
 
@@ -107,21 +97,7 @@ def test_unpublished_velocity_leaves_the_other_noise() -> None:
     np.testing.assert_array_equal(hidden[:, :2], measured(50, **NOISY)[:, :2])
 
 
-def test_effects_act_before_the_noise_with_the_time_between_samples(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    class Recorder(ForceSensorEffect):
-        name, equation, Parameters = 'test_sensor', 'F 2', Lag
-
-        def sense(self, t: float, dt: float, force: float, acceleration: float) -> float:
-            return 2.0 * force + dt + 1000.0 * acceleration
-
-    sensors = Sensors(plant_with(register(monkeypatch, Recorder)))
-    readings = [sensors.measure(Truth(0.5 * k, 0.0, 0.0, 0.1, -50.0))[0] for k in range(2)]
-    assert readings == [0.0, 0.5]
-
-
 def test_noise_can_be_changed_while_running() -> None:
     sensors = Sensors(plant_with())
     sensors.configure(plant_with(sensors__publish_velocity=False))
-    assert isnan(sensors.measure(Truth(0.0, 0.0, 0.0, 0.0, 0.0))[2])
+    assert isnan(sensors.measure(Truth(0.0, 0.0, 0.0, 0.0, 0.0, 0.0))[2])

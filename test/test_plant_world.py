@@ -21,7 +21,7 @@ from math import nan
 from typing import Any
 
 from contact_estimation.parameters import parameter, ParameterGroup
-from contact_estimation.physics.physics import ContactEffect, RobotEffect
+from contact_estimation.physics.physics import ContactEffect, ForceSensorEffect, RobotEffect
 from contact_estimation.plant.world import World
 from contact_estimation.reference.quintic import quintic
 import numpy as np
@@ -30,7 +30,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 import world_reference as other
-from world_reference import B_e, K_e, plant_with, register, simulate, solve_contact
+from world_reference import B_e, K_e, plant_with, register, simulate, solve_contact, with_effect
 
 T: NDArray[np.float64] = np.linspace(0.0, 1.398, 700)
 
@@ -186,8 +186,8 @@ def test_effect_can_move_the_surface(monkeypatch: pytest.MonkeyPatch) -> None:
     class Moving(ContactEffect):
         name, equation, Parameters = 'test_moving', 'x_e += s', OneParameter
 
-        def surface(self, t: float) -> tuple[float, float]:
-            return 0.002 * np.sin(12.0 * t), 0.024 * np.cos(12.0 * t)
+        def surface(self, t: Any, state: Any, m: Any) -> tuple[Any, Any]:
+            return 0.002 * m.sin(12.0 * t), 0.024 * m.cos(12.0 * t)
 
     physics = register(monkeypatch, Moving)
     assert_same_motion(
@@ -210,7 +210,7 @@ def test_effect_can_replace_the_damper(monkeypatch: pytest.MonkeyPatch) -> None:
     class HuntCrossley(ContactEffect):
         name, equation, Parameters = 'test_damper', 'chi d v', OneParameter
 
-        def damper(self, d: Any, v: Any, force: Any, m: Any) -> Any:
+        def damper(self, d: Any, v: Any, force: Any, exponent: float, m: Any) -> Any:
             return 0.5 * force + 3e4 * d * v
 
     physics = register(monkeypatch, HuntCrossley)
@@ -261,10 +261,10 @@ def test_robot_effect_scales_and_limits_the_impedance(monkeypatch: pytest.Monkey
         name, equation, Parameters = 'test_tired', 'u clipped', OneParameter
         mass_scale, stiffness_scale, reflected_inertia = 2.0, 0.5, 10.0
 
-        def control(self, u: float) -> float:
+        def control(self, u: Any, m: Any) -> Any:
             return min(u, 8.0)
 
-        def drag(self, velocity: float) -> float:
+        def drag(self, velocity: Any, m: Any) -> Any:
             return 30.0 * velocity
 
     def rates(t: float, s: list[float]) -> list[float]:
@@ -286,6 +286,32 @@ def test_robot_effect_can_delay_the_reference(monkeypatch: pytest.MonkeyPatch) -
     got = positions_of(simulate(500, late, lambda t: hold(t) if t >= 0.0 else (0.0,) * 4, 0.0))
     assert np.all(got[:50] == 0.0)
     assert got[300] == pytest.approx(0.01 * (1.0 - 6.0 * np.exp(-5.0)), rel=1e-4)
+
+
+def test_effects_of_the_sensor_follow_at_every_step(monkeypatch: pytest.MonkeyPatch) -> None:
+    calls: list[tuple[float, float]] = []
+
+    class Recorder(ForceSensorEffect):
+        name, equation, Parameters = 'test_sensor', 'F 2', OneParameter
+
+        def sense(self, t: float, dt: float, force: float, acceleration: float) -> float:
+            calls.append((t, dt))
+            return 2.0 * force - acceleration
+
+    physics = register(monkeypatch, Recorder)
+    for truth in simulate(200, plant_with(physics)):
+        assert truth.sensed == 2.0 * truth.force - truth.acceleration
+    times, steps = np.array(calls).T
+    np.testing.assert_allclose(times, 2e-4 * np.arange(2000), atol=1e-12)
+    np.testing.assert_allclose(steps, np.diff(times, prepend=0.0), atol=1e-15)
+
+
+def test_looking_twice_at_an_instant_senses_it_once() -> None:
+    lagging = World(with_effect('force_lag'), 0.005)
+    first = lagging.truth(hold)
+    lagging.advance(0.01, hold)
+    assert lagging.truth(hold) == lagging.truth(hold)
+    assert first.sensed == first.force
 
 
 def test_world_can_be_changed_while_it_runs() -> None:

@@ -79,7 +79,7 @@ def test_bound_is_the_spread_of_least_squares() -> None:
     generator = np.random.default_rng(0)
     phi = np.column_stack([0.01 + 0.002 * np.sin(np.arange(400) / 9.0),
                            0.03 * np.cos(np.arange(400) / 9.0)])
-    truths = [Truth(0.0, d, v, 0.0, -1.0) for d, v in phi.tolist()]
+    truths = [Truth(0.0, d, v, 0.0, -1.0, -1.0) for d, v in phi.tolist()]
     noise = generator.uniform(-1.0, 1.0, (400, 3000))
     spread = np.std(np.linalg.lstsq(phi, noise, rcond=None)[0], axis=1)
     assert NOISE_VARIANCE == pytest.approx(np.var(noise), rel=0.01)

@@ -24,6 +24,7 @@ from contact_estimation.physics import EFFECTS
 from contact_estimation.physics.physics import Effect
 from contact_estimation.plant.plant_parameters import PlantParameters
 from contact_estimation.plant.world import Truth, World
+from effect_examples import switched_on
 import numpy as np
 from numpy.typing import NDArray
 import pytest
@@ -119,6 +120,13 @@ def plant_with(physics: ParameterGroup | None = None, **values: Any) -> PlantPar
     if physics is not None:
         object.__setattr__(made, 'physics', physics)
     return made
+
+
+def with_effect(name: str, **values: Any) -> PlantParameters:
+    """Make plant parameters with one effect of a plausible size."""
+    return build(PlantParameters, {
+        **switched_on(name), **{k.replace('__', '.'): v for k, v in values.items()},
+    })
 
 
 def register(monkeypatch: pytest.MonkeyPatch, effect: type[Effect]) -> Any:

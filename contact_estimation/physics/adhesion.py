@@ -22,7 +22,7 @@ from typing import Any
 
 import numpy as np
 
-from .physics import Array, ContactEffect, Number, Scales
+from .physics import Array, ContactEffect, Flags, Number, Scales
 from ..parameters import parameter, ParameterGroup
 
 NECK = 1.5e-3
@@ -61,7 +61,7 @@ class Adhesion(ContactEffect):
         """Stick on contact, tear at the end of the neck."""
         return (1.0,) if contact else (state[0] if d > -NECK else 0.0,)
 
-    def states_along(self, t: Array, d: Array, v: Array, contact: Array) -> Array:
+    def states_along(self, t: Array, d: Array, v: Array, contact: Flags) -> Array:
         """Tell at each sample what came last, contact or the end of the neck."""
         index = np.arange(1, len(t) + 1)
         touched = np.maximum.accumulate(np.where(contact, index, 0))

@@ -22,7 +22,7 @@ from typing import Any
 
 import numpy as np
 
-from .physics import Array, ContactEffect, Number, Scales
+from .physics import Array, ContactEffect, Flags, Number, positive, Scales
 from ..parameters import parameter, ParameterGroup
 
 
@@ -42,13 +42,14 @@ class Backlash(ContactEffect):
     needs_touch = True
 
     states = 1  # where the tool stands within the play, x - y
-    state_is_position = True
 
     def transmit(self, d: Number, v: Number, state: Any, m: Any) -> tuple[Any, Any, Any]:
         """Pass on what the play lets through; see `ContactEffect.transmit`."""
-        half = 0.5 * self.values.gap
-        engaged = abs(state[0]) >= half * (1.0 - 1e-9)
-        return d - state[0], v, engaged
+        half, place = 0.5 * self.values.gap, state[0]
+        # Within a step of integration the state runs on; the tool carries the wall along.
+        beyond = positive(abs(place) - half, m)
+        inside = place - beyond * (2.0 * (place > 0.0) - 1.0)
+        return d - inside, v, abs(place) >= half * (1.0 - 1e-9)
 
     def state_rates(
         self, t: float, d: float, v: float, contact: bool, state: tuple[float, ...]
@@ -63,7 +64,7 @@ class Backlash(ContactEffect):
         half = 0.5 * self.values.gap
         return (min(half, max(-half, state[0])),)
 
-    def states_along(self, t: Array, d: Array, v: Array, contact: Array) -> Array:
+    def states_along(self, t: Array, d: Array, v: Array, contact: Flags) -> Array:
         """Run the play operator over the measured positions."""
         half, place = 0.5 * self.values.gap, 0.0
         places = [0.0]

@@ -22,7 +22,7 @@ from typing import Any
 
 import numpy as np
 
-from .physics import Array, ContactEffect, Number, Scales, stretches
+from .physics import Array, ContactEffect, Flags, Number, Scales, stretches
 from ..parameters import parameter, ParameterGroup
 
 
@@ -72,7 +72,7 @@ class BoucWenHysteresis(ContactEffect):
         """Forget the branch out of contact."""
         return state if contact else (0.0,)
 
-    def states_along(self, t: Array, d: Array, v: Array, contact: Array) -> Array:
+    def states_along(self, t: Array, d: Array, v: Array, contact: Flags) -> Array:
         """Solve dz = (1 - c z) dd exactly, c = beta sgn(v) + gamma sgn(z), over each sample."""
         z, beta, gamma = 0.0, self.values.beta, self.values.gamma
         states = np.zeros(len(t))
@@ -81,7 +81,8 @@ class BoucWenHysteresis(ContactEffect):
                 continue
             z, along = 0.0, []
             # Touch-down falls between two samples: since then the tool has gone d.
-            steps = np.diff(d[first:stop], prepend=max(0.0, d[first] - abs(v[first]) * (t[1] - t[0])))
+            before = max(0.0, float(d[first] - abs(v[first]) * (t[1] - t[0])))
+            steps = np.diff(d[first:stop], prepend=before)
             for step in steps.tolist():
                 c = (beta if step > 0.0 else -beta) + (gamma if z > 0.0 else -gamma)
                 x = c * step

@@ -16,6 +16,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any, NamedTuple, Sequence
 
 import numpy as np
@@ -24,6 +25,7 @@ from numpy.typing import NDArray
 from .physics import Array, ContactEffect, Effect
 
 State = tuple[float, ...]
+_HOOKS = ('surface', 'transmit', 'deflection', 'spring', 'damper', 'resistance')
 
 
 class Touch(NamedTuple):
@@ -90,6 +92,7 @@ class ContactLaw:
             for hook in ('damper', 'resistance', 'tail')
         )
         self._stateful = [place for place in placed if place[0].states]
+        self._is_plain = not any(_overrides(effect, hook) for effect in wall for hook in _HOOKS)
 
     def penetration(self, t: Any, x: Any, v: Any, states: Any, m: Any) -> tuple[Any, Any, Any]:
         """
@@ -154,9 +157,24 @@ class ContactLaw:
             resistance = resistance + effect.resistance(t, d, v, states[place], m)
         return resistance
 
-    def rates(self, t: float, d: float, v: float, states: State) -> State:
+    def resistance(self, t: Any, x: Any, v: Any, states: Any, m: Any) -> Any:
         """
-        Differentiate the internal states; parameters as `penetration`, d from there.
+        Give what resists in contact, but for inertia; parameters as `penetration`.
+
+        Returns
+        -------
+        resistance : float or ndarray
+            Sum of spring, damper and resistances [N].
+
+        """
+        if self._is_plain:
+            return self._K_e * (x - self._x_e) + self._B_e * v
+        d, v, _ = self.penetration(t, x, v, states, m)
+        return self._resistance(t, d, v, states, m)
+
+    def rates(self, t: float, x: float, v: float, states: State) -> State:
+        """
+        Differentiate the internal states; parameters as `penetration`.
 
         Returns
         -------
@@ -165,13 +183,14 @@ class ContactLaw:
 
         """
         rates: State = ()
-        for effect, place in self._stateful:
-            rates += effect.state_rates(t, d, v, d > 0.0, states[place])
+        for effect, place, d, u in self._met(t, x, v, states):
+            touching = d > 0.0 or not self.unilateral
+            rates += effect.state_rates(t, d, u, touching, states[place])
         return rates
 
-    def settle(self, d: float, v: float, states: State) -> State:
+    def settle(self, t: float, x: float, v: float, states: State) -> State:
         """
-        Keep the internal states where they may be; parameters as `rates`.
+        Keep the internal states where they may be; parameters as `penetration`.
 
         Returns
         -------
@@ -180,9 +199,23 @@ class ContactLaw:
 
         """
         settled: State = ()
-        for effect, place in self._stateful:
-            settled += effect.settle(d, v, d > 0.0, states[place])
+        for effect, place, d, u in self._met(t, x, v, states):
+            settled += effect.settle(d, u, d > 0.0 or not self.unilateral, states[place])
         return settled
+
+    def _met(self, t: float, x: float, v: float, states: State) -> list[tuple[Any, ...]]:
+        """List the effects with states, and d and v less what each itself does to them."""
+        own: dict[int, tuple[float, float]] = {}
+        d = x - self._x_e
+        for effect, place in self._surfaces:
+            own.setdefault(id(effect), (d, v))
+            shift, rate = effect.surface(t, states[place], math)
+            d, v = d - shift, v - rate
+        for effect, place in self._transmissions:
+            own.setdefault(id(effect), (d, v))
+            d, v, _ = effect.transmit(d, v, states[place], math)
+        here = (d, v)
+        return [(effect, place, *own.get(id(effect), here)) for effect, place in self._stateful]
 
     def states_along(self, t: Array, x: Array, v: Array) -> Array:
         """
@@ -202,18 +235,26 @@ class ContactLaw:
         states = np.zeros((self.states, len(t)))
         if not self.states:
             return states
-        d, engaged = x - self._x_e, np.ones(len(t), bool)
-        moved = self._surfaces + self._transmissions
-        for effect, place in moved:
+        d = x - self._x_e
+        known: set[int] = set()
+        for effect, place in self._surfaces:
             if effect.states:
-                states[place] = effect.states_along(t, d, v, d > 0.0)
+                states[place] = effect.states_along(t, d, v, self._touching(d))
+                known.add(id(effect))
             shift, rate = effect.surface(t, states[place], np)
-            d, v, _ = effect.transmit(d - shift, v - rate, states[place], np)
-        contact = (d > 0.0) & engaged if self.unilateral else engaged
+            d, v = d - shift, v - rate
+        for effect, place in self._transmissions:
+            if effect.states and id(effect) not in known:
+                states[place] = effect.states_along(t, d, v, self._touching(d))
+                known.add(id(effect))
+            d, v, _ = effect.transmit(d, v, states[place], np)
         for effect, place in self._stateful:
-            if (effect, place) not in moved:
-                states[place] = effect.states_along(t, d, v, contact)
+            if id(effect) not in known:
+                states[place] = effect.states_along(t, d, v, self._touching(d))
         return states
+
+    def _touching(self, d: Array) -> NDArray[np.bool_]:
+        return d > 0.0 if self.unilateral else np.ones(len(d), bool)
 
     def force_and_depth(self, t: Array, x: Array, v: Array, a: Array) -> tuple[Array, Array]:
         """

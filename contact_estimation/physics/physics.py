@@ -35,6 +35,7 @@ from ..exceptions import ParameterRangeError
 from ..parameters import ParameterGroup
 
 Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
 Number = TypeVar('Number', float, Any)
 
 SIGN_VELOCITY = 4e-4

@@ -22,7 +22,7 @@ from typing import Any
 
 import numpy as np
 
-from .physics import Array, ContactEffect, Number, Scales
+from .physics import Array, ContactEffect, Flags, Number, positive, Scales
 from ..parameters import parameter, ParameterGroup
 
 
@@ -46,18 +46,20 @@ class PlasticSet(ContactEffect):
 
     states = 1  # greatest d so far, from the untouched surface
 
-    def surface(self, t: Number, state: Any, m: Any) -> tuple[Any, Any]:
-        """Give the dent that stays; see `ContactEffect.surface`."""
-        return self.values.residual * state[0], 0.0
+    def transmit(self, d: Number, v: Number, state: Any, m: Any) -> tuple[Any, Any, Any]:
+        """Give the depth in the dent that stays; see `ContactEffect.transmit`."""
+        # The dent deepens with the tool, also within a step of integration.
+        deepest = state[0] + positive(d - state[0], m)
+        return d - self.values.residual * deepest, v, True
 
     def settle(
         self, d: float, v: float, contact: bool, state: tuple[float, ...]
     ) -> tuple[float, ...]:
-        """Remember the greatest d; `d` counts from the untouched surface here."""
+        """Remember the greatest d; it counts from the untouched surface."""
         return (max(state[0], d),)
 
-    def states_along(self, t: Array, d: Array, v: Array, contact: Array) -> Array:
-        """Give the running maximum of d."""
+    def states_along(self, t: Array, d: Array, v: Array, contact: Flags) -> Array:
+        """Give the running maximum of d, from the untouched surface."""
         return np.maximum.accumulate(np.maximum(d, 0.0))[None, :]
 
     @classmethod

@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 from scipy.signal import lfilter
 
-from .physics import Array, ContactEffect, Number, Scales, stretches
+from .physics import Array, ContactEffect, Flags, Number, Scales, stretches
 from ..parameters import parameter, ParameterGroup
 
 
@@ -61,7 +61,7 @@ class ViscoelasticRelaxation(ContactEffect):
         """Keep s >= 0 out of contact: the branch cannot pull the surface on."""
         return state if contact else (max(state[0], 0.0),)
 
-    def states_along(self, t: Array, d: Array, v: Array, contact: Array) -> Array:
+    def states_along(self, t: Array, d: Array, v: Array, contact: Flags) -> Array:
         """Solve the linear equation stretch by stretch, v straight between samples."""
         h = float(t[1] - t[0])
         tau, K_1 = self.values.tau, self.values.K_1

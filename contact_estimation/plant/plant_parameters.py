@@ -78,7 +78,7 @@ class PlantParameters(ParameterGroup):
         500.0, 'Rate of the samples', 'Hz', minimum=1.0, maximum=1e5, read_only=True
     )
     integration_rate: float = parameter(
-        5000.0, 'Least rate of integration steps', 'Hz', minimum=1000.0, maximum=1e6,
+        5000.0, 'Least rate of integration steps', 'Hz', minimum=1.0, maximum=1e6,
         read_only=True,
     )
     seed: int = parameter(0, 'Of all noise', minimum=0, read_only=True)

@@ -16,6 +16,7 @@
 
 from __future__ import annotations
 
+from enum import Enum
 import math
 from math import ceil
 from typing import Any, Callable, NamedTuple
@@ -28,27 +29,32 @@ from ..physics.robot_law import RobotLaw
 
 State = tuple[float, ...]  # x, v, then the effects' internal states
 ReferenceAt = Callable[[float], tuple[float, float, float, float]]
-_BISECTIONS = 40
+_BISECTIONS = 30
+_MOST_SWITCHES = 4.0
+_CREDIT_A_STEP = 0.1  # a backlash at rest against its end switches for ever, at every step
 
 
-class Mode(NamedTuple):
-    """
-    Which equation of contact holds; each is smooth by itself.
+class Mode(Enum):
+    """Which equation of contact holds; each is smooth by itself."""
 
-    Attributes
-    ----------
-    contact : bool
-        The surface is reached and a force can be passed on.
-    pressing : bool
-        And the wall pushes; otherwise it has let go, or pulls as hard as it can.
-    held : bool
-        Out of contact, but the wall still pulls.
+    FREE = 'free'
+    PRESSING = 'pressing'
+    SLACK = 'slack'
+    """The surface is reached, but the wall has let go, or pulls as hard as it can."""
 
-    """
+    HELD = 'held'
+    """Out of contact, but the wall still pulls."""
 
-    contact: bool
-    pressing: bool
-    held: bool
+
+_FREE, _PRESSING, _SLACK, _HELD = Mode  # an enumeration's own look-up is slow
+
+
+class _Instant(NamedTuple):
+    """Acceleration [m/s^2] and F_e [N] under the equation that holds."""
+
+    acceleration: float
+    force: float
+    mode: Mode
 
 
 class Truth(NamedTuple):
@@ -100,6 +106,7 @@ class World:
         self.configure(parameters)
         self._state: State = (position, 0.0) + (0.0,) * self._law.states
         self._last_sensed = (-1.0, 0.0)
+        self._credit = _MOST_SWITCHES
 
     def configure(self, parameters: PlantParameters) -> None:
         """
@@ -124,6 +131,11 @@ class World:
         self._force_tracking = robot.force_tracking
         self._steps = max(1, ceil(parameters.integration_rate / parameters.sample_rate))
 
+    @property
+    def position(self) -> float:
+        """Position x of the end-effector [m]."""
+        return self._state[0]
+
     def advance(self, duration: float, reference: ReferenceAt) -> None:
         """
         Integrate.
@@ -131,17 +143,18 @@ class World:
         Parameters
         ----------
         duration : float
-            Time to go [s].
+            Time to integrate over [s].
         reference : callable
             Time [s] to (x_r, its rate, its acceleration, F_r).
 
         """
         self._reference = reference
         end, h = self.t + duration, duration / self._steps
+        now = self._look(self.t, self._state)
         for k in range(self._steps):
             if self._chain:
-                self.truth(reference)
-            self._step_with_events(self.t, h if k < self._steps - 1 else end - self.t)
+                self._sense(now.force, now.acceleration)
+            now = self._step_with_events(h if k < self._steps - 1 else end - self.t, now)
         self.t = end
 
     def truth(self, reference: ReferenceAt) -> Truth:
@@ -161,7 +174,7 @@ class World:
         """
         self._reference = reference
         x, v, *_ = self._state
-        acceleration, force, _ = self._dynamics(self.t, self._state)
+        acceleration, force, _ = self._look(self.t, self._state)
         return Truth(self.t, x, v, acceleration, force, self._sense(force, acceleration))
 
     def _sense(self, force: float, acceleration: float) -> float:
@@ -182,79 +195,99 @@ class World:
         tracked = F_r if self._force_tracking and F_r == F_r else 0.0
         return float(self._robot.force(x, v, (x_r, v_r, a_r, tracked), math))
 
-    def _dynamics(
-        self, t: float, state: State, mode: Mode | None = None
-    ) -> tuple[float, float, Mode]:
-        """Solve for acceleration and F_e, under the equations of a mode if one is given."""
-        law = self._law
+    def _look(self, t: float, state: State) -> _Instant:
+        """Find out which equation of contact holds, and solve it."""
+        law, mass = self._law, self._robot.mass
         x, v = state[0], state[1]
-        u, mass = self._control(t, x, v), self._robot.mass
+        u = self._control(t, x, v)
         contact, resistance, free = law.touch(t, x, v, state[2:], math)
-        if mode is None:
-            pressing = -resistance
-            if law.inertia > 0.0 and contact:
-                pressing -= law.inertia * (u - resistance) / (mass + law.inertia)
-            pushes = contact and (pressing < law.pull or not law.unilateral)
-            mode = Mode(bool(contact), bool(pushes), not contact and free != 0.0)
-        if mode.pressing:
-            a = (u - resistance) / (mass + law.inertia)
-            return a, -(resistance + law.inertia * a), mode
-        force = law.pull if mode.contact else (free if mode.held else 0.0)
-        return (u + force) / mass, force, mode
+        if not contact:
+            return _Instant((u + free) / mass, free, _HELD if free else _FREE)
+        a = (u - resistance) / (mass + law.inertia)
+        force = -(resistance + law.inertia * a)
+        if force < law.pull or not law.unilateral:
+            return _Instant(a, force, _PRESSING)
+        return _Instant((u + law.pull) / mass, law.pull, _SLACK)
 
-    def _rates(self, t: float, state: State, mode: Mode) -> State:
-        rates: State = (state[1], self._dynamics(t, state, mode)[0])
-        if len(state) > 2:
-            law = self._law
-            d, v, _ = law.penetration(t, state[0], state[1], state[2:], math)
-            rates += law.rates(t, d, v, state[2:])
-        return rates
+    def _acceleration(self, t: float, x: float, v: float, states: State, mode: Mode) -> float:
+        """Solve for the acceleration under the equation of a mode."""
+        u, law, mass = self._control(t, x, v), self._law, self._robot.mass
+        if mode is _FREE:
+            return u / mass
+        if mode is _PRESSING:
+            resistance: float = law.resistance(t, x, v, states, math)
+            return (u - resistance) / (mass + law.inertia)
+        pull: float = law.pull if mode is _SLACK else law.touch(t, x, v, states, math).free_force
+        return (u + pull) / mass
 
     # -- integration ------------------------------------------------------------------------
 
-    def _runge_kutta(self, t: float, state: State, h: float, mode: Mode) -> State:
-        half = 0.5 * h
-        k1 = self._rates(t, state, mode)
-        k2 = self._rates(t + half, tuple(s + half * k for s, k in zip(state, k1)), mode)
-        k3 = self._rates(t + half, tuple(s + half * k for s, k in zip(state, k2)), mode)
-        k4 = self._rates(t + h, tuple(s + h * k for s, k in zip(state, k3)), mode)
-        after = tuple(
-            s + h / 6.0 * (a + 2.0 * b + 2.0 * c + d)
-            for s, a, b, c, d in zip(state, k1, k2, k3, k4)
-        )
-        return self._settle(t + h, after) if len(after) > 2 else after
+    def _runge_kutta(self, t: float, state: State, h: float, now: _Instant) -> State:
+        """Step under the equation of the mode at the step's beginning."""
+        if len(state) > 2:
+            return self._runge_kutta_with_states(t, state, h, now)
+        (x, v), half, solve = state, 0.5 * h, self._acceleration
+        a, _, mode = now
+        v_2 = v + half * a
+        a_2 = solve(t + half, x + half * v, v_2, (), mode)
+        v_3 = v + half * a_2
+        a_3 = solve(t + half, x + half * v_2, v_3, (), mode)
+        v_4 = v + h * a_3
+        a_4 = solve(t + h, x + h * v_3, v_4, (), mode)
+        sixth = h / 6.0
+        return (x + sixth * (v + 2.0 * v_2 + 2.0 * v_3 + v_4),
+                v + sixth * (a + 2.0 * a_2 + 2.0 * a_3 + a_4))
 
-    def _settle(self, t: float, state: State) -> State:
-        law = self._law
-        d, v, _ = law.penetration(t, state[0], state[1], state[2:], math)
-        return state[:2] + tuple(law.settle(d, v, state[2:]))
+    def _runge_kutta_with_states(self, t: float, state: State, h: float, now: _Instant) -> State:
+        half, mode = 0.5 * h, now.mode
+        x, v, *_ = state
+        k1: State = (v, now.acceleration, *self._law.rates(t, x, v, state[2:]))
+        k2 = self._rates(t + half, _moved(state, half, k1), mode)
+        k3 = self._rates(t + half, _moved(state, half, k2), mode)
+        k4 = self._rates(t + h, _moved(state, h, k3), mode)
+        sixth = h / 6.0
+        x, v, *states = [s + sixth * (a + 2.0 * b + 2.0 * c + d)
+                         for s, a, b, c, d in zip(state, k1, k2, k3, k4)]
+        return (x, v, *self._law.settle(t + h, x, v, tuple(states)))
 
-    def _mode(self, t: float, state: State) -> Mode:
-        return self._dynamics(t, state)[2]
+    def _rates(self, t: float, state: State, mode: Mode) -> State:
+        x, v, *_ = state
+        states = state[2:]
+        return (v, self._acceleration(t, x, v, states, mode), *self._law.rates(t, x, v, states))
 
-    def _step_with_events(self, t: float, h: float) -> None:
-        """Step, cut at every switch of the contact equation."""
-        end = t + h
-        for _ in range(8):  # more switches within one step would be chatter at the surface
-            mode = self._mode(t, self._state)
-            after = self._runge_kutta(t, self._state, end - t, mode)
-            if self._mode(end, after) == mode:
+    def _step_with_events(self, h: float, now: _Instant) -> _Instant:
+        """Step, cut at every switch of the contact equation, but stepping over chatter."""
+        t, end = self.t, self.t + h
+        self._credit = min(_MOST_SWITCHES, self._credit + _CREDIT_A_STEP)
+        while True:
+            after = self._runge_kutta(t, self._state, end - t, now)
+            then = self._look(end, after)
+            if then.mode is now.mode or self._credit < 1.0:
                 break
-            low, high = 0.0, end - t
-            for _ in range(_BISECTIONS):
-                middle = 0.5 * (low + high)
-                state = self._runge_kutta(t, self._state, middle, mode)
-                if self._mode(t + middle, state) == mode:
-                    low = middle
-                else:
-                    high = middle
+            self._credit -= 1.0
             # Just beyond the switch, where the new equation holds.
-            self._state = self._runge_kutta(t, self._state, high, mode)
-            t += high
+            until = self._until_switch(t, end - t, now)
+            self._state = self._runge_kutta(t, self._state, until, now)
+            t += until
+            now = self._look(t, self._state)
             if t >= end:
                 self.t = end
-                return
-        else:
-            after = self._runge_kutta(t, self._state, end - t, self._mode(t, self._state))
-        self._state = after
-        self.t = end
+                return now
+        self._state, self.t = after, end
+        return then
+
+    def _until_switch(self, t: float, h: float, now: _Instant) -> float:
+        """Bisect for the time until another equation holds [s]."""
+        low, high = 0.0, h
+        for _ in range(_BISECTIONS):
+            middle = 0.5 * (low + high)
+            state = self._runge_kutta(t, self._state, middle, now)
+            if self._look(t + middle, state).mode is now.mode:
+                low = middle
+            else:
+                high = middle
+        return high
+
+
+def _moved(state: State, h: float, rates: State) -> State:
+    return tuple([s + h * rate for s, rate in zip(state, rates)])

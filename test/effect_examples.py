@@ -1,0 +1,76 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Every effect with parameters of a plausible size, for the tests over all of them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from contact_estimation.parameters import specifications
+from contact_estimation.physics import EFFECTS
+from contact_estimation.physics.physics import Effect, Scales
+
+SCALES = Scales(
+    depth=0.013, speed=0.1, force=60.0, control=200.0, greatest_pull=0.0, duration=1.4,
+    stiffness=4800.0, damping=200.0, mass=50.0,
+)
+EXAMPLES: dict[str, tuple[float, ...]] = {
+    'coulomb_friction': (6.0,),
+    'stribeck_friction': (4.0, 9.0, 0.02),
+    'environment_inertia': (8.0,),
+    'cubic_stiffness': (1.5e7,),
+    'power_law_stiffness': (1.3, 18000.0),
+    'hunt_crossley_damping': (25000.0,),
+    'quadratic_damping': (1500.0,),
+    'viscoelastic_relaxation': (2000.0, 0.15),
+    'bouc_wen_hysteresis': (2000.0, 150.0, 40.0),
+    'contact_offset': (-0.0015,),
+    'moving_environment': (0.001, 2.0, 0.7),
+    'adhesion': (4.0,),
+    'dead_zone': (0.002,),
+    'backlash': (0.001,),
+    'bilinear_stiffness': (3000.0, 0.005),
+    'stiffness_drift': (0.2,),
+    'plastic_set': (0.3,),
+    'tool_inertia': (2.0,),
+    'force_lag': (0.02,),
+    'force_delay': (0.0123,),
+    'force_bias': (3.0,),
+    'force_drift': (-2.0,),
+    'force_saturation': (30.0,),
+    'robot_friction': (8.0,),
+    'impedance_mismatch': (0.8, 1.2, 1.1),
+    'reflected_inertia': (6.0,),
+    'command_delay': (0.013,),
+    'actuator_saturation': (40.0,),
+}
+"""Values in the order of the parameters; an effect that is not here starts its own search."""
+
+
+def example_values(name: str) -> tuple[float, ...]:
+    """Give all parameters of an effect."""
+    return EXAMPLES.get(name) or EFFECTS[name].starts(SCALES)[0]
+
+
+def example(name: str) -> Any:
+    """Make an effect."""
+    cls: type[Effect] = EFFECTS[name]
+    return cls(cls.Parameters(*example_values(name)))
+
+
+def switched_on(name: str, prefix: str = 'physics.') -> dict[str, float]:
+    """Give the parameters that switch an effect on, by their dotted names."""
+    names = (spec.name for spec in specifications(EFFECTS[name].Parameters))
+    return {f'{prefix}{name}.{key}': value for key, value in zip(names, example_values(name))}
