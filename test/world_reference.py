@@ -47,10 +47,12 @@ def reference_at(t: float) -> tuple[float, float, float, float]:
     )
 
 
-def control(t: float, x: float, v: float) -> float:
+def control(
+    t: float, x: float, v: float, M: float = M_t, B: float = B_t, K: float = K_t
+) -> float:
     """Compute the control force of eq. (1) on the reference above."""
     x_r, v_r, a_r, _ = reference_at(t)
-    return M_t * a_r - B_t * (v - v_r) - K_t * (x - x_r)
+    return M * a_r - B * (v - v_r) - K * (x - x_r)
 
 
 def spring_damper(t: float, d: float, v: float) -> float:
@@ -61,19 +63,20 @@ def spring_damper(t: float, d: float, v: float) -> float:
 def solve_contact(
     t: NDArray[np.float64], law: Law = spring_damper, M_e: float = 0.0,
     surface: Callable[[float], tuple[float, float]] = lambda t: (0.0, 0.0),
+    drive: Law = control, mass: float = M_t,
 ) -> NDArray[np.float64]:
     """Positions at t; each phase is integrated to the event that ends it."""
     def pressing_force(u: float, s: State) -> float:
         shift, rate = surface(u)
         resistance = law(u, s[0] - shift, s[1] - rate)
-        acceleration = (control(u, s[0], s[1]) - resistance) / (M_t + M_e)
+        acceleration = (drive(u, s[0], s[1]) - resistance) / (mass + M_e)
         return resistance + M_e * acceleration
 
     def free(u: float, s: State) -> State:
-        return [s[1], control(u, s[0], s[1]) / M_t]
+        return [s[1], drive(u, s[0], s[1]) / mass]
 
     def pressing(u: float, s: State) -> State:
-        return [s[1], (control(u, s[0], s[1]) - pressing_force(u, s)) / M_t]
+        return [s[1], (drive(u, s[0], s[1]) - pressing_force(u, s)) / mass]
 
     def depth(u: float, s: State) -> float:
         return s[0] - surface(u)[0]
@@ -89,14 +92,19 @@ def solve_contact(
         equation, ends = leave[mode]
         events: list[Any] = []
         for function, direction, _ in ends:
-            def event(u: float, s: State, function: Any = function) -> float:
-                return float(function(u, s))
+            def event(
+                u: float, s: State, function: Any = function, since: float = now,
+                before: int = -direction,
+            ) -> float:
+                # What has begun the phase is 0 at its beginning, and must not end it.
+                return float(function(u, s)) if u > since + 1e-6 else before
             event.terminal, event.direction = True, direction  # type: ignore[attr-defined]
             events.append(event)
         phase = solve_ivp(equation, (now, t[-1]), state, dense_output=True, events=events,
                           max_step=0.005, **SMOOTH)
         inside = (t >= now) & (t <= phase.t[-1])
-        positions[inside] = phase.sol(t[inside])[0]
+        if np.any(inside):
+            positions[inside] = phase.sol(t[inside])[0]
         now, state = float(phase.t[-1]), phase.y[:, -1].tolist()
         fired = [end for end, times in zip(ends, phase.t_events) if len(times)]
         mode = fired[0][2] if fired else mode

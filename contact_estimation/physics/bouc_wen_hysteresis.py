@@ -80,8 +80,9 @@ class BoucWenHysteresis(ContactEffect):
             if not contact[first]:
                 continue
             z, along = 0.0, []
-            # Touch-down falls between two samples: since then the tool has gone d.
-            before = max(0.0, float(d[first] - abs(v[first]) * (t[1] - t[0])))
+            before = float(d[first])
+            if first:  # touch-down falls between two samples: since then the tool has gone d
+                before = max(0.0, before - abs(float(v[first])) * float(t[1] - t[0]))
             steps = np.diff(d[first:stop], prepend=before)
             for step in steps.tolist():
                 c = (beta if step > 0.0 else -beta) + (gamma if z > 0.0 else -gamma)

@@ -73,7 +73,7 @@ class ViscoelasticRelaxation(ContactEffect):
         for first, stop in stretches(contact):
             if contact[first]:
                 # Touch-down falls between two samples: since then the tool has gone d.
-                entry = K_1 * min(float(d[first]), h * abs(float(v[first])))
+                entry = K_1 * min(float(d[first]), h * abs(float(v[first]))) if first else 0.0
                 steps = np.concatenate(([entry], push[first + 1:stop]))
                 s[first:stop] = lfilter([1.0], [1.0, -decay], steps, zi=[decay * last])[0]
             else:

@@ -1,0 +1,140 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The contract's table of effects, each law written out by hand: F_e of a given motion."""
+
+from __future__ import annotations
+
+from typing import Any, Callable
+
+import numpy as np
+from numpy.typing import NDArray
+from world_reference import B_e, K_e
+
+Array = NDArray[np.float64]
+Formula = Callable[..., Array]
+
+
+def cut(d: Array, resistance: Array, most: float = 0.0) -> Array:
+    """In contact min(most, -resistance), else 0."""
+    return np.where(d > 0.0, np.minimum(most, -resistance), 0.0)
+
+
+def followed(step: Callable[[float, int], float], count: int) -> Array:
+    """Take small steps of an internal state from 0."""
+    state, states = 0.0, []
+    for k in range(count):
+        state = step(state, k)
+        states.append(state)
+    return np.array(states)
+
+
+def relaxation(t: Array, x: Array, v: Array, a: Array, K_1: float, tau: float) -> Array:
+    """Integrate s' = K_1 v - s / tau in contact, s' = -s / tau and s >= 0 outside."""
+    h = t[1] - t[0]
+
+    def step(s: float, k: int) -> float:
+        inside = x[k] > 0.0
+        s += h * ((K_1 * v[k] if inside else 0.0) - s / tau)
+        return float(s if inside else max(s, 0.0))
+
+    return cut(x, K_e * x + B_e * v + followed(step, len(t)))
+
+
+def hysteresis(
+    t: Array, x: Array, v: Array, a: Array, alpha: float, beta: float, gamma: float
+) -> Array:
+    """Integrate z' = v - beta |v| z - gamma v |z|; z = 0 out of contact."""
+    h = t[1] - t[0]
+
+    def step(z: float, k: int) -> float:
+        rate = v[k] - beta * abs(v[k]) * z - gamma * v[k] * abs(z)
+        return float(z + h * rate) if x[k] > 0.0 else 0.0
+
+    return cut(x, K_e * x + B_e * v + alpha * followed(step, len(t)))
+
+
+def sticking(t: Array, x: Array, v: Array, a: Array, F_a: float) -> Array:
+    """Pull up to F_a in contact; then F_a (1 + d / 1.5 mm) while withdrawing."""
+    def step(stuck: float, k: int) -> float:
+        return 1.0 if x[k] > 0.0 else (0.0 if x[k] <= -0.0015 else stuck)
+
+    neck = (followed(step, len(t)) > 0.0) & (x <= 0.0) & (v < 0.0)
+    return cut(x, K_e * x + B_e * v, F_a) + np.where(neck, F_a * (1.0 + x / 0.0015), 0.0)
+
+
+def play(t: Array, x: Array, v: Array, a: Array, gap: float) -> Array:
+    """Take the force of y and its rate where abs(x - y) = gap / 2; y(0) = x(0)."""
+    y = followed(lambda y, k: float(min(max(y, x[k] - gap / 2), x[k] + gap / 2)) if k else x[0],
+                 len(t))
+    touches = np.abs(x - y) > (0.5 - 1e-6) * gap
+    return np.where(touches, cut(y, K_e * y + B_e * v), 0.0)
+
+
+def dent(t: Array, x: Array, v: Array, a: Array, residual: float) -> Array:
+    """Move the surface by the residual share of the greatest depth so far."""
+    d = x - residual * np.maximum.accumulate(np.maximum(x, 0.0))
+    return cut(d, K_e * d + B_e * v)
+
+
+def sliding(speed: Any, F_c: float, F_s: float, v_s: float) -> Any:
+    """Friction that falls from F_s to F_c."""
+    return (F_c + (F_s - F_c) * np.exp(-speed**2 / v_s**2)) * np.tanh(speed / 4e-4)
+
+
+def swinging(
+    t: Array, x: Array, v: Array, a: Array, amplitude: float, frequency: float, phase: float
+) -> Array:
+    """Move the surface as a sine."""
+    w = 2.0 * np.pi * frequency
+    d = x - amplitude * np.sin(w * t + phase)
+    return cut(d, K_e * d + B_e * (v - amplitude * w * np.cos(w * t + phase)))
+
+
+FORMULAS: dict[str, Formula] = {
+    'coulomb_friction': lambda t, x, v, a, F_c: cut(
+        x, K_e * x + B_e * v + F_c * np.tanh(v / 4e-4)),
+    'stribeck_friction': lambda t, x, v, a, *p: cut(x, K_e * x + B_e * v + sliding(v, *p)),
+    'environment_inertia': lambda t, x, v, a, M_e: cut(x, K_e * x + B_e * v + M_e * a),
+    'cubic_stiffness': lambda t, x, v, a, K_3: cut(x, K_e * x + B_e * v + K_3 * x**3),
+    'power_law_stiffness': lambda t, x, v, a, n, K_n: cut(
+        x, K_n * np.maximum(x, 0.0) ** n + B_e * v),
+    'hunt_crossley_damping': lambda t, x, v, a, chi: cut(x, K_e * x + chi * x * v),
+    'quadratic_damping': lambda t, x, v, a, B_2: cut(
+        x, K_e * x + B_e * v + B_2 * np.sign(v) * v**2),
+    'viscoelastic_relaxation': relaxation,
+    'bouc_wen_hysteresis': hysteresis,
+    'contact_offset': lambda t, x, v, a, offset: cut(
+        x - offset, K_e * (x - offset) + B_e * v),
+    'moving_environment': swinging,
+    'adhesion': sticking,
+    'dead_zone': lambda t, x, v, a, gap: cut(x, K_e * np.maximum(x - gap, 0.0) + B_e * v),
+    'backlash': play,
+    'bilinear_stiffness': lambda t, x, v, a, K_2, depth: cut(
+        x, K_e * x + B_e * v + K_2 * np.maximum(x - depth, 0.0)),
+    'stiffness_drift': lambda t, x, v, a, rate: cut(x, K_e * (1.0 + rate * t) * x + B_e * v),
+    'plastic_set': dent,
+}
+"""Of the contact: (t, x, v, a, parameters) -> F_e, for a wall at 0 with K_e and B_e."""
+
+SENSED: dict[str, Any] = {
+    'tool_inertia': lambda t, F, a, mass: F - mass * a,
+    'force_bias': lambda t, F, a, bias: F + bias,
+    'force_drift': lambda t, F, a, rate: F + rate * t,
+    'force_saturation': lambda t, F, a, limit: np.minimum(limit, np.maximum(-limit, F)),
+    'force_delay': lambda t, F, a, delay: np.interp(t - delay, t, F),
+    'force_lag': lambda t, F, a, tau: F[0] + followed(
+        lambda y, k: y + (t[1] - t[0]) / tau * (F[k] - F[0] - y), len(t)),
+}
+"""Of the sensor: (t, F_e, a, parameters) -> measured."""

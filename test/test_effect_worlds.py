@@ -1,0 +1,140 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The world with each effect against an independent integration by scipy with events."""
+
+from __future__ import annotations
+
+from typing import Any, Callable
+
+from contact_estimation.physics import EFFECTS
+from effect_examples import example_values
+from effect_formulas import sliding
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from world_reference import (
+    B_e,
+    control,
+    K_e,
+    K_t,
+    M_t,
+    plant_with,
+    simulate,
+    SMOOTH,
+    solve_contact,
+    spring_damper,
+    START,
+    with_effect,
+)
+
+T = np.linspace(0.0, 1.398, 700)
+
+
+def resisting(more: Callable[..., float]) -> Callable[..., dict[str, Any]]:
+    """Add to spring and damper a resistance of (t, d, v, parameters)."""
+    return lambda *p: {'law': lambda t, d, v: K_e * d + B_e * v + float(more(t, d, v, *p))}
+
+
+def swing(amplitude: float, frequency: float, phase: float) -> dict[str, Any]:
+    """Move the surface as a sine."""
+    w = 2.0 * np.pi * frequency
+    return {'surface': lambda t: (amplitude * np.sin(w * t + phase),
+                                  amplitude * w * np.cos(w * t + phase))}
+
+
+INDEPENDENT: dict[str, Callable[..., dict[str, Any]]] = {
+    'coulomb_friction': resisting(lambda t, d, v, F_c: F_c * np.tanh(v / 4e-4)),
+    'stribeck_friction': resisting(lambda t, d, v, *p: sliding(v, *p)),
+    'environment_inertia': lambda M_e: {'M_e': M_e},
+    'cubic_stiffness': resisting(lambda t, d, v, K_3: K_3 * d**3),
+    'power_law_stiffness': resisting(lambda t, d, v, n, K_n: K_n * max(d, 0.0)**n - K_e * d),
+    'hunt_crossley_damping': resisting(lambda t, d, v, chi: chi * d * v - B_e * v),
+    'quadratic_damping': resisting(lambda t, d, v, B_2: B_2 * v * abs(v)),
+    'contact_offset': lambda offset: {'surface': lambda t: (offset, 0.0)},
+    'moving_environment': swing,
+    'dead_zone': resisting(lambda t, d, v, gap: K_e * (max(d - gap, 0.0) - d)),
+    'bilinear_stiffness': resisting(lambda t, d, v, K_2, depth: K_2 * max(d - depth, 0.0)),
+    'stiffness_drift': resisting(lambda t, d, v, rate: K_e * rate * t * d),
+    'robot_friction': lambda F_c: {
+        'drive': lambda t, x, v: control(t, x, v) - F_c * np.tanh(v / 4e-4)},
+    'impedance_mismatch': lambda K, B, M: {
+        'drive': lambda t, x, v: control(t, x, v, M * M_t, B * 1000.0, K * K_t), 'mass': M * M_t},
+    'reflected_inertia': lambda M_r: {'mass': M_t + M_r},
+    'actuator_saturation': lambda limit: {
+        'drive': lambda t, x, v: max(-limit, min(limit, control(t, x, v)))},
+    'command_delay': lambda delay: {'drive': lambda t, x, v: (
+        control(t - delay, x, v))},
+}
+"""By effect: its law in the words of `solve_contact`, from its parameters."""
+
+RATES: dict[str, Callable[..., float]] = {
+    'viscoelastic_relaxation': lambda v, s, K_1, tau: K_1 * v - s / tau,
+    'bouc_wen_hysteresis': lambda v, z, alpha, beta, gamma: (
+        v - beta * abs(v) * z - gamma * v * abs(z)),
+}
+NOT_SMOOTH = {'adhesion', 'backlash', 'plastic_set'}  # facts about them: test_effect_laws.py
+
+
+def positions(name: str, **values: Any) -> Any:
+    """Simulate with an effect; (N,) [m]."""
+    return np.array([truth.position for truth in simulate(len(T), with_effect(name, **values))])
+
+
+def test_every_effect_is_compared() -> None:
+    compared = {*INDEPENDENT, *RATES, *NOT_SMOOTH}
+    assert {n for n, cls in EFFECTS.items() if cls.port != 'force_sensor'} == compared
+
+
+@pytest.mark.parametrize('name', INDEPENDENT)
+def test_world_is_that_of_an_independent_integration(name: str) -> None:
+    independent = {'law': spring_damper, **INDEPENDENT[name](*example_values(name))}
+    expected = solve_contact(T, **independent)
+    nominal = np.array([t.position for t in simulate(len(T), plant_with())])
+    np.testing.assert_allclose(positions(name), expected, atol=2e-7, rtol=0.0)
+    assert np.max(np.abs(expected - nominal)) > 1e-5
+
+
+@pytest.mark.parametrize('name', RATES)
+def test_world_with_a_state_is_that_of_an_independent_integration(name: str) -> None:
+    values = example_values(name)
+    weight = values[0] if name == 'bouc_wen_hysteresis' else 1.0
+
+    def rates(t: float, s: list[float]) -> list[float]:
+        resistance = K_e * s[0] + B_e * s[1] + weight * s[2]
+        return [s[1], (control(t, s[0], s[1]) - resistance) / M_t, RATES[name](*s[1:], *values)]
+
+    expected = solve_ivp(rates, (0.0, T[-1]), [START, 0.0, 0.0], t_eval=T, max_step=2e-3, **SMOOTH)
+    got = positions(name, environment__unilateral=False)
+    np.testing.assert_allclose(got, expected.y[0], atol=1e-8)
+
+
+@pytest.mark.parametrize('name', NOT_SMOOTH)
+def test_world_with_an_edge_converges(name: str) -> None:
+    coarse, fine = (positions(name, integration_rate=rate) for rate in (5e3, 2e4))
+    # Held against its end, a backlash switches at every step; the tool creeps meanwhile.
+    np.testing.assert_allclose(coarse, fine, atol=1e-5 if name == 'backlash' else 2e-7)
+
+
+@pytest.mark.parametrize('name', [n for n, cls in EFFECTS.items() if cls.port == 'force_sensor'])
+def test_effect_of_the_sensor_leaves_the_world_alone(name: str) -> None:
+    nominal = [truth.position for truth in simulate(len(T), plant_with())]
+    np.testing.assert_array_equal(positions(name), nominal)
+
+
+@pytest.mark.parametrize('name', EFFECTS)
+def test_two_integration_steps_a_sample_are_enough(name: str) -> None:
+    coarse, fine = (positions(name, integration_rate=rate) for rate in (1e3, 5e3))
+    swing = np.max(fine) - np.min(fine)
+    assert np.sqrt(np.mean((coarse - fine) ** 2)) < 1e-3 * swing
