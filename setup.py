@@ -52,6 +52,7 @@ setup(
             'plant_node = contact_estimation.ros.plant_node:main',
             'recorder_node = contact_estimation.ros.recorder_node:main',
             'loop = contact_estimation.commands.loop:main',
+            'diagnose = contact_estimation.commands.diagnose:main',
             'replay = contact_estimation.commands.replay:main',
             'reproduce = contact_estimation.commands.reproduce:main',
         ],

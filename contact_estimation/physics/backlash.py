@@ -76,4 +76,4 @@ class Backlash(ContactEffect):
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """Spread the play."""
-        return [(share * scales.depth,) for share in (0.01, 0.05, 0.2)]
+        return [(share * scales.depth,) for share in (0.003, 0.03, 0.15)]

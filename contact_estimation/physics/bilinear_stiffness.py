@@ -48,4 +48,4 @@ class BilinearStiffness(ContactEffect):
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """Spread the depth; the law is linear in K_2."""
         shares = (0.2, 0.35, 0.5, 0.65, 0.8, 0.92)
-        return [(0.1 * scales.stiffness, share * scales.depth) for share in shares]
+        return [(0.01 * scales.stiffness, share * scales.depth) for share in shares]

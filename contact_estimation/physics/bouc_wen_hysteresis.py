@@ -101,4 +101,4 @@ class BoucWenHysteresis(ContactEffect):
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """Spread beta; the law is linear in alpha."""
         yields = (0.7, 2.0, 6.0, 20.0)
-        return [(0.1 * scales.stiffness, share / scales.depth, 0.0) for share in yields]
+        return [(0.01 * scales.stiffness, share / scales.depth, 0.0) for share in yields]

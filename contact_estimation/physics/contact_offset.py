@@ -48,4 +48,4 @@ class ContactOffset(ContactEffect):
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """Both sides."""
-        return [(0.02 * scales.depth,), (-0.02 * scales.depth,)]
+        return [(0.001 * scales.depth,), (-0.001 * scales.depth,)]

@@ -49,4 +49,4 @@ class DeadZone(ContactEffect):
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """Spread the gap."""
-        return [(share * scales.depth,) for share in (0.02, 0.1, 0.3)]
+        return [(share * scales.depth,) for share in (0.003, 0.03, 0.1, 0.3)]

@@ -47,4 +47,4 @@ class EnvironmentInertia(ContactEffect):
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """One start: the law is linear in M_e."""
-        return [(0.1,)]
+        return [(0.02,)]

@@ -50,4 +50,4 @@ class ForceBias(ForceSensorEffect):
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """One start: the law is linear in bias."""
-        return [(0.02 * scales.force,)]
+        return [(0.002 * scales.force,)]

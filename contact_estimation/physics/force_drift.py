@@ -50,4 +50,4 @@ class ForceDrift(ForceSensorEffect):
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """One start: the law is linear in rate."""
-        return [(0.02 * scales.force / scales.duration,)]
+        return [(0.002 * scales.force / scales.duration,)]

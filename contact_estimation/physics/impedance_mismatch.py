@@ -58,4 +58,4 @@ class ImpedanceMismatch(RobotEffect):
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """One start: nearly linear."""
-        return [(1.02, 1.02, 1.02)]
+        return [(1.002, 1.002, 1.002)]

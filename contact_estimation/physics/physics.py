@@ -132,6 +132,8 @@ class Effect(ABC):
         All fields floats with NaN as default: off.
     neutral : mapping
         Values of parameters at which the effect vanishes, where that is not 0.
+    needs_touch : bool
+        Whether it has no meaning of its own in a permanently attached environment.
 
     Parameters
     ----------
@@ -145,6 +147,7 @@ class Effect(ABC):
     equation: ClassVar[str]
     Parameters: ClassVar[type[ParameterGroup]]
     neutral: ClassVar[Mapping[str, float]] = {}
+    needs_touch: ClassVar[bool] = False
 
     def __init__(self, values: ParameterGroup) -> None:
         self.values: Any = values
@@ -230,9 +233,6 @@ class ContactEffect(Effect):
     port = 'contact'
     states: ClassVar[int] = 0
     """Number of internal states, integrated with the plant."""
-
-    needs_touch: ClassVar[bool] = False
-    """Whether it means nothing for a permanently attached environment."""
 
     replaces_stiffness: ClassVar[bool] = False
     """K_e has no meaning beside this effect."""

@@ -65,4 +65,4 @@ class PlasticSet(ContactEffect):
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """Small and large."""
-        return [(0.03,), (0.3,)]
+        return [(0.002,), (0.03,), (0.3,)]

@@ -45,4 +45,4 @@ class QuadraticDamping(ContactEffect):
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """One start: the law is linear in B_2."""
-        return [(0.2 * scales.damping / scales.speed,)]
+        return [(0.01 * scales.damping / scales.speed,)]

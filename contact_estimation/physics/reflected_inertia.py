@@ -47,4 +47,4 @@ class ReflectedInertia(RobotEffect):
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """One start: nearly linear."""
-        return [(0.02 * scales.mass,)]
+        return [(0.002 * scales.mass,)]

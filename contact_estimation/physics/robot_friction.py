@@ -48,4 +48,4 @@ class RobotFriction(RobotEffect):
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """One start: the law is linear in F_c."""
-        return [(0.05 * scales.force,)]
+        return [(0.002 * scales.force,)]

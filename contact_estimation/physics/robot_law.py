@@ -59,7 +59,7 @@ class RobotLaw:
         self._controls = [e for e in arm if type(e).control is not RobotEffect.control]
         self._drags = [e for e in arm if type(e).drag is not RobotEffect.drag]
 
-    def wanted(self, x: Any, v: Any, reference: Sequence[Any]) -> Any:
+    def wanted(self, x: Any, v: Any, reference: Any) -> Any:
         """
         Evaluate the impedance law.
 
@@ -67,7 +67,7 @@ class RobotLaw:
         ----------
         x, v : float or ndarray, shape (N,)
             Position [m] and velocity [m/s].
-        reference : sequence of float or ndarray
+        reference : sequence of float, or ndarray, shape (4, N)
             x_r [m], its rate [m/s] and acceleration [m/s^2], F_r [N] (0: none).
 
         Returns
@@ -80,7 +80,7 @@ class RobotLaw:
         return (self._feed_forward * a_r - self.damping * (v - v_r)
                 - self.stiffness * (x - x_r) + F_r)
 
-    def force(self, x: Any, v: Any, reference: Sequence[Any], m: Any) -> Any:
+    def force(self, x: Any, v: Any, reference: Any, m: Any) -> Any:
         """
         Give the force that drives the mass; parameters as `wanted`, m as `math` or `numpy`.
 

@@ -48,4 +48,4 @@ class StiffnessDrift(ContactEffect):
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """One start: nearly linear."""
-        return [(0.05 / scales.duration,)]
+        return [(0.002 / scales.duration,)]

@@ -63,5 +63,5 @@ class StribeckFriction(ContactEffect):
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """Spread v_s; the law is linear in F_c and F_s."""
-        return [(0.01 * scales.force, 0.03 * scales.force, share * scales.speed)
+        return [(0.002 * scales.force, 0.004 * scales.force, share * scales.speed)
                 for share in (0.02, 0.05, 0.1, 0.2, 0.4)]

@@ -41,6 +41,7 @@ class ToolInertia(ForceSensorEffect):
     name = 'tool_inertia'
     equation = 'F_measured = F_e - mass a'
     Parameters = ToolInertiaParameters
+    needs_touch = True  # beside a wall that never lets go it is M_e
 
     def sense(self, t: float, dt: float, force: float, acceleration: float) -> float:
         """Subtract mass a; see `ForceSensorEffect.sense`."""
@@ -53,4 +54,4 @@ class ToolInertia(ForceSensorEffect):
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """One start: the law is linear in mass."""
-        return [(0.1,)]
+        return [(0.02,)]

@@ -84,4 +84,4 @@ class ViscoelasticRelaxation(ContactEffect):
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """Spread tau; the law is linear in K_1."""
-        return [(0.1 * scales.stiffness, tau) for tau in (0.01, 0.03, 0.1, 0.3, 1.0)]
+        return [(0.01 * scales.stiffness, tau) for tau in (0.01, 0.03, 0.1, 0.3, 1.0)]

@@ -1,0 +1,167 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Say where recording and simulation differ, which physics are missing, and what they are."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any, Sequence
+
+from .command_line import (
+    add_source_options,
+    different_files,
+    new_file,
+    Parser,
+    run_command,
+    source_of,
+)
+from .progress import Progress
+from ..diagnosis.diagnosis import diagnose, Recording
+from ..diagnosis.finding import Diagnosis
+from ..diagnosis.reading import read_signals
+from ..diagnosis.report import as_dict, as_text, model_file
+from ..exceptions import ModelFileError, ParameterRangeError
+from ..parameter_file import read_parameter_file
+from ..parameter_values import build
+from ..plant.plant_parameters import PlantParameters
+from ..recordings import RecordingReader
+
+
+def make_parser() -> Parser:
+    """Build the command line of `diagnose`."""
+    parser = Parser(
+        prog='diagnose',
+        description='Compare recordings with the model that simulates them: consistent, to be '
+        'recalibrated, or missing physics, which are named, fitted and proved on held-out data.',
+    )
+    parser.add_argument('recordings', metavar='RECORDING', nargs='+',
+                        help='an .mcap file or rosbag2 folder')
+    parser.add_argument('--nominal', metavar='MODEL.yaml', required=True,
+                        help='the model file of the simulation (section plant_node)')
+    parser.add_argument('--holdout', metavar='RECORDING', nargs='+', default=[], action='extend',
+                        help='recordings that no fit sees; else a part of each is held out')
+    parser.add_argument('--json', metavar='FILE', help='the report as JSON')
+    parser.add_argument('--html', metavar='FILE', help='the report with pictures, one file')
+    parser.add_argument('--write-model', metavar='FILE', help='the corrected model file')
+    parser.add_argument('--seed', type=int, default=0, help='of the bootstraps (0)')
+    add_source_options(parser)
+    return parser
+
+
+def run(options: Any) -> int:
+    """
+    Diagnose as the options say.
+
+    Parameters
+    ----------
+    options : argparse.Namespace
+        Of `make_parser`.
+
+    Returns
+    -------
+    code : int
+        0.
+
+    """
+    if options.seed < 0:
+        raise ParameterRangeError(f'--seed must be >= 0, got {options.seed}')
+    different_files((options.json, options.html, options.write_model))
+    for path in (options.json, options.html, options.write_model):
+        if path:
+            new_file(path)
+    nominal = build(PlantParameters, nominal_values(options.nominal))
+    progress = Progress('diagnose')
+    stages: list[str] = []
+
+    def tell(text: str) -> None:
+        stages.append(text)
+        progress.show(min(0.95, len(stages) / 80.0), text)
+
+    recordings, holdouts = (
+        [_read(path, options) for path in paths]
+        for paths in (options.recordings, options.holdout)
+    )
+    diagnosis = diagnose(recordings, holdouts, nominal, options.seed, tell)
+    progress.done()
+    print(as_text(diagnosis))
+    _write(diagnosis, options)
+    return 0
+
+
+def nominal_values(path: str) -> dict[str, Any]:
+    """
+    Read the nominal model.
+
+    Parameters
+    ----------
+    path : str
+        A parameter file with a section plant_node.
+
+    Returns
+    -------
+    values : dict
+        Dotted name to value.
+
+    Raises
+    ------
+    ModelFileError
+        If the file is missing or has no such section.
+
+    """
+    values = read_parameter_file(path, 'plant_node')
+    if not values:
+        raise ModelFileError(
+            f'model file {path} must have a section plant_node with ros__parameters, got none; '
+            'see the README for an example'
+        )
+    return values
+
+
+def _read(path: str, options: Any) -> Recording:
+    signals = read_signals(
+        RecordingReader(path), source_of(options), options.axis or 'x', options.joint or '')
+    return Recording(str(Path(path).name), signals)
+
+
+def _write(diagnosis: Diagnosis, options: Any) -> None:
+    experiment = None
+    if options.json:
+        text = json.dumps(as_dict(diagnosis, experiment), indent=1)
+        new_file(options.json).write_text(text + '\n')
+    if options.write_model:
+        new_file(options.write_model).write_text(model_file(diagnosis))
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """
+    Run the command.
+
+    Parameters
+    ----------
+    args : sequence of str, optional
+        Command line; that of the process by default.
+
+    Returns
+    -------
+    code : int
+        0, or 1 after one line on stderr.
+
+    """
+    return run_command(make_parser(), run, args)
+
+
+if __name__ == '__main__':
+    raise SystemExit(main())

@@ -1,0 +1,343 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The diagnosis: noise, recalibration, location, selection, held-out proof, verdict."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import exp
+from typing import Callable, NamedTuple, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .episodes import HeldOut, hold_out, require_contact
+from .finding import Diagnosis, NamedEffect, Value
+from .fitting import Fit, fit
+from .flexible import predictable_share
+from .free_run import free_run
+from .held_out import as_good, by_part, errors_of, improvement_interval, measure_part, Part
+from .location import locate
+from .model import Model, names_of
+from .noise import force_noise
+from .observed import observe, Observed, Signals
+from .output_error import refine
+from .ports import default_block, Ports, usable
+from .selection import enough, Finding, scale_of, select, THRESHOLD
+from .uncertainty import standard_deviations
+from ..parameters import specifications
+from ..physics import EFFECTS
+from ..plant.plant_parameters import PlantParameters
+
+Array = NDArray[np.float64]
+Progress = Callable[[str], None]
+
+LEFT = 0.5
+"""Mean square of the residuals beyond that of the noise, from which on something is missing."""
+
+EXPLAINED = 0.9
+"""Least share of the misfit that effects must explain to be named at all."""
+
+FULLY = 0.97
+"""Share of the misfit from which on what is left is the method's own error."""
+
+_PREDICTABLE = 0.1  # share of the residual that a smoother foretells: structure, not noise
+_TEMPERATURE = 10.0  # serial correlation: costs are worth less than independent samples say
+_MOST_RIVALS = 2
+
+
+@dataclass(frozen=True)
+class Recording:
+    """
+    A recording to be diagnosed.
+
+    Attributes
+    ----------
+    name : str
+        For texts.
+    signals : Signals
+        What it holds.
+
+    """
+
+    name: str
+    signals: Signals
+
+
+class _Case(NamedTuple):
+    """A recording with the part of it that is held out; None holds nothing out."""
+
+    recording: Recording
+    port: Ports
+    held_out: HeldOut | None
+
+
+def diagnose(
+    recordings: Sequence[Recording], holdouts: Sequence[Recording], nominal: PlantParameters,
+    seed: int = 0, progress: Progress = lambda text: None,
+) -> Diagnosis:
+    """
+    Compare recordings with the model that is said to describe them.
+
+    Parameters
+    ----------
+    recordings : sequence of Recording
+        Fitted together.
+    holdouts : sequence of Recording
+        Never fitted; without any, a part of each recording is held out.
+    nominal : PlantParameters
+        The simulation's model.
+    seed : int
+        Of the bootstraps.
+    progress : callable
+        Told in words what is being done.
+
+    Returns
+    -------
+    diagnosis : Diagnosis
+        Verdict, names, parameters, proof.
+
+    Raises
+    ------
+    RecordingError
+        If a recording has too little data, no contact or a constant signal.
+
+    """
+    model = Model.of(nominal)
+    progress('noise and alignment')
+    cases = [_prepare(recording, model, hold=not holdouts) for recording in recordings]
+    others = [_prepare(recording, model, hold=False) for recording in holdouts]
+    progress('recalibration')
+    ports = [case.port for case in cases]
+    base = _recalibrate(ports, model)
+    at_nominal = _cost(ports, model)
+    finding = select(ports, base, progress)
+    finding, cases = _refine(finding, cases, model, progress)
+    return _Conclusion(model, at_nominal, finding, cases, others, seed).draw(progress)
+
+
+def _prepare(recording: Recording, model: Model, hold: bool) -> _Case:
+    observed = observe(recording.signals, model.nominal)
+    require_contact(model, observed, recording.name)
+    return _case(recording, observed, model, hold_out(model, observed) if hold else None)
+
+
+def _case(
+    recording: Recording, observed: Observed, model: Model, held: HeldOut | None
+) -> _Case:
+    use = usable(model, observed)
+    if held is not None:
+        use = use & ~held.samples
+    port = Ports(observed, force_noise(model, observed), observed.position_noise, use,
+                 default_block(observed))
+    return _Case(recording, port, held)
+
+
+def _recalibrate(ports: Sequence[Ports], model: Model) -> Fit:
+    rough = fit(ports, model)
+    for port in ports:
+        port.doubt(rough.model)
+    return fit(ports, rough.model)
+
+
+def _cost(ports: Sequence[Ports], model: Model) -> float:
+    stacked = np.concatenate([port.residuals(model) for port in ports])
+    return float(stacked @ stacked)
+
+
+def _refine(
+    finding: Finding, cases: list[_Case], model: Model, progress: Progress
+) -> tuple[Finding, list[_Case]]:
+    """
+    Smooth the motion anew with what is known now, and look again.
+
+    The free run of a good model follows the sharp bends of the motion, so that less bandwidth is
+    needed for the rest and velocities get better; friction near standstill needs that.
+    """
+    if not finding.best.model.effects:
+        return finding, cases
+    progress('smoothing the motion with what was found')
+    best, again = finding.best.model, []
+    for case in cases:
+        o = case.port.observed
+        carried = free_run(best, o).position
+        if not np.isfinite(carried).all() or np.max(np.abs(carried)) > 1e3 * np.max(np.abs(o.x)):
+            return finding, cases  # run away: nothing to learn from it
+        better = observe(case.recording.signals, model.nominal, o, lambda before: carried)
+        if better.cutoff > o.cutoff:
+            return finding, cases
+        again.append(_case(case.recording, better, model, case.held_out))
+    ports = [case.port for case in again]
+    base = _recalibrate(ports, finding.base.model)
+    named = fit(ports, best)
+    if named.cost > finding.best.cost:
+        return finding, cases
+    left = named.cost - named.filled
+    if left > 0.5 * THRESHOLD * named.filled and left > 0.02 * (
+            base.cost - base.filled):
+        return select(ports, base, progress), again
+    return finding._replace(base=base, best=named), again
+
+
+class _Conclusion:
+    """Everything after the search: what holds on held-out data, and how to say it."""
+
+    def __init__(
+        self, model: Model, at_nominal: float, finding: Finding, cases: list[_Case],
+        others: list[_Case], seed: int,
+    ) -> None:
+        self._nominal, self._at_nominal = model, at_nominal
+        self._finding, self._cases, self._others = finding, cases, others
+        self._ports = [case.port for case in cases]
+        self._generator = np.random.default_rng(seed)
+
+    def draw(self, progress: Progress) -> Diagnosis:
+        """Prove on held-out data, then say."""
+        finding = self._finding
+        best, base = finding.best, finding.base
+        count = base.filled
+        excess, left = base.cost - count, best.cost - count
+        explained = 1.0 - left / excess if excess > 0.0 else 1.0
+        predictable = 0.0
+        if left > LEFT * count:
+            progress('what is left')
+            predictable = max(predictable_share(port, best.model) for port in self._ports)
+        open_end = (left > LEFT * count and predictable > _PREDICTABLE
+                    and (explained < FULLY or not best.model.effects))
+        if best.model.effects and open_end and explained < EXPLAINED:
+            best = base  # a false name is worse than no name
+        verdict = self._verdict(best, open_end)
+        if not open_end and all(
+                port.observed.has_dynamics(base.model.nominal) for port in self._ports):
+            progress('output error')
+            same = best is base
+            base = refine(self._ports, base) if same else base
+            best = base if same else refine(self._ports, best)
+        progress('held-out parts')
+        models = [self._nominal, base.model, best.model]
+        parts, runs = self._held_out(models)
+        force, motion = errors_of(parts)
+        names = self._names(best)
+        located = verdict in ('physics_missing', 'unexplained')
+        port = self._ports[0]
+        stds = standard_deviations(self._ports, best)
+        location = None
+        if located:
+            shown = best.model if verdict == 'unexplained' and best.model.effects else base.model
+            acting = names[0].port if names and shown is base.model else None
+            location = locate(port, shown, acting)
+        rivals = {other: self._rival(effect.name, other)
+                  for effect in names for other in effect.indistinguishable_from}
+        return Diagnosis(
+            verdict, names, location, models[0], models[1], models[2],
+            Value(best.model.stiffness, stds[0], 'N/m'),
+            Value(best.model.damping, stds[1], 'N s/m'),
+            float(np.mean([case.port.force_noise for case in self._cases])), force, motion,
+            improvement_interval(parts, self._generator), by_part(parts),
+            _advice(names, verdict), rivals, self._finding.candidates, best.cost / count, predictable,
+            self._ports, runs,
+        )
+
+    def _verdict(self, best: Fit, open_end: bool) -> str:
+        if open_end:
+            return 'unexplained'
+        if best.model.effects:
+            return 'physics_missing'
+        base, count = self._finding.base, self._finding.base.filled
+        gained = self._at_nominal - base.cost
+        return 'consistent' if gained < THRESHOLD * count * scale_of(base) else 'recalibrate'
+
+    def _held_out(self, models: Sequence[Model]) -> tuple[list[Part], dict[str, Array]]:
+        parts: list[Part] = []
+        first: dict[str, Array] = {}
+        for case in [*self._cases, *self._others]:
+            with_motion = case.port.observed.has_dynamics(models[0].nominal)
+            runs = None
+            if with_motion:
+                different = models if models[2] is not models[1] else models[:2]
+                runs = [free_run(model, case.port.observed).position for model in different]
+                runs = [*runs, runs[1]][:3]
+                first = first or dict(zip(('nominal', 'recalibrated', 'corrected'), runs))
+            if case in self._others:
+                everything = np.ones(len(case.port.observed.t), bool)
+                parts.append(measure_part(
+                    case.recording.name, case.port, everything, models, runs))
+            elif case.held_out is not None:
+                use = usable(models[1], case.port.observed)
+                whole = Ports(case.port.observed, case.port.force_noise,
+                              case.port.motion_noise, use, case.port.block)
+                parts.append(measure_part(
+                    case.held_out.name, whole, case.held_out.samples, models, runs))
+        return parts, first
+
+    def _names(self, best: Fit) -> list[NamedEffect]:
+        stds = standard_deviations(self._ports, best)
+        dropped = {name: fit(self._ports, best.model.without(name), steps=8)
+                   for name in best.model.effects}
+        order = sorted(best.model.effects, key=lambda name: -dropped[name].cost)
+        return [self._name(best, name, dropped[name], stds) for name in order]
+
+    def _name(self, best: Fit, name: str, without: Fit, stds: Array) -> NamedEffect:
+        cls = EFFECTS[name]
+        place = best.model.place(name)
+        units = [spec.unit for spec in specifications(cls.Parameters)]
+        values = {
+            parameter: Value(value, float(std), unit) for parameter, value, std, unit in zip(
+                names_of(name), best.model.values[place], stds[place], units)
+        }
+        alike = self._alike(best, name)
+        return NamedEffect(
+            name, cls.port, cls.equation, self._probability(best, name), values, alike,
+            locate(self._ports[0], without.model, cls.port),
+        )
+
+    def _rival(self, name: str, other: str) -> Model:
+        fits = self._finding.rivals[name]
+        return next(found.model for found in fits if found.model.effects[-1] == other)
+
+    def _probability(self, best: Fit, name: str) -> float:
+        scale = _TEMPERATURE * scale_of(best)
+        weights = [exp(-min(max(rival.cost - best.cost, 0.0) / (2.0 * scale), 700.0))
+                   for rival in self._finding.rivals.get(name, [])]
+        return 1.0 / (1.0 + sum(weights))
+
+    def _alike(self, best: Fit, name: str) -> list[str]:
+        """Name the rivals that predict held-out data as well, with no more parameters."""
+        alike = []
+        count, own = best.filled, len(best.model.values)
+        for rival in self._finding.rivals.get(name, [])[:4]:
+            if len(rival.model.values) > own or name == rival.model.effects[-1]:
+                continue
+            if rival.cost - best.cost > THRESHOLD * count * scale_of(best):
+                continue
+            if enough(rival, best):
+                continue
+            cases = [case for case in self._cases if case.held_out is not None]
+            if all(as_good(case.port, case.held_out.samples, best.model, rival.model,
+                           self._generator) for case in cases if case.held_out is not None):
+                alike.append(rival.model.effects[-1])
+        return alike[:_MOST_RIVALS]
+
+
+def _advice(names: Sequence[NamedEffect], verdict: str) -> str:
+    open_names = [(effect.name, effect.indistinguishable_from) for effect in names
+                  if effect.indistinguishable_from]
+    if open_names:
+        pairs = '; '.join(f'{name} from {" and ".join(others)}' for name, others in open_names)
+        return f'To tell {pairs}, run an experiment in which their predictions differ most.'
+    if verdict == 'unexplained':
+        return ('No effect of the library explains this. Repeat the same contact at half and at '
+                'twice the speed and depth: what scales with which tells what is missing.')
+    return ''

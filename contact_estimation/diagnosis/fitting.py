@@ -1,0 +1,175 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Fitting a model to the ports: several starts, Gauss-Newton steps, then a bounded search."""
+
+from __future__ import annotations
+
+from typing import Callable, NamedTuple, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+
+from .model import Model
+from .ports import huber, Ports
+
+Array = NDArray[np.float64]
+
+_STEP = 1e-4  # relative, of the finite differences
+
+
+class Fit(NamedTuple):
+    """
+    A fitted model.
+
+    Attributes
+    ----------
+    model : Model
+        With the best values.
+    cost : float
+        Sum of the squared residuals, in standard deviations.
+    residuals : ndarray, shape (R,)
+        At the best values.
+    filled : int
+        Number of residuals that are not empty.
+
+    """
+
+    model: Model
+    cost: float
+    residuals: Array
+    filled: int
+
+
+def residual_function(
+    ports: Sequence[Ports], model: Model, robust: bool = True
+) -> Callable[[Array], Array]:
+    """
+    Make the function that is minimised.
+
+    Parameters
+    ----------
+    ports : sequence of Ports
+        Recordings, fitted together.
+    model : Model
+        Its free values are the unknowns.
+    robust : bool
+        As for `Ports.residuals`.
+
+    Returns
+    -------
+    residuals : callable
+        Free values to stacked residuals.
+
+    """
+    free = model.free
+    fixed = np.array(model.values)
+
+    def residuals(values: Array) -> Array:
+        full = fixed.copy()
+        full[free] = values
+        there = model.at(full)
+        with np.errstate(all='ignore'):
+            stacked = np.concatenate([port.residuals(there, robust) for port in ports])
+        return np.where(np.isfinite(stacked), stacked, 1e6)
+
+    return residuals
+
+
+def fit(ports: Sequence[Ports], model: Model, steps: int = 25) -> Fit:
+    """
+    Search from the model's own values.
+
+    Parameters
+    ----------
+    ports : sequence of Ports
+        Recordings, fitted together.
+    model : Model
+        Start, and what is free.
+    steps : int
+        Most steps of the search; with few of them it also ends at a thousandth of the cost.
+
+    Returns
+    -------
+    fit : Fit
+        The best found.
+
+    """
+    function, free = residual_function(ports, model), model.free
+    low, high = (bound[free] for bound in model.bounds)
+    start = np.array(model.values)[free]
+    size = _sizes(model)[free]
+    found = least_squares(
+        function, np.clip(start, low + 1e-9 * size, high), bounds=(low, high), x_scale=size,
+        diff_step=_STEP, max_nfev=steps, xtol=1e-6, ftol=1e-3 if steps < 10 else 1e-6,
+        gtol=1e-12,
+    )
+    values = np.array(model.values)
+    values[free] = found.x
+    return Fit(model.at(values), 2.0 * found.cost, found.fun, sum(p.count for p in ports))
+
+
+def _sizes(model: Model) -> Array:
+    """How large a change of each value is: its own size, or a little where it is 0."""
+    values = np.abs(np.array(model.values))
+    return np.where(values > 0.0, values, 1.0)
+
+
+def step(ports: Sequence[Ports], model: Model) -> tuple[float, Model]:
+    """
+    Take one Gauss-Newton step, exact for what is linear.
+
+    Parameters
+    ----------
+    ports : sequence of Ports
+        Recordings.
+    model : Model
+        Start.
+
+    Returns
+    -------
+    cost : float
+        After the step, or before it where the step makes things worse.
+    model : Model
+        There.
+
+    """
+    # Bent residuals would hide from a first step how far it has to go.
+    function, free = residual_function(ports, model, robust=False), model.free
+    low, high = (bound[free] for bound in model.bounds)
+    start = np.clip(np.array(model.values)[free], low, high)
+    size = _sizes(model)[free]
+    at_start = function(start)
+    best_cost, best = _bent_cost(at_start), start
+    columns = np.empty((len(at_start), len(start)))
+    for k in range(len(start)):
+        moved = start.copy()
+        moved[k] += _STEP * size[k]
+        columns[:, k] = (function(moved) - at_start) / _STEP
+    change = np.linalg.lstsq(columns, -at_start, rcond=1e-10)[0] * size
+    for share in (1.0, 0.3):
+        tried = np.clip(start + share * change, low, high)
+        cost = _bent_cost(function(tried))
+        if cost < best_cost:
+            best_cost, best = cost, tried
+            break
+    values = np.array(model.values)
+    values[free] = best
+    return best_cost, model.at(values)
+
+
+def _bent_cost(residuals: Array) -> float:
+    bent = huber(residuals)
+    return float(bent @ bent)

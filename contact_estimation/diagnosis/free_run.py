@@ -1,0 +1,145 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""A model run free: from its command, or a wall without a robot from the measured force."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .driven_wall import driven_wall
+from .model import Model
+from .observed import Observed
+from ..parameter_values import build, flatten
+from ..parameters import specifications
+from ..physics import EFFECTS
+from ..plant.plant_parameters import PlantParameters
+from ..plant.world import ReferenceAt, World
+
+Array = NDArray[np.float64]
+
+_PICARD = 40  # rounds at most
+_STEPS = 2  # Runge-Kutta steps a sample; events are stepped onto
+
+
+def plant_of(model: Model) -> PlantParameters:
+    """
+    Write a fitted model as the parameters of a plant.
+
+    Parameters
+    ----------
+    model : Model
+        Fitted.
+
+    Returns
+    -------
+    parameters : PlantParameters
+        As in a model file.
+
+    """
+    values: dict[str, Any] = dict(flatten(model.nominal))
+    values['environment.stiffness'] = max(model.stiffness, 1e-6)
+    values['environment.damping'] = model.damping
+    if model.with_inertia:
+        values['environment.inertia'] = model.values[2]
+    for name in model.effects:
+        names = (spec.name for spec in specifications(EFFECTS[name].Parameters))
+        for parameter, value in zip(names, model.values[model.place(name)]):
+            values[f'physics.{name}.{parameter}'] = value
+    return build(PlantParameters, values)
+
+
+def straight(reference: Array, h: float) -> ReferenceAt:
+    """
+    Let a reference run straight between its samples.
+
+    Parameters
+    ----------
+    reference : ndarray, shape (4, N)
+        x_r [m], its derivatives, F_r [N].
+    h : float
+        Sample period [s].
+
+    Returns
+    -------
+    reference_at : callable
+        Time [s] to (x_r, its rate, its acceleration, F_r).
+
+    """
+    rows: list[tuple[float, float, float, float]] = list(zip(*reference.tolist()))
+    last = len(rows) - 2
+
+    def at(t: float) -> tuple[float, float, float, float]:
+        place = t / h
+        k = min(max(int(place), 0), last)
+        share = min(max(place - k, 0.0), 1.0)
+        a, b = rows[k], rows[k + 1]
+        return (a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1]),
+                a[2] + share * (b[2] - a[2]), a[3] + share * (b[3] - a[3]))
+
+    return at
+
+
+class Run(NamedTuple):
+    """
+    A free run, sample by sample.
+
+    Attributes
+    ----------
+    position : ndarray, shape (N,)
+        x [m].
+    force : ndarray, shape (N,)
+        What the force sensor would read without noise [N].
+
+    """
+
+    position: Array
+    force: Array
+
+
+def free_run(model: Model, observed: Observed) -> Run:
+    """
+    Simulate a recording from its command, or a wall without a robot from the measured force.
+
+    Parameters
+    ----------
+    model : Model
+        Fitted.
+    observed : Observed
+        Gives the reference trajectory (or the force), and where things are at first.
+
+    Returns
+    -------
+    run : Run
+        Free of noise.
+
+    """
+    o = observed
+    if o.reference is None:
+        return Run(driven_wall(model, o, _PICARD), o.force)
+    parameters = dataclasses.replace(
+        plant_of(model), sample_rate=1.0 / o.h, integration_rate=max(1000.0, _STEPS / o.h),
+    )
+    world, reference = World(parameters, float(o.x[0])), straight(o.reference, o.h)
+    positions, forces = [], []
+    for _ in range(len(o.t)):
+        truth = world.truth(reference)
+        positions.append(truth.position)
+        forces.append(truth.sensed)
+        world.advance(o.h, reference)
+    return Run(np.array(positions), np.array(forces))

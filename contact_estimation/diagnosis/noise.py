@@ -1,0 +1,69 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The noise floor of the force."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .model import Model
+from .observed import Observed
+from .smoothing import white_noise_std
+
+_WINDOW_S = 0.1
+_LEAST_WINDOWS = 5
+
+
+def force_noise(model: Model, observed: Observed) -> float:
+    """
+    Estimate the standard deviation of the force noise.
+
+    From free flight, each tenth of a second less its own line, so that bias, drift and the slow
+    force of a tool's mass do not count; else from fourth differences of the whole recording.
+
+    Parameters
+    ----------
+    model : Model
+        Nominal: tells where the surface is.
+    observed : Observed
+        The recording.
+
+    Returns
+    -------
+    std : float
+        [N], at least a millionth of the force's range.
+
+    """
+    o = observed
+    least = 1e-6 * float(np.ptp(o.force))
+    span = max(6, round(_WINDOW_S / o.h))
+    law = model.laws().contact
+    if law.unilateral:
+        margin = 0.05 * float(np.ptp(o.x))
+        free = (o.x < model.nominal.environment.location - margin) & o.measured
+        squares = []
+        line = np.vander(np.linspace(-1.0, 1.0, span), 2)
+        project = line @ np.linalg.pinv(line)
+        for first in range(0, len(o.t) - span + 1, span):
+            if free[first:first + span].all():
+                window = o.force[first:first + span]
+                squares.append(float(np.sum((window - project @ window) ** 2)) / (span - 2))
+        if len(squares) >= _LEAST_WINDOWS:
+            # The median is that of a chi-square over its degrees of freedom (Wilson and
+            # Hilferty 1931), and does not see the windows in which something happened.
+            freedom = float(span - 2)
+            bias = (1.0 - 2.0 / (9.0 * freedom)) ** 3
+            return max(float(np.sqrt(np.median(squares) / bias)), least)
+    return max(white_noise_std(o.force[o.measured]), least)

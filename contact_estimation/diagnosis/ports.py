@@ -1,0 +1,412 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+What a model leaves unexplained at each port of a recording.
+
+Force port: measured force less the sensor chain applied to the wall's force for the measured
+motion. Motion port: innovations of the robot (or of a permanently attached wall) driven by its
+reference and the wall's force. A contact effect shows on both, a sensor effect on the first
+alone, a robot effect on the second alone; the noise of the two is independent.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from math import sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .driven_wall import driven_wall
+from .model import Laws, Model
+from .observed import Observed
+from .observer import discretise, innovations, run, SecondOrder
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+OBSERVER_CUTOFF = 50.0
+"""omega_o [rad/s]: errors of a sample's time at an impact are forgotten within 40 ms."""
+
+ROBUST = 5.0
+"""Residuals count linearly beyond so many standard deviations (Huber 1964)."""
+
+NUISANCES = (
+    ('impedance_mismatch', (1.0, 1.0, 1.002)),
+    ('command_delay', (3e-5,)),
+    ('force_delay', (3e-5,)),
+)
+"""What no laboratory knows better of a right model: M_t to 0.2 %, stamps to 0.03 ms."""
+
+_MOST_STEPS = 200
+START_S = 0.5
+"""In which a free run forgets that its initial state was not known."""
+
+_IMPACT_BEFORE, _IMPACT_AFTER = 2, 3  # samples around touch-down that no one can predict
+
+
+@dataclass
+class Ports:
+    """
+    Residuals of models on one recording, whitened and averaged over blocks.
+
+    Attributes
+    ----------
+    observed : Observed
+        The recording.
+    force_noise, motion_noise : float
+        Standard deviations of the residuals of a right model, a sample [N], [m].
+    use : ndarray of bool, shape (N,)
+        Samples that count.
+    block : int
+        Samples averaged to one residual.
+    rounds : int
+        Of Picard's iteration for a wall without a robot; 1: forces at the measured motion.
+
+    """
+
+    observed: Observed
+    force_noise: float
+    motion_noise: float
+    use: Flags
+    block: int
+    rounds: int = 1
+    _observer: SecondOrder | None = field(init=False, default=None)
+    _weights: dict[str, Array] = field(init=False, default_factory=dict)
+    _doubt: tuple[Array, Array] | None = field(init=False, default=None)
+
+    def __post_init__(self) -> None:
+        """Count the samples of each block."""
+        measured = self.use & self.observed.measured
+        self._weights = {'force': self._sum(measured.astype(float)),
+                         'motion': self._sum(self.use.astype(float))}
+        self._masks = {'force': measured, 'motion': self.use}
+
+    @property
+    def count(self) -> int:
+        """Number of residuals that are not empty."""
+        o = self.observed
+        ports = ['force', 'motion'] if o.reference is not None else ['force']
+        return sum(int(np.count_nonzero(self._weights[port])) for port in ports)
+
+    def _sum(self, signal: Array) -> Array:
+        count = len(signal) // self.block
+        return signal[:count * self.block].reshape(count, self.block).sum(axis=1)
+
+    def average(self, port: str, residual: Array, noise: float) -> Array:
+        """
+        Average over blocks.
+
+        Parameters
+        ----------
+        port : str
+            'force' or 'motion': which samples count.
+        residual : ndarray, shape (N,)
+            Any error.
+        noise : float
+            Its standard deviation a sample.
+
+        Returns
+        -------
+        averaged : ndarray, shape (blocks,)
+            In standard deviations of a block's mean; 0 for empty blocks.
+
+        """
+        weights = self._weights[port]
+        total = self._sum(residual * self._masks[port])
+        return total / (noise * np.sqrt(np.maximum(weights, 1.0)))
+
+    def force_residual(self, model: Model) -> Array:
+        """
+        Subtract the predicted from the measured force.
+
+        Parameters
+        ----------
+        model : Model
+            With its values.
+
+        Returns
+        -------
+        residual : ndarray, shape (N,)
+            [N].
+
+        """
+        laws, o = model.laws(), self.observed
+        force = laws.contact.force(o.t, o.x, o.v, o.a)
+        return self._sensed_residual(laws.chain, force)
+
+    def _sensed_residual(self, chain: list, force: Array) -> Array:  # type: ignore[type-arg]
+        o = self.observed
+        for effect in chain:
+            force = effect.sense_along(o.t, force, o.a)
+        return o.force - force
+
+    def motion_residual(self, model: Model) -> Array | None:
+        """
+        Compute the innovations of the motion port; parameters as `force_residual`.
+
+        Returns
+        -------
+        innovations : ndarray, shape (N,), or None
+            [m]; None without robot and with a wall that can let go.
+
+        """
+        laws, o = model.laws(), self.observed
+        if o.reference is not None:
+            force, d = laws.contact.force_and_depth(o.t, o.x, o.v, o.a)
+            return self._robot_innovations(laws, force, d)
+        if not laws.contact.unilateral and laws.contact.inertia > 0.0:
+            return self._wall_misfit(model)
+        return None
+
+    def _robot_run(self, laws: Laws, force: Array, d: Array) -> tuple[Array, SecondOrder]:
+        """Let the robot run free under its reference and the wall's force on the measured x."""
+        o, robot = self.observed, laws.robot
+        assert o.reference is not None
+        reference = o.reference_at(robot.reference_delay)
+        if robot.is_linear:
+            push = robot.wanted(0.0, 0.0, reference)
+        else:
+            push = (robot.force(o.x, o.v, reference, np) + robot.damping * o.v
+                    + robot.stiffness * o.x)
+        push = push + (at_touch_down(force, d) if laws.contact.unilateral else force)
+        system = discretise(robot.mass, robot.damping, robot.stiffness, o.h)
+        return run(system, push, float(o.x[0]), robot.stiffness), system
+
+    def _robot_innovations(self, laws: Laws, force: Array, d: Array) -> Array:
+        o = self.observed
+        predicted, system = self._robot_run(laws, force, d)
+        misfit = o.raw_position - predicted
+        return innovations(misfit, self._whitener(system), OBSERVER_CUTOFF, o.h)
+
+    def carried(self, model: Model) -> Array:
+        """
+        Predict the position by a fitted model, as a carrier for `observe`.
+
+        Parameters
+        ----------
+        model : Model
+            Fitted.
+
+        Returns
+        -------
+        position : ndarray, shape (N,)
+            [m].
+
+        """
+        laws, o = model.laws(), self.observed
+        force, d = laws.contact.force_and_depth(o.t, o.x, o.v, o.a)
+        if o.reference is not None:
+            return self._robot_run(laws, force, d)[0]
+        return driven_wall(model, o, self.rounds)
+
+    def _wall_misfit(self, model: Model) -> Array:
+        """
+        Give the misfit of the free run itself.
+
+        Without impacts there is nothing to be forgotten, and a wall that is lightly damped
+        resonates above any sensible cut-off of an observer.
+        """
+        return self.observed.raw_position - driven_wall(model, self.observed, self.rounds)
+
+    def _whitener(self, system: SecondOrder) -> SecondOrder:
+        """Weigh all models with the first one's dynamics, or they could not be compared."""
+        if self._observer is None:
+            self._observer = system
+        return self._observer
+
+    def residuals(self, model: Model, robust: bool = True) -> Array:
+        """
+        Stack the residuals of both ports.
+
+        Parameters
+        ----------
+        model : Model
+            With its values.
+        robust : bool
+            Whether to bend them, see `huber`; without impacts there is no need to.
+
+        Returns
+        -------
+        residuals : ndarray, shape (R,)
+            In standard deviations; white, of variance 1 where the model is right.
+
+        """
+        laws, o = model.laws(), self.observed
+        parts = []
+        if laws.contact.unilateral or o.reference is not None or laws.contact.inertia == 0.0:
+            force, d = laws.contact.force_and_depth(o.t, o.x, o.v, o.a)
+            residual = self._sensed_residual(laws.chain, force)
+            parts.append(self.average('force', residual, self.force_noise))
+            if o.reference is not None:
+                motion = self._robot_innovations(laws, force, d)
+                parts.append(self.average('motion', motion, self.motion_noise))
+        else:
+            motion = self._wall_misfit(model)
+            parts.append(self.average('motion', motion, self.motion_noise))
+        residuals = np.concatenate(parts)
+        if self._doubt is not None:
+            directions, share = self._doubt
+            residuals = residuals - directions @ (share * (directions.T @ residuals))
+        return huber(residuals) if robust and laws.contact.unilateral else residuals
+
+    def doubt(self, model: Model) -> None:
+        """
+        Discount from now on what `NUISANCES` could explain: whiten with their covariance.
+
+        So is the instant, within a sample, at which the reference steps.
+
+        Parameters
+        ----------
+        model : Model
+            Fitted, at which the derivatives are taken.
+
+        """
+        self._doubt = None
+        here = self.residuals(model, robust=False)
+        robot = self.observed.reference is not None
+        columns = [
+            self.residuals(model.with_effect(name, values), robust=False) - here
+            for name, values in NUISANCES
+            if name not in model.effects and (robot or name == 'force_delay')
+        ]
+        columns += self._steps_of_reference(model)
+        directions, sizes, _ = np.linalg.svd(np.array(columns).T, full_matrices=False)
+        self._doubt = directions, 1.0 - 1.0 / np.sqrt(1.0 + sizes**2)
+
+    def _steps_of_reference(self, model: Model) -> list[Array]:
+        """Give the innovations that a step of x_r leaves when it comes a share of a sample off."""
+        o, robot = self.observed, model.laws().robot
+        if o.reference is None:
+            return []
+        x_r, v_r = o.reference[0], o.reference[1]
+        jumps = np.diff(x_r) - 0.5 * o.h * (v_r[1:] + v_r[:-1])
+        size = robot.stiffness * np.abs(jumps) * o.h  # impulse of a whole sample [N s]
+        least = 0.1 * self.motion_noise * OBSERVER_CUTOFF * robot.mass
+        steps = np.argsort(-size)[:_MOST_STEPS]
+        system = discretise(robot.mass, robot.damping, robot.stiffness, o.h)
+        push = np.zeros(len(o.t))
+        push[0] = 1.0
+        answer = innovations(run(system, push, 0.0, 0.0), self._whitener(system),
+                             OBSERVER_CUTOFF, o.h)
+        columns = []
+        for k in steps[size[steps] > least].tolist():
+            moved = np.zeros(len(o.t))
+            moved[k:] = answer[:len(o.t) - k] * robot.stiffness * jumps[k] / sqrt(12.0)
+            motion = self.average('motion', moved, self.motion_noise)
+            columns.append(np.concatenate((np.zeros(len(motion)), motion)))
+        return columns
+
+
+def huber(residuals: Array) -> Array:
+    """
+    Bend residuals so that their squares are Huber's loss.
+
+    Parameters
+    ----------
+    residuals : ndarray
+        In standard deviations.
+
+    Returns
+    -------
+    bent : ndarray
+        The same up to `ROBUST`.
+
+    """
+    size = np.abs(residuals)
+    far = size > ROBUST
+    if not far.any():
+        return residuals
+    bent = residuals.copy()
+    bent[far] = np.sign(residuals[far]) * np.sqrt(ROBUST * (2.0 * size[far] - ROBUST))
+    return bent
+
+
+def at_touch_down(force: Array, d: Array) -> Array:
+    """
+    Keep the impulse of a force that begins between two samples.
+
+    The force straight between samples would begin at the sample before touch-down. Its value
+    there is set so that the area under both lines it ends is that of the true force.
+
+    Parameters
+    ----------
+    force, d : ndarray, shape (N,)
+        F_e [N] and penetration [m].
+
+    Returns
+    -------
+    force : ndarray, shape (N,)
+        Changed at the samples before touch-down alone.
+
+    """
+    begins = np.flatnonzero((force[:-1] == 0.0) & (d[:-1] <= 0.0) & (d[1:] > 0.0))
+    d_0, d_1 = d[begins], d[begins + 1]
+    share = d_1 / (d_1 - d_0)  # of the step that is spent in contact
+    changed = force.copy()
+    # The damper's part is there at once, the spring's grows from 0; the measured force at the
+    # first sample is nearly all damper.
+    changed[begins] = force[begins + 1] * (share - 0.5)
+    return changed
+
+
+def usable(model: Model, observed: Observed) -> Flags:
+    """
+    Tell which samples a model can be held to.
+
+    Parameters
+    ----------
+    model : Model
+        Nominal.
+    observed : Observed
+        The recording.
+
+    Returns
+    -------
+    use : ndarray of bool, shape (N,)
+        False around touch-downs, whose instant within a sample nobody knows.
+
+    """
+    o = observed
+    use = np.ones(len(o.t), bool)
+    use[:5] = use[-5:] = False
+    law = model.laws().contact
+    if not law.unilateral:
+        use[:round(START_S / o.h)] = False  # its state at first is not known
+    else:
+        inside = law.contact(o.t, o.x, o.v)
+        for first in np.flatnonzero(np.diff(inside.astype(int)) > 0).tolist():
+            use[max(0, first + 1 - _IMPACT_BEFORE):first + 1 + _IMPACT_AFTER] = False
+    return use
+
+
+def default_block(observed: Observed) -> int:
+    """
+    Choose how many samples make one residual.
+
+    Parameters
+    ----------
+    observed : Observed
+        The recording.
+
+    Returns
+    -------
+    block : int
+        So that the motion is resolved: a hundred blocks a second, or every sample of a fast one.
+
+    """
+    if observed.reference is None and observed.cutoff > 15.0:
+        return 1
+    return max(1, round(0.01 / observed.h))

@@ -1,0 +1,267 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The report as data, text, and corrected model file; schema in the interface contract."""
+
+from __future__ import annotations
+
+from math import isfinite
+from typing import Any
+
+import yaml
+
+from .finding import Diagnosis, Errors, NamedEffect, Value
+from .free_run import plant_of
+from .model import Model
+from ..parameter_values import flatten
+from ..plant.plant_parameters import PlantParameters
+
+_PHASES = {
+    'free': 'in free flight', 'entry': 'just after touch-down', 'hold': 'while holding',
+    'loading': 'while pressing further', 'unloading': 'while letting go',
+    'all': 'in all phases of the contact',
+}
+_PORTS = {'contact': 'in the contact', 'force_sensor': 'in the force sensor',
+          'robot': 'in the robot'}
+
+
+def as_dict(diagnosis: Diagnosis, experiment_file: str | None = None) -> dict[str, Any]:
+    """
+    Give the report's data.
+
+    Parameters
+    ----------
+    diagnosis : Diagnosis
+        The result.
+    experiment_file : str, optional
+        Where the next experiment was written.
+
+    Returns
+    -------
+    report : dict
+        Of the contract's schema; numbers that are not finite become null.
+
+    """
+    d = diagnosis
+    effects = [_effect(effect) for effect in d.effects]
+    stiffness: dict[str, float | None] = _value(d.stiffness)
+    damping: dict[str, float | None] = _value(d.damping)
+    if not d.corrected.free[0]:
+        stiffness = {'value': None, 'std': None}
+    if not d.corrected.free[1]:
+        damping = {'value': 0.0, 'std': None}
+    return _finite({
+        'verdict': d.verdict,
+        'effects': effects,
+        'location': None if d.location is None else d.location.as_dict(),
+        'nominal': _base(d.nominal),
+        'recalibrated': _base(d.recalibrated),
+        'corrected': {'stiffness': stiffness, 'damping': damping},
+        'fit': {
+            'noise_floor_n': d.noise_floor,
+            'force_rmse_n': vars(d.force),
+            'motion_rmse_m': vars(d.motion) if d.motion.nominal is not None else None,
+            'improvement_interval': None if d.improvement is None else list(d.improvement),
+            'holdouts': [
+                {'name': part.name, 'force_rmse_n': vars(part.force),
+                 'motion_rmse_m': vars(part.motion) if part.motion.nominal is not None else None}
+                for part in d.holdouts
+            ],
+            'left_over_noise': d.left,
+            'left_predictable': d.predictable,
+        },
+        'evidence': d.evidence,
+        'next_experiment': {'text': d.next_experiment, 'file': experiment_file},
+    })
+
+
+def _effect(effect: NamedEffect) -> dict[str, Any]:
+    return {
+        'name': effect.name, 'port': effect.port, 'probability': effect.probability,
+        'equation': effect.equation,
+        'parameters': {name: {**_value(value), 'unit': value.unit}
+                       for name, value in effect.parameters.items()},
+        'indistinguishable_from': effect.indistinguishable_from,
+        'location': effect.location.as_dict(),
+    }
+
+
+def _value(value: Value) -> dict[str, float | None]:
+    return {'value': value.value, 'std': value.std}
+
+
+def _base(model: Model) -> dict[str, float]:
+    base = {'stiffness': model.stiffness, 'damping': model.damping}
+    return {**base, 'inertia': model.values[2]} if model.with_inertia else base
+
+
+def _finite(data: Any) -> Any:
+    """Replace what JSON cannot say by null."""
+    if isinstance(data, dict):
+        return {key: _finite(value) for key, value in data.items()}
+    if isinstance(data, (list, tuple)):
+        return [_finite(value) for value in data]
+    if isinstance(data, float):
+        return data if isfinite(data) else None
+    return data
+
+
+def as_text(diagnosis: Diagnosis) -> str:
+    """
+    Say the result in words.
+
+    Parameters
+    ----------
+    diagnosis : Diagnosis
+        The result.
+
+    Returns
+    -------
+    text : str
+        A dozen lines.
+
+    """
+    d = diagnosis
+    lines = [_headline(d), '']
+    for effect in d.effects:
+        lines += _effect_lines(effect)
+    if d.location is not None and (d.verdict == 'unexplained' or not d.effects):
+        lines += ['What no effect explains sits ' + _where(d)]
+    lines += _fit_lines(d)
+    if d.next_experiment:
+        lines += ['', 'Next: ' + d.next_experiment]
+    return '\n'.join(lines)
+
+
+def _headline(d: Diagnosis) -> str:
+    K, B = d.recalibrated.stiffness, d.recalibrated.damping
+    nominal = f'K_e {d.nominal.stiffness:.5g} N/m, B_e {d.nominal.damping:.4g} N s/m'
+    if d.verdict == 'consistent':
+        return f'consistent: the model ({nominal}) explains the recording to its noise.'
+    if d.verdict == 'recalibrate':
+        return (f'recalibrate: the physics are right, the values are not. K_e {K:.5g} N/m, B_e '
+                f'{B:.4g} N s/m instead of {nominal}; nothing is missing.')
+    names = ' and '.join(effect.name for effect in d.effects)
+    if d.verdict == 'physics_missing':
+        return f'physics missing: {names}. Other values of K_e and B_e would not do.'
+    known = f' {names} explains part of it.' if names else ''
+    return f'unexplained: something is missing that the library has no name for.{known}'
+
+
+def _effect_lines(effect: NamedEffect) -> list[str]:
+    values = ', '.join(
+        f'{name} = {value.value:.5g} +- {value.std:.2g}'
+        + ('' if value.unit == '1' else f' {value.unit}')
+        for name, value in effect.parameters.items()
+    )
+    where = effect.location
+    times = ', '.join(f'{a:.1f}-{b:.1f} s' for a, b in where.intervals_s[:4])
+    more = ', ...' if len(where.intervals_s) > 4 else ''
+    lines = [
+        f'  {effect.name} ({_PORTS[effect.port]}), probability {effect.probability:.3f}',
+        f'    {effect.equation}',
+        f'    {values}',
+        f'    seen {_PHASES.get(where.phase, where.phase)} ({times}{more}), strongest at '
+        f'{where.region}, {where.band_hz[0]:.1f} to {where.band_hz[1]:.1f} Hz',
+    ]
+    if effect.indistinguishable_from:
+        lines.append('    this recording cannot tell it from '
+                     + ' or '.join(effect.indistinguishable_from))
+    return lines
+
+
+def _where(d: Diagnosis) -> str:
+    where = d.location
+    assert where is not None
+    times = ', '.join(f'{a:.1f}-{b:.1f} s' for a, b in where.intervals_s[:4])
+    return (f'{_PORTS[where.port]}, {_PHASES.get(where.phase, where.phase)} ({times}), '
+            f'{where.region}, {where.band_hz[0]:.1f} to {where.band_hz[1]:.1f} Hz.')
+
+
+def _fit_lines(d: Diagnosis) -> list[str]:
+    lines = []
+    if d.verdict in ('physics_missing', 'unexplained'):
+        stiffness = (f'K_e {d.stiffness.value:.6g} +- {d.stiffness.std:.2g} N/m'
+                     if d.corrected.free[0] else 'no K_e (the effect takes its place)')
+        damping = (f'B_e {d.damping.value:.5g} +- {d.damping.std:.2g} N s/m'
+                   if d.corrected.free[1] else 'B_e 0 (the effect takes its place)')
+        lines += ['', f'With it: {stiffness}, {damping}; without: K_e '
+                  f'{d.recalibrated.stiffness:.6g}, B_e {d.recalibrated.damping:.5g}.']
+    held = ', '.join(part.name for part in d.holdouts)
+    lines += ['', f'On what no fit has seen ({held}):',
+              _row('', 'nominal', 'recalibrated', 'corrected')]
+    lines.append(_row('force error [N]', *_numbers(d.force, 1.0)))
+    if d.motion.nominal is not None:
+        lines.append(_row('motion, free run [um]', *_numbers(d.motion, 1e6)))
+    lines.append(f'  noise floor of the force {d.noise_floor:.3g} N')
+    if d.improvement is not None and d.effects:
+        low, high = (100.0 * value for value in d.improvement)
+        lines.append(
+            f'  the correction takes {low:.0f} to {high:.0f} % off the force error (95 %)')
+    return lines
+
+
+def _row(*cells: str) -> str:
+    return f'  {cells[0]:<22}' + ''.join(f'{cell:>14}' for cell in cells[1:])
+
+
+def _numbers(errors: Errors, factor: float) -> list[str]:
+    values = (errors.nominal, errors.recalibrated, errors.corrected)
+    return ['-' if value is None else f'{factor * value:.4g}' for value in values]
+
+
+def model_file(diagnosis: Diagnosis) -> str:
+    """
+    Write the corrected model as a parameter file for plant and estimator.
+
+    Parameters
+    ----------
+    diagnosis : Diagnosis
+        The result.
+
+    Returns
+    -------
+    text : str
+        YAML with sections `plant_node` and `estimator_node`.
+
+    """
+    plant = plant_of(diagnosis.corrected)
+    default = dict(flatten(PlantParameters()))
+    given = dict(flatten(diagnosis.nominal.nominal))
+    changed = {
+        name: value for name, value in flatten(plant).items()
+        if name.startswith(('environment.', 'robot.'))
+        or (value == value and (value != default[name] or value != given[name]))
+    }
+    physics = {name: value for name, value in changed.items() if name.startswith('physics.')}
+    estimator = {
+        'environment.location': changed['environment.location'],
+        **physics,
+    }
+    nodes = {
+        'plant_node': {'ros__parameters': _nested(changed)},
+        'estimator_node': {'ros__parameters': _nested(estimator)},
+    }
+    return str(yaml.safe_dump(nodes, sort_keys=False, default_flow_style=False))
+
+
+def _nested(values: dict[str, Any]) -> dict[str, Any]:
+    tree: dict[str, Any] = {}
+    for name, value in values.items():
+        *groups, last = name.split('.')
+        branch = tree
+        for group in groups:
+            branch = branch.setdefault(group, {})
+        branch[last] = float(f'{value:.10g}') if isinstance(value, float) else value
+    return tree
