@@ -20,7 +20,7 @@ import bisect
 from collections import Counter, deque
 from math import inf, isfinite, nan
 from operator import itemgetter
-from typing import Any, Callable, Mapping, NamedTuple
+from typing import Any, Callable, Mapping, NamedTuple, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +28,7 @@ from numpy.typing import NDArray
 from .estimation_parameters import EstimationParameters
 from .estimation_pipeline import EstimationPipeline, NO_REFERENCE
 from .estimators.estimator import Estimate, Reference
+from .further_axes import Columns, FurtherAxes
 from .parameter_values import changed
 from .reference.experiment import Desired
 from .reference.reference_generator import ReferenceGenerator, ReferencePoint
@@ -68,6 +69,8 @@ class Result(NamedTuple):
         Instant from which the robot follows the reference [ns].
     reference : ReferencePoint or None
         None where nothing was ever desired.
+    further : tuple of Estimate
+        Of the axes beside the contact axis, in the order of `further_axes`.
 
     """
 
@@ -75,6 +78,7 @@ class Result(NamedTuple):
     estimate: Estimate
     reference_stamp_ns: int
     reference: ReferencePoint | None
+    further: tuple[Estimate, ...] = ()
 
 
 class ContactSession:
@@ -103,6 +107,7 @@ class ContactSession:
         self.parameters = parameters
         self.pipeline = EstimationPipeline(parameters)
         self.last_stamp_ns = -(2**63)
+        self._further = FurtherAxes(parameters)
         self._synchroniser = Synchroniser(parameters.synchronisation)
         self._generates = generate_reference
         self._generator = ReferenceGenerator(parameters.reference_law, parameters.reference)
@@ -177,6 +182,48 @@ class ContactSession:
         """
         samples = self._synchroniser.add_motion(stamp_ns, position, velocity)
         return [self._process(sample) for sample in samples]
+
+    def add_wrenches(self, stamp_ns: int, forces: Sequence[float]) -> list[Result]:
+        """
+        Take a wrench reading of several axes.
+
+        Parameters
+        ----------
+        stamp_ns : int
+            Header stamp [ns].
+        forces : sequence of float
+            F_e of each of `further_axes.estimated_axes` [N].
+
+        Returns
+        -------
+        results : list of Result
+            One for each sample that is complete now.
+
+        """
+        return self.add_wrench(stamp_ns, self._further.add_wrench(stamp_ns, forces))
+
+    def add_motions(
+        self, stamp_ns: int, positions: Sequence[float], velocities: Sequence[float]
+    ) -> list[Result]:
+        """
+        Take a joint reading of several axes.
+
+        Parameters
+        ----------
+        stamp_ns : int
+            Header stamp [ns].
+        positions, velocities : sequence of float
+            x [m] and its rate [m/s] of each of `further_axes.estimated_axes`, NaN where not
+            measured.
+
+        Returns
+        -------
+        results : list of Result
+            One for each sample that is complete now.
+
+        """
+        motion = self._further.add_motion(stamp_ns, positions, velocities)
+        return self.add_motion(stamp_ns, *motion)
 
     def add_desired(self, stamp_ns: int, desired: Desired) -> None:
         """
@@ -299,6 +346,7 @@ class ContactSession:
         """
         parameters = changed(self.parameters, changes)
         self.pipeline.configure(parameters)
+        self._further.configure(parameters)
         self._generator.configure(parameters.reference_law, parameters.reference)
         self._synchroniser.configure(parameters.synchronisation)
         self.parameters = parameters
@@ -307,8 +355,14 @@ class ContactSession:
     def reset(self) -> None:
         """Go back to the first guess of K_e and B_e."""
         self.pipeline.reset()
+        self._further.reset()
 
-    def set_bias(self, bias: float) -> None:
+    @property
+    def pipelines(self) -> dict[str, EstimationPipeline]:
+        """The pipelines of all axes by axis, that of the contact axis first."""
+        return {self.parameters.axis: self.pipeline, **self._further.pipelines}
+
+    def set_bias(self, bias: float, further: Mapping[str, float] | None = None) -> None:
         """
         Take a known force for zero, as an earlier tare has found it.
 
@@ -316,9 +370,12 @@ class ContactSession:
         ----------
         bias : float
             Subtracted from the measured F_e [N].
+        further : mapping, optional
+            The same by axis, for axes beside the contact axis.
 
         """
         self.pipeline.set_bias(bias)
+        self._further.set_biases(further or {})
 
     def tare(self) -> tuple[bool, str]:
         """
@@ -332,7 +389,13 @@ class ContactSession:
             What was done, or why not.
 
         """
-        return self.pipeline.tare()
+        if not self._further:
+            return self.pipeline.tare()
+        # Friction of a contact loads the other axes too, so none is free unless all are.
+        refusals = {axis: p.tare_refusal() for axis, p in self.pipelines.items()}
+        done = not any(refusals.values())
+        said = {axis: p.tare()[1] for axis, p in self.pipelines.items()} if done else refusals
+        return done, '; '.join(f'{axis}: {text}' for axis, text in said.items() if text)
 
     # -- many samples at once ---------------------------------------------------------------
 
@@ -362,16 +425,52 @@ class ContactSession:
         if self._generates or self._synchroniser.jumped:
             return None
         samples = self._synchroniser.add_pairs(stamps_ns, forces, positions, velocities)
-        if samples is None:
+        return None if samples is None else self._process_run(samples, [])
+
+    def add_pairs_of_axes(
+        self, stamps_ns: NDArray[np.int64], forces: Columns, positions: Columns,
+        velocities: Columns,
+    ) -> tuple[list[Estimate], list[tuple[Estimate, ...]]] | None:
+        """
+        Take wrenches and joint readings of several axes that have the same stamps.
+
+        Parameters
+        ----------
+        stamps_ns : ndarray of int64, shape (N,)
+            Stamps of both [ns].
+        forces, positions, velocities : sequence of ndarray, shape (N,)
+            As in `add_pairs`, of each of `further_axes.estimated_axes`.
+
+        Returns
+        -------
+        estimates, further : list of Estimate, list of tuple of Estimate, or None
+            Of the contact axis and of the others; None where they must be added one by one.
+
+        """
+        if self._generates or self._synchroniser.jumped:
             return None
+        if not self._further.add_pairs(stamps_ns, forces, positions, velocities):
+            return None
+        samples = self._synchroniser.add_pairs(stamps_ns, forces[0], positions[0], velocities[0])
+        assert samples is not None, 'the axes take the same decisions'
+        further: list[tuple[Estimate, ...]] = []
+        return self._process_run(samples, further), further
+
+    def _process_run(
+        self, samples: list[ContactSample], further: list[tuple[Estimate, ...]]
+    ) -> list[Estimate]:
+        """Process samples, between events many at once; estimates of further axes are added."""
         estimates: list[Estimate] = []
         while samples:
             count = self._undisturbed(samples)
             if count == 0:
-                estimates.append(self._process(samples[0]).estimate)
+                result = self._process(samples[0])
+                estimates.append(result.estimate)
+                further.append(result.further)
                 count = 1
             else:
                 estimates += self.pipeline.process_run(samples[:count], self._followed)
+                further += self._further.process(count)
                 self.last_stamp_ns = samples[count - 1].stamp_ns
             del samples[:count]
         return estimates
@@ -400,15 +499,17 @@ class ContactSession:
             self._followed = self._references.popleft()[1]
         pipeline = self.pipeline
         estimate = pipeline.process(sample, self._followed)
+        further = self._further.process(1)[0] if self._further else ()
         period_ns = self._period_ns
         reference = self._make_reference(sample, estimate, period_ns) if self._generates else None
         self.last_stamp_ns = stamp_ns
-        return Result(sample, estimate, stamp_ns + period_ns, reference)
+        return Result(sample, estimate, stamp_ns + period_ns, reference, further)
 
     def _restart_time(self) -> None:
         self._synchroniser.jumped = False
         self._jumps += 1
         self.pipeline.restart_time()
+        self._further.restart_time()
         self._generator.reset()
         self._followed = NO_REFERENCE
         self._resting_position = nan

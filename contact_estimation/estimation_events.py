@@ -36,7 +36,7 @@ class EstimationEvent(NamedTuple):
     after_stamp_ns : int
         It took effect after the sample with this stamp and before the next [ns].
     parameters : mapping
-        All parameters at start, the changed ones of a change, {'force_bias': N} of a tare.
+        All parameters at start, the changed ones of a change, those of `biases` of a tare.
     jumps : int
         How often time had been set back before.
 
@@ -117,6 +117,25 @@ def event_now(
     return EstimationEvent(kind, stamp_ns, parameters, jumps)
 
 
+def biases(session: ContactSession) -> dict[str, float]:
+    """
+    Describe the tare of a session.
+
+    Parameters
+    ----------
+    session : ContactSession
+        It.
+
+    Returns
+    -------
+    parameters : dict
+        force_bias [N]; for axes beside the contact axis also force_bias.AXIS.
+
+    """
+    own, *others = ((axis, pipeline.bias) for axis, pipeline in session.pipelines.items())
+    return {'force_bias': own[1], **{f'force_bias.{axis}': bias for axis, bias in others}}
+
+
 def apply_event(session: ContactSession, event: EstimationEvent) -> None:
     """
     Repeat an event on a session.
@@ -139,4 +158,6 @@ def apply_event(session: ContactSession, event: EstimationEvent) -> None:
     elif event.kind == RESET:
         session.reset()
     elif event.kind == TARE:
-        session.set_bias(event.parameters['force_bias'])
+        further = {axis: event.parameters.get(f'force_bias.{axis}') for axis in session.pipelines}
+        known = {axis: bias for axis, bias in further.items() if bias is not None}
+        session.set_bias(event.parameters['force_bias'], known)

@@ -20,6 +20,7 @@ from dataclasses import dataclass
 from math import nan
 from typing import Any
 
+from .axis_parameters import check_axes, FurtherAxesParameters
 from .estimators import ESTIMATORS, EstimatorsTuning
 from .estimators.estimator import EnvironmentParameters
 from .estimators.excitation_monitor import ExcitationParameters
@@ -61,6 +62,7 @@ class EstimationParameters(ParameterGroup):
         '', 'Expected frame of the wrench; empty: that of the first one. Others are rejected',
         read_only=True,
     )
+    further_axes: FurtherAxesParameters = group(FurtherAxesParameters)
     environment: EnvironmentParameters = group(EnvironmentParameters)
     conditioning: ConditioningParameters = group(ConditioningParameters)
     contact: ContactParameters = group(ContactParameters)
@@ -74,4 +76,5 @@ class EstimationParameters(ParameterGroup):
         """Check what single ranges cannot: parameters that must fit together."""
         super().__post_init__()
         check_cutoff(self.conditioning.cutoff_frequency, self.sample_rate)
+        check_axes(self.axis, self.joint, self.further_axes)
         refuse_double_tracking(self.reference_law, self.reference.robot_force_tracking)

@@ -164,6 +164,10 @@ class EstimationPipeline:
         """
         return self._conditioner.tare()
 
+    def tare_refusal(self) -> str:
+        """Say why no tare is possible now; '' where it is."""
+        return self._conditioner.tare_refusal()
+
     def set_bias(self, bias: float) -> None:
         """
         Take a known force for zero.

@@ -21,22 +21,14 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any, Iterator, Mapping
 
-import numpy as np
-
+from .contact_readings import ContactReadings, Estimates
 from .contact_session import ContactSession, Result
 from .estimation_events import apply_event, EstimationEvent
 from .estimation_parameters import EstimationParameters
 from .estimators import ESTIMATORS
 from .estimators.estimator import Estimate, Reference
 from .exceptions import MessageError
-from .messages import (
-    Codec,
-    FORCE_OF_AXIS,
-    JointStateDecoder,
-    RosbagsCodec,
-    TrajectoryDecoder,
-    WrenchDecoder,
-)
+from .messages import Codec, RosbagsCodec, TrajectoryDecoder
 from .parameter_values import build
 from .parameters import specifications
 from .recordings import RecordedMessage, RecordingReader
@@ -94,14 +86,14 @@ class RecordingReplay:
         self, reader: RecordingReader, source: RecordingSource, chosen: Mapping[str, Any]
     ) -> None:
         self._reader, self._source, self._chosen = reader, source, dict(chosen)
-        recorded = from_metadata(reader.metadata())
-        parameters = build(EstimationParameters, {**_still_known(recorded), **chosen})
+        recorded = _still_known(from_metadata(reader.metadata()))
+        if 'axis' in chosen:  # of the user's choice alone, not of one that the node has made
+            recorded = {k: v for k, v in recorded.items() if not k.startswith('further_axes.')}
+        parameters = build(EstimationParameters, {**recorded, **chosen})
         self.session = ContactSession(parameters, generate_reference=False)
-        self._axis = parameters.axis
         codec: Codec = RosbagsCodec()
         self._codec = codec
-        self._wrench = WrenchDecoder(codec)
-        self._joints = JointStateDecoder(codec, parameters.joint)
+        self._readings = ContactReadings(self.session, codec)
         self._references = TrajectoryDecoder(codec)
         self._left_over: list[RecordedMessage] = []
         self._last_reference_ns, self._reference_jumps = -(2**63), 0
@@ -113,6 +105,24 @@ class RecordingReplay:
         Yields
         ------
         estimates : list of Estimate
+            Of a stretch of the recording, in order, one for each wrench used.
+
+        Raises
+        ------
+        RecordingError
+            If a topic is missing or has another type than expected.
+
+        """
+        for batch in self.estimates_of_axes():
+            yield batch.contact
+
+    def estimates_of_axes(self) -> Iterator[Estimates]:
+        """
+        Run the recording through the session, for the axes beside the contact axis too.
+
+        Yields
+        ------
+        estimates : Estimates
             Of a stretch of the recording, in order, one for each wrench used.
 
         Raises
@@ -187,46 +197,33 @@ class RecordingReplay:
         self._last_reference_ns = stamp_ns
         self.session.add_reference(stamp_ns, Reference(x, *rates), self._reference_jumps)
 
-    def _process(self, batch: list[RecordedMessage]) -> list[Estimate]:
+    def _process(self, batch: list[RecordedMessage]) -> Estimates:
         """Take a batch at once where it is regular, else message by message."""
         messages = self._left_over + batch if self._left_over else batch
         self._left_over = []
-        estimates, messages = self._finish_waiting(messages)
+        estimates, messages = self._finish_waiting(messages)  # few, or none
         wrench = self._source.wrench
         wrenches = [data for topic, _, data in messages if topic == wrench]
         motions = [data for topic, _, data in messages if topic != wrench]
         count = min(len(wrenches), len(motions))
         if count and len(messages) - 2 * count < _MOST_UNPAIRED:
-            paired = self._process_pairs(wrenches[:count], motions[:count])
+            paired = self._readings.add_pairs(wrenches[:count], motions[:count])
             if paired is not None:
                 self._left_over = self._unpaired(messages, count)
-                return estimates + paired
-        return estimates + self._process_one_by_one(messages)
+                return _joined(estimates, paired)
+        return _joined(estimates, self._process_one_by_one(messages))
 
     def _finish_waiting(
         self, messages: list[RecordedMessage]
-    ) -> tuple[list[Estimate], list[RecordedMessage]]:
+    ) -> tuple[Estimates, list[RecordedMessage]]:
         """Take messages until no wrench waits for its joint sample any more."""
-        estimates: list[Estimate] = []
+        estimates = Estimates([], [])
         taken = 0
         while taken < len(messages) and self.session.waits:
-            estimates += self._process_one_by_one(messages[taken:taken + 1])
+            one = self._process_one_by_one(messages[taken:taken + 1])
+            estimates = _joined(estimates, one)
             taken += 1
         return estimates, messages[taken:]
-
-    def _process_pairs(
-        self, wrenches: list[bytes], motions: list[bytes]
-    ) -> list[Estimate] | None:
-        forces = self._wrench.decode_many(wrenches)
-        readings = self._joints.decode_many(motions) if forces else None
-        if not forces or not readings or not np.array_equal(forces[0], readings[0]):
-            return None
-        frame_id = self._wrench.frame_id
-        if self.session.frame_id not in ('', frame_id):
-            return None
-        self.session.accepts_frame(frame_id)
-        force = forces[1 + 'xyz'.index(self._axis)]
-        return self.session.add_pairs(forces[0], force, readings[1], readings[2])
 
     def _unpaired(
         self, messages: list[RecordedMessage], count: int
@@ -241,24 +238,35 @@ class RecordingReplay:
                 left.append(message)
         return left
 
-    def _process_one_by_one(self, messages: list[RecordedMessage]) -> list[Estimate]:
+    def _process_one_by_one(self, messages: list[RecordedMessage]) -> Estimates:
         results: list[Result] = []
         session, wrench_topic = self.session, self._source.wrench
-        force_of = FORCE_OF_AXIS[self._axis]
-        decode_wrench, decode_joints = self._wrench.decode, self._joints.decode
+        readings = self._readings
+        force_of, add_wrench, add_motion = (
+            readings.force_of, readings.add_wrench, readings.add_motion
+        )
+        decode_wrench, decode_joints = readings.wrench.decode, readings.joints.decode
         for topic, _, data in messages:
             try:
                 if topic == wrench_topic:
                     reading = decode_wrench(data)
                     if not session.accepts_frame(reading.frame_id):
                         continue
-                    results += session.add_wrench(reading[0], force_of(reading))
+                    results += add_wrench(reading[0], force_of(reading))
                 else:
-                    results += session.add_motion(*decode_joints(data))
+                    results += add_motion(*decode_joints(data))
             except MessageError as error:
                 kind = 'wrench' if topic == wrench_topic else 'joint_states'
                 session.count_rejected(f'{kind}_{error.reason}')
-        return [result.estimate for result in results]
+        further = [result.further for result in results if result.further]
+        return Estimates([result.estimate for result in results], further)
+
+
+def _joined(first: Estimates, second: Estimates) -> Estimates:
+    """Put two stretches together; the first is seldom more than nothing."""
+    if not first.contact:
+        return second
+    return Estimates(first.contact + second.contact, first.further + second.further)
 
 
 def _still_known(recorded: Mapping[str, Any]) -> dict[str, Any]:

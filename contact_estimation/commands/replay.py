@@ -35,7 +35,8 @@ from .command_line import (
 from .progress import Progress
 from ..estimators import ESTIMATORS
 from ..estimators.estimator import Estimate
-from ..exceptions import RecordingError, UnknownNameError
+from ..exceptions import ParameterRangeError, RecordingError, UnknownNameError
+from ..further_axes import estimated_axes
 from ..parameter_file import read_parameter_file
 from ..parameter_values import without
 from ..recording_replay import RecordingReplay
@@ -47,8 +48,10 @@ from ..ros.estimator_node_parameters import EstimatorNodeParameters
 class EstimateFile(Protocol):
     """A file that takes estimates."""
 
-    def write(self, estimates: Sequence[Estimate]) -> None:
-        """Append estimates."""
+    def write(
+        self, estimates: Sequence[Estimate], further: Sequence[tuple[Estimate, ...]]
+    ) -> None:
+        """Append estimates of the contact axis and of the others."""
 
 
 def make_parser() -> Parser:
@@ -65,6 +68,10 @@ def make_parser() -> Parser:
     parser.add_argument('--csv', help='estimates as CSV')
     parser.add_argument('--json', help='summary as JSON')
     add_source_options(parser)
+    parser.add_argument(
+        '--further', action='append', default=[], metavar='AXIS:=JOINT',
+        help='estimate this axis too, beside the contact axis; may be given twice',
+    )
     return parser
 
 
@@ -90,29 +97,31 @@ def run(options: Any) -> int:
     reader = RecordingReader(options.recording)
     replay = RecordingReplay(reader, source_of(options), _chosen(options))
     progress = Progress('replay')
+    axes = ''.join(estimated_axes(replay.session.parameters))
     first: Estimate | None = None
-    last: Estimate | None = None
+    last: tuple[Estimate, ...] = ()
     samples = 0
     with ExitStack() as stack:
-        files = _open_files(options, replay.session.parameters.axis, stack)
-        for estimates in replay.estimates():
+        files = _open_files(options, axes, stack)
+        for estimates, further in replay.estimates_of_axes():
             if not estimates:
                 continue
             for file in files:
-                file.write(estimates)
-            first, last = first or estimates[0], estimates[-1]
+                file.write(estimates, further)
+            first = first or estimates[0]
+            last = estimates[-1], *(further[-1] if further else ())
             samples += len(estimates)
             progress.show(reader.progress, f'{samples} samples')
     progress.done()
-    if first is None or last is None:
+    if first is None:
         raise RecordingError(_no_sample(options.recording, replay))
     _warn_of_rate(replay)
-    recorded_s = (last.stamp_ns - first.stamp_ns) * 1e-9
-    summary = {
+    recorded_s = (last[0].stamp_ns - first.stamp_ns) * 1e-9
+    summary: dict[str, Any] = {
         'estimator': replay.session.parameters.estimator,
         'samples': samples,
-        **_finite(last),
-        'status': last.status.value,
+        **_finite(last[0]),
+        'status': last[0].status.value,
         'recorded_s': recorded_s,
         'wall_s': time.perf_counter() - begin,
         'rejected': dict(replay.session.rejected),
@@ -120,6 +129,10 @@ def run(options: Any) -> int:
         'truncated': reader.truncated,
         'damaged_chunks': reader.damaged_chunks,
     }
+    if len(axes) > 1:
+        summary['axes'] = {
+            axis: {**_finite(e), 'status': e.status.value} for axis, e in zip(axes, last)
+        }
     if options.json:
         new_file(options.json).write_text(json.dumps(summary, indent=1) + '\n')
     _print(summary)
@@ -136,15 +149,30 @@ def _chosen(options: Any) -> dict[str, Any]:
     for name in ('axis', 'joint'):
         if getattr(options, name) is not None:
             chosen[name] = getattr(options, name)
+    return {**chosen, **_further(options.further)}
+
+
+def _further(given: Sequence[str]) -> dict[str, str]:
+    """Read --further as parameters."""
+    chosen = {}
+    for text in given:
+        axis, found, joint = text.partition(':=')
+        if not found or not joint:
+            raise ParameterRangeError(
+                f'--further must be AXIS:=JOINT, got {text!r}; such as y:=contact_y'
+            )
+        if axis not in ('x', 'y', 'z'):
+            raise UnknownNameError.among('axis of --further', axis, ('x', 'y', 'z'))
+        chosen[f'further_axes.{axis}.joint'] = joint
     return chosen
 
 
-def _open_files(options: Any, axis: str, stack: ExitStack) -> list[EstimateFile]:
+def _open_files(options: Any, axes: str, stack: ExitStack) -> list[EstimateFile]:
     files: list[EstimateFile] = []
     if options.csv:
-        files.append(stack.enter_context(CsvEstimates(new_file(options.csv))))
+        files.append(stack.enter_context(CsvEstimates(new_file(options.csv), axes)))
     if options.output:
-        files.append(stack.enter_context(McapEstimates(new_file(options.output), axis)))
+        files.append(stack.enter_context(McapEstimates(new_file(options.output), axes)))
     return files
 
 
@@ -180,6 +208,9 @@ def _print(summary: dict[str, Any]) -> None:
             band = f' +- {std:.3g}' if std is not None else ''
             print(f'  {name:<10}{value:12.6g}{band} {unit}')
     print(f'  status    {summary["status"]:>12}')
+    for axis, own in list(summary.get('axes', {}).items())[1:]:
+        print(f'  axis {axis}: stiffness {own["stiffness"]:.6g} N/m, damping {own["damping"]:.6g} '
+              f'N s/m, {own["status"]}')
     trouble = {**summary['rejected']}
     if summary['missing']:
         trouble['missing'] = summary['missing']

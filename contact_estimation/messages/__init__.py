@@ -24,6 +24,7 @@ from .encoding import (
     WrenchEncoder,
 )
 from .readings import FORCE_OF_AXIS, JointReading, TrajectoryReading, WrenchReading
+from .several_joints import SeveralJointsDecoder
 
 __all__ = [
     'Codec',
@@ -32,6 +33,7 @@ __all__ = [
     'JointStateDecoder',
     'JointStateEncoder',
     'RosbagsCodec',
+    'SeveralJointsDecoder',
     'StringEncoder',
     'TrajectoryDecoder',
     'TrajectoryEncoder',

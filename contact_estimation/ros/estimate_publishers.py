@@ -68,19 +68,20 @@ class EstimatePublishers:
         self._place = 0
         self.look_for_subscribers()
 
-    def use(self, frame_id: str, axis: str) -> None:
+    def use(self, frame_id: str, axes: str) -> None:
         """
-        Set the frame and the axis of all that is published from now on.
+        Set the frame and the axes of all that is published from now on.
 
         Parameters
         ----------
         frame_id : str
             Of the wrench.
-        axis : str
-            'x', 'y' or 'z'.
+        axes : str
+            Of 'x', 'y' and 'z' those that are estimated, the contact axis first.
 
         """
-        self.frame_id, self._place = frame_id, 'xyz'.index(axis)
+        self.frame_id, self._further_axes = frame_id, axes[1:]
+        self._place, *self._further_places = ('xyz'.index(axis) for axis in axes)
         self._vectors = Vector3StampedEncoder(self._codec, frame_id)
         self._trajectories = TrajectoryEncoder(self._codec, frame_id, self._joint)
 
@@ -115,10 +116,22 @@ class EstimatePublishers:
         for publisher, get in self._wanted:
             vector = [nan, nan, nan]
             vector[place] = get(estimate)
+            for further_place, other in zip(self._further_places, result.further):
+                vector[further_place] = get(other)
             publisher.publish(encode(stamp_ns, *vector))
-        self.publish_status(estimate.status.value, estimate.reason)
+        self.publish_status(estimate.status.value, self._reason(result))
         if with_pose and reference is not None:
             self._publish_pose(result.reference_stamp_ns, reference.position)
+
+    def _reason(self, result: Result) -> str:
+        """Say why the status is so, and how it is on further axes."""
+        if not result.further:
+            return result.estimate.reason
+        others = ', '.join(
+            f'{axis} {other.status.value}' + (f' ({other.reason})' if other.reason else '')
+            for axis, other in zip(self._further_axes, result.further)
+        )
+        return f'{result.estimate.reason}; {others}' if result.estimate.reason else others
 
     def publish_status(self, status: str, reason: str) -> None:
         """

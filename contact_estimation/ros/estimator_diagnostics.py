@@ -19,11 +19,12 @@ from __future__ import annotations
 from collections import deque
 from math import isfinite
 import time
-from typing import Any
+from typing import Any, Mapping
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
 from ..contact_session import ContactSession
+from ..estimation_pipeline import EstimationPipeline
 from ..estimators.estimator import Estimate
 from ..percentiles import percentiles
 
@@ -85,7 +86,8 @@ class EstimatorDiagnostics:
         self.last_error = f'{type(error).__name__}: {error}'
 
     def message(
-        self, stamp: Any, session: ContactSession, estimate: Estimate | None
+        self, stamp: Any, session: ContactSession, estimate: Estimate | None,
+        further: Mapping[str, Estimate],
     ) -> DiagnosticArray:
         """
         Make the message.
@@ -98,6 +100,8 @@ class EstimatorDiagnostics:
             Whose counters are reported.
         estimate : Estimate or None
             The last one.
+        further : mapping of str to Estimate
+            The last one of every axis beside the contact axis.
 
         Returns
         -------
@@ -106,7 +110,11 @@ class EstimatorDiagnostics:
 
         """
         level, text = self._judge(session, estimate)
-        values = {**self._rates(), **self._estimation(session, estimate), **self._trouble(session)}
+        values = {**self._rates(), **self._estimation(session, estimate)}
+        for axis, other in further.items():
+            values.update((f'{axis}_{k}', v) for k, v in _figures(other).items())
+            values[f'{axis}_contact'] = session.pipelines[axis].contact
+        values.update(self._trouble(session))
         status = DiagnosticStatus(
             level=level, name=f'{self._name}: contact estimation', message=text,
             hardware_id='', values=[KeyValue(key=k, value=str(v)) for k, v in values.items()],
@@ -154,15 +162,7 @@ class EstimatorDiagnostics:
             'force_bias': f'{pipeline.bias:.6g}',
             'free_flight_level': f'{pipeline.free_flight_level:.6g}',
         }
-        if estimate is not None:
-            for name in ('stiffness', 'stiffness_std', 'damping', 'damping_std', 'location',
-                         'inertia'):
-                value = getattr(estimate, name)
-                if isfinite(value):
-                    values[name] = f'{value:.8g}'
-            values['status'] = estimate.status.value
-            values['reason'] = estimate.reason
-        return values
+        return values if estimate is None else {**values, **_figures(estimate)}
 
     def _trouble(self, session: ContactSession) -> dict[str, Any]:
         values: dict[str, Any] = {
@@ -176,12 +176,31 @@ class EstimatorDiagnostics:
         return values
 
 
+def _figures(estimate: Estimate) -> dict[str, str]:
+    """Write what is known of one axis."""
+    values = {}
+    for name in ('stiffness', 'stiffness_std', 'damping', 'damping_std', 'location', 'inertia'):
+        value = getattr(estimate, name)
+        if isfinite(value):
+            values[name] = f'{value:.8g}'
+    values['status'] = estimate.status.value
+    values['reason'] = estimate.reason
+    return values
+
+
 def _warning(session: ContactSession) -> str:
     """Tell of what makes good-looking numbers wrong: a biased sensor, a wrong rate."""
-    pipeline, rate = session.pipeline, session.parameters.sample_rate
-    level, period = pipeline.free_flight_level, pipeline.sample_period_s
-    if abs(level) > max(_TARE_DUE * pipeline.noise_std, 1e-3):
-        return f'the sensor reads {-level:.3g} N out of contact; call ~/tare there'
+    for axis, pipeline in session.pipelines.items():
+        if _needs_tare(pipeline):
+            where = f' along {axis}' if len(session.pipelines) > 1 else ''
+            level = -pipeline.free_flight_level
+            return f'the sensor reads {level:.3g} N out of contact{where}; call ~/tare there'
+    rate, period = session.parameters.sample_rate, session.pipeline.sample_period_s
     if period > 0.0 and not 0.9 < period * rate < 1.1:
         return f'samples come at {1.0 / period:.4g} Hz, but sample_rate is {rate:g}; set it'
     return ''
+
+
+def _needs_tare(pipeline: EstimationPipeline) -> bool:
+    """Tell a biased sensor from noise."""
+    return abs(pipeline.free_flight_level) > max(_TARE_DUE * pipeline.noise_std, 1e-3)

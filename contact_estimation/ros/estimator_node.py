@@ -32,12 +32,13 @@ from .estimator_node_parameters import EstimatorNodeParameters
 from .parameters import declare, serve_changes
 from .rclpy_codec import RclpyCodec
 from .running import run_node
+from ..contact_readings import ContactReadings
 from ..contact_session import ContactSession, Result
-from ..estimation_events import CHANGE, EstimationEvent, event_now, RESET, START, TARE
+from ..estimation_events import biases, CHANGE, EstimationEvent, event_now, RESET, START, TARE
 from ..estimation_parameters import EstimationParameters
-from ..estimators.estimator import Estimate
 from ..exceptions import MessageError
-from ..messages import FORCE_OF_AXIS, JointStateDecoder, TrajectoryDecoder, WrenchDecoder
+from ..further_axes import estimated_axes
+from ..messages import TrajectoryDecoder
 from ..parameter_values import build, changed, divided, flatten
 from ..parameters import ParameterSpecification, specifications
 from ..reference.experiment import Desired
@@ -72,11 +73,11 @@ class EstimatorNode(Node):
         self._own = build(EstimatorNodeParameters, own)
         self._session = ContactSession(build(EstimationParameters, estimation))
         self._lock = Lock()
-        self._last: Estimate | None = None
+        self._last: Result | None = None
         parameters = self._session.parameters
+        self._axes = ''.join(estimated_axes(parameters))
         self._outputs = EstimatePublishers(self, parameters.joint)
-        self._outputs.use(parameters.frame_id, parameters.axis)
-        self._force = FORCE_OF_AXIS[parameters.axis]
+        self._outputs.use(parameters.frame_id, self._axes)
         self._events = self.create_publisher(String, '~/events', topics.EVENTS_QOS)
         self._event(event_now(self._session, START, flatten(self._session.parameters)))
         self._diagnostics = EstimatorDiagnostics(self.get_name(), self._own.silence_s)
@@ -91,8 +92,10 @@ class EstimatorNode(Node):
 
     def _subscribe(self) -> None:
         codec = RclpyCodec()
-        self._wrench = WrenchDecoder(codec)
-        self._joints = JointStateDecoder(codec, self._session.parameters.joint)
+        readings = ContactReadings(self._session, codec)
+        self._wrench, self._joints = readings.wrench, readings.joints
+        self._force = readings.force_of
+        self._add_wrench, self._add_motion = readings.add_wrench, readings.add_motion
         self._desired = TrajectoryDecoder(codec)
         data = RawSubscriptions(self, self._own.dedicated_wait_set)
         # In this order they are served: a wrench finds the wish and the motion of its instant.
@@ -125,8 +128,8 @@ class EstimatorNode(Node):
             if not self._session.accepts_frame(reading.frame_id):
                 return
             if reading.frame_id != self._outputs.frame_id:
-                self._outputs.use(reading.frame_id, self._session.parameters.axis)
-            self._publish(self._session.add_wrench(reading.stamp_ns, self._force(reading)))
+                self._outputs.use(reading.frame_id, self._axes)
+            self._publish(self._add_wrench(reading.stamp_ns, self._force(reading)))
 
     def _on_joints(self, raw: bytes) -> None:
         with self._lock:
@@ -135,7 +138,7 @@ class EstimatorNode(Node):
             except MessageError as error:
                 self._session.count_rejected(f'joint_states_{error.reason}')
                 return
-            self._publish(self._session.add_motion(*reading))
+            self._publish(self._add_motion(*reading))
 
     def _on_desired(self, raw: bytes) -> None:
         with self._lock:
@@ -149,7 +152,7 @@ class EstimatorNode(Node):
     def _publish(self, results: Sequence[Result]) -> None:
         for result in results:
             self._outputs.publish(result, self._own.publish_target_pose)
-            self._last = result.estimate
+            self._last = result
             self._diagnostics.published(result.sample.stamp_ns)
 
     # -- events -----------------------------------------------------------------------------
@@ -175,8 +178,7 @@ class EstimatorNode(Node):
         with self._lock:
             response.success, response.message = self._session.tare()
             if response.success:
-                bias = {'force_bias': self._session.pipeline.bias}
-                self._event(event_now(self._session, TARE, bias))
+                self._event(event_now(self._session, TARE, biases(self._session)))
         return response
 
     def _event(self, event: EstimationEvent) -> None:
@@ -185,8 +187,10 @@ class EstimatorNode(Node):
     def _report(self) -> None:
         self._outputs.look_for_subscribers()
         with self._lock:
+            last = self._last
             message = self._diagnostics.message(
-                self.get_clock().now().to_msg(), self._session, self._last
+                self.get_clock().now().to_msg(), self._session, last and last.estimate,
+                dict(zip(self._axes[1:], last.further)) if last else {},
             )
         self._diagnostics_publisher.publish(message)
 

@@ -155,12 +155,19 @@ class Conditioner:
             What was done, or why not.
 
         """
-        if self.detector.contact:
-            return False, 'in contact; move away from the wall and try again'
-        if len(self._free) < (self._free.maxlen or 0):
-            return False, f'out of contact for less than {_TARE_S} s; wait and try again'
+        refusal = self.tare_refusal()
+        if refusal:
+            return False, refusal
         self.set_bias(self.bias - sum(self._free) / len(self._free))
         return True, f'force bias is now {self.bias:.6g} N'
+
+    def tare_refusal(self) -> str:
+        """Say why no tare is possible now; '' where it is."""
+        if self.detector.contact:
+            return 'in contact; move away from the wall and try again'
+        if len(self._free) < (self._free.maxlen or 0):
+            return f'out of contact for less than {_TARE_S} s; wait and try again'
+        return ''
 
     def set_bias(self, bias: float) -> None:
         """

@@ -1,0 +1,233 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Several axes at once: each as if it were alone, and all from the same messages."""
+
+from __future__ import annotations
+
+from math import inf, nan
+from typing import Any
+
+from axes_runs import (
+    AXES,
+    feed_axes,
+    feed_axis,
+    Instant,
+    instants,
+    JOINTS,
+    LOCATIONS,
+    PARAMETERS,
+    session_of_axes,
+    session_of_axis,
+    WALLS,
+)
+from contact_estimation.contact_session import ContactSession, Result
+from contact_estimation.estimation_events import (
+    apply_event,
+    biases,
+    EstimationEvent,
+    event_now,
+    TARE,
+)
+from contact_estimation.estimation_parameters import EstimationParameters
+from contact_estimation.estimators import ESTIMATORS
+from contact_estimation.exceptions import ContactEstimationError
+from contact_estimation.further_axes import estimated_axes
+from contact_estimation.parameter_values import build
+import numpy as np
+import pytest
+
+SAMPLES = instants()
+FREE = SAMPLES[:5]
+
+
+def estimates_by_axis(results: list[Result]) -> dict[str, list[Any]]:
+    """Sort estimates by axis."""
+    columns = zip(*((r.estimate, *r.further) for r in results))
+    return dict(zip(AXES, map(list, columns)))
+
+
+@pytest.mark.parametrize('estimator', ESTIMATORS)
+def test_every_axis_is_estimated_as_if_it_were_alone(estimator: str) -> None:
+    together = estimates_by_axis(feed_axes(session_of_axes(False, estimator=estimator), SAMPLES))
+    for axis in AXES:
+        session = session_of_axis(axis, False, estimator=estimator)
+        single = feed_axis(session, [s.of_axis(axis) for s in SAMPLES])
+        assert repr(together[axis]) == repr([r.estimate for r in single])
+
+
+@pytest.mark.parametrize('axis', AXES)
+def test_estimates_of_every_axis_come_to_its_own_wall(axis: str) -> None:
+    last = estimates_by_axis(feed_axes(session_of_axes(estimator='kalman'), SAMPLES))[axis][-1]
+    assert last.stiffness == pytest.approx(WALLS[axis][0], rel=0.02)
+    assert last.damping == pytest.approx(WALLS[axis][1], rel=0.05)
+    assert last.location == pytest.approx(LOCATIONS[axis], abs=2e-4)
+
+
+def test_reference_is_that_of_the_contact_axis_alone() -> None:
+    together = feed_axes(session_of_axes(force_reference=20.0), SAMPLES)
+    session = session_of_axis('x', force_reference=20.0)
+    single = feed_axis(session, [s.of_axis('x') for s in SAMPLES])
+    assert repr([r.reference for r in together]) == repr([r.reference for r in single])
+
+
+def as_columns(samples: list[Instant]) -> tuple[Any, ...]:
+    """Write samples as `add_pairs_of_axes` takes them."""
+    stamps, positions, velocities, forces = zip(*samples)
+    columns = [list(np.array(c).T) for c in (forces, positions, velocities)]
+    return np.array(stamps, np.int64), *columns
+
+
+@pytest.mark.parametrize('estimator', ESTIMATORS)
+def test_many_samples_at_once_give_the_same(estimator: str) -> None:
+    one_by_one = feed_axes(session_of_axes(False, estimator=estimator), SAMPLES)
+    session = session_of_axes(False, estimator=estimator)
+    at_once = [session.add_pairs_of_axes(*as_columns(part))
+               for part in (SAMPLES[:333], SAMPLES[333:])]
+    contact = [e for part in at_once if part for e in part[0]]
+    further = [e for part in at_once if part for e in part[1]]
+    assert repr(contact) == repr([r.estimate for r in one_by_one])
+    assert repr(further) == repr([r.further for r in one_by_one])
+
+
+def test_event_amid_many_samples_falls_between_the_same_two() -> None:
+    one_by_one, at_once = session_of_axes(False), session_of_axes(False)
+    expected = feed_axes(one_by_one, SAMPLES[:500])
+    moment = one_by_one.moment
+    for session in (one_by_one, at_once):
+        session.schedule(moment, session.reset)
+    expected += feed_axes(one_by_one, SAMPLES[500:])
+    given = at_once.add_pairs_of_axes(*as_columns(SAMPLES))
+    assert given is not None
+    assert repr(given[1]) == repr([r.further for r in expected])
+
+
+@pytest.mark.parametrize('axis', range(3))
+@pytest.mark.parametrize('field, value, reason', [
+    ('forces', nan, 'wrench_not_finite'), ('forces', 1e7, 'wrench_absurd'),
+    ('positions', nan, 'joint_not_finite'), ('positions', -1e5, 'joint_absurd'),
+    ('velocities', 1e5, 'joint_absurd'),
+])
+def test_component_that_is_no_measurement_is_learned_by_no_axis(
+    axis: int, field: str, value: float, reason: str
+) -> None:
+    def spoiled(sample: Instant) -> Instant:
+        values = list(getattr(sample, field))
+        values[axis] = value
+        return Instant(**{**sample._asdict(), field: tuple(values)})
+
+    session = session_of_axes()
+    assert session.add_pairs_of_axes(*as_columns([spoiled(s) for s in FREE])) is None
+    results = feed_axes(session, [*SAMPLES[:500], spoiled(SAMPLES[500]), *SAMPLES[501:]])
+    rest = feed_axes(session_of_axes(), SAMPLES[:500])
+    assert session.rejected[reason] == 1
+    assert repr(results[:500]) == repr(rest)
+    stamps = [r.sample.stamp_ns for r in results]
+    assert all({e.stamp_ns for e in r.further} == {r.sample.stamp_ns} for r in results)
+    assert field != 'forces' or SAMPLES[500].stamp_ns not in stamps
+
+
+def test_velocity_that_is_infinite_counts_as_not_measured_on_its_axis_alone() -> None:
+    def without(sample: Instant, value: float) -> Instant:
+        return sample._replace(velocities=(sample.velocities[0], value, sample.velocities[2]))
+
+    infinite = feed_axes(session_of_axes(), [without(s, inf) for s in SAMPLES])
+    missing = feed_axes(session_of_axes(), [without(s, nan) for s in SAMPLES])
+    assert len(infinite) == len(SAMPLES)
+    assert repr(infinite) == repr(missing)
+
+
+def test_time_set_back_and_missing_joints_leave_the_axes_together() -> None:
+    session, again = session_of_axes(), SAMPLES[:400]
+    results = feed_axes(session, SAMPLES)
+    for k, (stamp_ns, positions, velocities, forces) in enumerate(again):
+        results += session.add_wrenches(stamp_ns, forces)
+        if k % 3:  # the others are interpolated
+            results += session.add_motions(stamp_ns, positions, velocities)
+    assert session.time_jumps == 1
+    assert len(results) > len(SAMPLES) + 390
+    assert all({e.stamp_ns for e in r.further} == {r.sample.stamp_ns} for r in results)
+
+
+def test_change_of_parameters_reaches_every_axis_and_keeps_its_location() -> None:
+    session = session_of_axes()
+    feed_axes(session, SAMPLES[:500])
+    session.change_parameters({'estimator': 'rls', 'further_axes.z.location': -0.4})
+    results = feed_axes(session, SAMPLES[500:])
+    assert {p.parameters.estimator for p in session.pipelines.values()} == {'rls'}
+    assert [e.location for e in results[-1].further] == [LOCATIONS['y'], -0.4]
+
+
+def test_reset_goes_back_to_the_first_guess_on_every_axis() -> None:
+    session = session_of_axes()
+    feed_axes(session, SAMPLES[:600])
+    session.reset()
+    (result,) = feed_axes(session, SAMPLES[600:601])
+    assert [e.stiffness for e in (result.estimate, *result.further)] == [3000.0] * 3
+
+
+def biased(samples: list[Instant], count: int) -> list[Instant]:
+    """Rest in free flight under a bias."""
+    first = samples[0]
+    return [
+        first._replace(stamp_ns=k * 2_000_000, forces=(1.0, -2.0, 3.0)) for k in range(count)
+    ]
+
+
+def test_tare_is_of_every_axis_and_repeated_by_its_event() -> None:
+    session, other = session_of_axes(), session_of_axes()
+    feed_axes(session, biased(SAMPLES, 300))
+    done, message = session.tare()
+    assert done and message.startswith('x: force bias is now')
+    event = event_now(session, TARE, biases(session))
+    apply_event(other, EstimationEvent.from_text(event.to_text()))
+    assert [p.bias for p in other.pipelines.values()] == pytest.approx([1.0, -2.0, 3.0])
+    assert biases(other) == biases(session)
+
+
+def test_tare_is_refused_for_all_while_one_axis_is_in_contact() -> None:
+    session = session_of_axes()
+    feed_axes(session, biased(SAMPLES, 300))
+    touching = SAMPLES[0]._replace(forces=(0.0, -50.0, 0.0))
+    y = touching.positions[1] + 0.02
+    touching = touching._replace(positions=(touching.positions[0], y, touching.positions[2]))
+    feed_axes(session, [touching._replace(stamp_ns=(300 + k) * 2_000_000) for k in range(3)])
+    assert session.tare() == (False, 'y: in contact; move away from the wall and try again')
+    assert biases(session) == {'force_bias': 0.0, 'force_bias.y': 0.0, 'force_bias.z': 0.0}
+
+
+def test_tare_of_one_axis_is_told_as_ever() -> None:
+    assert biases(ContactSession(EstimationParameters())) == {'force_bias': 0.0}
+
+
+def test_contact_axis_comes_first() -> None:
+    changed = {'axis': 'z', 'joint': JOINTS['z'], 'further_axes.z.joint': '',
+               'further_axes.x.joint': JOINTS['x']}
+    parameters = build(EstimationParameters, {**PARAMETERS, **changed})
+    assert list(estimated_axes(parameters).items()) == [(a, JOINTS[a]) for a in 'zxy']
+
+
+@pytest.mark.parametrize('wrong, text', [
+    ({'further_axes.x.joint': 'a'}, 'further_axes.x.joint must be empty, since x is the contact'),
+    ({'joint': ''}, 'joint must name the joint of axis x .* got an empty text'),
+    ({'further_axes.y.joint': 'contact_z'}, 'must name different joints'),
+])
+def test_axes_that_do_not_fit_together_are_refused(wrong: dict[str, str], text: str) -> None:
+    with pytest.raises(ContactEstimationError, match=text):
+        build(EstimationParameters, {**PARAMETERS, **wrong})
+
+
+def test_joints_are_fixed_at_start() -> None:
+    with pytest.raises(ContactEstimationError, match='further_axes.y.joint is fixed at start'):
+        session_of_axes().change_parameters({'further_axes.y.joint': 'other'})

@@ -1,0 +1,113 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The command replay on several axes: columns, fields and vectors beside the contract's."""
+
+from __future__ import annotations
+
+import json
+from math import isnan
+from pathlib import Path
+from typing import Any
+
+from axes_runs import feed_axes, instants, JOINTS, LOCATIONS, PARAMETERS, session_of_axes
+from contact_estimation.commands import replay
+from contact_estimation.messages import RosbagsCodec, Vector3StampedDecoder, WrenchEncoder
+from contact_estimation.recordings import RecordingReader, RecordingWriter
+from contact_estimation.recordings.estimation_metadata import RECORD, to_metadata
+import pytest
+
+SAMPLES = instants(0.3)
+COLUMNS = ('stiffness', 'damping', 'stiffness_std', 'damping_std')
+
+
+@pytest.fixture(scope='module')
+def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    codec, path = RosbagsCodec(), tmp_path_factory.mktemp('axes') / 'a.mcap'
+    wrenches, joint_type = WrenchEncoder(codec, 'tool'), 'sensor_msgs/msg/JointState'
+    make: Any = codec.new
+    with RecordingWriter.file(path) as writer:
+        for stamp_ns, positions, velocities, forces in SAMPLES:
+            message = make(joint_type)
+            message.header.stamp.sec, message.header.stamp.nanosec = divmod(stamp_ns, 10**9)
+            message.name = ['elbow', *reversed(JOINTS.values())]
+            message.position = codec.floats([9.0, *reversed(positions)])
+            message.velocity = codec.floats([9.0, *reversed(velocities)])
+            raw = codec.serialize(message, joint_type)
+            writer.write('/joint_states', joint_type, raw, stamp_ns)
+            raw = wrenches.encode(stamp_ns, *forces)
+            writer.write('/wrench', 'geometry_msgs/msg/WrenchStamped', raw, stamp_ns)
+        writer.write_metadata(RECORD, to_metadata(PARAMETERS))
+    return path
+
+
+def run(*arguments: object) -> int:
+    """Run the command in this process."""
+    return replay.main([str(argument) for argument in arguments])
+
+
+def test_csv_has_columns_of_every_axis(recording: Path, tmp_path: Path) -> None:
+    assert run(recording, '--csv', tmp_path / 'a.csv') == 0
+    header, *rows = (tmp_path / 'a.csv').read_text().splitlines()
+    names = [*COLUMNS, 'status']
+    assert header.split(',') == ['t', *names, *(f'{n}_{a}' for a in 'yz' for n in names)]
+    results = feed_axes(session_of_axes(False), SAMPLES)
+    for row, result in zip(rows, results, strict=True):
+        own = [[*(repr(getattr(e, n)) for n in COLUMNS), e.status.value]
+               for e in (result.estimate, *result.further)]
+        assert row.split(',')[1:] == sum(own, [])
+
+
+def test_json_has_an_entry_for_every_axis(recording: Path, tmp_path: Path) -> None:
+    assert run(recording, '--json', tmp_path / 'a.json') == 0
+    summary = json.loads((tmp_path / 'a.json').read_text())
+    last = feed_axes(session_of_axes(False), SAMPLES)[-1]
+    for axis, estimate in zip('xyz', (last.estimate, *last.further)):
+        own = summary['axes'][axis]
+        assert (own['stiffness'], own['status']) == (estimate.stiffness, estimate.status.value)
+        assert own['location'] == LOCATIONS[axis]
+    assert summary['stiffness'] == summary['axes']['x']['stiffness']
+
+
+def test_mcap_has_every_axis_in_its_place(recording: Path, tmp_path: Path) -> None:
+    assert run(recording, '--output', tmp_path / 'out.mcap') == 0
+    decode = Vector3StampedDecoder(RosbagsCodec()).decode
+    messages = RecordingReader(tmp_path / 'out.mcap').messages(['/estimator_node/damping'])
+    vectors = [decode(message.data)[1:] for message in messages]
+    results = feed_axes(session_of_axes(False), SAMPLES)
+    assert vectors == [tuple(e.damping for e in (r.estimate, *r.further)) for r in results]
+
+
+def test_axes_can_be_chosen_against_what_was_recorded(recording: Path, tmp_path: Path) -> None:
+    assert run(
+        recording, '--axis', 'z', '--joint', 'contact_z', '--further', 'x:=contact_x',
+        '--csv', tmp_path / 'a.csv', '--output', tmp_path / 'out.mcap',
+    ) == 0
+    header = (tmp_path / 'a.csv').read_text().splitlines()[0]
+    assert 'stiffness_x' in header and 'stiffness_y' not in header
+    decode = Vector3StampedDecoder(RosbagsCodec()).decode
+    messages = RecordingReader(tmp_path / 'out.mcap').messages(['/estimator_node/stiffness'])
+    assert all(isnan(decode(message.data)[2]) for message in messages)
+
+
+@pytest.mark.parametrize('given, text', [
+    ('y=contact_y', 'AXIS:=JOINT'), ('y:=', 'AXIS:=JOINT'), ('w:=a', 'unknown axis'),
+    ('x:=contact_x', 'x is the contact axis'),
+])
+def test_wrong_further_axis_is_refused(
+    recording: Path, capfd: pytest.CaptureFixture[str], given: str, text: str
+) -> None:
+    assert run(recording, '--further', given) == 1
+    lines = capfd.readouterr().err.strip().splitlines()
+    assert len(lines) == 1 and text in lines[0]

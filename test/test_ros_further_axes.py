@@ -1,0 +1,89 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Three force axes at once, over DDS."""
+
+from __future__ import annotations
+
+from typing import Iterator
+
+from axes_peer import AxesPeer, node_of_axes
+from axes_runs import (
+    AXES,
+    feed_axes,
+    instants,
+    moved_instants,
+    PARAMETERS,
+    session_of_axes,
+    WALLS,
+)
+import pytest
+from ros_processes import ESTIMATES, JointState, to_stamp
+
+SAMPLES = instants(0.5)
+
+
+@pytest.fixture(scope='module')
+def shared(tmp_path_factory: pytest.TempPathFactory) -> Iterator[AxesPeer]:
+    with node_of_axes(tmp_path_factory.mktemp('axes'), PARAMETERS) as peer:
+        yield peer
+
+
+@pytest.fixture
+def peer(shared: AxesPeer) -> AxesPeer:
+    shared.start_afresh()
+    return shared
+
+
+def test_published_vectors_are_those_of_the_session_bit_for_bit(peer: AxesPeer) -> None:
+    samples = moved_instants(SAMPLES, peer.begin_ns)
+    peer.feed_instants(samples)
+    results = feed_axes(session_of_axes(), samples)
+    for name in ESTIMATES:
+        expected = {
+            r.sample.stamp_ns: tuple(getattr(e, name) for e in (r.estimate, *r.further))
+            for r in results
+        }
+        assert peer.vectors(name) == expected
+
+
+def test_every_axis_finds_its_own_wall(peer: AxesPeer) -> None:
+    peer.change(estimator='kalman')
+    samples = moved_instants(SAMPLES, peer.begin_ns)
+    peer.feed_instants(samples)
+    last = samples[-1].stamp_ns
+    stiffness, damping = (peer.vectors(name)[last] for name in ESTIMATES)
+    assert stiffness == pytest.approx([WALLS[axis][0] for axis in AXES], rel=0.05)
+    assert damping == pytest.approx([WALLS[axis][1] for axis in AXES], rel=0.15)
+
+
+def test_status_and_diagnostics_tell_of_every_axis(peer: AxesPeer) -> None:
+    samples = moved_instants(SAMPLES, peer.begin_ns)
+    peer.feed_instants(samples)
+    assert peer.statuses()[0].startswith('free: y free, z free')
+    assert peer.statuses()[-1] == 'estimating: y estimating, z estimating'
+    figures, (_, y, z) = peer.figures(), peer.vectors('stiffness')[samples[-1].stamp_ns]
+    assert float(figures['y_stiffness']) == pytest.approx(y, rel=1e-6)
+    assert float(figures['z_stiffness']) == pytest.approx(z, rel=1e-6)
+    assert figures['z_contact'] == 'True'
+
+
+def test_joint_state_that_lacks_an_axis_is_counted(peer: AxesPeer) -> None:
+    (first, second), begin = moved_instants(SAMPLES[:2], peer.begin_ns), dict(peer.rejections())
+    lacking = JointState(name=['contact_x'], position=[0.0], velocity=[0.0])
+    lacking.header.stamp = to_stamp(first.stamp_ns)
+    peer.joints.publish(lacking)
+    peer.feed_instants([first, second])
+    counted = begin.get('joint_states_joint_unknown', 0) + 1
+    peer.counted('joint_states_joint_unknown', counted)
