@@ -1,0 +1,205 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Eq. (6) against forms written in another way."""
+
+from __future__ import annotations
+
+from math import hypot, tanh
+from typing import Any
+
+from contact_estimation.contact_model import kelvin_voigt_force
+from contact_estimation.contact_points import (
+    contact_forces,
+    ContactGeometry,
+    force_regressor,
+    point_motions,
+    PointMotions,
+    rubless_directions,
+    slip_directions,
+    ToolMotion,
+    total_wrench,
+)
+from contact_estimation.examples.three_contacts_world import GEOMETRY, motion_at
+from contact_estimation.exceptions import ParameterRangeError, SignalShapeError
+import numpy as np
+import pytest
+
+K_E, B_E, MU = 4800.0, 200.0, 0.3
+INSTANTS = (1.3, 2.55, 3.7, 4.55, 5.9, 7.5, 8.65, 8.75)  # of the example: all that can happen
+
+
+def at_rest(position: tuple[float, float, float], velocity: Any = (0.0, 0.0, 0.0)) -> ToolMotion:
+    """Place a tool without turning it."""
+    return ToolMotion(np.array(position), np.eye(3), np.array(velocity), np.zeros(3))
+
+
+def one_point(normal: tuple[float, float, float]) -> ContactGeometry:
+    """Make a tool whose origin touches a plane through 0."""
+    return ContactGeometry(np.zeros((1, 3)), np.zeros((1, 3)), np.array([normal]))
+
+
+def force_of(geometry: ContactGeometry, motion: ToolMotion, mu: float = MU) -> np.ndarray:
+    """Compute the force of eq. (6)."""
+    points = point_motions(geometry, motion)
+    return total_wrench(points.arms, contact_forces(geometry, points, K_E, B_E, mu))[0]
+
+
+@pytest.mark.parametrize('delta, rate', [(0.01, 0.05), (0.01, -0.1), (0.001, -0.1), (-0.01, 0.1)])
+def test_one_point_along_x_is_eq_3(delta: float, rate: float) -> None:
+    force = force_of(one_point((-1.0, 0.0, 0.0)), at_rest((delta, 0.0, 0.0), (rate, 0.0, 0.0)))
+    expected = float(kelvin_voigt_force(delta, rate, K_E, B_E))
+    assert force.tolist() == pytest.approx([expected, 0.0, 0.0], abs=1e-12)
+
+
+def scalar_force(t: float) -> list[float]:
+    """Write eq. (6) for the example out point by point, axis by axis, without vectors."""
+    motion = motion_at(t)
+    (x, _, z), (vx, vy, vz), w = motion.position, motion.velocity, motion.angular_velocity[1]
+    c, s = motion.rotation[0, 0], motion.rotation[0, 2]
+    total = [0.0, 0.0, 0.0]
+    for px, pz, normal_axis in ((0.03, -0.04, 2), (-0.03, -0.04, 2), (0.05, 0.01, 0)):
+        rx, rz = c * px + s * pz, -s * px + c * pz
+        ux, uz = vx + w * rz, vz - w * rx  # of the point: the tool turns about y alone
+        if normal_axis == 2:
+            depth, rate, slide = -(z + rz), -uz, {0: ux, 1: vy}
+        else:
+            depth, rate, slide = x + rx - 0.15, ux, {1: vy, 2: uz}
+        F_n = max(0.0, K_E * depth + B_E * rate) if depth > 0.0 else 0.0
+        total[normal_axis] += F_n if normal_axis == 2 else -F_n
+        speed = hypot(*slide.values())
+        for axis, part in slide.items():
+            total[axis] -= MU * F_n * tanh(speed / 4e-4) * (part / speed if speed else 0.0)
+    return total
+
+
+@pytest.mark.parametrize('t', INSTANTS)
+def test_force_equals_eq_6_written_out_in_scalars(t: float) -> None:
+    force = force_of(GEOMETRY, motion_at(t))
+    assert force.tolist() == pytest.approx(scalar_force(t), rel=1e-9, abs=1e-9)
+
+
+@pytest.mark.parametrize('t', INSTANTS)
+def test_rates_are_the_derivatives_of_penetration_and_place(t: float) -> None:
+    h = 1e-5
+    before, now, after = (motion_at(t + step) for step in (-h, 0.0, h))
+    points = point_motions(GEOMETRY, now)
+    deltas = [point_motions(GEOMETRY, m).delta for m in (before, after)]
+    places = [m.position + point_motions(GEOMETRY, m).arms for m in (before, after)]
+    velocities = (places[1] - places[0]) / (2.0 * h)
+    assert points.delta_dot == pytest.approx((deltas[1] - deltas[0]) / (2.0 * h), abs=1e-6)
+    tangential = np.array([v - v @ n * n for v, n in zip(velocities, GEOMETRY.normals)])
+    assert points.slip.ravel() == pytest.approx(tangential.ravel(), abs=1e-6)
+
+
+@pytest.mark.parametrize('t', INSTANTS)
+def test_wrench_has_the_power_of_the_forces_at_the_points(t: float) -> None:
+    motion = motion_at(t)
+    points = point_motions(GEOMETRY, motion)
+    forces = contact_forces(GEOMETRY, points, K_E, B_E, MU)
+    force, torque = total_wrench(points.arms, forces)
+    whole = force @ motion.velocity + torque @ motion.angular_velocity
+    at_points = sum(
+        -F @ n * rate + F @ slip
+        for F, n, rate, slip in zip(forces, GEOMETRY.normals, points.delta_dot, points.slip)
+    )
+    assert whole == pytest.approx(at_points, rel=1e-9, abs=1e-12)
+
+
+def with_far_point() -> ContactGeometry:
+    """Add a point that is outside of its surface all the time."""
+    return ContactGeometry(
+        np.vstack([GEOMETRY.points, [[0.0, 0.0, 0.5]]]),
+        np.vstack([GEOMETRY.surfaces, [[0.0, 0.0, 0.1]]]),
+        np.vstack([GEOMETRY.normals, [[0.0, 0.0, 1.0]]]),
+    )
+
+
+@pytest.mark.parametrize('t', INSTANTS)
+def test_point_that_does_not_touch_contributes_nothing(t: float) -> None:
+    geometry, motion = with_far_point(), motion_at(t)
+    points = point_motions(geometry, motion)
+    assert points.delta[3] < -0.3
+    assert contact_forces(geometry, points, K_E, B_E, MU)[3].tolist() == [0.0, 0.0, 0.0]
+    assert force_of(geometry, motion) == pytest.approx(force_of(GEOMETRY, motion), abs=1e-12)
+
+
+def test_point_that_withdraws_too_fast_does_not_pull_while_another_presses() -> None:
+    between = ContactGeometry(
+        np.array([[0.1, 0.0, 0.0], [-0.1, 0.0, 0.0]]),
+        np.array([[0.099, 0.0, 0.0], [-0.099, 0.0, 0.0]]),
+        np.array([[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]]),
+    )
+    force = force_of(between, at_rest((0.0, 0.0, 0.0), (0.1, 0.0, 0.0)))
+    assert force[0] == pytest.approx(-(K_E * 0.001 + B_E * 0.1))
+
+
+def test_friction_is_mu_times_the_normal_force_against_the_sliding() -> None:
+    slide = np.array([0.03, -0.04, 0.0])
+    force = force_of(one_point((0.0, 0.0, 1.0)), at_rest((0.0, 0.0, -0.005), slide))
+    assert force[2] == pytest.approx(K_E * 0.005)
+    assert force[:2].tolist() == pytest.approx((-MU * K_E * 0.005 * slide[:2] / 0.05).tolist())
+
+
+def test_friction_grows_smoothly_from_rest() -> None:
+    assert slip_directions(np.zeros((1, 3))).tolist() == [[0.0, 0.0, 0.0]]
+    slow = slip_directions(np.array([[4e-6, 0.0, 0.0]]))
+    assert slow[0, 0] == pytest.approx(0.01, rel=1e-3)
+
+
+@pytest.mark.parametrize('t', INSTANTS)
+def test_regressor_of_the_pressing_points_gives_the_force(t: float) -> None:
+    points = point_motions(GEOMETRY, motion_at(t))
+    forces = contact_forces(GEOMETRY, points, K_E, B_E, MU)
+    Phi = force_regressor(GEOMETRY, points, np.any(forces != 0.0, axis=1))
+    theta = np.array([K_E, B_E, MU * K_E, MU * B_E])
+    assert Phi @ theta == pytest.approx(forces.sum(axis=0), rel=1e-9, abs=1e-9)
+
+
+@pytest.mark.parametrize('sticking, rank', [
+    ((False, False, False), 3), ((True, False, False), 1), ((True, True, False), 1),
+    ((False, False, True), 1), ((True, False, True), 0),
+])
+def test_directions_without_friction_are_normal_to_every_surface_that_sticks(
+    sticking: tuple[bool, ...], rank: int
+) -> None:
+    rows = rubless_directions(GEOMETRY, np.array(sticking))
+    assert rows @ rows.T == pytest.approx(np.eye(rank), abs=1e-12)
+    rubbing = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0]])  # both lie in the floor
+    assert rank == 3 or not sticking[0] or np.abs(rows @ rubbing.T).max(initial=0.0) < 1e-12
+
+
+def geometry_with(**changed: Any) -> ContactGeometry:
+    """Make a valid geometry but for what is changed."""
+    flat = {'points': np.zeros((2, 3)), 'surfaces': np.zeros((2, 3)),
+            'normals': np.array([[0.0, 0.0, 1.0]] * 2)}
+    return ContactGeometry(**{**flat, **changed})
+
+
+def test_arrays_of_different_shape_are_refused_by_name() -> None:
+    with pytest.raises(SignalShapeError, match=r'normals must have a row .* got \(3, 3\)'):
+        geometry_with(normals=np.eye(3))
+    with pytest.raises(SignalShapeError, match=r'points must have a row .* got \(3,\)'):
+        geometry_with(points=np.zeros(3))
+
+
+def test_normal_that_is_no_unit_vector_is_refused() -> None:
+    with pytest.raises(ParameterRangeError, match='normals must have length 1.*divide by them'):
+        geometry_with(normals=np.array([[0.0, 0.0, 1.0], [0.0, 0.0, 2.0]]))
+
+
+def test_negative_friction_is_refused() -> None:
+    points = PointMotions(np.zeros(3), np.zeros(3), np.zeros((3, 3)), np.zeros((3, 3)))
+    with pytest.raises(ParameterRangeError, match='mu must be >= 0, got -0.1'):
+        contact_forces(GEOMETRY, points, K_E, B_E, -0.1)

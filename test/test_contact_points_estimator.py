@@ -1,0 +1,219 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Recursive estimation from several contact points against solutions of all data at once."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import Any, Sequence
+
+from contact_estimation.contact_points import (
+    contact_forces,
+    ContactGeometry,
+    force_regressor,
+    point_motions,
+    ToolMotion,
+)
+from contact_estimation.contact_points_estimator import (
+    ContactPointsEstimate,
+    ContactPointsEstimator,
+    ContactPointsSample,
+)
+from contact_estimation.contact_points_parameters import ContactPointsParameters
+from contact_estimation.estimators.estimator import EstimateStatus
+from contact_estimation.examples.three_contacts_world import GEOMETRY, motion_at
+from contact_estimation.exceptions import SignalShapeError
+import numpy as np
+import pytest
+from scipy.optimize import least_squares
+
+K_E, B_E, MU = 4800.0, 200.0, 0.3
+PERIOD_S = 0.004
+
+
+@lru_cache(maxsize=None)
+def samples(
+    begin: float, end: float, noise: float = 0.5, K_e: float = K_E
+) -> tuple[ContactPointsSample, ...]:
+    """Take a stretch of the example, with force noise alone."""
+    source, made = np.random.default_rng(3), []
+    for t in np.arange(begin, end, PERIOD_S):
+        motion = motion_at(float(t))
+        points = point_motions(GEOMETRY, motion)
+        force = contact_forces(GEOMETRY, points, K_e, B_E, MU).sum(axis=0)
+        felt = force + source.normal(0.0, noise, 3)
+        made.append(ContactPointsSample(round(t * 1e9), felt, motion))
+    return tuple(made)
+
+
+def estimator_with(**tuning: Any) -> ContactPointsEstimator:
+    """Make an estimator for the tool of the example."""
+    return ContactPointsEstimator(GEOMETRY, ContactPointsParameters(**tuning))
+
+
+def run(
+    estimator: ContactPointsEstimator, stretch: Sequence[ContactPointsSample]
+) -> list[ContactPointsEstimate]:
+    """Pass samples through an estimator."""
+    return [estimator.update(sample) for sample in stretch]
+
+
+def stacked(
+    stretch: Sequence[ContactPointsSample], estimates: Sequence[ContactPointsEstimate]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Stack the rows of all samples that were learned, of points that all slide and press."""
+    touching = np.array([True, True, True])
+    learned = [s for s, e in zip(stretch, estimates) if all(e.touching)]
+    # Begun amid the swing, it waits until all three go deeper at once.
+    assert len(learned) > 0.5 * len(stretch)
+    rows = [force_regressor(GEOMETRY, point_motions(GEOMETRY, s.motion), touching)
+            for s in learned]
+    return np.vstack(rows), np.concatenate([s.force for s in learned])
+
+
+# From the front foot alone to the rear foot; then all three points slide without a pause.
+FIRST, SLIDING = (1.0, 3.1), (5.4, 6.6)
+
+
+@pytest.mark.parametrize('mu', [0.0, 0.3])
+def test_with_known_friction_it_is_least_squares_over_all_rows(mu: float) -> None:
+    wide = {'stiffness_std': 1e9, 'damping_std': 1e9, 'forgetting_factor': 1.0}
+    estimator = estimator_with(initial_friction=mu, friction_std=0.0, **wide)
+    stretch = samples(*SLIDING)
+    estimates = run(estimator, stretch)
+    last = estimates[-1]
+    Phi, force = stacked(stretch, estimates)
+    known = Phi[:, :2] + mu * Phi[:, 2:]
+    K, B = np.linalg.lstsq(known, force, rcond=None)[0]
+    assert (last.stiffness, last.damping) == pytest.approx((K, B), rel=1e-6)
+    spread = np.sqrt(np.diag(np.linalg.inv(known.T @ known))) * 0.6
+    assert (last.stiffness_std, last.damping_std) == pytest.approx(spread, rel=1e-6)
+
+
+def test_with_unknown_friction_it_is_nonlinear_least_squares_over_all_rows() -> None:
+    wide = {'stiffness_std': 1e9, 'damping_std': 1e9, 'friction_std': 1e3}
+    estimates = run(estimator_with(forgetting_factor=1.0, **wide), samples(*SLIDING))
+    last = estimates[-1]
+    Phi, force = stacked(samples(*SLIDING), estimates)
+
+    def residuals(theta: np.ndarray) -> np.ndarray:
+        """Write eq. (6) with K in 1000 N/m and B in 100 N s/m."""
+        K, B, mu = theta * (1e3, 1e2, 1.0)
+        return Phi @ np.array([K, B, mu * K, mu * B]) - force
+
+    K, B, mu = least_squares(residuals, [3.0, 1.0, 0.1], xtol=1e-14, ftol=1e-14).x
+    assert (last.stiffness, last.damping) == pytest.approx((1e3 * K, 1e2 * B), rel=1e-5)
+    assert last.friction == pytest.approx(mu, rel=1e-5)
+
+
+def test_without_noise_it_finds_the_truth() -> None:
+    last = run(estimator_with(), samples(*FIRST, 0.0) + samples(*SLIDING, 0.0))[-1]
+    found = (last.stiffness, last.damping, last.friction)
+    assert found == pytest.approx((K_E, B_E, MU), rel=1e-4)
+
+
+def test_out_of_contact_nothing_moves() -> None:
+    estimates = run(estimator_with(), samples(0.0, 1.0))
+    assert {e.status for e in estimates} == {EstimateStatus.FREE}
+    assert {(e.stiffness, e.damping, e.friction) for e in estimates} == {(3000.0, 50.0, 0.0)}
+    assert {e.touching for e in estimates} == {(False, False, False)}
+
+
+def test_points_that_do_not_touch_are_learned_from_as_if_they_were_not_there() -> None:
+    def part(rows: list[int]) -> ContactGeometry:
+        return ContactGeometry(
+            GEOMETRY.points[rows], GEOMETRY.surfaces[rows], GEOMETRY.normals[rows]
+        )
+
+    stretch = samples(1.0, 2.2)  # the front foot alone presses
+    alone = run(ContactPointsEstimator(part([0])), stretch)
+    among = run(ContactPointsEstimator(part([0, 1, 2])), stretch)
+    assert [e[1:7] for e in alone] == [e[1:7] for e in among]
+    assert {e.touching[1:] for e in among} == {(False, False)}
+
+
+def test_standard_deviations_are_those_of_the_errors() -> None:
+    estimates = run(estimator_with(force_noise=0.5), samples(*FIRST) + samples(*SLIDING))
+    for e in estimates[300::50]:
+        assert abs(e.stiffness - K_E) < 4.0 * e.stiffness_std < 0.05 * K_E
+        assert abs(e.damping - B_E) < 4.0 * e.damping_std < 0.2 * B_E
+
+
+def resting(depths: Sequence[float], velocity: tuple[float, float, float]) -> ContactPointsSample:
+    """Press the feet and the nose so deep, level, under the force that this takes."""
+    place = np.array([0.1 + depths[1], 0.0, 0.04 - depths[0]])
+    motion = ToolMotion(place, np.eye(3), np.array(velocity), np.zeros(3))
+    points = point_motions(GEOMETRY, motion)
+    force = contact_forces(GEOMETRY, points, K_E, B_E, MU).sum(axis=0)
+    return ContactPointsSample(0, force, motion)
+
+
+@pytest.mark.parametrize('sample, reason', [
+    (resting((0.005, -0.02), (0.0, 0.0, 0.05)), 'a point may touch or not'),  # withdraws
+    (resting((1e-6, -0.02), (0.0, 0.0, -0.1)), 'a point may touch or not'),  # at the surface
+    (resting((0.005, 0.005), (0.0, 0.0, 0.0)), 'points stick: their friction is unknown'),
+])
+def test_what_cannot_be_told_from_the_motion_is_not_learned(
+    sample: ContactPointsSample, reason: str
+) -> None:
+    estimator = estimator_with()
+    before = estimator.update(samples(0.0, 0.1)[0])
+    after = estimator.update(sample)
+    assert (after.status, after.reason) == (EstimateStatus.FROZEN, reason)
+    assert after[1:7] == before[1:7]
+
+
+def test_point_that_withdraws_is_known_to_have_let_go_once_the_wall_is_known() -> None:
+    estimator = estimator_with()
+    run(estimator, samples(*FIRST))
+    slow, fast = (
+        estimator.update(resting((0.005, -0.02), (0.01, 0.0, v))) for v in (0.05, 0.3)
+    )
+    assert slow.touching == (True, True, False)
+    assert (fast.touching, fast.status) == ((False, False, False), EstimateStatus.FREE)
+
+
+def test_noisy_velocity_of_a_sticking_point_does_not_pull_friction_to_zero() -> None:
+    noise = np.random.default_rng(5)
+    sticking = [
+        s._replace(motion=s.motion._replace(
+            velocity=s.motion.velocity + noise.normal(0.0, 3e-4, 3)
+        ))
+        for s in samples(1.6, 2.2) * 5  # the front foot presses and does not slide
+    ]
+    estimator = estimator_with(forgetting_factor=1.0)
+    run(estimator, samples(*FIRST) + samples(*SLIDING))
+    last = run(estimator, sticking)[-1]
+    assert last.friction == pytest.approx(MU, abs=0.005)
+    assert last.stiffness == pytest.approx(K_E, rel=0.005)
+
+
+def test_a_change_of_the_wall_is_followed() -> None:
+    estimator = estimator_with(forgetting_factor=0.99)
+    run(estimator, samples(*FIRST))
+    last = run(estimator, samples(*SLIDING, 0.5, 7000.0))[-1]
+    assert last.stiffness == pytest.approx(7000.0, rel=0.01)
+
+
+def test_reset_is_a_new_estimator() -> None:
+    used, new = estimator_with(), estimator_with()
+    run(used, samples(*FIRST))
+    used.reset()
+    assert run(used, samples(*FIRST)) == run(new, samples(*FIRST))
+
+
+def test_force_of_one_axis_is_refused() -> None:
+    with pytest.raises(SignalShapeError, match=r'force must have shape \(3,\), got \(1,\)'):
+        estimator_with().update(samples(0.0, 0.1)[0]._replace(force=np.array([1.0])))
