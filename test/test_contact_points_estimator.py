@@ -87,18 +87,22 @@ def stacked(
 FIRST, SLIDING = (1.0, 3.1), (5.4, 6.6)
 
 
-@pytest.mark.parametrize('mu', [0.0, 0.3])
-def test_with_known_friction_it_is_least_squares_over_all_rows(mu: float) -> None:
-    wide = {'stiffness_std': 1e9, 'damping_std': 1e9, 'forgetting_factor': 1.0}
+@pytest.mark.parametrize('mu, forgetting', [(0.0, 1.0), (0.3, 1.0), (0.3, 0.98)])
+def test_with_known_friction_it_is_weighted_least_squares_over_all_rows(
+    mu: float, forgetting: float
+) -> None:
+    wide = {'stiffness_std': 1e9, 'damping_std': 1e9, 'forgetting_factor': forgetting}
     estimator = estimator_with(initial_friction=mu, friction_std=0.0, **wide)
     stretch = samples(*SLIDING)
     estimates = run(estimator, stretch)
     last = estimates[-1]
     Phi, force = stacked(stretch, estimates)
     known = Phi[:, :2] + mu * Phi[:, 2:]
-    K, B = np.linalg.lstsq(known, force, rcond=None)[0]
-    assert (last.stiffness, last.damping) == pytest.approx((K, B), rel=1e-6)
-    spread = np.sqrt(np.diag(np.linalg.inv(known.T @ known))) * 0.6
+    age = np.arange(len(force))[::-1] // 3
+    weight = forgetting ** (0.5 * age)
+    gain = np.linalg.pinv(known * weight[:, None]) * weight  # (2, rows): theta = gain F
+    assert (last.stiffness, last.damping) == pytest.approx(tuple(gain @ force), rel=1e-6)
+    spread = 0.6 * np.linalg.norm(gain, axis=1)  # of that linear function of the noise
     assert (last.stiffness_std, last.damping_std) == pytest.approx(spread, rel=1e-6)
 
 
