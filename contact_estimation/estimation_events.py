@@ -129,11 +129,12 @@ def biases(session: ContactSession) -> dict[str, float]:
     Returns
     -------
     parameters : dict
-        force_bias [N]; for axes beside the contact axis also force_bias.AXIS.
+        force_bias of the contact axis [N]; where there are several, force_bias.AXIS of each too.
 
     """
-    own, *others = ((axis, pipeline.bias) for axis, pipeline in session.pipelines.items())
-    return {'force_bias': own[1], **{f'force_bias.{axis}': bias for axis, bias in others}}
+    by_axis = {f'force_bias.{axis}': p.bias for axis, p in session.pipelines.items()}
+    own = {'force_bias': session.pipeline.bias}
+    return {**own, **by_axis} if len(by_axis) > 1 else own
 
 
 def apply_event(session: ContactSession, event: EstimationEvent) -> None:
@@ -158,6 +159,9 @@ def apply_event(session: ContactSession, event: EstimationEvent) -> None:
     elif event.kind == RESET:
         session.reset()
     elif event.kind == TARE:
-        further = {axis: event.parameters.get(f'force_bias.{axis}') for axis in session.pipelines}
-        known = {axis: bias for axis, bias in further.items() if bias is not None}
-        session.set_bias(event.parameters['force_bias'], known)
+        own, *others = session.pipelines
+        told = event.parameters
+        # By name where there are names: replay may have chosen another contact axis.
+        further = {axis: told[f'force_bias.{axis}'] for axis in others
+                   if f'force_bias.{axis}' in told}
+        session.set_bias(told.get(f'force_bias.{own}', told['force_bias']), further)
