@@ -246,8 +246,8 @@ class _Conclusion:
             Value(best.model.damping, stds[1], 'N s/m'),
             float(np.mean([case.port.force_noise for case in self._cases])), force, motion,
             improvement_interval(parts, self._generator), by_part(parts),
-            _advice(names, verdict), rivals, self._finding.candidates, best.cost / count, predictable,
-            self._ports, runs,
+            _advice(names, verdict), rivals, self._finding.candidates, best.cost / count,
+            predictable, self._ports, runs,
         )
 
     def _verdict(self, best: Fit, open_end: bool) -> str:
