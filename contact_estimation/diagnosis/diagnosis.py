@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from .episodes import HeldOut, hold_out, require_contact
 from .finding import Diagnosis, NamedEffect, Value
 from .fitting import Fit, fit
-from .flexible import predictable_share
+from .flexible import memory, predictable_share
 from .free_run import free_run
 from .held_out import as_good, by_part, errors_of, improvement_interval, measure_part, Part
 from .location import locate
@@ -54,6 +54,7 @@ FULLY = 0.97
 """Share of the misfit from which on what is left is the method's own error."""
 
 _PREDICTABLE = 0.1  # share of the residual that a smoother foretells: structure, not noise
+_MEMORY = 0.25  # correlation of neighbouring residuals: structure that no smoother foretells
 _TEMPERATURE = 10.0  # serial correlation: costs are worth less than independent samples say
 _MOST_RIVALS = 2
 
@@ -210,12 +211,13 @@ class _Conclusion:
         count = base.filled
         excess, left = base.cost - count, best.cost - count
         explained = 1.0 - left / excess if excess > 0.0 else 1.0
-        predictable = 0.0
+        predictable, open_end = 0.0, False
         if left > LEFT * count:
             progress('what is left')
             predictable = max(predictable_share(port, best.model) for port in self._ports)
-        open_end = (left > LEFT * count and predictable > _PREDICTABLE
-                    and (explained < FULLY or not best.model.effects))
+            structured = predictable > _PREDICTABLE or _MEMORY < max(
+                memory(port, best.model) for port in self._ports)
+            open_end = structured and (explained < FULLY or not best.model.effects)
         if best.model.effects and open_end and explained < EXPLAINED:
             best = base  # a false name is worse than no name
         verdict = self._verdict(best, open_end)

@@ -111,11 +111,12 @@ def fit(ports: Sequence[Ports], model: Model, steps: int = 25) -> Fit:
     low, high = (bound[free] for bound in model.bounds)
     start = np.array(model.values)[free]
     size = _sizes(model)[free]
-    found = least_squares(
-        function, np.clip(start, low + 1e-9 * size, high), bounds=(low, high), x_scale=size,
-        diff_step=_STEP, max_nfev=steps, xtol=1e-6, ftol=1e-3 if steps < 10 else 1e-6,
-        gtol=1e-12,
-    )
+    with np.errstate(all='ignore'):  # far off the truth costs are beyond all measure
+        found = least_squares(
+            function, np.clip(start, low + 1e-9 * size, high), bounds=(low, high), x_scale=size,
+            diff_step=_STEP, max_nfev=steps, xtol=1e-6, ftol=1e-3 if steps < 10 else 1e-6,
+            gtol=1e-12,
+        )
     values = np.array(model.values)
     values[free] = found.x
     return Fit(model.at(values), 2.0 * found.cost, found.fun, sum(p.count for p in ports))

@@ -58,6 +58,35 @@ def predictable_share(port: Ports, model: Model) -> float:
     return max(_cross_validated(features, part) for part in parts)
 
 
+def memory(port: Ports, model: Model) -> float:
+    """
+    Tell how much neighbouring residuals know of each other.
+
+    Parameters
+    ----------
+    port : Ports
+        A recording.
+    model : Model
+        Fitted.
+
+    Returns
+    -------
+    correlation : float
+        Largest size of the autocorrelation over the next five blocks, of the ports whose residual
+        is larger than its noise; 0 for noise, however loud.
+
+    """
+    blocks = len(port.observed.t) // port.block
+    largest = 0.0
+    for part in port.residuals(model).reshape(-1, blocks):
+        power = float(part @ part)
+        if power < 1.5 * blocks:
+            continue
+        for lag in range(1, 6):
+            largest = max(largest, abs(float(part[lag:] @ part[:-lag])) / power)
+    return largest
+
+
 def _features(port: Ports, model: Model) -> Array:
     o, law = port.observed, model.laws().contact
     force, d = law.force_and_depth(o.t, o.x, o.v, o.a)

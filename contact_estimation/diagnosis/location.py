@@ -32,6 +32,7 @@ _WINDOW_S = 0.1
 _STRONG = 2.5  # mean square of the residual in a window, in those of the noise
 _GAP_S = 0.3  # intervals closer than this are one
 _MOST_INTERVALS = 12
+_SILENT = 0.02  # of the force port's excess; less is no answer of the motion
 _ENTRY_S = 0.15
 _SLOW = 0.15  # of the speed that 95 % of the contact stays below
 
@@ -103,7 +104,11 @@ def locate(port: Ports, model: Model, acting: str | None = None) -> Location:
 
 def guess_port(port: Ports, model: Model) -> str:
     """
-    Tell the port from where the residuals are: a contact effect shows on both.
+    Tell the port from where the residuals are.
+
+    What the wall does and the model does not know is missing in the measured force and, as a
+    push, in the motion; what the sensor does, in the force alone; what the robot does, in the
+    motion alone.
 
     Parameters
     ----------
@@ -116,28 +121,22 @@ def guess_port(port: Ports, model: Model) -> str:
         'contact', 'force_sensor' or 'robot'.
 
     """
-    o = port.observed
-    count = len(o.t) // port.block
+    missing = port.force_residual(model)
+    answer = port.answer_to(missing * port.use, model)
+    count = len(port.observed.t) // port.block
     parts = port.residuals(model, robust=False).reshape(-1, count)
-    if len(parts) == 1:
+    if answer is None or len(parts) == 1:
         return 'contact'
-    inside = _blocks(port, (model.laws().contact.contact(o.t, o.x, o.v)).astype(float)) > 0.5
+    force, motion = parts
     excess = [max(0.0, float(np.sum(part**2 - 1.0))) for part in parts]
-    free = [max(0.0, float(np.sum(part[~inside] ** 2 - 1.0))) for part in parts]
-    if excess[0] < 0.1 * (excess[1] + 1.0) or free[1] > 0.3 * excess[1] > 0.0:
-        return 'robot'
-    # A force that is real moves the robot: what the wall is missing, the motion misses too.
-    push = _equivalent_force(port, parts[1])
-    measured = parts[0] * port.force_noise
-    both = float(np.sum(push * measured))
-    like = both / max(float(np.sum(push**2)) ** 0.5 * float(np.sum(measured**2)) ** 0.5, 1e-12)
-    return 'contact' if abs(like) > 0.35 else 'force_sensor'
-
-
-def _equivalent_force(port: Ports, innovations: Array) -> Array:
-    """Filter out of the innovations the force that would have caused them, about."""
-    span = max(1, round(0.06 / (port.observed.h * port.block)))
-    return np.convolve(innovations, np.ones(span) / span, mode='same')
+    if excess[1] < _SILENT * excess[0]:
+        return 'force_sensor'
+    pushed = port.average('motion', answer, port.motion_noise)
+    share = float(pushed @ motion) / max(float(pushed @ pushed), 1e-300)
+    explained = 1.0 - float(np.sum((motion - share * pushed) ** 2)) / float(np.sum(motion**2))
+    if explained > 0.5 and share > 0.5:
+        return 'contact'
+    return 'force_sensor' if float(pushed @ pushed) > float(motion @ motion) else 'robot'
 
 
 def intervals(port: Ports, energy: Array) -> list[tuple[float, float]]:

@@ -191,26 +191,29 @@ class Ports:
         misfit = o.raw_position - predicted
         return innovations(misfit, self._whitener(system), OBSERVER_CUTOFF, o.h)
 
-    def carried(self, model: Model) -> Array:
+    def answer_to(self, push: Array, model: Model) -> Array | None:
         """
-        Predict the position by a fitted model, as a carrier for `observe`.
+        Compute the innovations that a force on the robot would leave.
 
         Parameters
         ----------
+        push : ndarray, shape (N,)
+            Force that the model does not know [N].
         model : Model
             Fitted.
 
         Returns
         -------
-        position : ndarray, shape (N,)
-            [m].
+        innovations : ndarray, shape (N,), or None
+            [m]; None without a robot.
 
         """
-        laws, o = model.laws(), self.observed
-        force, d = laws.contact.force_and_depth(o.t, o.x, o.v, o.a)
-        if o.reference is not None:
-            return self._robot_run(laws, force, d)[0]
-        return driven_wall(model, o, self.rounds)
+        o, robot = self.observed, model.laws().robot
+        if o.reference is None:
+            return None
+        system = discretise(robot.mass, robot.damping, robot.stiffness, o.h)
+        moved = run(system, push, 0.0, 0.0)
+        return innovations(moved, self._whitener(system), OBSERVER_CUTOFF, o.h)
 
     def _wall_misfit(self, model: Model) -> Array:
         """

@@ -25,6 +25,8 @@ import numpy as np
 from .physics import Array, ContactEffect, Flags, Number, Scales, stretches
 from ..parameters import parameter, ParameterGroup
 
+_LARGEST = 50.0  # exponent; only a search far off the truth comes there
+
 
 @dataclass(frozen=True)
 class BoucWenHysteresisParameters(ParameterGroup):
@@ -86,7 +88,7 @@ class BoucWenHysteresis(ContactEffect):
             steps = np.diff(d[first:stop], prepend=before)
             for step in steps.tolist():
                 c = (beta if step > 0.0 else -beta) + (gamma if z > 0.0 else -gamma)
-                x = c * step
+                x = max(c * step, -_LARGEST)
                 z += (1.0 - c * z) * (step if abs(x) < 1e-9 else -expm1(-x) / c)
                 along.append(z)
             states[first:stop] = along
