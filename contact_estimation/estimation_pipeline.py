@@ -22,6 +22,7 @@ from typing import Sequence
 
 from .estimation_parameters import EstimationParameters
 from .estimators import ESTIMATORS
+from .estimators.equation_noise import EquationNoise
 from .estimators.estimator import (
     Estimate,
     EstimateStatus,
@@ -36,7 +37,7 @@ from .physics import effects_that_are_on
 from .physics.physics import ContactEffect
 from .signals.conditioning import Conditioned, Conditioner
 from .signals.contact_sample import ContactSample
-from .signals.relations import Row
+from .signals.relations import NoiseGain, Row
 
 NO_REFERENCE = Reference(nan, nan, nan)
 _HOLD_REASONS = {
@@ -73,6 +74,7 @@ class EstimationPipeline:
         self._make_conditioning()
         self._set_physics()
         self._monitor = ExcitationMonitor(p.excitation, 1.0 / p.sample_rate)
+        self._noise = EquationNoise(p.contact.force_noise**2)
         self._note_prediction()
 
     # -- parameters -------------------------------------------------------------------------
@@ -123,6 +125,7 @@ class EstimationPipeline:
         stiffness, damping = self._estimator.stiffness, self._estimator.damping
         self._make_estimator()
         self._estimator.start_from(*self._estimator.within_limits(stiffness, damping))
+        self._noise.forget_claims()
 
     def _make_conditioning(self) -> None:
         p, contact = self.parameters, self._conditioner.detector.contact
@@ -142,6 +145,7 @@ class EstimationPipeline:
         """Go back to the first guess; the tare stays."""
         self._estimator.reset()
         self._monitor.reset()
+        self._noise = EquationNoise(self.parameters.contact.force_noise**2)
         self._conditioner.detector.reset()
         self._conditioner.forget_motion()
         self._note_prediction()
@@ -273,7 +277,8 @@ class EstimationPipeline:
                 end += 1
             if learns:
                 states += self._learn(
-                    conditioned.dts[begin:end], rows[begin:end], conditioned.variances[begin]
+                    conditioned.dts[begin:end], rows[begin:end], conditioned.variances[begin],
+                    conditioned.gains[begin:end],
                 )
             else:
                 states += self._stand(contact[begin:end])
@@ -295,13 +300,14 @@ class EstimationPipeline:
 
     def _stand(self, contact: list[bool]) -> list[State]:
         """Hold still: out of contact, or while consecutive samples are lacking."""
-        now = self._estimator.snapshot()
+        now = self._known()
         free: State = now, EstimateStatus.FREE, ''
         waiting: State = now, EstimateStatus.FROZEN, _WAITING
         return [waiting if touching else free for touching in contact]
 
     def _learn(
-        self, dts: list[float], rows: Sequence[Row | None], variance: float
+        self, dts: list[float], rows: Sequence[Row | None], force_variance: float,
+        gains: list[NoiseGain],
     ) -> list[State]:
         """Learn between the judgements on excitation, which fall on fixed counts of rows."""
         longest = 2.0 / self.parameters.sample_rate  # never integrate over a gap
@@ -312,32 +318,41 @@ class EstimationPipeline:
         begin = 0
         while begin < len(timed):
             part = timed[begin:begin + self._monitor.until_judgement]
-            self._monitor.add([row for _, row in part])
-            states += self._learn_part(part, variance)
+            self._monitor.add([row for _, row in part], gains[begin:begin + len(part)])
+            states += self._learn_part(part, max(force_variance, self._noise.variance))
             if self._monitor.until_judgement == 0:
-                self._judge(variance)
+                self._judge(force_variance)
             begin += len(part)
         return states
 
     def _learn_part(self, part: list[TimedRow], variance: float) -> list[State]:
         held = self._monitor.held
         if held.stiffness and held.damping:
-            still = self._estimator.snapshot(), EstimateStatus.FROZEN, _HOLD_REASONS[held]
+            still = self._known(), EstimateStatus.FROZEN, _HOLD_REASONS[held]
             return [still] * len(part)
         K, B, floor = self._prediction
         if all(K * row[1] + B * row[2] > floor for _, row in part):
-            snapshots = self._estimator.learn(part, variance, held)
+            snapshots = self._claimed(part, variance, held)
             reason = _HOLD_REASONS[held]
             return self._checked([(now, EstimateStatus.ESTIMATING, reason) for now in snapshots])
         states: list[State] = []
         for timed in part:
             if K * timed[1][1] + B * timed[1][2] > floor:
-                (now,) = self._estimator.learn((timed,), variance, held)
+                (now,) = self._claimed((timed,), variance, held)
                 states.append((now, EstimateStatus.ESTIMATING, _HOLD_REASONS[held]))
             else:
-                now = self._estimator.snapshot()
+                now = self._known()
                 states.append((now, EstimateStatus.FROZEN, _NOT_PREDICTED))
         return self._checked(states)
+
+    def _claimed(
+        self, part: Sequence[TimedRow], variance: float, held: Held
+    ) -> list[Snapshot]:
+        self._noise.note_learning(held)
+        return list(map(self._noise.claim, self._estimator.learn(part, variance, held)))
+
+    def _known(self) -> Snapshot:
+        return self._noise.claim(self._estimator.snapshot())
 
     def _checked(self, states: list[State]) -> list[State]:
         """Start again rather than go on from a number that is none."""
@@ -345,12 +360,16 @@ class EstimationPipeline:
         if isfinite(now.stiffness) and isfinite(now.damping):
             return states
         self._estimator.reset()
-        return [(self._estimator.snapshot(), EstimateStatus.FROZEN, _NOT_FINITE)] * len(states)
+        return [(self._known(), EstimateStatus.FROZEN, _NOT_FINITE)] * len(states)
 
-    def _judge(self, variance: float) -> None:
+    def _judge(self, force_variance: float) -> None:
         estimator, environment = self._estimator, self.parameters.environment
+        self._noise.judge(
+            self._monitor.window(), force_variance, self.parameters.contact.position_noise,
+            estimator,
+        )
         self._monitor.judge(
-            variance,
+            self._noise.variance,
             max(estimator.stiffness, 0.1 * environment.initial_stiffness),
             max(estimator.damping, environment.initial_damping, 1e-3),
             estimator.location_std,

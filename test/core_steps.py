@@ -20,6 +20,7 @@ from typing import Any, NamedTuple, Sequence
 
 from contact_estimation.estimators.estimator import Held
 from contact_estimation.signals.contact_sample import ContactSample
+from contact_estimation.signals.relations import COLUMNS
 
 FREE = Held(False, False)
 
@@ -56,9 +57,9 @@ def judged(
     monitor: Any, row: Sequence[float], variance: float, stiffness: float, damping: float,
     location_std: float | None,
 ) -> Held:
-    """Let the excitation monitor judge after one row."""
+    """Let the excitation monitor judge after one row, filled up with zeros."""
     scales = variance, stiffness, damping, location_std
-    monitor.add([row])
+    monitor.add([(*row, *[0.0] * (COLUMNS - len(row)))])
     if monitor.until_judgement == 0:
         monitor.judge(*scales)
     return monitor.held  # type: ignore[no-any-return]

@@ -28,6 +28,9 @@ from ..signals.relations import Relation, Row, VelocityRelation
 
 TimedRow = tuple[float, Row]
 
+UNKNOWN_DAMPING_S = 1e-2
+"""Standard deviation of a B_e that no data have shown, as a share of K_hat [s]."""
+
 
 class EstimateStatus(str, Enum):
     """Whether an estimate moves."""
@@ -158,6 +161,9 @@ class OnlineEstimator(ABC):
     Parameters: ClassVar[type[ParameterGroup]]
     relation: ClassVar[type[Relation]] = VelocityRelation
     estimates_location: ClassVar[bool] = False
+    biased_by_position_noise: ClassVar[bool] = True
+    """Whether noise of phi_B, a differentiated position, makes B_hat too small."""
+
     follows_reference: ClassVar[bool] = False
     """Whether `observe` needs the reference that the robot follows."""
 

@@ -19,13 +19,15 @@ from __future__ import annotations
 from collections import deque
 from dataclasses import dataclass
 from math import inf, sqrt
-from typing import Sequence
+from typing import NamedTuple, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
 
 from .estimator import Held
 from ..parameters import parameter, ParameterGroup
-from ..signals.relations import Row
+from ..signals.relations import COLUMNS, NoiseGain, Row
 
-Information = tuple[float, float, float, float, float, float, float]
 _BLOCKS = 10  # of the window; judged a block at a time, since excitation changes slowly
 _EARLY = 10  # rows between judgements
 
@@ -44,6 +46,26 @@ class ExcitationParameters(ParameterGroup):
         'large: never held',
         minimum=1e-4,
     )
+
+
+class Window(NamedTuple):
+    """
+    Sums over the rows of the last moments.
+
+    Attributes
+    ----------
+    effective_samples : float
+        Of the shares of white force noise that are left in the rows.
+    rate_noise : float
+        Of the variances of phi_B for a variance 1 of the position [1/s^2].
+    products : ndarray, shape (5, 5)
+        Of row^T row.
+
+    """
+
+    effective_samples: float
+    rate_noise: float
+    products: NDArray[np.float64]
 
 
 class ExcitationMonitor:
@@ -86,44 +108,55 @@ class ExcitationMonitor:
 
     def reset(self) -> None:
         """Forget all excitation."""
-        self._past: deque[Information] = deque(maxlen=_BLOCKS - 1)
+        self._past: deque[Window] = deque(maxlen=_BLOCKS - 1)
         self._start_block()
         self.held = Held(True, True)
         self.stiffness_std = inf
         self.damping_std = inf
 
     def _start_block(self) -> None:
-        self._count = 0
+        self._rows: list[Row] = []
+        self._effective = self._rate_noise = 0.0
         self._next = min(_EARLY, self._block)
-        self._sums: Information = (0.0,) * 7  # type: ignore[assignment]
 
     @property
     def until_judgement(self) -> int:
         """Number of rows that may be added before the next judgement is due."""
-        return self._next - self._count
+        return self._next - len(self._rows)
 
-    def add(self, rows: Sequence[Row]) -> None:
+    def add(self, rows: Sequence[Row], gains: Sequence[NoiseGain] = ()) -> None:
         """
         Take rows of contact, at most `until_judgement`.
 
         Parameters
         ----------
         rows : sequence of sequence of float
-            (y, phi_K, phi_B, phi_c, ...) each.
+            (y, phi_K, phi_B, phi_c, phi_M) each.
+        gains : sequence of NoiseGain
+            How noise enters each.
 
         """
-        KK, KB, BB, Kc, Bc, cc, Ky = self._sums
-        for row in rows:
-            y, f_K, f_B, f_c = row[0], row[1], row[2], row[3]
-            KK += f_K * f_K
-            KB += f_K * f_B
-            BB += f_B * f_B
-            Kc += f_K * f_c
-            Bc += f_B * f_c
-            cc += f_c * f_c
-            Ky += f_K * y
-        self._sums = KK, KB, BB, Kc, Bc, cc, Ky
-        self._count += len(rows)
+        self._rows += rows
+        for force, rate in gains:
+            self._effective += force
+            self._rate_noise += rate
+
+    def window(self) -> Window:
+        """
+        Sum over the window.
+
+        Returns
+        -------
+        window : Window
+            Up to the last row.
+
+        """
+        effective, rate_noise, products = zip(*self._past, self._block_sums())
+        return Window(sum(effective), sum(rate_noise), sum(products))
+
+    def _block_sums(self) -> Window:
+        rows = np.array(self._rows, float).reshape(-1, COLUMNS)
+        return Window(self._effective, self._rate_noise, rows.T @ rows)
 
     def judge(
         self,
@@ -138,7 +171,7 @@ class ExcitationMonitor:
         Parameters
         ----------
         noise_variance : float
-            Of the unfiltered force [N^2]; the filter passes the band in which phi lives
+            Of the unfiltered equation [N^2]; the filter passes the band in which phi lives
             unchanged, so the bound is that of the raw samples.
         stiffness, damping : float
             The scales to compare with, > 0: the estimates, kept off zero by the caller.
@@ -146,33 +179,38 @@ class ExcitationMonitor:
             Prior standard deviation of x_e [m] where x_e is estimated too, else None.
 
         """
-        total = tuple(map(sum, zip(self._sums, *self._past)))
-        self._judge(total, noise_variance, stiffness, damping, location_std)
-        if self._count >= self._block:
-            self._past.append(self._sums)
+        self._judge(self.window().products, noise_variance, stiffness, damping, location_std)
+        if len(self._rows) >= self._block:
+            self._past.append(self._block_sums())
             self._start_block()
         else:
             self._next = min(self._next + _EARLY, self._block)
 
     def _judge(
         self,
-        total: tuple[float, ...],
+        products: NDArray[np.float64],
         noise_variance: float,
         stiffness: float,
         damping: float,
         location_std: float | None,
     ) -> None:
-        KK, KB, BB, Kc, Bc, cc, Ky = total
-        # The secant stiffness of the window counts as well: a first guess that is far too soft
-        # must not call a stiff wall unexcited.
+        (_, Ky, By, cy, _), (_, KK, KB, Kc, _), (_, _, BB, Bc, _), (*_, cc, _), _ = (
+            products.tolist()
+        )
         limit_K = self._limit * max(stiffness, Ky / KK if KK > 0.0 else 0.0)
-        limit_B = self._limit * damping
         if location_std is not None:
             # Marginalise the location out (Schur complement), with its prior as information.
             cc += noise_variance / max((stiffness * location_std) ** 2, 1e-30)
             KK -= Kc * Kc / cc
             KB -= Kc * Bc / cc
             BB -= Bc * Bc / cc
+            Ky -= Kc * cy / cc
+            By -= Bc * cy / cc
+        # What the window alone would give counts as well, as does its secant stiffness: a first
+        # guess that is far too soft must not call a stiff and damped wall unexcited.
+        determinant = KK * BB - KB * KB
+        fitted_B = (KK * By - KB * Ky) / determinant if determinant > 1e-12 * KK * BB else 0.0
+        limit_B = self._limit * max(damping, fitted_B)
         both_K, both_B = _std(noise_variance, KK, KB, BB), _std(noise_variance, BB, KB, KK)
         alone_K, alone_B = _std(noise_variance, KK, 0.0, 1.0), _std(noise_variance, BB, 0.0, 1.0)
         self.stiffness_std, self.damping_std = both_K, both_B

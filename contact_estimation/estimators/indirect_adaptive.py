@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from math import expm1, nan, sqrt
 from typing import Sequence
 
-from .estimator import Held, OnlineEstimator, Snapshot, TimedRow
+from .estimator import Held, OnlineEstimator, Snapshot, TimedRow, UNKNOWN_DAMPING_S
 from ..parameters import parameter, ParameterGroup
 
 _SMALLEST = 1e-30
@@ -70,7 +70,8 @@ class IndirectAdaptive(OnlineEstimator):
         """Begin anew; see `OnlineEstimator.start_from`."""
         self.stiffness, self.damping = stiffness, damping
         self._seen_s = self._mean_K = self._mean_B = 0.0
-        self._P = stiffness**2, 0.0, max(damping**2, (1e-2 * stiffness) ** 2)
+        self._damping_learned = False
+        self._P = stiffness**2, 0.0, max(damping, UNKNOWN_DAMPING_S * stiffness) ** 2
 
     def learn(
         self, rows: Sequence[TimedRow], noise_variance: float, held: Held
@@ -82,8 +83,11 @@ class IndirectAdaptive(OnlineEstimator):
         K, B = self.stiffness, self.damping
         P_KK, P_KB, P_BB = self._P
         K_low, K_high, B_high = self.limits
+        self._damping_learned |= not held.damping
+        unknown = 0.0 if self._damping_learned else UNKNOWN_DAMPING_S
         snapshots = []
         for dt, row in rows:
+            P_BB = max(P_BB, (unknown * K) ** 2)
             y, f_K, f_B = row[0], row[1], row[2]
             if normalised:
                 gain_K, gain_B = self._normalised_gains(dt, f_K, f_B, held)

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from math import nan, sqrt
 from typing import Sequence
 
-from .estimator import Held, OnlineEstimator, Snapshot, TimedRow
+from .estimator import Held, OnlineEstimator, Snapshot, TimedRow, UNKNOWN_DAMPING_S
 from ..parameters import parameter, ParameterGroup
 from ..signals.relations import TustinRelation
 
@@ -77,6 +77,7 @@ class RecursiveLeastSquares(OnlineEstimator):
         self.stiffness, self.damping = stiffness, damping
         self._M = 0.0
         self._P = initial_covariance(self._p.initial_covariance, self.sample_period_s)
+        self._damping_learned = False
         self._noise_variance = nan  # no row yet, so no spread can be told
 
     def learn(
@@ -90,8 +91,13 @@ class RecursiveLeastSquares(OnlineEstimator):
         K, B, M = self.stiffness, self.damping, self._M
         KK, KB, KM, BB, BM, MM = self._P
         limits = K_low, K_high, B_high = self.limits
+        self._damping_learned |= free_B
+        unknown = 0.0
+        if not self._damping_learned and noise_variance > 0.0:
+            unknown = UNKNOWN_DAMPING_S**2 / noise_variance
         snapshots = []
         for _, (y, f_K, f_B, _, f_M) in rows:
+            BB = max(BB, unknown * K * K)  # a first guess that is held must not look sure
             p_K = KK * f_K + KB * f_B + KM * f_M
             p_B = KB * f_K + BB * f_B + BM * f_M
             p_M = KM * f_K + BM * f_B + MM * f_M

@@ -18,11 +18,13 @@ from __future__ import annotations
 
 from typing import Sequence
 
-from scipy.signal import butter
+import numpy as np
+from scipy.signal import butter, lfilter
 
 from ..exceptions import ParameterRangeError
 
 Row = Sequence[float]
+_IMPULSE_SAMPLES = 10_000
 
 
 class ButterworthBank:
@@ -63,6 +65,29 @@ class ButterworthBank:
         """Forget the past: as if all signals had been 0 for ever."""
         self._s1 = [0.0 for _ in self._channels]
         self._s2 = [0.0 for _ in self._channels]
+
+    def noise_gain(self, weights: Sequence[float] = (1.0,)) -> float:
+        """
+        Tell which share of the variance of white noise passes.
+
+        Parameters
+        ----------
+        weights : sequence of float
+            Of a moving average before the filter.
+
+        Returns
+        -------
+        gain : float
+            Sum of the squares of the impulse response.
+
+        """
+        if self._passes:
+            return sum(weight * weight for weight in weights)
+        impulse = np.zeros(_IMPULSE_SAMPLES)
+        impulse[: len(weights)] = weights
+        b = self._b0 * np.array([1.0, 2.0, 1.0])
+        response = lfilter(b, [1.0, self._a1, self._a2], impulse)
+        return float(response @ response)
 
     def process(self, rows: Sequence[Row]) -> Sequence[Row]:
         """

@@ -31,11 +31,10 @@ from typing import Any, NamedTuple, Sequence
 from .butterworth import ButterworthBank
 from .contact_detection import ContactDetector, ContactParameters
 from .contact_sample import ContactSample
-from .relations import Relation, Row
+from .relations import COLUMNS, NO_GAIN, NoiseGain, Relation, Row
 from ..parameters import parameter, ParameterGroup
 
-_COLUMNS = 5
-_ZEROS = (0.0,) * _COLUMNS
+_ZEROS = (0.0,) * COLUMNS
 _TARE_S = 0.5
 _PERIOD_GAIN = 0.01  # of the mean sample period
 
@@ -66,6 +65,8 @@ class Conditioned(NamedTuple):
     rows : list of row or None
         (y, phi_K, phi_B, phi_c, ...) of samples in contact; None elsewhere, and where the
         relation does not hold yet.
+    gains : list of NoiseGain
+        How white noise enters each row.
 
     """
 
@@ -74,6 +75,7 @@ class Conditioned(NamedTuple):
     contact: list[bool]
     variances: list[float]
     rows: list[Row | None]
+    gains: list[NoiseGain]
 
 
 class Conditioner:
@@ -123,12 +125,17 @@ class Conditioner:
         """
         self._T = 1.0 / sample_rate
         cutoff = parameters.cutoff_frequency
-        self._filter = ButterworthBank(_COLUMNS, cutoff, sample_rate)
+        self._filter = ButterworthBank(COLUMNS, cutoff, sample_rate)
         self._velocity_filter = ButterworthBank(1, cutoff, sample_rate)
         # The slower pole decays with cutoff / sqrt(2): after so many samples 1e-9 is left.
         self._tail = 0 if cutoff == 0.0 else ceil(21.0 * math.sqrt(2.0) * sample_rate
                                                   / (2.0 * math.pi * cutoff))
         self._relation_class = relation
+        self._gains = {
+            w: NoiseGain(self._filter.noise_gain(w.force),
+                         self._filter.noise_gain(w.rate) / self._T**2)
+            for w in relation.weightings
+        }
         self.forget_motion()
 
     def forget_motion(self) -> None:
@@ -205,6 +212,7 @@ class Conditioner:
         if self.effects and True in contact:
             pressings = self._compensate(samples, dts, deltas, velocities, pressings)
         rows: list[Row | None] = [None] * len(samples)
+        gains = [NO_GAIN] * len(samples)
         begin, count = 0, len(samples)
         while begin < count:  # stretch by stretch of contact and of free flight
             touching, end = contact[begin], begin + 1
@@ -212,14 +220,14 @@ class Conditioner:
                 end += 1
             if touching:
                 stretch = slice(begin, end)
-                rows[stretch] = self._touch(
+                rows[stretch], gains[stretch] = self._touch(
                     samples[stretch], dts[stretch], deltas[stretch], pressings[stretch]
                 )
             else:
                 self._fly(pressings[begin:end], inside[begin:end])
             begin = end
         self._last_velocity = velocities[-1]
-        return Conditioned(dts, velocities, contact, variances, rows)
+        return Conditioned(dts, velocities, contact, variances, rows, gains)
 
     def _motion(
         self, samples: Sequence[ContactSample]
@@ -269,16 +277,18 @@ class Conditioner:
     def _touch(
         self, samples: Sequence[ContactSample], dts: list[float], deltas: list[float],
         pressings: list[float],
-    ) -> list[Row | None]:
+    ) -> tuple[list[Row | None], list[NoiseGain]]:
         self._free.clear()
-        row_of, rows = self._relation.row, []
+        relation, gain_of, rows, gains = self._relation, self._gains, [], []
+        row_of = relation.row
         for dt, delta, sample, pressing in zip(dts, deltas, samples, pressings):
             rows.append(row_of(dt, delta, sample[2], pressing))
+            gains.append(gain_of[relation.weighting])
         self._tail_left = self._tail
         filtered = self._filter.process([row or _ZEROS for row in rows])
         if None in rows:  # the relation waits for consecutive samples
-            return [new if row else None for row, new in zip(rows, filtered)]
-        return list(filtered)
+            return [new if row else None for row, new in zip(rows, filtered)], gains
+        return list(filtered), gains
 
     def _fly(self, pressings: list[float], inside: list[bool]) -> None:
         """Let the gate's zeros run through the filter until nothing of the contact is left."""

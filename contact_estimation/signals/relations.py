@@ -23,9 +23,48 @@ neither the touch-down nor the filter biases the estimate. y is the pressing for
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import Sequence
+from typing import ClassVar, NamedTuple, Sequence
 
 Row = Sequence[float]
+COLUMNS = 5
+"""Of a row: y, phi_K, phi_B, phi_c, phi_M."""
+
+
+class Weighting(NamedTuple):
+    """
+    How a row weighs successive samples: by this, noise enters it.
+
+    Attributes
+    ----------
+    force : tuple of float
+        Weights of the force in y.
+    rate : tuple of float
+        Weights of the position in phi_B [1 / T]; () where the velocity is measured.
+
+    """
+
+    force: tuple[float, ...]
+    rate: tuple[float, ...]
+
+
+class NoiseGain(NamedTuple):
+    """
+    How white noise of force and position enters a filtered row.
+
+    Attributes
+    ----------
+    force : float
+        Share of the variance of the force noise that is left in y.
+    rate : float
+        Variance of phi_B for a variance 1 of the position [1/s^2].
+
+    """
+
+    force: float
+    rate: float
+
+
+NO_GAIN = NoiseGain(0.0, 0.0)
 
 
 class Relation(ABC):
@@ -39,8 +78,15 @@ class Relation(ABC):
 
     """
 
+    weightings: ClassVar[tuple[Weighting, ...]]
+    """The ways in which rows may weigh samples."""
+
+    weighting: Weighting
+    """Which of these the last row has."""
+
     def __init__(self, sample_period_s: float) -> None:
         self._longest = 1.5 * sample_period_s
+        self.weighting = self.weightings[0]
         self.leave()
 
     @abstractmethod
@@ -74,6 +120,8 @@ class Relation(ABC):
 class VelocityRelation(Relation):
     """Eq. (7): F = K_e delta + B_e v; from differences where no velocity is measured."""
 
+    weightings = Weighting((1.0,), ()), Weighting((0.5, 0.5), (1.0, -1.0))
+
     def leave(self) -> None:
         """Forget the sample before; see `Relation.leave`."""
         self._last: tuple[float, float] | None = None
@@ -81,6 +129,7 @@ class VelocityRelation(Relation):
     def row(self, dt: float, delta: float, velocity: float, pressing: float) -> Row | None:
         """Build (y, phi_K, phi_B, phi_c, 0); see `Relation.row`."""
         last, self._last = self._last, (delta, pressing)
+        self.weighting = self.weightings[0 if velocity == velocity else 1]
         if velocity == velocity:
             return pressing, delta, velocity, 1.0, 0.0
         # Without velocity: the trapezoid of eq. (3) over one interval. Averaging force and
@@ -104,6 +153,8 @@ class TustinRelation(Relation):
     coordinates in which the covariance can be read. Uses positions only.
 
     """
+
+    weightings = (Weighting((0.25, 0.5, 0.25), (0.5, 0.0, -0.5)),)
 
     def __init__(self, sample_period_s: float) -> None:
         super().__init__(sample_period_s)
