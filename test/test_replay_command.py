@@ -115,7 +115,7 @@ def test_csv_has_a_row_a_sample_whose_numbers_keep_their_bits(
     for row, estimate in zip(rows, expected(), strict=True):
         t, *numbers, status = row.split(',')
         assert int(t.replace('.', '')) == estimate.stamp_ns
-        assert [float(n) for n in numbers] == [getattr(estimate, name) for name in COLUMNS]
+        assert numbers == [repr(getattr(estimate, name)) for name in COLUMNS]
         assert status == estimate.status.value
 
 

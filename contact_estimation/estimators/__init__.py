@@ -21,6 +21,7 @@ from typing import Callable
 
 from .estimator import OnlineEstimator
 from .indirect_adaptive import IndirectAdaptive
+from .instrumental_variable import InstrumentalVariable
 from .kalman import Kalman
 from .mrac import ModelReferenceAdaptive
 from .offline_estimator import OfflineEstimator, TargetImpedance
@@ -34,6 +35,7 @@ ESTIMATORS: dict[str, type[OnlineEstimator]] = {
     'rls': RecursiveLeastSquares,
     'mrac': ModelReferenceAdaptive,
     'kalman': Kalman,
+    'instrumental_variable': InstrumentalVariable,
 }
 
 OFFLINE_ESTIMATORS: dict[str, Callable[[TargetImpedance], OfflineEstimator]] = {

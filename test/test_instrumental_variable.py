@@ -1,0 +1,153 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Instrumental variables against the batch form, and against estimators that noise biases."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import Any
+
+from contact_estimation.estimators.estimator import EnvironmentParameters, Held
+from contact_estimation.estimators.instrumental_variable import (
+    InstrumentalVariable,
+    InstrumentalVariableParameters,
+)
+from core_runs import closed_loop, estimates_of, pipeline_with
+from core_steps import known, learn
+import numpy as np
+from numpy.typing import NDArray
+import pytest
+
+K, B, T, LAG = 4800.0, 200.0, 0.002, 10
+POSITION_NOISE, SEEDS = 1e-4, 3
+PLAIN = ['rls', 'kalman', 'indirect_adaptive']
+
+
+def estimator(**tuning: Any) -> InstrumentalVariable:
+    """Make an estimator with the default first guess."""
+    return InstrumentalVariable(
+        InstrumentalVariableParameters(**tuning), EnvironmentParameters(), T
+    )
+
+
+def rows_of(count: int, noise: float = 0.5, seed: int = 10) -> NDArray[np.float64]:
+    """Rows (y, d, v, 1, 0) of a sine contact."""
+    t = T * np.arange(count)
+    d, v = 0.01 + 0.002 * np.sin(20.0 * t), 0.04 * np.cos(20.0 * t)
+    errors = noise * np.random.default_rng(seed).standard_normal(count)
+    return np.column_stack([K * d + B * v + errors, d, v, np.ones(count), np.zeros(count)])
+
+
+@lru_cache(maxsize=None)
+def damping_errors(name: str, experiment: str) -> tuple[tuple[float, float], ...]:
+    """Error and claimed std of B at the last contact [%], positions noisy, no velocity."""
+    found = []
+    for seed in range(SEEDS):
+        run = closed_loop({}, {
+            'sensors.force_noise': 1.0, 'sensors.distribution': 'uniform', 'seed': seed,
+            'sensors.position_noise': POSITION_NOISE, 'sensors.publish_velocity': False,
+        }, experiment)
+        last = max(k for k, truth in enumerate(run.truths) if truth.force < 0.0)
+        pipeline = pipeline_with(estimator=name, contact__position_noise=POSITION_NOISE)
+        estimate = estimates_of([r.sample for r in run.results[:last + 1]], pipeline)[-1]
+        found.append((100.0 * (estimate.damping / B - 1.0), 100.0 * estimate.damping_std / B))
+    return tuple(found)
+
+
+@pytest.mark.parametrize('experiment', ['sine', 'multisine', 'none'])
+def test_position_noise_does_not_bias_the_damping(experiment: str) -> None:
+    errors = [error for error, _ in damping_errors('instrumental_variable', experiment)]
+    assert abs(np.mean(errors)) < 1.5  # its standard deviation: 0.9 % / sqrt(3)
+
+
+@pytest.mark.parametrize('name', PLAIN)
+def test_position_noise_biases_the_others_downwards(name: str) -> None:
+    errors = [error for error, _ in damping_errors(name, 'none')]
+    assert max(errors) < -4.0  # every one of them
+
+
+@pytest.mark.parametrize('name', [*PLAIN, 'instrumental_variable'])
+def test_claimed_std_covers_the_bias(name: str) -> None:
+    assert all(abs(error) < 2.0 * std for error, std in damping_errors(name, 'none'))
+
+
+def test_claim_of_instrumental_variables_is_the_narrowest() -> None:
+    claims = {
+        name: np.mean([std for _, std in damping_errors(name, 'none')])
+        for name in [*PLAIN, 'instrumental_variable']
+    }
+    assert min(claims, key=lambda name: claims[name]) == 'instrumental_variable'
+
+
+def test_recursion_equals_the_batch_solution() -> None:
+    rows, keep = rows_of(400), np.exp(-T / 0.5)
+    of = estimator(memory_s=0.5, delay_s=LAG * T, stiffness_std=1e9, damping_std=1e9)
+    for row in rows.tolist():
+        learn(of, T, row, 0.25)
+    phi, y, z = rows[LAG:, 1:3], rows[LAG:, 0], rows[:-LAG, 1:3]
+    weights = keep ** np.arange(len(y) - 1, -1, -1.0)
+    A = (z * weights[:, None]).T @ phi
+    theta = np.linalg.solve(A, (z * weights[:, None]).T @ y)
+    np.testing.assert_allclose([of.stiffness, of.damping], theta, rtol=1e-9)
+    spread = np.linalg.inv(A) @ ((z * weights[:, None] ** 2).T @ z) @ np.linalg.inv(A).T
+    np.testing.assert_allclose(known(of)[2:4], 0.5 * np.sqrt(np.diag(spread)), rtol=1e-9)
+
+
+@pytest.mark.parametrize('memory_s', [0.3, 1e6])
+def test_claimed_std_is_the_spread_over_noise(memory_s: float) -> None:
+    finals = []
+    for seed in range(150):
+        of = estimator(memory_s=memory_s)
+        for row in rows_of(300, seed=seed).tolist():
+            learn(of, T, row, 0.25)
+        finals.append([of.stiffness, of.damping])
+    np.testing.assert_allclose(np.std(finals, axis=0), known(of)[2:4], rtol=0.25)
+
+
+@pytest.mark.parametrize('held', [Held(True, False), Held(False, True), Held(True, True)])
+def test_held_parameters_do_not_move(held: Held) -> None:
+    of = estimator()
+    for row in rows_of(300).tolist():
+        learn(of, T, row, 0.25, held)
+    moved = [of.stiffness != 3000.0, of.damping != 50.0]
+    assert moved == [not held.stiffness, not held.damping]
+
+
+def test_damping_is_remembered_while_it_is_held() -> None:
+    of, still = estimator(memory_s=0.5), rows_of(3000)
+    for row in rows_of(500).tolist():
+        learn(of, T, row, 0.25)
+    still[:, 0], still[:, 1], still[:, 2] = 0.01 * K, 0.01, 0.0
+    for row in still.tolist():
+        learn(of, T, row, 0.25, Held(False, True))
+    learn(of, T, rows_of(1)[0].tolist(), 0.25)
+    np.testing.assert_allclose([of.stiffness, of.damping], [K, B], rtol=0.02)
+
+
+def test_follows_a_wall_that_changes() -> None:
+    of = estimator(memory_s=0.3)
+    rows = rows_of(1500)
+    rows[500:, 0] += 1000.0 * rows[500:, 1] + 100.0 * rows[500:, 2]
+    for row in rows.tolist():
+        learn(of, T, row, 0.25)
+    np.testing.assert_allclose([of.stiffness, of.damping], [K + 1000.0, B + 100.0], rtol=0.01)
+
+
+def test_motion_out_of_step_with_its_instruments_moves_nothing() -> None:
+    of, rows = estimator(delay_s=np.pi / 20.0), rows_of(200)  # half a period: A is negative
+    rows[:, 1] = rows[:, 1] - 0.01
+    for row in rows.tolist():
+        learn(of, T, row, 0.25)
+    assert (of.stiffness, of.damping) == (3000.0, 50.0)
