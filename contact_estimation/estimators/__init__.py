@@ -20,6 +20,7 @@ from dataclasses import make_dataclass
 from typing import Callable
 
 from .estimator import OnlineEstimator
+from .hunt_crossley import HuntCrossley
 from .indirect_adaptive import IndirectAdaptive
 from .instrumental_variable import InstrumentalVariable
 from .kalman import Kalman
@@ -36,6 +37,7 @@ ESTIMATORS: dict[str, type[OnlineEstimator]] = {
     'mrac': ModelReferenceAdaptive,
     'kalman': Kalman,
     'instrumental_variable': InstrumentalVariable,
+    'hunt_crossley': HuntCrossley,
 }
 
 OFFLINE_ESTIMATORS: dict[str, Callable[[TargetImpedance], OfflineEstimator]] = {

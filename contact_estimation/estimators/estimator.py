@@ -19,7 +19,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from enum import Enum
-from typing import ClassVar, NamedTuple, Sequence
+from typing import ClassVar, Mapping, NamedTuple, Sequence
 
 from ..exceptions import ParameterRangeError
 from ..parameters import parameter, ParameterGroup
@@ -254,6 +254,11 @@ class OnlineEstimator(ABC):
             What the robot follows now.
 
         """
+
+    @property
+    def details(self) -> Mapping[str, float]:
+        """What else is known, by names, for the diagnostics."""
+        return {}
 
     @property
     def location_std(self) -> float | None:

@@ -162,7 +162,11 @@ class EstimatorDiagnostics:
             'force_bias': f'{pipeline.bias:.6g}',
             'free_flight_level': f'{pipeline.free_flight_level:.6g}',
         }
-        return values if estimate is None else {**values, **_figures(estimate)}
+        if estimate is None:
+            return values
+        details = {f'{parameters.estimator}_{name}': f'{value:.8g}'
+                   for name, value in pipeline.estimator.details.items()}
+        return {**values, **_figures(estimate), **details}
 
     def _trouble(self, session: ContactSession) -> dict[str, Any]:
         values: dict[str, Any] = {

@@ -1,0 +1,214 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Hunt and Crossley's contact: K, n and chi of F = K d^n + chi d^n v, recursively."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import exp, log, nan, sqrt
+from typing import Mapping, NamedTuple, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .estimator import Held, OnlineEstimator, Snapshot, TimedRow
+from ..parameters import parameter, ParameterGroup
+from ..signals.relations import Row
+
+_SETTLED = 0.01  # of the gate's step through the filter: after touch-down, laws do not commute
+_SLOWEST_SHARE = 0.05  # 1 + r v stays above
+_LOGARITHMIC = 0.2  # relative error of the force above which its logarithm is compared
+_LOWEST_EXPONENT, _HIGHEST_EXPONENT = 0.5, 4.0
+
+
+@dataclass(frozen=True)
+class HuntCrossleyParameters(ParameterGroup):
+    """Prior and random walk of (ln K, n, chi / K)."""
+
+    exponent: float = parameter(
+        1.5, 'First guess of n: 1 linear, 1.5 two spheres (Hertz)', minimum=0.5, maximum=4.0
+    )
+    exponent_std: float = parameter(
+        0.5, 'Prior standard deviation of n; 0: known', minimum=0.0, maximum=10.0
+    )
+    reference_depth: float = parameter(
+        0.01, 'Penetration at which the first guess of K_e and B_e is meant', 'm',
+        minimum=1e-7, maximum=10.0,
+    )
+    log_stiffness_std: float = parameter(
+        3.0, 'Prior standard deviation of ln K_e at reference_depth; 3: a factor 20',
+        minimum=1e-3, maximum=30.0,
+    )
+    dissipation_std: float = parameter(
+        20.0, 'Prior standard deviation of chi / K', 's/m', minimum=1e-6, maximum=1e6
+    )
+    relative_walk: float = parameter(
+        0.002, 'Random walk of K and chi as a share of themselves, and of n; larger: follows '
+        'changes faster, noisier', '1/sqrt(s)', minimum=0.0,
+    )
+    depth_memory_s: float = parameter(
+        0.5, 'Time constant of the mean penetration at which K_e and B_e are published', 's',
+        minimum=1e-3, maximum=1e3,
+    )
+
+
+class Law(NamedTuple):
+    """The law itself: K [N/m^n], n and chi [N s/m^(n + 1)], with standard deviations."""
+
+    K: float
+    n: float
+    chi: float
+    K_std: float
+    n_std: float
+    chi_std: float
+
+
+class HuntCrossley(OnlineEstimator):
+    """
+    Extended Kalman filter for F = K d^n + chi d^n v (Hunt and Crossley 1975).
+
+    With r = chi / K and a depth d_0, F = exp(a + n ln(d / d_0)) (1 + r v): the logarithm is
+    linear in a and n, and K cannot become negative. What is compared is the relative error of the
+    force, or its logarithm while the model is far off: so a first guess wrong by a factor of
+    hundred converges, and later the force noise is not bent by the logarithm, as it is in the
+    two-stage log-linear form of Diolaiti, Melchiorri and Stramigioli (2005).
+
+    Published are the stiffness and damping that give the law's force through eq. (3) at the mean
+    penetration d of late: the secant K_e = K d^(n - 1) and B_e = chi d^n. So eq. (20) asks for
+    the right depth; the tangent stiffness is n K_e. `details` tells the law itself.
+
+    """
+
+    Parameters = HuntCrossleyParameters
+
+    def configure(self, tuning: ParameterGroup) -> None:
+        """Take new tuning; see `OnlineEstimator.configure`."""
+        assert isinstance(tuning, HuntCrossleyParameters)
+        if hasattr(self, '_x'):  # a, moved to the new reference depth
+            step = log(tuning.reference_depth / self._p.reference_depth)
+            move = np.array([[1.0, step, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+            self._x, self._P = move @ self._x, move @ self._P @ move.T
+        self._p = tuning
+
+    def start_from(self, stiffness: float, damping: float) -> None:
+        """Begin anew with the prior; see `OnlineEstimator.start_from`."""
+        p = self._p
+        d_0 = p.reference_depth
+        self.stiffness, self.damping = stiffness, damping
+        self._x = np.array([log(stiffness * d_0), p.exponent, damping / (stiffness * d_0)])
+        self._P = np.diag([p.log_stiffness_std, p.exponent_std, p.dissipation_std]) ** 2
+        self._log_depth = 0.0  # of the mean penetration, as a multiple of d_0
+        self._seen_s = 0.0
+        self._stiffness_learned = self._damping_learned = False
+        self._std = self._spread()
+
+    def learn(
+        self, rows: Sequence[TimedRow], noise_variance: float, held: Held
+    ) -> list[Snapshot]:
+        """Predict and correct for each row; see `OnlineEstimator.learn`."""
+        free = np.array([
+            not held.stiffness, not held.stiffness and self._p.exponent_std > 0.0,
+            not held.damping,
+        ])
+        snapshots = []
+        for dt, row in rows:
+            if row[1] > 0.0 and abs(row[3] - 1.0) < _SETTLED:
+                self._note_depth(dt, row[1])
+                self._update(dt, row, noise_variance, free)
+                self._publish(held)
+            snapshots.append(self.snapshot())
+        return snapshots
+
+    def _note_depth(self, dt: float, depth: float) -> None:
+        self._seen_s = min(self._seen_s + dt, self._p.depth_memory_s)
+        share = dt / self._seen_s if self._seen_s > 0.0 else 1.0
+        mean = exp(self._log_depth)
+        mean += min(share, 1.0) * (depth / self._p.reference_depth - mean)
+        self._log_depth = log(max(mean, 1e-12))
+
+    def _update(
+        self, dt: float, row: Row, noise_variance: float, free: NDArray[np.bool_]
+    ) -> None:
+        x, P = self._x, self._P
+        y, depth, v = row[0], row[1], row[2]
+        walk = self._p.relative_walk
+        P[np.diag_indices(3)] += free * dt * np.array([walk, walk, walk * max(x[2], 1.0)]) ** 2
+        log_depth, factor = log(depth / self._p.reference_depth), 1.0 + x[2] * v
+        H = np.array([1.0, log_depth, v / factor if factor > _SLOWEST_SHARE else 0.0])
+        force = exp(min(x[0] + x[1] * log_depth, 60.0)) * max(factor, _SLOWEST_SHARE)
+        error = y / force - 1.0
+        if abs(error) > _LOGARITHMIC:
+            error = log(max(y / force, 1e-3))
+        g = P @ H
+        g /= float(H @ g) + max(noise_variance, 1e-18) / force**2
+        # Schmidt's consider filter: a held one keeps value and covariance, and its uncertainty
+        # has weakened the gain of the others.
+        held = P[np.ix_(~free, ~free)].copy()
+        self._x = x + g * error * free
+        P = P - np.outer(g, H @ P)
+        P[np.ix_(~free, ~free)] = held
+        self._P = 0.5 * (P + P.T)
+        self._keep_within(1, _LOWEST_EXPONENT, _HIGHEST_EXPONENT)
+        self._keep_within(2, 0.0, float('inf'))
+
+    def _keep_within(self, index: int, low: float, high: float) -> None:
+        """Project onto a limit along the covariance: cutting one state alone would tear it off."""
+        excess = self._x[index] - min(max(self._x[index], low), high)
+        if excess != 0.0 and self._P[index, index] > 0.0:
+            self._x = self._x - self._P[:, index] * (excess / self._P[index, index])
+
+    def _publish(self, held: Held) -> None:
+        """Evaluate the law at the mean penetration."""
+        a, n, r = self._x.tolist()
+        force = exp(min(a + n * self._log_depth, 60.0))
+        K, B = force / (exp(self._log_depth) * self._p.reference_depth), r * force
+        K, B = self.within_limits(K, B)
+        self._stiffness_learned |= not held.stiffness
+        self._damping_learned |= not held.damping
+        # A law that is held stands still; what it comes to at another depth does not.
+        self.stiffness = K if self._stiffness_learned else self.stiffness
+        self.damping = B if self._damping_learned else self.damping
+        self._std = self._spread()
+
+    def _spread(self) -> tuple[float, float]:
+        P, ln_d, r = self._P, self._log_depth, float(self._x[2])
+        of_K = np.array([1.0, ln_d, 0.0])
+        of_B = np.array([r, r * ln_d, 1.0])  # d (r F_s) / F_s
+        force = self.stiffness * exp(ln_d) * self._p.reference_depth
+        K_share = sqrt(max(float(of_K @ P @ of_K), 0.0))
+        return self.stiffness * K_share, force * sqrt(max(float(of_B @ P @ of_B), 0.0))
+
+    @property
+    def law(self) -> Law:
+        """K, n and chi as they are known now."""
+        a, n, r = self._x.tolist()
+        ln_0 = log(self._p.reference_depth)
+        K = exp(a - n * ln_0)
+        of_K = np.array([1.0, -ln_0, 0.0])
+        of_chi = np.array([r, -r * ln_0, 1.0])
+        P = self._P
+        return Law(
+            K, n, r * K, K * sqrt(max(float(of_K @ P @ of_K), 0.0)), sqrt(max(P[1, 1], 0.0)),
+            K * sqrt(max(float(of_chi @ P @ of_chi), 0.0)),
+        )
+
+    @property
+    def details(self) -> Mapping[str, float]:
+        """The law, by names; see `OnlineEstimator.details`."""
+        return self.law._asdict()
+
+    def snapshot(self) -> Snapshot:
+        """Tell what is known now; see `OnlineEstimator.snapshot`."""
+        return Snapshot(self.stiffness, self.damping, *self._std, 0.0, nan)
