@@ -126,6 +126,7 @@ class EstimationPipeline:
         self._make_estimator()
         self._estimator.start_from(*self._estimator.within_limits(stiffness, damping))
         self._noise.forget_claims()
+        self._note_prediction()
 
     def _make_conditioning(self) -> None:
         p, contact = self.parameters, self._conditioner.detector.contact
@@ -318,7 +319,9 @@ class EstimationPipeline:
         begin = 0
         while begin < len(timed):
             part = timed[begin:begin + self._monitor.until_judgement]
-            self._monitor.add([row for _, row in part], gains[begin:begin + len(part)])
+            linear = self._linear
+            seen = [linear(row) if linear else row for _, row in part]
+            self._monitor.add(seen, gains[begin:begin + len(part)])
             states += self._learn_part(part, max(force_variance, self._noise.variance))
             if self._monitor.until_judgement == 0:
                 self._judge(force_variance)
@@ -378,6 +381,7 @@ class EstimationPipeline:
 
     def _note_prediction(self) -> None:
         """Keep K_hat, B_hat and the noise by which the next rows are found predictable."""
+        self._linear = self._estimator.linearisation()
         if self._estimator.estimates_location:
             self._prediction = 0.0, 0.0, -1.0  # no prediction before the location is known
             return

@@ -27,6 +27,7 @@ from .kalman import Kalman
 from .mrac import ModelReferenceAdaptive
 from .offline_estimator import OfflineEstimator, TargetImpedance
 from .rls import RecursiveLeastSquares
+from .rls_adaptive import AdaptiveLeastSquares
 from .signal_processing import SignalProcessing
 from .signal_processing_refined import SignalProcessingRefined
 from ..parameters import group, ParameterGroup
@@ -38,6 +39,7 @@ ESTIMATORS: dict[str, type[OnlineEstimator]] = {
     'kalman': Kalman,
     'instrumental_variable': InstrumentalVariable,
     'hunt_crossley': HuntCrossley,
+    'rls_adaptive': AdaptiveLeastSquares,
 }
 
 OFFLINE_ESTIMATORS: dict[str, Callable[[TargetImpedance], OfflineEstimator]] = {

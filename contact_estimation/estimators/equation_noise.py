@@ -87,7 +87,8 @@ class EquationNoise:
 
     def __init__(self, prior_variance: float = 0.0) -> None:
         self.variance = self._prior_variance = prior_variance
-        self._offset_share = self._rate_share = 0.0
+        self._shares = 0.0, 0.0  # of the window: of K_hat by an offset, of B_hat by rate noise
+        self._offset_share = self._rate_share = 0.0  # of what has been learned
         self.forget_claims()
 
     def forget_claims(self) -> None:
@@ -104,8 +105,10 @@ class EquationNoise:
             Those that do not.
 
         """
-        self._stiffness_learned |= not held.stiffness
-        self._damping_learned |= not held.damping
+        if not held.stiffness:
+            self._stiffness_learned, self._offset_share = True, self._shares[0]
+        if not held.damping:
+            self._damping_learned, self._rate_share = True, self._shares[1]
 
     def judge(
         self, window: Window, force_variance: float, position_noise: float,
@@ -135,13 +138,14 @@ class EquationNoise:
         # d K_hat / K_hat of a reading that is off by position_noise throughout the window
         # (quantisation at rest); where the location is estimated, this is part of its prior.
         KK, Kc = float(products[1, 1]), float(products[1, 3])
-        self._offset_share = 0.0 if with_location or KK <= 0.0 else position_noise * Kc / KK
-        self._rate_share = 0.0
+        offset_share = 0.0 if with_location or KK <= 0.0 else position_noise * Kc / KK
+        rate_share = 0.0
         if estimator.biased_by_position_noise and KK > 0.0:
             # Errors in variables: least squares divides by the power of signal and noise.
             power = float(products[2, 2] - products[1, 2] ** 2 / KK)
             noise = position_noise**2 * rate_noise
-            self._rate_share = noise / max(power - noise, _LEAST_SIGNAL * noise, 1e-30)
+            rate_share = noise / max(power - noise, _LEAST_SIGNAL * noise, 1e-30)
+        self._shares = offset_share, rate_share
 
     def claim(self, known: Snapshot) -> Snapshot:
         """

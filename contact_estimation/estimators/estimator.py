@@ -19,7 +19,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from enum import Enum
-from typing import ClassVar, Mapping, NamedTuple, Sequence
+from typing import Callable, ClassVar, Mapping, NamedTuple, Sequence
 
 from ..exceptions import ParameterRangeError
 from ..parameters import parameter, ParameterGroup
@@ -254,6 +254,19 @@ class OnlineEstimator(ABC):
             What the robot follows now.
 
         """
+
+    def linearisation(self) -> Callable[[Row], Row] | None:
+        """
+        Tell how to read a row of a law that is not linear; asked at each judgement.
+
+        Returns
+        -------
+        linear : callable or None
+            From a row to one whose y is linear in K_e and B_e as published, and in what the
+            further columns stand for, about the present estimate; None where rows are so.
+
+        """
+        return None
 
     @property
     def details(self) -> Mapping[str, float]:

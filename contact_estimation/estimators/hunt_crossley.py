@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import exp, log, nan, sqrt
-from typing import Mapping, NamedTuple, Sequence
+from typing import Callable, Mapping, NamedTuple, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -92,24 +92,30 @@ class HuntCrossley(OnlineEstimator):
     """
 
     Parameters = HuntCrossleyParameters
+    _depth_0 = 0.0  # that _x is written for; 0 before there is one
+    _log_depth = 0.0  # of the mean penetration, as a multiple of _depth_0
+    _x: NDArray[np.float64]  # a, n, r
+    _P: NDArray[np.float64]
 
     def configure(self, tuning: ParameterGroup) -> None:
         """Take new tuning; see `OnlineEstimator.configure`."""
         assert isinstance(tuning, HuntCrossleyParameters)
-        if hasattr(self, '_x'):  # a, moved to the new reference depth
-            step = log(tuning.reference_depth / self._p.reference_depth)
+        self._p = tuning
+        if self._depth_0 > 0.0:  # a, moved to the new reference depth
+            step = log(tuning.reference_depth / self._depth_0)
             move = np.array([[1.0, step, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
             self._x, self._P = move @ self._x, move @ self._P @ move.T
-        self._p = tuning
+            self._log_depth -= step
+            self._depth_0 = tuning.reference_depth
 
     def start_from(self, stiffness: float, damping: float) -> None:
         """Begin anew with the prior; see `OnlineEstimator.start_from`."""
         p = self._p
         d_0 = p.reference_depth
-        self.stiffness, self.damping = stiffness, damping
+        self.stiffness, self.damping, self._depth_0 = stiffness, damping, d_0
         self._x = np.array([log(stiffness * d_0), p.exponent, damping / (stiffness * d_0)])
         self._P = np.diag([p.log_stiffness_std, p.exponent_std, p.dissipation_std]) ** 2
-        self._log_depth = 0.0  # of the mean penetration, as a multiple of d_0
+        self._log_depth = 0.0
         self._seen_s = 0.0
         self._stiffness_learned = self._damping_learned = False
         self._std = self._spread()
@@ -148,11 +154,15 @@ class HuntCrossley(OnlineEstimator):
         log_depth, factor = log(depth / self._p.reference_depth), 1.0 + x[2] * v
         H = np.array([1.0, log_depth, v / factor if factor > _SLOWEST_SHARE else 0.0])
         force = exp(min(x[0] + x[1] * log_depth, 60.0)) * max(factor, _SLOWEST_SHARE)
-        error = y / force - 1.0
-        if abs(error) > _LOGARITHMIC:
-            error = log(max(y / force, 1e-3))
         g = P @ H
-        g /= float(H @ g) + max(noise_variance, 1e-18) / force**2
+        spread = float(H @ g)
+        error = y / force - 1.0
+        if abs(error) > _LOGARITHMIC or spread > _LOGARITHMIC**2:
+            error = log(max(y / force, 1e-3))
+        # What is left of ln(1 + r v) beyond its tangent, in the mean: without it, the first rows
+        # would be believed along a wrong direction.
+        bend = 0.5 * P[2, 2] * H[2] ** 2
+        g /= spread + max(noise_variance, 1e-18) / force**2 + 2.0 * bend**2
         # Schmidt's consider filter: a held one keeps value and covariance, and its uncertainty
         # has weakened the gain of the others.
         held = P[np.ix_(~free, ~free)].copy()
@@ -189,6 +199,21 @@ class HuntCrossley(OnlineEstimator):
         force = self.stiffness * exp(ln_d) * self._p.reference_depth
         K_share = sqrt(max(float(of_K @ P @ of_K), 0.0))
         return self.stiffness * K_share, force * sqrt(max(float(of_B @ P @ of_B), 0.0))
+
+    def linearisation(self) -> Callable[[Row], Row]:
+        """Read rows by the present n at the mean depth; see `OnlineEstimator.linearisation`."""
+        n, r = float(self._x[1]), float(self._x[2])
+        mean = exp(self._log_depth) * self._p.reference_depth
+        stiffness = exp(min(float(self._x[0]) + n * self._log_depth, 60.0)) / mean
+
+        def linear(row: Row) -> Row:
+            y, depth, v, c, _ = row
+            share = max(depth / mean, 1e-9)
+            reached = share**n
+            by_n = stiffness * mean * reached * (1.0 + r * v) * log(share)
+            return y, mean * reached, reached * v, c, by_n
+
+        return linear
 
     @property
     def law(self) -> Law:

@@ -1,0 +1,149 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Recursive least squares whose forgetting adapts to what the data bring."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import exp, nan, sqrt
+from typing import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .estimator import Held, OnlineEstimator, Snapshot, TimedRow
+from ..parameters import parameter, ParameterGroup
+from ..signals.relations import Row, TustinRelation
+
+_SMALLEST = 1e-18
+
+
+@dataclass(frozen=True)
+class AdaptiveLeastSquaresParameters(ParameterGroup):
+    """Start and forgetting."""
+
+    smallest_forgetting_factor: float = parameter(
+        0.9, 'lambda per sample never goes below', minimum=0.5, maximum=1.0
+    )
+    memory_samples: float = parameter(
+        300.0,
+        'Rows that are averaged while the model explains them to the noise; larger: smoother, '
+        'later to notice a change', minimum=2.0, maximum=1e9,
+    )
+    stiffness_std: float = parameter(
+        1e5, 'Prior standard deviation of K_e', 'N/m', minimum=1e-3, maximum=1e12
+    )
+    damping_std: float = parameter(
+        1e4, 'Prior standard deviation of B_e', 'N s/m', minimum=1e-3, maximum=1e12
+    )
+    inertia_std: float = parameter(
+        10.0, 'Prior standard deviation of M_e; 0: M_e = 0', 'kg', minimum=0.0, maximum=1e6
+    )
+    maximum_relative_std: float = parameter(
+        0.1,
+        'A parameter is not forgotten while its standard deviation exceeds this share of it, '
+        'which stops the covariance from winding up', minimum=1e-4,
+    )
+
+
+class AdaptiveLeastSquares(OnlineEstimator):
+    """
+    Eqs. (36) to (38) on the bilinear form with a forgetting factor that follows the surprise.
+
+    lambda = 1 - e^2 / (s sigma^2 N): with e the error before the row is learned and s sigma^2
+    its expected square, the information kept stays that of N rows (Fortescue, Kershenbaum and
+    Ydstie 1981). A row that the model explains or that does not excite costs next to nothing of
+    what is known; a wall that changes is forgotten within a few rows. Directional forgetting and
+    constant trace were tried on the same data and were noisier or slower.
+
+    P is the covariance itself, in (K_e, B_e, M_e). What is held or hardly known is not forgotten,
+    and weighs on the others (Schmidt's consider filter), as in `rls`.
+
+    """
+
+    Parameters = AdaptiveLeastSquaresParameters
+    relation = TustinRelation
+
+    def configure(self, tuning: ParameterGroup) -> None:
+        """Take new tuning; see `OnlineEstimator.configure`."""
+        assert isinstance(tuning, AdaptiveLeastSquaresParameters)
+        self._p = tuning
+        self._noise_growth = exp(1.0 / tuning.memory_samples)
+
+    def start_from(self, stiffness: float, damping: float) -> None:
+        """Begin anew with the prior; see `OnlineEstimator.start_from`."""
+        p = self._p
+        self.stiffness, self.damping = stiffness, damping
+        self._variance = 0.0
+        self._theta = np.array([stiffness, damping, 0.0])
+        self._P = np.diag([p.stiffness_std, p.damping_std, p.inertia_std]) ** 2
+
+    def learn(
+        self, rows: Sequence[TimedRow], noise_variance: float, held: Held
+    ) -> list[Snapshot]:
+        """Learn, then forget, for each row; see `OnlineEstimator.learn`."""
+        free = np.array([
+            not held.stiffness, not held.damping,
+            not (held.stiffness or held.damping) and self._p.inertia_std > 0.0,
+        ])
+        snapshots = []
+        for _, row in rows:
+            # A wall that changes looks like noise as well, but all at once: noise is let grow
+            # by a factor e in so many rows.
+            slow = self._variance * self._noise_growth or noise_variance
+            self._variance = max(min(noise_variance, slow), _SMALLEST)
+            self._update(row, self._variance, free)
+            snapshots.append(self.snapshot())
+        return snapshots
+
+    def _update(self, row: Row, variance: float, free: NDArray[np.bool_]) -> None:
+        theta, P = self._theta, self._P
+        phi = np.array([row[1], row[2], row[4]])
+        gain = P @ phi
+        expected = float(phi @ gain) + variance
+        error = row[0] - float(phi @ theta)
+        gain /= expected
+        held = P[np.ix_(~free, ~free)].copy()
+        self._theta = theta + gain * error * free
+        P = P - np.outer(gain, phi @ P)
+        P[np.ix_(~free, ~free)] = held
+        self._P = 0.5 * (P + P.T)
+        self._keep_within_limits()
+        surprise = error * error / (expected * self._p.memory_samples)
+        self._forget(max(1.0 - surprise, self._p.smallest_forgetting_factor), free)
+
+    def _forget(self, factor: float, free: NDArray[np.bool_]) -> None:
+        """Scale P on both sides with factors >= 1, which keeps it positive definite."""
+        scales = np.array([self.stiffness, max(self.damping, self.environment.initial_damping)])
+        known = np.diag(self._P)[:2] < (self._p.maximum_relative_std * scales) ** 2
+        forgets = free & np.array([known[0], known[1], known[0] and known[1]])
+        growth = np.where(forgets, 1.0 / sqrt(factor), 1.0)
+        self._P = self._P * growth * growth[:, None]
+
+    def _keep_within_limits(self) -> None:
+        """Project onto a limit along the covariance: cutting one alone would tear it off."""
+        K_low, K_high, B_high = self.limits
+        for index, low, high in ((1, 0.0, B_high), (0, K_low, K_high)):
+            value, variance = float(self._theta[index]), float(self._P[index, index])
+            excess = value - min(max(value, low), high)
+            if excess != 0.0 and variance > 0.0:
+                self._theta = self._theta - self._P[:, index] * (excess / variance)
+        self.stiffness, self.damping = self.within_limits(*self._theta[:2].tolist())
+
+    def snapshot(self) -> Snapshot:
+        """Tell what is known now; see `OnlineEstimator.snapshot`."""
+        K_std, B_std, _ = np.sqrt(np.maximum(np.diag(self._P), 0.0)).tolist()
+        inertia = float(self._theta[2]) if self._p.inertia_std > 0.0 else nan
+        return Snapshot(self.stiffness, self.damping, K_std, B_std, 0.0, inertia)

@@ -1,0 +1,223 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Hunt and Crossley's law recovered from samples, against a batch fit and the spread of seeds."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from contact_estimation.contact_session import ContactSession
+from contact_estimation.estimation_parameters import EstimationParameters
+from contact_estimation.estimation_pipeline import EstimationPipeline
+from contact_estimation.estimators.estimator import EnvironmentParameters, Held
+from contact_estimation.estimators.hunt_crossley import HuntCrossley, HuntCrossleyParameters
+from contact_estimation.parameter_values import build
+from contact_estimation.physics.physics import ContactEffect
+from contact_estimation.plant.closed_loop import run_closed_loop
+from contact_estimation.plant.plant_parameters import PlantParameters
+from contact_estimation.reference.experiments import experiment_named
+from contact_estimation.signals.contact_sample import ContactSample
+from core_runs import contact_samples, estimates_of, pipeline_with
+from core_steps import known, learn
+import numpy as np
+from numpy.typing import NDArray
+import pytest
+from scipy.optimize import least_squares
+
+K, N, CHI, T = 48_000.0, 1.5, 200_000.0, 0.002
+LAWS = pytest.mark.parametrize(
+    'law', [(48_000.0, 1.5, 200_000.0), (1e6, 2.0, 4e6), (4800.0, 1.0, 40_000.0)]
+)
+
+
+def force_of(
+    law: tuple[float, float, float], d: NDArray[np.float64], v: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """K d^n + chi d^n v, which cannot pull."""
+    stiffness, n, chi = law
+    reached = np.maximum(d, 0.0) ** n
+    return np.maximum(stiffness * reached + chi * reached * v, 0.0)
+
+
+def samples_of(
+    law: tuple[float, float, float], noise: float = 0.0, seed: int = 0, **motion: Any
+) -> list[ContactSample]:
+    """Put the law under the motion of the other tests."""
+    samples = contact_samples(**{'contact_s': 2.0, 'amplitude': 0.003, **motion})
+    d, v = np.array([s.position for s in samples]), np.array([s.velocity for s in samples])
+    force = -force_of(law, d, v) + noise * np.random.default_rng(seed).standard_normal(len(d))
+    return [s._replace(force=float(f)) for s, f in zip(samples, force)]
+
+
+def run(samples: list[ContactSample], **tuning: Any) -> EstimationPipeline:
+    """Pass samples through a pipeline."""
+    named = {f'tuning__hunt_crossley__{name}': value for name, value in tuning.items()}
+    pipeline = pipeline_with(estimator='hunt_crossley', **named)
+    pipeline.process_run(samples)
+    return pipeline
+
+
+def law_in(pipeline: EstimationPipeline) -> Any:
+    """Give the law that the estimator holds."""
+    assert isinstance(pipeline.estimator, HuntCrossley)
+    return pipeline.estimator.law
+
+
+@LAWS
+def test_law_is_recovered_from_motion_with_measured_velocity(
+    law: tuple[float, float, float]
+) -> None:
+    np.testing.assert_allclose(law_in(run(samples_of(law)))[:3], law, rtol=0.02)
+
+
+@LAWS
+def test_law_is_recovered_from_positions_alone(law: tuple[float, float, float]) -> None:
+    samples = [s._replace(velocity=float('nan')) for s in samples_of(law)]
+    np.testing.assert_allclose(law_in(run(samples))[:3], law, rtol=0.02)
+
+
+def test_first_guess_wrong_by_a_factor_of_hundreds_converges() -> None:
+    stiff = (4e7, 1.5, 4e8)  # 1.2e6 N/m at 1 mm; the first guess is 3000
+    last = run(samples_of(stiff, noise=0.5, depth=0.001, amplitude=0.0003))
+    np.testing.assert_allclose(law_in(last)[:3], stiff, rtol=0.05)
+
+
+def test_recursion_equals_the_batch_fit_of_the_nonlinear_law() -> None:
+    d = 0.008 + 0.003 * (1.0 - np.cos(20.0 * T * np.arange(800)))
+    v = 0.06 * np.sin(20.0 * T * np.arange(800))
+    y = force_of((K, N, CHI), d, v) + 0.5 * np.random.default_rng(1).standard_normal(800)
+    scale = np.array([K, 1.0, CHI])
+
+    def left(theta: NDArray[np.float64]) -> NDArray[np.float64]:
+        stiffness, n, chi = theta * scale
+        return np.asarray(y - d**n * (stiffness + chi * v))
+
+    fit = least_squares(left, [1.0, 1.5, 1.0], xtol=1e-12)
+    batch = fit.x * scale
+    spread = 0.5 * np.sqrt(np.diag(np.linalg.inv(fit.jac.T @ fit.jac))) * scale
+    of = HuntCrossley(HuntCrossleyParameters(relative_walk=0.0), EnvironmentParameters(), T)
+    for row in np.column_stack([y, d, v, np.ones(800), np.zeros(800)]).tolist():
+        learn(of, T, row, 0.25)
+    assert np.all(np.abs(np.array(of.law[:3]) - batch) < 0.5 * spread)
+    np.testing.assert_allclose(of.law[3:], spread, rtol=0.1)
+
+
+def test_published_pair_gives_the_force_at_the_mean_penetration() -> None:
+    samples = samples_of((K, N, CHI), amplitude=0.0, contact_s=6.0)
+    last = estimates_of(samples, pipeline_with(estimator='hunt_crossley'))[-1]
+    assert last.stiffness * 0.008 == pytest.approx(K * 0.008**N, rel=1e-3)  # eq. (3), at rest
+    assert run(samples_of((K, N, CHI))).estimator.damping == pytest.approx(
+        CHI * 0.011**N, rel=0.1  # about the mean of the sine
+    )
+
+
+def test_claims_are_within_a_factor_2_of_the_errors_over_20_seeds() -> None:
+    errors = []
+    for seed in range(20):
+        law = law_in(run(samples_of((K, N, CHI), noise=0.58, seed=seed), relative_walk=0.0))
+        errors.append(np.array(law[:3]) - [K, N, CHI])
+    ratio = np.sqrt(np.mean(np.square(errors), axis=0)) / law[3:]
+    assert np.all((ratio > 0.5) & (ratio < 2.0)), ratio
+
+
+def test_claims_of_the_published_pair_hold_and_are_at_most_2_5_times_too_wide() -> None:
+    finals = []
+    for seed in range(20):
+        samples = samples_of((K, N, CHI), noise=0.58, seed=seed)
+        estimator = run(samples, relative_walk=0.0).estimator
+        finals.append([estimator.stiffness, estimator.damping])
+    claimed = known(estimator)[2:4]
+    ratio = np.std(finals, axis=0) / claimed
+    assert np.all((ratio > 0.4) & (ratio < 1.5)), ratio
+
+
+def test_linear_wall_gives_exponent_1() -> None:
+    law = law_in(run(contact_samples(2.0, B_e=0.0, force_noise=0.3, amplitude=0.003)))
+    assert abs(law.n - 1.0) < 3.0 * law.n_std and law.n_std < 0.05
+
+
+def test_known_exponent_does_not_move() -> None:
+    law = law_in(run(samples_of((K, N, CHI), noise=0.5), exponent=1.5, exponent_std=0.0))
+    assert (law.n, law.n_std) == (1.5, 0.0)
+    assert law.K == pytest.approx(K, rel=0.01)
+
+
+def test_damping_learned_in_the_approach_is_held_in_static_contact() -> None:
+    last = estimates_of(
+        samples_of((K, N, CHI), noise=0.58, amplitude=0.0),
+        pipeline_with(estimator='hunt_crossley'),
+    )[-1]
+    assert last.reason == 'damping held: weak excitation'
+    assert abs(last.damping - CHI * 0.008**N) < 3.0 * last.damping_std < 0.5 * last.damping
+
+
+@pytest.mark.parametrize('held', [Held(True, False), Held(False, True), Held(True, True)])
+def test_held_parameters_do_not_move(held: Held) -> None:
+    of = HuntCrossley(HuntCrossleyParameters(), EnvironmentParameters(), T)
+    before = of.law
+    for k in range(60):
+        d, v = 0.01 + 0.002 * np.sin(0.04 * k), 0.04 * np.cos(0.04 * k)
+        learn(of, T, (K * d**N + CHI * d**N * v, d, v, 1.0, 0.0), 0.25, held)
+    after = of.law
+    assert (after.n != before.n) is not held.stiffness
+    assert (after.chi / after.K != pytest.approx(before.chi / before.K)) is not held.damping
+
+
+def test_another_reference_depth_leaves_the_law() -> None:
+    pipeline = run(samples_of((K, N, CHI)))
+    of = pipeline.estimator
+    before = law_in(pipeline)
+    of.configure(HuntCrossleyParameters(reference_depth=0.002))
+    np.testing.assert_allclose(law_in(pipeline), before, rtol=1e-9)
+
+
+def test_details_name_the_law() -> None:
+    details = run(samples_of((K, N, CHI))).estimator.details
+    assert list(details) == ['K', 'n', 'chi', 'K_std', 'n_std', 'chi_std']
+
+
+class HertzWall(ContactEffect):
+    """The law in the plant's integration."""
+
+    def __init__(self) -> None:
+        pass
+
+    def spring(self, t: float, d: float, force: float, m: Any) -> float:
+        """Replace the spring."""
+        return K * max(d, 0.0) ** N
+
+    def damper(self, d: float, v: float, force: float, m: Any) -> float:
+        """Replace the damper."""
+        return CHI * max(d, 0.0) ** N * v
+
+
+@pytest.mark.parametrize('experiment', ['sine', 'multisine', 'none'])
+def test_closed_loop_presses_with_the_wanted_force_on_the_nonlinear_wall(
+    experiment: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(
+        'contact_estimation.plant.world.effects_that_are_on', lambda physics: [HertzWall()]
+    )
+    session = ContactSession(build(EstimationParameters, {
+        'estimator': 'hunt_crossley', 'reference_law': 'series',
+    }))
+    world = build(PlantParameters, {
+        'sensors.force_noise': 1.0, 'sensors.distribution': 'uniform',
+    })
+    result = run_closed_loop(world, session, experiment_named(experiment), 10.0)
+    law = law_in(session.pipeline)
+    assert np.all(np.abs(np.array(law[:3]) - [K, N, CHI]) < 3.0 * np.array(law[3:]))
+    pressing = -np.mean([t.force for t in result.truths if 7.33 < t.t < 8.58])  # 4 periods
+    assert pressing == pytest.approx(50.0, rel=0.05)
