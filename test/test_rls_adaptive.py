@@ -104,7 +104,7 @@ def test_without_forgetting_it_is_batch_least_squares_with_the_prior() -> None:
     rows, prior = rows_of(400), np.array([2000.0, 100.0])  # which stays clear of all limits
     of = estimator(
         smallest_forgetting_factor=1.0, inertia_std=0.0,
-        stiffness_std=prior[0], damping_std=prior[1],
+        stiffness_std=2000.0, damping_std=100.0,
     )
     for row in rows.tolist():
         learn(of, T, row, 0.25)
