@@ -164,6 +164,9 @@ class OnlineEstimator(ABC):
     biased_by_position_noise: ClassVar[bool] = True
     """Whether noise of phi_B, a differentiated position, makes B_hat too small."""
 
+    fits_linear_damping: ClassVar[bool] = True
+    """Whether B_e v, the same at every depth, is what the law contains."""
+
     follows_reference: ClassVar[bool] = False
     """Whether `observe` needs the reference that the robot follows."""
 

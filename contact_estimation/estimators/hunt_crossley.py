@@ -92,6 +92,7 @@ class HuntCrossley(OnlineEstimator):
     """
 
     Parameters = HuntCrossleyParameters
+    fits_linear_damping = False
     _depth_0 = 0.0  # that _x is written for; 0 before there is one
     _log_depth = 0.0  # of the mean penetration, as a multiple of _depth_0
     _x: NDArray[np.float64]  # a, n, r
