@@ -59,13 +59,16 @@ def residual_variance(
     freedom = effective_samples - len(fitted)
     if freedom < _LEAST_SAMPLES:
         return None
-    scale = 1.0 / np.sqrt(np.diag(products)[fitted])
-    gram = products[np.ix_(fitted, fitted)] * scale * scale[:, None]
-    right = products[fitted, 0] * scale
-    power, axes = np.linalg.eigh(gram)
-    kept = power > _SMALLEST
-    explained = float(np.sum((axes.T @ right)[kept] ** 2 / power[kept]))
-    return max(float(products[0, 0]) - explained, 0.0) / freedom
+    # Elimination column by column leaves y^T y less what the columns explain.
+    left = [[float(products[i, j]) for j in (0, *fitted)] for i in (0, *fitted)]
+    for k in range(1, len(left)):
+        pivot = left[k][k]
+        if pivot <= _SMALLEST * products[fitted[k - 1], fitted[k - 1]]:
+            continue
+        for i in (0, *range(k + 1, len(left))):
+            share = left[i][k] / pivot
+            left[i] = [a - share * b for a, b in zip(left[i], left[k])]
+    return max(left[0][0], 0.0) / freedom
 
 
 class EquationNoise:

@@ -116,6 +116,7 @@ class ExcitationMonitor:
 
     def _start_block(self) -> None:
         self._rows: list[Row] = []
+        self._window: Window | None = None
         self._effective = self._rate_noise = 0.0
         self._next = min(_EARLY, self._block)
 
@@ -137,6 +138,7 @@ class ExcitationMonitor:
 
         """
         self._rows += rows
+        self._window = None
         for force, rate in gains:
             self._effective += force
             self._rate_noise += rate
@@ -151,8 +153,10 @@ class ExcitationMonitor:
             Up to the last row.
 
         """
-        effective, rate_noise, products = zip(*self._past, self._block_sums())
-        return Window(sum(effective), sum(rate_noise), sum(products))
+        if self._window is None:
+            effective, rate_noise, products = zip(*self._past, self._block_sums())
+            self._window = Window(sum(effective), sum(rate_noise), sum(products))
+        return self._window
 
     def _block_sums(self) -> Window:
         rows = np.array(self._rows, float).reshape(-1, COLUMNS)
