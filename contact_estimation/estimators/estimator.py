@@ -19,6 +19,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from enum import Enum
+from math import nan
 from typing import Callable, ClassVar, Mapping, NamedTuple, Sequence
 
 from ..exceptions import ParameterRangeError
@@ -169,6 +170,9 @@ class OnlineEstimator(ABC):
 
     follows_reference: ClassVar[bool] = False
     """Whether `observe` needs the reference that the robot follows."""
+
+    control_force: float = nan
+    """Force for a robot that is commanded by force [N], made by `observe`; NaN: does not control."""
 
     def __init__(
         self, tuning: ParameterGroup, environment: EnvironmentParameters, sample_period_s: float

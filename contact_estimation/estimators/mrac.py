@@ -12,195 +12,59 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Model reference adaptive estimation in the structure of Singh and Popa (1995)."""
+"""Model reference adaptive control in the structure of Singh and Popa (1995)."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import exp, expm1
 from typing import Sequence
 
 from .estimator import EnvironmentParameters, Held, OnlineEstimator, Reference, Snapshot, TimedRow
 from .indirect_adaptive import IndirectAdaptive, IndirectAdaptiveParameters
-from ..parameters import parameter, ParameterGroup
+from .model_following import ModelFollowing, ModelFollowingParameters
+from ..parameters import group, ParameterGroup
 
 
 @dataclass(frozen=True)
 class ModelReferenceParameters(ParameterGroup):
-    """Target impedance, adaptation of the plant, and gains of the environment estimator."""
+    """Tuning of the controller of the arm and of the environment estimator."""
 
-    target_mass: float = parameter(100.0, 'M_t of the reference model', 'kg', minimum=1e-6)
-    target_damping: float = parameter(6500.0, 'B_t of the reference model', 'N s/m', minimum=0.0)
-    target_stiffness: float = parameter(1e5, 'K_t of the reference model', 'N/m', minimum=0.0)
-    plant_rate: float = parameter(
-        5.0, 'Decay rate of the plant equation error', '1/s', minimum=0.0, maximum=1e3
-    )
-    plant_filter: float = parameter(
-        60.0, 'Pole of the filter that spares differentiating the velocity', '1/s', minimum=0.1
-    )
-    stiffness_gain: float = parameter(
-        5.0e4, 'Entry of Gamma^-1 for K in eq. (25)', 'N/m/(N m s)', minimum=0.0
-    )
-    damping_gain: float = parameter(
-        2.5e3, 'Entry of Gamma^-1 for B in eq. (25)', 'N s/m/(N m)', minimum=0.0
-    )
-    normalised: bool = parameter(False, 'Normalise eq. (25), as in indirect_adaptive')
-
-
-class ReferenceModel:
-    """
-    The target impedance of eq. (1), driven by the reference and the measured force.
-
-    Parameters
-    ----------
-    mass, damping, stiffness : float
-        M_t [kg], B_t [N s/m], K_t [N/m].
-
-    """
-
-    def __init__(self, mass: float, damping: float, stiffness: float) -> None:
-        self.mass, self.damping, self.stiffness = mass, damping, stiffness
-        self.position = self.velocity = 0.0
-        self.started = False
-
-    def start(self, position: float, velocity: float) -> None:
-        """
-        Put the model where the arm is.
-
-        Parameters
-        ----------
-        position, velocity : float
-            x [m] and its rate [m/s].
-
-        """
-        self.position, self.velocity, self.started = position, velocity, True
-
-    def step(self, dt: float, force: float, reference: Reference) -> None:
-        """
-        Integrate eq. (1) over one sample, semi-implicitly.
-
-        Parameters
-        ----------
-        dt : float
-            Time step [s].
-        force : float
-            F_e [N].
-        reference : Reference
-            x_r with its derivatives.
-
-        """
-        x_r, v_r, a_r = reference
-        # Backward Euler: stable for any damping and stiffness at any sample rate.
-        drive = force + self.mass * a_r + self.damping * v_r + self.stiffness * (
-            x_r - self.position
-        )
-        momentum = self.mass * self.velocity + dt * drive
-        self.velocity = momentum / (self.mass + dt * self.damping + dt * dt * self.stiffness)
-        self.position += dt * self.velocity
-
-
-class PlantEstimator:
-    """
-    Adapt (K_p, B_p, 1) / M_p of the arm to v' - a_r = -a_K e - a_B w + a_F F_e.
-
-    e = x - x_r and w its rate. Both sides pass 1 / (s + pole), so that the velocity is never
-    differentiated: v - pole v_f - (a_r)_f = phi^T a with phi = (-e_f, -w_f, F_f). Normalised
-    gradient adaptation.
-
-    Parameters
-    ----------
-    pole : float
-        Of the filter [1/s].
-    rate : float
-        Decay rate of the equation error [1/s].
-    start : tuple of float, length 3
-        First guess of (a_K, a_B, a_F).
-
-    """
-
-    def __init__(self, pole: float, rate: float, start: tuple[float, float, float]) -> None:
-        self._pole, self.rate = pole, rate
-        self._scale = tuple(max(a, 1e-6) ** 2 for a in start)
-        self.a = list(start)
-        self._filtered: list[float] | None = None
-        self._last: tuple[float, ...] = ()
-
-    def step(
-        self, dt: float, position: float, velocity: float, force: float, reference: Reference
-    ) -> None:
-        """
-        Learn from one sample.
-
-        Parameters
-        ----------
-        dt : float
-            Time step [s].
-        position, velocity, force : float
-            x [m], its rate [m/s] and F_e [N].
-        reference : Reference
-            What the arm follows.
-
-        """
-        x_r, v_r, a_r = reference
-        now = (position - x_r, velocity - v_r, force, velocity, a_r)
-        if self._filtered is None:
-            self._filtered, self._last = [value / self._pole for value in now], now
-            return
-        keep = exp(-self._pole * dt)
-        gain = 0.5 * (1.0 - keep) / self._pole  # of a ramp between the samples, nearly
-        # The feed-forward alone is a staircase: over the last interval the old one acted.
-        ahead = (*now[:4], self._last[4])
-        filtered = [
-            keep * f + gain * (u + last) for f, u, last in zip(self._filtered, ahead, self._last)
-        ]
-        self._filtered, self._last = filtered, now
-        e_f, w_f, F_f, v_f, a_f = filtered
-        phi = (-e_f, -w_f, F_f)
-        error = velocity - self._pole * v_f - a_f - sum(p * a for p, a in zip(phi, self.a))
-        power = sum(s * p * p for s, p in zip(self._scale, phi))
-        step = -expm1(-self.rate * dt) * error / (power + 1e-9)
-        self.a = [max(a + step * s * p, 0.0) for a, s, p in zip(self.a, self._scale, phi)]
+    control: ModelFollowingParameters = group(ModelFollowingParameters)
+    environment: IndirectAdaptiveParameters = group(IndirectAdaptiveParameters)
 
 
 class ModelReferenceAdaptive(OnlineEstimator):
     """
-    Plant estimator, reference model and environment estimator side by side.
+    A controller that makes an unknown arm follow the target impedance, and eq. (25) on top.
 
-    The environment estimator is eq. (25) with the gains of indirect_adaptive, as in the paper;
-    the plant estimator tells the impedance that the arm really has, `model_error` how far the arm
-    is from the target impedance.
+    The paper's four parts: the plant with unknown parameters and the estimator that adapts them
+    to the reference model are in `ModelFollowing`, whose force drives a robot that is commanded
+    by force; the environment estimator has the law and the gains of indirect_adaptive.
 
     """
 
     Parameters = ModelReferenceParameters
     follows_reference = True
+    control_force = 0.0
 
     def __init__(
         self, tuning: ParameterGroup, environment: EnvironmentParameters, sample_period_s: float
     ) -> None:
+        assert isinstance(tuning, ModelReferenceParameters)
+        self.following = ModelFollowing(tuning.control)
         self._environment_estimator = IndirectAdaptive(
-            IndirectAdaptiveParameters(), environment, sample_period_s
+            tuning.environment, environment, sample_period_s
         )
-        self._target: tuple[float, ...] = ()
         super().__init__(tuning, environment, sample_period_s)
 
     def configure(self, tuning: ParameterGroup) -> None:
-        """Take new tuning; a new target restarts the model. See `OnlineEstimator.configure`."""
+        """Take new tuning; see `OnlineEstimator.configure`."""
         assert isinstance(tuning, ModelReferenceParameters)
-        p = tuning
-        self._environment_estimator.configure(
-            IndirectAdaptiveParameters(p.stiffness_gain, p.damping_gain, p.normalised)
-        )
-        target = p.target_mass, p.target_damping, p.target_stiffness, p.plant_filter
-        if target != self._target:
-            self._target = target
-            M, B, K, pole = target
-            self.model = ReferenceModel(M, B, K)
-            self.plant = PlantEstimator(pole, p.plant_rate, (K / M, B / M, 1.0 / M))
-        self.plant.rate = p.plant_rate
+        self._environment_estimator.configure(tuning.environment)
+        self.following.configure(tuning.control)
 
     def start_from(self, stiffness: float, damping: float) -> None:
-        """Begin anew; see `OnlineEstimator.start_from`."""
+        """Begin anew; what is known of the arm stays. See `OnlineEstimator.start_from`."""
         self._environment_estimator.start_from(stiffness, damping)
         self.stiffness, self.damping = stiffness, damping
 
@@ -221,9 +85,7 @@ class ModelReferenceAdaptive(OnlineEstimator):
     def observe(
         self, dt: float, position: float, velocity: float, force: float, reference: Reference
     ) -> None:
-        """Run the model and adapt the plant; see `OnlineEstimator.observe`."""
-        if not self.model.started:
-            self.model.start(position, velocity)
-        self.model.step(dt, force, reference)
-        self.plant.step(dt, position, velocity, force, reference)
-        self.model_error = position - self.model.position
+        """Control the arm; see `OnlineEstimator.observe`."""
+        if dt > 2.5 * self.sample_period_s:
+            self.following.restart()  # nobody knows what the wall did during a gap
+        self.control_force = self.following.force(dt, position, velocity, force, reference)

@@ -17,11 +17,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import isnan
 
 from .plant_parameters import PlantParameters
 from .sensors import Sensors
 from .world import ReferenceAt, Truth, World
 from ..contact_session import ContactSession, Result
+from ..exceptions import ParameterRangeError
 from ..reference.experiment import Experiment
 from ..reference.reference_generator import ReferencePoint
 
@@ -76,13 +78,33 @@ def extrapolate(since: float, reference: ReferencePoint) -> ReferenceAt:
     return at
 
 
+def push(force: float) -> ReferenceAt:
+    """
+    Push a bare arm until the next control force comes.
+
+    Parameters
+    ----------
+    force : float
+        Control force [N].
+
+    Returns
+    -------
+    reference_at : callable
+        Time [s] to (x_r, its rate, its acceleration, F_r): at rest but for the force.
+
+    """
+    return lambda t: (0.0, 0.0, 0.0, force)
+
+
 def run_closed_loop(
     plant: PlantParameters, session: ContactSession, experiment: Experiment, duration: float
 ) -> ClosedLoopRun:
     """
     Run the experiment.
 
-    The reference made of sample k is followed from sample k + 1 on, as over ROS.
+    The reference made of sample k is followed from sample k + 1 on, as over ROS. A bare arm
+    (`robot.control` is force) is pushed by the estimator's control force: that of sample k, held
+    from sample k to k + 1, as a robot's own servo at the sample rate does.
 
     Parameters
     ----------
@@ -100,15 +122,23 @@ def run_closed_loop(
     run : ClosedLoopRun
         One entry a sample.
 
+    Raises
+    ------
+    ParameterRangeError
+        If a bare arm meets an estimator that does not control.
+
     """
+    bare = plant.robot.control == 'force'
+    if bare:
+        require_control(session)
     period = 1.0 / plant.sample_rate
     period_ns = round(1e9 * period)
     begin = experiment.desired(0.0)
     world, sensors = World(plant, begin.position), Sensors(plant)
     reference = ReferencePoint(begin.position, 0.0, 0.0, 0.0)
-    run = ClosedLoopRun([], [])
+    run, pushed = ClosedLoopRun([], []), push(0.0)
     for k in range(round(duration * plant.sample_rate)):
-        follow = extrapolate(k * period, reference)
+        follow = pushed if bare else extrapolate(k * period, reference)
         truth = world.truth(follow)
         force, position, velocity = sensors.measure(truth)
         session.add_desired((k + 1) * period_ns, experiment.desired((k + 1) * period))
@@ -116,7 +146,31 @@ def run_closed_loop(
         (result,) = session.add_wrench(k * period_ns, force)
         run.truths.append(truth)
         run.results.append(result)
+        if bare:
+            follow = pushed = push(session.pipeline.estimator.control_force)
         world.advance(period, follow)
         if result.reference is not None:
             reference = result.reference
     return run
+
+
+def require_control(session: ContactSession) -> None:
+    """
+    Refuse a bare arm that nobody would control.
+
+    Parameters
+    ----------
+    session : ContactSession
+        With the estimator that runs.
+
+    Raises
+    ------
+    ParameterRangeError
+        If its estimator makes no control force.
+
+    """
+    if isnan(session.pipeline.estimator.control_force):
+        raise ParameterRangeError(
+            'robot.control force needs an estimator that makes a control force: expected mrac, '
+            f'got {session.parameters.estimator}; use it, or robot.control impedance'
+        )

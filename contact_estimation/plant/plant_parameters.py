@@ -16,7 +16,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from ..parameters import group, parameter, ParameterGroup
@@ -39,12 +39,31 @@ class WallParameters(ParameterGroup):
 
 @dataclass(frozen=True)
 class RobotParameters(ParameterGroup):
-    """The robot under impedance control, eq. (1)."""
+    """The robot under impedance control, eq. (1), or a bare arm."""
 
     mass: float = parameter(50.0, 'M_t', 'kg', minimum=1e-6)
     damping: float = parameter(1000.0, 'B_t', 'N s/m', minimum=0.0)
     stiffness: float = parameter(5000.0, 'K_t', 'N/m', minimum=0.0)
     force_tracking: bool = parameter(False, 'Adds F_r to the control force')
+    control: str = parameter(
+        'impedance', 'impedance: obeys eq. (1) with these; force: a bare arm of this mass and '
+        'damping, pushed by the control force of the estimator `mrac`',
+        choices=('impedance', 'force'), read_only=True,
+    )
+
+    def law(self) -> RobotParameters:
+        """
+        Give the parameters of eq. (1) that the robot obeys.
+
+        Returns
+        -------
+        robot : RobotParameters
+            Of a bare arm: without stiffness, F_r pushes, and the reference must rest.
+
+        """
+        if self.control == 'impedance':
+            return self
+        return replace(self, stiffness=0.0, force_tracking=True)
 
 
 @dataclass(frozen=True)

@@ -16,6 +16,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from enum import Enum
 import math
 from math import ceil
@@ -123,7 +124,7 @@ class World:
             self._effects = effects_that_are_on(parameters.physics)
             self._chain = [e for e in self._effects if isinstance(e, ForceSensorEffect)]
         effects = self._effects
-        wall, robot = parameters.environment, parameters.robot
+        wall, robot = parameters.environment, parameters.robot.law()
         self._law = ContactLaw(
             wall.stiffness, wall.damping, wall.location, wall.inertia, wall.unilateral, effects
         )

@@ -1,0 +1,229 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Adaptive model-following control: an arm of unknown mass and damping moves as the model does."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from .estimator import Reference
+from ..parameters import parameter, ParameterGroup
+
+
+@dataclass(frozen=True)
+class ModelFollowingParameters(ParameterGroup):
+    """Target impedance, what is first assumed of the arm, gains of control and adaptation."""
+
+    target_mass: float = parameter(100.0, 'M_t of the reference model', 'kg', minimum=1e-6)
+    target_damping: float = parameter(6500.0, 'B_t of the reference model', 'N s/m', minimum=0.0)
+    target_stiffness: float = parameter(1e5, 'K_t of the reference model', 'N/m', minimum=0.0)
+    arm_mass: float = parameter(50.0, 'First guess of the mass of the arm', 'kg', minimum=1e-3)
+    arm_damping: float = parameter(
+        200.0, 'First guess of the damping of the arm', 'N s/m', minimum=1e-3
+    )
+    arm_range: float = parameter(
+        4.0, 'Mass and damping of the arm are sought within this factor of their first guess', '',
+        minimum=1.0,
+    )
+    error_rate: float = parameter(
+        20.0, 'Rate at which x - x_m decays once the arm is known', '1/s', minimum=0.0, maximum=1e3
+    )
+    feedback_gain: float = parameter(
+        2000.0, 'Gain of the filtered error; needs a sample period well below mass / gain',
+        'N s/m', minimum=1e-3,
+    )
+    arm_mass_gain: float = parameter(
+        6e4, 'Adaptation gain of the mass of the arm; 0: keep the first guess', 'kg s^2/m^2',
+        minimum=0.0,
+    )
+    arm_damping_gain: float = parameter(
+        2e6, 'Adaptation gain of the damping of the arm; 0: keep the first guess', 'kg/m^2',
+        minimum=0.0,
+    )
+    adaptation_limit: float = parameter(
+        50.0, 'Rate above which brisk motion no longer speeds the adaptation up', '1/s',
+        minimum=1e-3,
+    )
+
+
+class Motion(NamedTuple):
+    """Position [m], velocity [m/s] and acceleration [m/s^2] at an instant."""
+
+    position: float
+    velocity: float
+    acceleration: float
+
+
+class ReferenceModel:
+    """
+    The target impedance of eq. (1), driven by the reference and the measured force.
+
+    Parameters
+    ----------
+    mass, damping, stiffness : float
+        M_t [kg], B_t [N s/m], K_t [N/m].
+
+    """
+
+    def __init__(self, mass: float, damping: float, stiffness: float) -> None:
+        self._M, self._B, self._K = mass, damping, stiffness
+        self._last: tuple[Motion, float, Reference] | None = None
+
+    def advance(
+        self, dt: float, position: float, velocity: float, force: float, reference: Reference
+    ) -> Motion:
+        """
+        Integrate eq. (1) over one sample, along the parabola of the last reference.
+
+        By the trapezoid rule: of second order, and stable for any target at any sample rate.
+
+        Parameters
+        ----------
+        dt : float
+            Time since the last sample [s].
+        position, velocity : float
+            x [m] and its rate [m/s]; the model starts there.
+        force : float
+            F_e now [N].
+        reference : Reference
+            x_r with its derivatives, from now on.
+
+        Returns
+        -------
+        motion : Motion
+            Of the model now.
+
+        """
+        if self._last is None:
+            return self._remember(position, velocity, force, reference)
+        (x_m, v_m, _), last_force, (x_r, v_r, a_r) = self._last
+        z, w = x_m - x_r, v_m - v_r  # M_t w' + B_t w + K_t z = F_e
+        half = 0.5 * dt
+        drag = half * (self._B + half * self._K)
+        push = half * (last_force + force) - dt * self._K * z
+        w_next = ((self._M - drag) * w + push) / (self._M + drag)
+        z_next = z + half * (w + w_next)
+        return self._remember(
+            x_r + dt * (v_r + half * a_r) + z_next, v_r + dt * a_r + w_next, force, reference
+        )
+
+    def _remember(self, x_m: float, v_m: float, force: float, reference: Reference) -> Motion:
+        x_r, v_r, a_r = reference
+        a_m = a_r + (force - self._B * (v_m - v_r) - self._K * (x_m - x_r)) / self._M
+        motion = Motion(x_m, v_m, a_m)
+        self._last = motion, force, reference
+        return motion
+
+
+class ModelFollowing:
+    """
+    Drive the arm m x'' + b x' = u + F_e along the reference model, with m and b unknown.
+
+    With e = x - x_m and the filtered error s = e' + r e, r the `error_rate`, the force
+
+        u = m_hat a + b_hat v - F_e - k s,    a = a_m - r e',    v = v_m - r e
+
+    leaves m s' = -(b + k) s + (m_hat - m) a + (b_hat - b) v, and the adaptation
+
+        m_hat' = -g_m a s,    b_hat' = -g_b v s
+
+    gives V = (m s^2 + (m_hat - m)^2 / g_m + (b_hat - b)^2 / g_b) / 2 the rate
+    V' = -(b + k) s^2: s and e vanish whatever the wall does (Slotine and Li's law). Two measures
+    keep a sampled and noisy loop stable: the limits of `arm_range`, which only lower V while the
+    truth is within them, and the division of g_m and g_b by 1 + (g_m a^2 + g_b v^2) / (limit k),
+    which matters in brisk motion alone.
+
+    Attributes
+    ----------
+    mass, damping : float
+        m_hat [kg] and b_hat [N s/m].
+    model : ReferenceModel
+        What the arm shall do.
+
+    Parameters
+    ----------
+    tuning : ModelFollowingParameters
+        Target, first guess and gains.
+
+    """
+
+    def __init__(self, tuning: ModelFollowingParameters) -> None:
+        self._p = tuning
+        self.mass, self.damping = tuning.arm_mass, tuning.arm_damping
+        self.restart()
+
+    def configure(self, tuning: ModelFollowingParameters) -> None:
+        """
+        Take new tuning while running.
+
+        A new first guess replaces what was learned of the arm, a new target restarts the model.
+
+        Parameters
+        ----------
+        tuning : ModelFollowingParameters
+            The new values.
+
+        """
+        old, self._p = self._p, tuning
+        if (tuning.arm_mass, tuning.arm_damping) != (old.arm_mass, old.arm_damping):
+            self.mass, self.damping = tuning.arm_mass, tuning.arm_damping
+        if self._target_of(tuning) != self._target_of(old):
+            self.restart()
+
+    @staticmethod
+    def _target_of(tuning: ModelFollowingParameters) -> tuple[float, float, float]:
+        return tuning.target_mass, tuning.target_damping, tuning.target_stiffness
+
+    def restart(self) -> None:
+        """Let the model start anew where the arm is at the next sample."""
+        self.model = ReferenceModel(*self._target_of(self._p))
+
+    def force(
+        self, dt: float, position: float, velocity: float, force: float, reference: Reference
+    ) -> float:
+        """
+        Adapt to what the last sample period has shown, and control the next.
+
+        Parameters
+        ----------
+        dt : float
+            Time since the last sample [s].
+        position, velocity, force : float
+            x [m], its rate [m/s] and F_e [N] as measured.
+        reference : Reference
+            What the model follows from now on.
+
+        Returns
+        -------
+        u : float
+            Force for the arm until the next sample [N].
+
+        """
+        p = self._p
+        x_m, v_m, a_m = self.model.advance(dt, position, velocity, force, reference)
+        e, e_dot = position - x_m, velocity - v_m
+        s = e_dot + p.error_rate * e
+        a, v = a_m - p.error_rate * e_dot, v_m - p.error_rate * e
+        g_m, g_b, k = p.arm_mass_gain, p.arm_damping_gain, p.feedback_gain
+        power = g_m * a * a + g_b * v * v
+        step = dt * s / (1.0 + power / (p.adaptation_limit * k))
+        self.mass = self._within_range(self.mass - step * g_m * a, p.arm_mass)
+        self.damping = self._within_range(self.damping - step * g_b * v, p.arm_damping)
+        return self.mass * a + self.damping * v - force - k * s
+
+    def _within_range(self, value: float, guess: float) -> float:
+        factor = self._p.arm_range
+        return min(max(value, guess / factor), guess * factor)
