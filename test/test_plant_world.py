@@ -22,6 +22,7 @@ from typing import Any
 
 from contact_estimation.parameters import parameter, ParameterGroup
 from contact_estimation.physics.physics import ContactEffect, ForceSensorEffect, RobotEffect
+from contact_estimation.plant.closed_loop import push
 from contact_estimation.plant.world import World
 from contact_estimation.reference.quintic import quintic
 import numpy as np
@@ -64,6 +65,15 @@ def test_free_robot_follows_the_closed_form_of_the_impedance() -> None:
     t = 0.002 * np.arange(500)
     expected = 0.01 * (1.0 - (1.0 + 10.0 * t) * np.exp(-10.0 * t))
     np.testing.assert_allclose(got, expected, atol=1e-12)
+
+
+def test_bare_arm_under_a_constant_push_follows_the_closed_form() -> None:
+    arm = plant_with(environment__location=1.0, robot__control='force', robot__mass=25.0,
+                     robot__damping=100.0)
+    got = positions_of(simulate(500, arm, push(30.0), 0.0))
+    t = 0.002 * np.arange(500)  # v = 30 / 100 (1 - exp(-100 t / 25))
+    expected = 0.3 * (t - 0.25 * (1.0 - np.exp(-4.0 * t)))
+    np.testing.assert_allclose(got, expected, atol=1e-10)
 
 
 def test_free_robot_follows_a_reference_with_derivatives_exactly() -> None:

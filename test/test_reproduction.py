@@ -75,6 +75,20 @@ def test_plain_rls_survives_the_hold_without_excitation() -> None:
     assert abs(errors.damping) < 15.0
 
 
+def test_mrac_drives_an_arm_of_its_own_to_other_errors_than_indirect_adaptive() -> None:
+    mrac = run_case(case('simulation_none', 'mrac'), 0)
+    adaptive = run_case(case('simulation_none', 'indirect_adaptive'), 0)
+    assert abs(mrac.stiffness) < 0.2 and abs(mrac.damping) < 1.0
+    assert abs(adaptive.damping) > 1.0
+    assert mrac.stiffness_bound != adaptive.stiffness_bound
+
+
+def test_every_row_has_a_name_of_its_own() -> None:
+    names = [(row['case'], row['estimator']) for row in
+             (row_of(c, [Errors(1.0, 2.0, 0.1, 0.2)]) for c in CASES)]
+    assert len(set(names)) == len(names)
+
+
 def test_bound_is_the_spread_of_least_squares() -> None:
     generator = np.random.default_rng(0)
     phi = np.column_stack([0.01 + 0.002 * np.sin(np.arange(400) / 9.0),

@@ -38,6 +38,7 @@ WRONG: list[tuple[str, dict[str, Any], list[str]]] = [
     ('plant_node', {'environment.stifness': 1.0}, ["did you mean 'environment.stiffness'"]),
     ('plant_node', {'experiment': 'sinus'}, ["'sinus'", "did you mean 'sine'"]),
     ('plant_node', {'experiment': 'missing.yaml'}, ['missing.yaml', 'cannot be read']),
+    ('plant_node', {'robot.control': 'force'}, ['robot.control', 'impedance', 'force']),
     ('recorder_node', {}, ['output']),
 ]
 

@@ -172,7 +172,7 @@ class OnlineEstimator(ABC):
     """Whether `observe` needs the reference that the robot follows."""
 
     control_force: float = nan
-    """Force for a robot that is commanded by force [N], made by `observe`; NaN: does not control."""
+    """Force for a robot that is commanded by force [N], made by `observe`; NaN: none."""
 
     def __init__(
         self, tuning: ParameterGroup, environment: EnvironmentParameters, sample_period_s: float

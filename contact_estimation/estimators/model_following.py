@@ -82,6 +82,11 @@ class ReferenceModel:
         self._M, self._B, self._K = mass, damping, stiffness
         self._last: tuple[Motion, float, Reference] | None = None
 
+    @property
+    def motion(self) -> Motion | None:
+        """Of the model at the last sample; None before the first."""
+        return self._last[0] if self._last else None
+
     def advance(
         self, dt: float, position: float, velocity: float, force: float, reference: Reference
     ) -> Motion:
@@ -152,6 +157,8 @@ class ModelFollowing:
         m_hat [kg] and b_hat [N s/m].
     model : ReferenceModel
         What the arm shall do.
+    error : float
+        x - x_m at the last sample [m].
 
     Parameters
     ----------
@@ -162,7 +169,7 @@ class ModelFollowing:
 
     def __init__(self, tuning: ModelFollowingParameters) -> None:
         self._p = tuning
-        self.mass, self.damping = tuning.arm_mass, tuning.arm_damping
+        self.mass, self.damping, self.error = tuning.arm_mass, tuning.arm_damping, 0.0
         self.restart()
 
     def configure(self, tuning: ModelFollowingParameters) -> None:
@@ -215,6 +222,7 @@ class ModelFollowing:
         p = self._p
         x_m, v_m, a_m = self.model.advance(dt, position, velocity, force, reference)
         e, e_dot = position - x_m, velocity - v_m
+        self.error = e
         s = e_dot + p.error_rate * e
         a, v = a_m - p.error_rate * e_dot, v_m - p.error_rate * e
         g_m, g_b, k = p.arm_mass_gain, p.arm_damping_gain, p.feedback_gain

@@ -30,6 +30,9 @@ PLAIN = {'conditioning.cutoff_frequency': 0.0, 'excitation.maximum_relative_std'
 BEST = 'kalman'
 """Named before any of these runs: the best on-line estimator, told that x_e is known."""
 
+UNKNOWN_ARM = {'robot.control': 'force', 'robot.mass': 75.0, 'robot.damping': 300.0}
+"""The arm that mrac drives: half as much again of both as its controller first assumes."""
+
 _BEST_TUNING = {'tuning.kalman.location_std': 0.0, 'tuning.kalman.relative_walk': 0.0}
 _RLS_TUNING = {
     **PLAIN, 'tuning.rls.maximum_relative_std': 1e9, 'tuning.rls.initial_covariance': 1e5,
@@ -54,8 +57,10 @@ class OnlineCase:
         'sine', 'prbs' or 'none'.
     estimator, law : str
         Names; 'pass_through' is eq. (1) on x_d with eq. (41) instead of eq. (40).
-    tuning : mapping
-        Parameters that differ from the defaults.
+    tuning, plant : mapping
+        Parameters of estimation and plant that differ from the defaults.
+    variant : str
+        Added to the estimator's name in the table; '' for the default tuning.
 
     """
 
@@ -64,6 +69,8 @@ class OnlineCase:
     estimator: str
     law: str
     tuning: Mapping[str, Any] = field(default_factory=dict)
+    plant: Mapping[str, Any] = field(default_factory=dict)
+    variant: str = ''
 
     def experiment(self) -> Experiment:
         """Build the manoeuvre of the case."""
@@ -94,7 +101,9 @@ def _online(excitation: str) -> list[OnlineCase]:
     case = f'simulation_{excitation}'
     return [
         OnlineCase(case, excitation, 'indirect_adaptive', 'eq20', PLAIN),
-        OnlineCase(case, excitation, 'mrac', 'eq20', PLAIN),
+        OnlineCase(case, excitation, 'mrac', 'eq20', PLAIN, UNKNOWN_ARM),
+        OnlineCase(case, excitation, 'mrac', 'eq20', {**PLAIN, 'tuning.mrac.memory_s': 0.0},
+                   UNKNOWN_ARM, ' (eq. 25 alone)'),
         OnlineCase(case, excitation, 'rls', 'pass_through', _RLS_TUNING),
         OnlineCase(case, excitation, BEST, 'eq20', _BEST_TUNING),
     ]

@@ -26,7 +26,7 @@ from .runs import B_E, K_E, simulate, step_recording
 from ..commands.loop_picture import require_matplotlib
 from ..estimators.signal_processing import FFT_POINTS, SETTLED, step_response
 
-_COLOURS = ('#0b6e99', '#c2410c', '#4d7c0f', '#7c3aed')
+_COLOURS = ('#0b6e99', '#c2410c', '#b45309', '#4d7c0f', '#7c3aed')
 _TRUE = '#9aa5b1'
 
 
@@ -83,11 +83,11 @@ def _trajectory(pyplot: Any, path: Path) -> Path:
 
 def _estimates(pyplot: Any, number: int, case: str, path: Path) -> Path:
     figure, axes = pyplot.subplots(2, 1, figsize=(8.0, 7.0), sharex=True, layout='constrained')
-    # mrac shares its environment estimator with indirect_adaptive, so the two lie on each other.
-    for online, colour, style in zip(_online(case), _COLOURS, ('-', '--', '-', '-')):
+    for online, colour in zip(_online(case), _COLOURS, strict=True):
         run = simulate(online, 0)
         t = [truth.t for truth in run.truths]
-        look = {'linestyle': style, 'color': colour, 'label': f'{online.estimator} ({online.law})'}
+        name = online.estimator + online.variant
+        look: dict[str, Any] = {'color': colour, 'label': f'{name}, {online.law}'}
         axes[0].plot(t, [r.estimate.stiffness for r in run.results], **look)
         axes[1].plot(t, [r.estimate.damping for r in run.results], **look)
     for axis, true, name in zip(axes, (K_E, B_E), ('stiffness [N/m]', 'damping [kg/s]')):

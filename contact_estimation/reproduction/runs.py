@@ -99,7 +99,7 @@ def simulate(case: OnlineCase, seed: int) -> ClosedLoopRun:
         Truth and results of every sample.
 
     """
-    plant = build(PlantParameters, {**PAPER_NOISE, 'seed': seed})
+    plant = build(PlantParameters, {**PAPER_NOISE, 'seed': seed, **case.plant})
     parameters = build(
         EstimationParameters,
         {'estimator': case.estimator, 'reference_law': case.law, **case.tuning},

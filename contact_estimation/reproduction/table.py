@@ -83,7 +83,7 @@ def row_of(case: OnlineCase | StepCase, errors: list[Errors]) -> dict[str, Any]:
     paper = PAPER.get((case.case, case.estimator))
     return {
         'case': case.case,
-        'estimator': case.estimator,
+        'estimator': case.estimator + getattr(case, 'variant', ''),
         'law': case.law,
         'seeds': len(errors),
         'stiffness_error_percent': float(median[0]),

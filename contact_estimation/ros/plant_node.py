@@ -32,7 +32,7 @@ from .plant_node_parameters import PlantNodeParameters
 from .plant_statistics import PlantStatistics
 from .rclpy_codec import message_class, RclpyCodec
 from .running import run_node
-from ..exceptions import MessageError
+from ..exceptions import MessageError, ParameterRangeError
 from ..messages import JointStateEncoder, TrajectoryDecoder, TrajectoryEncoder, WrenchEncoder
 from ..parameter_values import build, changed, divided
 from ..parameters import ParameterSpecification, specifications
@@ -68,6 +68,7 @@ class PlantNode(Node):
         world, own = divided(PlantNodeParameters, declare(self, all_specifications()))
         self._plant = build(PlantParameters, world)
         self._own = build(PlantNodeParameters, own)
+        require_impedance(self._plant)
         experiment = experiment_named(self._own.experiment)
         self._duration = self._own.duration or (
             float('inf') if self._own.repeat else experiment.duration
@@ -197,6 +198,28 @@ class PlantNode(Node):
         self._plant = changed(self._plant, world)
         self._world.configure(self._plant)
         self._sensors.configure(self._plant)
+
+
+def require_impedance(plant: PlantParameters) -> None:
+    """
+    Refuse a bare arm: no topic carries the force that would have to push it.
+
+    Parameters
+    ----------
+    plant : PlantParameters
+        The world.
+
+    Raises
+    ------
+    ParameterRangeError
+        If the robot is commanded by force.
+
+    """
+    if plant.robot.control != 'impedance':
+        raise ParameterRangeError(
+            f'robot.control must be impedance in plant_node, got {plant.robot.control}; a bare '
+            'arm runs off-line only, in run_closed_loop and in `reproduce`'
+        )
 
 
 def main(args: Sequence[str] | None = None) -> int:

@@ -1,0 +1,203 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Model following: an arm of unknown mass and damping does what the target impedance would."""
+
+from __future__ import annotations
+
+from math import exp
+from typing import Any, NamedTuple
+
+from contact_estimation.estimators.estimator import Reference
+from contact_estimation.estimators.model_following import (
+    ModelFollowing,
+    ModelFollowingParameters,
+    ReferenceModel,
+)
+import numpy as np
+from numpy.typing import NDArray
+import pytest
+from scipy.integrate import odeint
+
+M_t, B_t, K_t = 100.0, 6500.0, 1e5
+K_E, B_E = 4800.0, 200.0
+NO_LIMIT: dict[str, Any] = {'adaptation_limit': 1e12, 'arm_range': 100.0}
+CORNERS = pytest.mark.parametrize('mass, damping', [(25, 100), (25, 300), (75, 100), (75, 300)])
+
+
+class Path(NamedTuple):
+    """A run of an arm under control: x - x_m, s, m_hat and b_hat of every sample."""
+
+    error: NDArray[np.float64]
+    filtered: NDArray[np.float64]
+    mass: NDArray[np.float64]
+    damping: NDArray[np.float64]
+
+
+def reference_at(t: float) -> Reference:
+    """Give a smooth reference with its derivatives."""
+    return Reference(
+        0.01 * np.sin(8.0 * t), 0.08 * np.cos(8.0 * t), -0.64 * np.sin(8.0 * t)
+    )
+
+
+def force_at(t: float) -> float:
+    """Give a force that presses back [N]."""
+    return float(-40.0 * np.sin(5.0 * t) ** 2)
+
+
+def model_error(dt: float) -> float:
+    """Largest departure of the model from eq. (1), as a share of its greatest motion."""
+    def rates(state: list[float], t: float) -> list[float]:
+        x, v = state
+        x_r, v_r, a_r = reference_at(t)
+        return [v, a_r + (force_at(t) - B_t * (v - v_r) - K_t * (x - x_r)) / M_t]
+
+    t = dt * np.arange(round(1.0 / dt) + 1)
+    expected = odeint(rates, [0.0, 0.0], t, rtol=1e-10, atol=1e-13)[:, 0]
+    model = ReferenceModel(M_t, B_t, K_t)
+    positions = [
+        model.advance(dt, 0.0, 0.0, force_at(now), reference_at(now)).position
+        for now in t.tolist()
+    ]
+    return float(np.max(np.abs(positions - expected)) / np.max(np.abs(expected)))
+
+
+def follow(
+    mass: float, damping: float, duration: float, dt: float = 0.002, late: bool = False,
+    wall: tuple[float, float] = (K_E, B_E), noise: float = 0.0, **tuning: Any,
+) -> Path:
+    """Move an arm into an attached wall and back at 5 and 13 rad/s, under sampled control."""
+    following = ModelFollowing(ModelFollowingParameters(**tuning))
+    generator = np.random.default_rng(0)
+    x = v = u = 0.0
+    path = []
+    for k in range(round(duration / dt)):
+        wiggles = [(a, w, w * k * dt) for a, w in ((0.02, 5.0), (0.004, 13.0))]
+        reference = Reference(
+            sum(a * np.sin(p) for a, w, p in wiggles),
+            sum(a * w * np.cos(p) for a, w, p in wiggles),
+            sum(-a * w * w * np.sin(p) for a, w, p in wiggles),
+        )
+        measured = -(wall[0] * x + wall[1] * v) + noise * generator.uniform(-1.0, 1.0)
+        new = following.force(dt, x, v, measured, reference)
+        motion = following.model.motion
+        assert motion is not None
+        s = v - motion.velocity + following._p.error_rate * (x - motion.position)
+        path.append((x - motion.position, s, following.mass, following.damping))
+        acting = u if late else new
+        for _ in range(4):  # exact for an arm between samples but for the wall, held over a step
+            h, push = 0.25 * dt, acting - (wall[0] * x + wall[1] * v)
+            decay = exp(-damping * h / mass)
+            x += push / damping * h + (v - push / damping) * mass / damping * (1.0 - decay)
+            v = push / damping + (v - push / damping) * decay
+        u = new
+    return Path(*np.array(path).T)
+
+
+def test_reference_model_solves_the_target_impedance() -> None:
+    assert model_error(1e-4) < 1e-4
+
+
+def test_reference_model_is_close_at_the_node_s_rate() -> None:
+    assert model_error(2e-3) < 2e-3
+
+
+def test_reference_model_is_stable_at_any_sample_period() -> None:
+    model = ReferenceModel(M_t, B_t, K_t)
+    for _ in range(300):
+        motion = model.advance(0.5, 0.05, 0.0, 0.0, Reference(0.0, 0.0, 0.0))
+    assert abs(motion.position) < 1e-9
+
+
+def test_lyapunov_function_falls_by_the_work_of_the_feedback() -> None:
+    m, b, dt = 75.0, 100.0, 2e-5
+    tuning = ModelFollowingParameters()
+    path = follow(m, b, 0.5, dt, **NO_LIMIT)
+    V = 0.5 * (m * path.filtered**2 + (path.mass - m) ** 2 / tuning.arm_mass_gain
+               + (path.damping - b) ** 2 / tuning.arm_damping_gain)
+    work = np.cumsum((b + tuning.feedback_gain) * path.filtered**2) * dt
+    assert V[-1] < 0.2 * V[0]
+    np.testing.assert_allclose(V[0] - V, work, atol=0.02 * V[0])
+    assert np.max(np.diff(V)) < 0.0
+
+
+@CORNERS
+def test_error_is_below_a_fifth_of_a_millimetre_after_two_seconds(
+    mass: float, damping: float
+) -> None:
+    path = follow(mass, damping, 5.0, noise=1.0)
+    assert np.max(np.abs(path.error[1000:])) < 2e-4
+
+
+@CORNERS
+def test_error_stays_above_it_with_the_adaptation_frozen(mass: float, damping: float) -> None:
+    path = follow(mass, damping, 5.0, noise=1.0, arm_mass_gain=0.0, arm_damping_gain=0.0)
+    assert np.max(np.abs(path.error[1000:])) > 2e-4
+
+
+@CORNERS
+def test_arm_is_found(mass: float, damping: float) -> None:
+    path = follow(mass, damping, 5.0, noise=1.0)
+    assert path.mass[-1] == pytest.approx(mass, rel=0.05)
+    assert path.damping[-1] == pytest.approx(damping, rel=0.2)
+
+
+def test_force_that_comes_a_sample_late_is_still_stable() -> None:
+    path = follow(75.0, 300.0, 5.0, late=True, noise=1.0)
+    assert np.max(np.abs(path.error[1000:])) < 2e-4
+
+
+def test_wall_twenty_times_as_stiff_is_still_stable() -> None:
+    path = follow(25.0, 100.0, 5.0, wall=(1e5, 1000.0), noise=1.0)
+    assert np.max(np.abs(path.error[1000:])) < 2e-4
+
+
+def test_noise_alone_does_not_carry_the_arm_s_parameters_away() -> None:
+    following, generator = ModelFollowing(ModelFollowingParameters()), np.random.default_rng(0)
+    x = v = 0.0
+    for _ in range(30_000):
+        noise = generator.uniform(-1.0, 1.0)
+        u = following.force(0.002, x, v, noise, Reference(0.0, 0.0, 0.0))
+        v += 0.002 * (u - 200.0 * v) / 50.0
+        x += 0.002 * v
+    assert (following.mass, following.damping) == pytest.approx((50.0, 200.0), rel=0.05)
+
+
+def test_arm_far_out_of_range_stops_at_the_limit() -> None:
+    path = follow(75.0, 300.0, 3.0, arm_range=1.2)
+    assert np.max(path.mass) == pytest.approx(60.0)
+
+
+def test_new_gain_keeps_what_was_learned_and_the_model() -> None:
+    following = ModelFollowing(ModelFollowingParameters())
+    following.force(0.002, 0.0, 0.1, 0.0, reference_at(0.0))
+    following.mass, model = 61.0, following.model
+    following.configure(ModelFollowingParameters(arm_mass_gain=1.0))
+    assert (following.mass, following.model) == (61.0, model)
+
+
+def test_new_first_guess_replaces_what_was_learned() -> None:
+    following = ModelFollowing(ModelFollowingParameters())
+    following.mass = 61.0
+    following.configure(ModelFollowingParameters(arm_mass=20.0))
+    assert following.mass == 20.0
+
+
+def test_new_target_restarts_the_model_at_the_arm() -> None:
+    following = ModelFollowing(ModelFollowingParameters())
+    following.force(0.002, 0.0, 0.0, 0.0, reference_at(0.0))
+    following.configure(ModelFollowingParameters(target_mass=50.0))
+    following.force(0.002, 0.03, 0.0, 0.0, reference_at(0.0))
+    assert following.error == 0.0
