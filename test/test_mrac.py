@@ -114,8 +114,9 @@ def test_arm_is_found_in_the_closed_loop() -> None:
 
 
 def test_stiff_wall_and_position_alone_do_not_shake_the_arm() -> None:
-    wall: dict[str, Any] = {'environment.stiffness': 5e4, 'environment.damping': 500.0}
-    run = arm_run((25.0, 100.0), **wall, **{'sensors.publish_velocity': False})
+    plant: dict[str, Any] = {'environment.stiffness': 5e4, 'environment.damping': 500.0,
+                             'sensors.publish_velocity': False}
+    run = arm_run((25.0, 100.0), **plant)
     touching = np.array([truth.force < 0.0 for truth in run.truths])
     assert np.count_nonzero(np.diff(touching)) == 2
     assert np.max(np.abs(model_errors(run, 0.0))) < 1e-3

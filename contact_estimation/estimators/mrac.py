@@ -20,13 +20,11 @@ from dataclasses import dataclass
 from math import nan, sqrt
 from typing import Sequence
 
-import numpy as np
-from numpy.typing import NDArray
-
 from .estimator import EnvironmentParameters, Held, OnlineEstimator, Reference, Snapshot, TimedRow
 from .model_following import ModelFollowing, ModelFollowingParameters
 from ..parameters import group, parameter, ParameterGroup
 
+Matrix = tuple[float, float, float, float]  # 2 x 2 by rows: numpy is slow on so few numbers
 _GAP_PERIODS = 2.5
 """Sample periods without a sample after which the model restarts at the arm."""
 
@@ -98,48 +96,83 @@ class ModelReferenceAdaptive(OnlineEstimator):
         """Begin anew; what is known of the arm stays. See `OnlineEstimator.start_from`."""
         self.stiffness, self.damping = stiffness, damping
         self._seen_s = 0.0
-        self._R: NDArray[np.float64] = np.zeros((2, 2))
-        self._Q: NDArray[np.float64] = np.zeros(2)
-        # Covariance of theta_hat and of the noise that Q remembers.
-        self._P: NDArray[np.float64] = np.diag(
-            [stiffness**2, max(damping**2, (1e-2 * stiffness) ** 2), 0.0, 0.0]
-        )
+        self._R: Matrix = (0.0, 0.0, 0.0, 0.0)
+        self._Q = 0.0, 0.0
+        # Covariances: of theta_hat, with the noise that Q remembers, and of that noise.
+        self._P: Matrix = (stiffness**2, 0.0, 0.0, max(damping**2, (1e-2 * stiffness) ** 2))
+        self._C = self._N = self._R
 
     def learn(
         self, rows: Sequence[TimedRow], noise_variance: float, held: Held
     ) -> list[Snapshot]:
         """Apply the averaged eq. (25) over each sample; see `OnlineEstimator.learn`."""
-        gains = np.diag([0.0 if held.stiffness else self._p.stiffness_gain,
-                         0.0 if held.damping else self._p.damping_gain])
+        gains = (0.0 if held.stiffness else self._p.stiffness_gain,
+                 0.0 if held.damping else self._p.damping_gain)
         snapshots = []
         for dt, row in rows:
-            self._learn(dt, row[0], np.array(row[1:3]), gains, noise_variance)
+            keep = self._remember(dt, row[0], row[1], row[2], noise_variance)
+            S = self._step_matrix(dt, *gains)
+            (s_KK, s_KB, s_BK, s_BB), (q_K, q_B) = S, self._Q
+            r_KK, r_KB, _, r_BB = self._R
+            K, B = self.stiffness, self.damping
+            e_K, e_B = r_KK * K + r_KB * B - q_K, r_KB * K + r_BB * B - q_B
+            self.stiffness, self.damping = self.within_limits(
+                K - s_KK * e_K - s_KB * e_B, B - s_BK * e_K - s_BB * e_B
+            )
+            self._spread(S, keep)
             snapshots.append(self.snapshot())
         return snapshots
 
-    def _learn(
-        self, dt: float, F: float, phi: NDArray[np.float64], gains: NDArray[np.float64],
-        noise_variance: float,
-    ) -> None:
-        # The plain mean since the start, then over the memory.
+    def _remember(
+        self, dt: float, F: float, f_K: float, f_B: float, noise_variance: float
+    ) -> float:
+        """Average phi phi^T and phi F: the plain mean since the start, then over the memory."""
         self._seen_s = min(self._seen_s + dt, max(self._p.memory_s, dt))
         share = dt / self._seen_s if self._seen_s > 0.0 else 1.0
-        keep, new = 1.0 - share, share * phi
-        self._R = keep * self._R + np.outer(new, phi)
-        self._Q = keep * self._Q + new * F
-        # The implicit Euler step: stable at any gain and any sample period.
-        S = dt * np.linalg.solve(np.eye(2) + dt * gains @ self._R, gains)
-        theta = np.array([self.stiffness, self.damping])
-        K, B = (theta - S @ (self._R @ theta - self._Q)).tolist()
-        self.stiffness, self.damping = self.within_limits(K, B)
-        A = np.eye(4)
-        A[:2, :2] -= S @ self._R
-        A[:2, 2:] = keep * S
-        A[2:, 2:] *= keep
-        b = np.concatenate([S @ new, new])
-        self._P = A @ self._P @ A.T + noise_variance * np.outer(b, b)
+        keep, y = 1.0 - share, share * F
+        outer = f_K * f_K, f_K * f_B, f_B * f_K, f_B * f_B
+        self._R = _sum(_scaled(keep, self._R), _scaled(share, outer))
+        self._Q = keep * self._Q[0] + y * f_K, keep * self._Q[1] + y * f_B
+        self._N = _sum(
+            _scaled(keep * keep, self._N), _scaled(share * share * noise_variance, outer)
+        )
+        return keep
+
+    def _step_matrix(self, dt: float, gain_K: float, gain_B: float) -> Matrix:
+        """Compute (1 / dt + Gamma^-1 R)^-1 Gamma^-1: implicit Euler, stable at any gain."""
+        g_K, g_B = dt * gain_K, dt * gain_B
+        r_KK, r_KB, r_BK, r_BB = self._R
+        a, b, c, d = 1.0 + g_K * r_KK, g_K * r_KB, g_B * r_BK, 1.0 + g_B * r_BB
+        scale = 1.0 / (a * d - b * c)
+        return scale * d * g_K, -scale * b * g_B, -scale * c * g_K, scale * a * g_B
+
+    def _spread(self, S: Matrix, keep: float) -> None:
+        """Pass the covariances through theta <- (I - S R) theta + S Q."""
+        a, b, c, d = _product(S, self._R)
+        A = 1.0 - a, -b, -c, 1.0 - d
+        C = _scaled(keep, self._C)
+        self._C = _sum(_product(A, C), _product(S, self._N))
+        inner = _sum(_product(self._P, _transposed(A)), _product(C, _transposed(S)))
+        self._P = _sum(_product(A, inner), _product(S, _transposed(self._C)))
 
     def snapshot(self) -> Snapshot:
         """Tell what is known now; see `OnlineEstimator.snapshot`."""
-        K_std, B_std = (sqrt(max(float(self._P[i, i]), 0.0)) for i in range(2))
+        K_std, B_std = sqrt(max(self._P[0], 0.0)), sqrt(max(self._P[3], 0.0))
         return Snapshot(self.stiffness, self.damping, K_std, B_std, 0.0, nan)
+
+
+def _sum(a: Matrix, b: Matrix) -> Matrix:
+    return a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3]
+
+
+def _scaled(factor: float, a: Matrix) -> Matrix:
+    return factor * a[0], factor * a[1], factor * a[2], factor * a[3]
+
+
+def _transposed(a: Matrix) -> Matrix:
+    return a[0], a[2], a[1], a[3]
+
+
+def _product(a: Matrix, b: Matrix) -> Matrix:
+    return (a[0] * b[0] + a[1] * b[2], a[0] * b[1] + a[1] * b[3],
+            a[2] * b[0] + a[3] * b[2], a[2] * b[1] + a[3] * b[3])

@@ -26,7 +26,7 @@ from .runs import B_E, K_E, simulate, step_recording
 from ..commands.loop_picture import require_matplotlib
 from ..estimators.signal_processing import FFT_POINTS, SETTLED, step_response
 
-_COLOURS = ('#0b6e99', '#c2410c', '#b45309', '#4d7c0f', '#7c3aed')
+_COLOURS = ('#0b6e99', '#c2410c', '#d4a017', '#4d7c0f', '#7c3aed')
 _TRUE = '#9aa5b1'
 
 
