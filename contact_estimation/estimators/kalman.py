@@ -50,6 +50,11 @@ class KalmanParameters(ParameterGroup):
     location_walk: float = parameter(
         1e-6, 'Random walk of the location', 'm/sqrt(s)', minimum=0.0
     )
+    resting_speed: float = parameter(
+        0.0,
+        'Nothing is learned while the wall moves slower than this: static friction, which no '
+        'compensation knows, may hold it there; 0: always learned', 'm/s', minimum=0.0,
+    )
 
 
 class Kalman(OnlineEstimator):
@@ -92,8 +97,10 @@ class Kalman(OnlineEstimator):
     ) -> list[Snapshot]:
         """Predict and correct for each row; see `OnlineEstimator.learn`."""
         snapshots = []
+        resting_speed = self._p.resting_speed
         for dt, row in rows:
-            self._update(dt, row, noise_variance, held)
+            if abs(row[2]) >= resting_speed:
+                self._update(dt, row, noise_variance, held)
             snapshots.append(self.snapshot())
         return snapshots
 

@@ -25,6 +25,12 @@ import numpy as np
 from .cases import CASES, OnlineCase, StepCase
 from .paper_results import PAPER
 from .runs import Errors, run_case
+from .testbed_cases import TESTBED_CASES, TESTBED_RUNS, TestbedCase, TestbedStepCase
+from .testbed_runs import run_testbed_case
+
+Case = OnlineCase | StepCase | TestbedCase | TestbedStepCase
+
+ALL_CASES: list[Case] = [*CASES, *TESTBED_CASES]
 
 
 def make_table(seeds: int, jobs: int, progress: Callable[[float], None]) -> list[dict[str, Any]]:
@@ -34,7 +40,7 @@ def make_table(seeds: int, jobs: int, progress: Callable[[float], None]) -> list
     Parameters
     ----------
     seeds : int
-        Runs of each case, with the seeds 0, 1, ...
+        Runs of each case, with the seeds 0, 1, ...; of a testbed case TESTBED_RUNS at most.
     jobs : int
         Processes.
     progress : callable
@@ -46,27 +52,51 @@ def make_table(seeds: int, jobs: int, progress: Callable[[float], None]) -> list
         As in the contract.
 
     """
-    tasks = [(case, seed) for case in CASES for seed in range(seeds)]
+    tasks = [
+        (case, seed) for case in ALL_CASES
+        for seed in range(min(seeds, TESTBED_RUNS) if is_testbed(case) else seeds)
+    ]
     done: dict[int, list[Errors]] = {}
     with ProcessPoolExecutor(jobs) as pool:
         results = pool.map(_run, tasks, chunksize=max(1, seeds // 4))
         for count, ((case, _), errors) in enumerate(zip(tasks, results), 1):
-            done.setdefault(CASES.index(case), []).append(errors)
+            done.setdefault(ALL_CASES.index(case), []).append(errors)
             progress(count / len(tasks))
-    return [row_of(CASES[index], errors) for index, errors in sorted(done.items())]
+    return [row_of(ALL_CASES[index], errors) for index, errors in sorted(done.items())]
 
 
-def _run(task: tuple[OnlineCase | StepCase, int]) -> Errors:
-    return run_case(*task)
+def is_testbed(case: Case) -> bool:
+    """
+    Tell the cases of the testbed from the simulated ones.
+
+    Parameters
+    ----------
+    case : one of the classes of cases
+        It.
+
+    Returns
+    -------
+    is_testbed : bool
+        Whether it runs on the testbed.
+
+    """
+    return isinstance(case, (TestbedCase, TestbedStepCase))
 
 
-def row_of(case: OnlineCase | StepCase, errors: list[Errors]) -> dict[str, Any]:
+def _run(task: tuple[Case, int]) -> Errors:
+    case, seed = task
+    if isinstance(case, (TestbedCase, TestbedStepCase)):
+        return run_testbed_case(case, seed)
+    return run_case(case, seed)
+
+
+def row_of(case: Case, errors: list[Errors]) -> dict[str, Any]:
     """
     Sum up the runs of one case.
 
     Parameters
     ----------
-    case : OnlineCase or StepCase
+    case : one of the classes of cases
         It.
     errors : list of Errors
         One a seed.
@@ -74,12 +104,13 @@ def row_of(case: OnlineCase | StepCase, errors: list[Errors]) -> dict[str, Any]:
     Returns
     -------
     row : dict
-        As in the contract, and the root mean squares.
+        As in the contract, and the root mean squares and the errors of the average estimate.
 
     """
     values = np.array(errors)
     median = np.median(np.abs(values), axis=0)
     rms = np.sqrt(np.mean(values**2, axis=0))
+    average = np.mean(values, axis=0)  # what the paper gives of its ten experiments
     paper = PAPER.get((case.case, case.estimator))
     return {
         'case': case.case,
@@ -90,6 +121,8 @@ def row_of(case: OnlineCase | StepCase, errors: list[Errors]) -> dict[str, Any]:
         'damping_error_percent': float(median[1]),
         'stiffness_rms_percent': float(rms[0]),
         'damping_rms_percent': float(rms[1]),
+        'stiffness_average_percent': float(average[0]),
+        'damping_average_percent': float(average[1]),
         'stiffness_bound_percent': _or_none(median[2]),
         'damping_bound_percent': _or_none(median[3]),
         'paper_stiffness_error_percent': paper.stiffness if paper else None,
@@ -117,20 +150,20 @@ def as_text(rows: list[dict[str, Any]]) -> str:
 
     """
     lines = [
-        f'{"case":<16} {"estimator":<26} {"law":<13} {"median |error|":>15} '
-        f'{"rms":>15} {"bound":>15} {"paper":>13}   K / B in %'
+        f'{"case":<17} {"estimator":<26} {"law":<13} {"median |error|":>16} '
+        f'{"rms":>16} {"of the average":>16} {"bound":>16} {"paper":>13}   K / B in %'
     ]
     for row in rows:
         pairs = [
             _pair(row[f'stiffness_{kind}_percent'], row[f'damping_{kind}_percent'])
-            for kind in ('error', 'rms', 'bound')
+            for kind in ('error', 'rms', 'average', 'bound')
         ]
         paper = _pair(
             row['paper_stiffness_error_percent'], row['paper_damping_error_percent'], 1
         )
         lines.append(
-            f'{row["case"]:<16} {row["estimator"]:<26} {row["law"]:<13} '
-            + ' '.join(f'{pair:>15}' for pair in pairs) + f' {paper:>13}'
+            f'{row["case"]:<17} {row["estimator"]:<26} {row["law"]:<13} '
+            + ' '.join(f'{pair:>16}' for pair in pairs) + f' {paper:>13}'
         )
     return '\n'.join(lines)
 
