@@ -90,6 +90,14 @@ def test_claimed_std_is_within_a_factor_2_of_the_errors_over_20_seeds() -> None:
     assert np.all((ratio > 0.5) & (ratio < 2.0)), ratio
 
 
+def test_wall_at_rest_teaches_nothing_below_the_resting_speed() -> None:
+    kalman = estimator(resting_speed=0.005)
+    learn(kalman, T, (60.0, 0.01, 0.004, 1.0), 0.25)
+    assert (kalman.stiffness, kalman.damping) == (3000.0, 50.0)
+    learn(kalman, T, (60.0, 0.01, -0.006, 1.0), 0.25)
+    assert kalman.stiffness != 3000.0
+
+
 @pytest.mark.parametrize('held', [Held(True, False), Held(False, True), Held(True, True)])
 def test_held_parameters_do_not_move(held: Held) -> None:
     kalman = estimator()

@@ -106,7 +106,7 @@ def test_command_writes_table_and_figures(
     table, figures = tmp_path / 'table.json', tmp_path / 'figures'
     assert main(['--seeds', '1', '--json', str(table), '--output', str(figures)]) == 0
     assert len(json.loads(table.read_text())['cases']) == len(ALL_CASES)
-    assert len(list(figures.glob('figure_*.png'))) == 5
+    assert len(list(figures.glob('figure_*.png'))) == 13
     assert 'signal_processing_refined' in capsys.readouterr().out
 
 

@@ -32,10 +32,14 @@ def make_parser() -> Parser:
     """Build the command line of `reproduce`."""
     parser = Parser(
         prog='reproduce',
-        description="Run the paper's simulated cases from seeds and print the errors at the last "
-        "instant of contact beside the Cramer-Rao bound and the paper's figures.",
+        description="Run the paper's cases, simulated and on a virtual testbed, from seeds and "
+        'print the errors at the last instant of contact beside the Cramer-Rao bound and the '
+        "paper's figures.",
     )
-    parser.add_argument('--seeds', type=int, default=20, help='runs of each case (20)')
+    parser.add_argument(
+        '--seeds', type=int, default=20,
+        help='runs of each case (20); on the testbed 10 at most, as many as the paper made',
+    )
     parser.add_argument('--json', metavar='FILE', help='the table as JSON')
     parser.add_argument('--output', metavar='DIR', help='folder for the figures as PNG')
     parser.add_argument('--jobs', type=int, default=os.cpu_count() or 1, help='processes')

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Counterparts of the paper's simulated figures, 5 to 9."""
+"""Counterparts of the paper's figures: 5 to 9 here, 10 to 17 in `testbed_figures`."""
 
 from __future__ import annotations
 
@@ -23,6 +23,7 @@ import numpy as np
 
 from .cases import CASES, OnlineCase
 from .runs import B_E, K_E, simulate, step_recording
+from .testbed_figures import draw_testbed_figures
 from ..commands.loop_picture import require_matplotlib
 from ..estimators.signal_processing import FFT_POINTS, SETTLED, step_response
 
@@ -52,6 +53,7 @@ def draw_figures(folder: Path) -> list[Path]:
         _estimates(pyplot, 6, 'simulation_sine', folder / 'figure_06_with_excitation.png'),
         *_signal_processing(pyplot, folder),
         _estimates(pyplot, 9, 'simulation_none', folder / 'figure_09_without_excitation.png'),
+        *draw_testbed_figures(pyplot, folder),
     ]
 
 

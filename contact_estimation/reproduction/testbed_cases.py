@@ -30,9 +30,7 @@ TESTBED_RUNS = 10
 """The paper's number of experiments of each kind."""
 
 LAW = 'series'
-"""
-It presses with the wanted 50 N, as the paper's experiments did; eq. (20) alone would not.
-"""
+"""It presses with the wanted 50 N, as the paper's experiments did; eq. (20) alone would not."""
 
 LONG_HOLD_S = 12.0
 

@@ -93,6 +93,8 @@ def moved(state: WallState, step: float, wall: FlexibleWallConstants) -> WallSta
         After.
 
     """
+    if step == 0.0:
+        return state
     end = 1.0 if step > 0.0 else -1.0
     left = exp(-abs(step) / wall.presliding)
     return WallState(state.deflection + step, end + (state.friction - end) * left)

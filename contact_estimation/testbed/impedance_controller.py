@@ -19,7 +19,8 @@ from __future__ import annotations
 from math import cos, sin
 
 from .constants import TestbedConstants, Triple
-from .planar_arm import PlanarArm, times
+from .planar_arm import PlanarArm
+from .symmetric import times
 from ..estimators.offline_estimator import TargetImpedance
 from ..reference.reference_generator import ReferencePoint
 

@@ -26,9 +26,7 @@ from math import acos, atan2, cos, hypot, sin, tanh
 from typing import NamedTuple
 
 from .constants import ArmConstants, Triple
-
-Symmetric = tuple[float, float, float, float, float, float]
-"""Entries 11, 12, 13, 22, 23, 33."""
+from .symmetric import solve, Symmetric
 
 
 class Tip(NamedTuple):
@@ -134,17 +132,25 @@ class PlanarArm:
             Of the links [rad/s^2].
 
         """
-        a1, a2, a3 = angles
-        h1, h2, h3 = self.centrifugal(angles, rates)
+        (a1, a2, a3), (w1, w2, w3), (l1, l2, l3) = angles, rates, self._p.lengths
+        # Sines and cosines once, for `mass_matrix`, `centrifugal` and J alike: this is the
+        # innermost loop of the testbed.
+        c1, c2, c3, s1, s2, s3 = cos(a1), cos(a2), cos(a3), sin(a1), sin(a2), sin(a3)
+        h12, h13 = self._c12 * (s1 * c2 - c1 * s2), self._c13 * (s1 * c3 - c1 * s3)
+        h23 = self._c23 * (s2 * c3 - c2 * s3)
         f1, f2, f3 = self.joint_friction(rates)
         t1, t2, t3 = torques[0] - f1, torques[1] - f2, torques[2] - f3
-        l1, l2, l3 = self._p.lengths
+        q1, q2, q3 = w1 * w1, w2 * w2, w3 * w3
         return solve(
-            self.mass_matrix(angles),
             (
-                t1 - t2 - h1 - force_x * l1 * sin(a1),
-                t2 - t3 - h2 - force_x * l2 * sin(a2),
-                t3 - h3 - force_x * l3 * sin(a3),
+                self._c11, self._c12 * (c1 * c2 + s1 * s2) + self._j12,
+                self._c13 * (c1 * c3 + s1 * s3), self._c22,
+                self._c23 * (c2 * c3 + s2 * s3) + self._j23, self._c33,
+            ),
+            (
+                t1 - t2 - h12 * q2 - h13 * q3 - force_x * l1 * s1,
+                t2 - t3 - h23 * q3 + h12 * q1 - force_x * l2 * s2,
+                t3 + h13 * q1 + h23 * q2 - force_x * l3 * s3,
             ),
         )
 
@@ -171,6 +177,24 @@ class PlanarArm:
         """Compute the dry part of `joint_friction`."""
         (w1, w2, w3), (c1, c2, c3), s = rates, self._p.coulomb_frictions, self._p.friction_rate
         return c1 * tanh(w1 / s), c2 * tanh((w2 - w1) / s), c3 * tanh((w3 - w2) / s)
+
+    def tip_x(self, angles: Triple) -> float:
+        """
+        Compute how far the tip reaches; the x of `tip`.
+
+        Parameters
+        ----------
+        angles : tuple of float
+            Of the links [rad].
+
+        Returns
+        -------
+        x : float
+            From the base [m].
+
+        """
+        (a1, a2, a3), (l1, l2, l3) = angles, self._p.lengths
+        return l1 * cos(a1) + l2 * cos(a2) + l3 * cos(a3)
 
     def tip(self, angles: Triple, rates: Triple) -> Tip:
         """
@@ -237,57 +261,3 @@ class PlanarArm:
         a1 = atan2(wrist_y, wrist_x) + opening
         a2 = atan2(wrist_y - l1 * sin(a1), wrist_x - l1 * cos(a1))
         return a1, a2, angle
-
-
-def solve(matrix: Symmetric, right: Triple) -> Triple:
-    """
-    Solve a symmetric positive definite system of three.
-
-    Parameters
-    ----------
-    matrix : tuple of float
-        Upper triangle.
-    right : tuple of float
-        Right-hand side.
-
-    Returns
-    -------
-    solution : tuple of float
-        By Cramer's rule.
-
-    """
-    m11, m12, m13, m22, m23, m33 = matrix
-    r1, r2, r3 = right
-    k11, k12, k13 = m22 * m33 - m23 * m23, m13 * m23 - m12 * m33, m12 * m23 - m13 * m22
-    k22, k23, k33 = m11 * m33 - m13 * m13, m12 * m13 - m11 * m23, m11 * m22 - m12 * m12
-    scale = 1.0 / (m11 * k11 + m12 * k12 + m13 * k13)
-    return (
-        scale * (k11 * r1 + k12 * r2 + k13 * r3),
-        scale * (k12 * r1 + k22 * r2 + k23 * r3),
-        scale * (k13 * r1 + k23 * r2 + k33 * r3),
-    )
-
-
-def times(matrix: Symmetric, vector: Triple) -> Triple:
-    """
-    Multiply a symmetric matrix with a vector.
-
-    Parameters
-    ----------
-    matrix : tuple of float
-        Upper triangle.
-    vector : tuple of float
-        Of length three.
-
-    Returns
-    -------
-    product : tuple of float
-        Of length three.
-
-    """
-    m11, m12, m13, m22, m23, m33 = matrix
-    v1, v2, v3 = vector
-    return (
-        m11 * v1 + m12 * v2 + m13 * v3, m12 * v1 + m22 * v2 + m23 * v3,
-        m13 * v1 + m23 * v2 + m33 * v3,
-    )

@@ -104,9 +104,9 @@ class TestbedWorld:
 
     def _force(self, angles: Triple, rates: Triple, wall: WallState) -> float:
         """Compute the pressing force, 0 out of contact."""
-        (x1, x2, x3), (y1, y2, y3) = self._arm.jacobian(angles)
-        if y1 + y2 + y3 - self._p.arm.surface_x < wall.deflection - _CLOSED:
+        if self._arm.tip_x(angles) - self._p.arm.surface_x < wall.deflection - _CLOSED:
             return 0.0
+        x1, x2, x3 = self._arm.jacobian(angles)[0]
         rate = x1 * rates[0] + x2 * rates[1] + x3 * rates[2]
         return max(0.0, pressing_force(wall, rate, self._p.wall))
 
@@ -134,7 +134,6 @@ class TestbedWorld:
 
     def _follow(self, wall: WallState, angles: Triple, h: float) -> WallState:
         """Move the wall alone, but never into the tool."""
-        _, (y1, y2, y3) = self._arm.jacobian(angles)
-        tool = y1 + y2 + y3 - self._p.arm.surface_x
+        tool = self._arm.tip_x(angles) - self._p.arm.surface_x
         alone = wall.deflection + h * free_rate(wall, self._p.wall)
         return moved(wall, max(alone, tool) - wall.deflection, self._p.wall)
