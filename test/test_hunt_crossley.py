@@ -24,7 +24,6 @@ from contact_estimation.estimation_pipeline import EstimationPipeline
 from contact_estimation.estimators.estimator import EnvironmentParameters, Held
 from contact_estimation.estimators.hunt_crossley import HuntCrossley, HuntCrossleyParameters
 from contact_estimation.parameter_values import build
-from contact_estimation.physics.physics import ContactEffect
 from contact_estimation.plant.closed_loop import run_closed_loop
 from contact_estimation.plant.plant_parameters import PlantParameters
 from contact_estimation.reference.experiments import experiment_named
@@ -188,33 +187,17 @@ def test_details_name_the_law() -> None:
     assert list(details) == ['K', 'n', 'chi', 'K_std', 'n_std', 'chi_std']
 
 
-class HertzWall(ContactEffect):
-    """The law in the plant's integration."""
-
-    def __init__(self) -> None:
-        pass
-
-    def spring(self, t: float, d: float, force: float, m: Any) -> float:
-        """Replace the spring."""
-        return K * max(d, 0.0) ** N
-
-    def damper(self, d: float, v: float, force: float, m: Any) -> float:
-        """Replace the damper."""
-        return CHI * max(d, 0.0) ** N * v
-
-
 @pytest.mark.parametrize('experiment', ['sine', 'multisine', 'none'])
 def test_closed_loop_presses_with_the_wanted_force_on_the_nonlinear_wall(
-    experiment: str, monkeypatch: pytest.MonkeyPatch
+    experiment: str,
 ) -> None:
-    monkeypatch.setattr(
-        'contact_estimation.plant.world.effects_that_are_on', lambda physics: [HertzWall()]
-    )
     session = ContactSession(build(EstimationParameters, {
         'estimator': 'hunt_crossley', 'reference_law': 'series',
     }))
     world = build(PlantParameters, {
         'sensors.force_noise': 1.0, 'sensors.distribution': 'uniform',
+        'physics.power_law_stiffness.n': N, 'physics.power_law_stiffness.K_n': K,
+        'physics.hunt_crossley_damping.chi': CHI,
     })
     result = run_closed_loop(world, session, experiment_named(experiment), 10.0)
     law = law_in(session.pipeline)

@@ -80,7 +80,7 @@ class TestbedWorld:
         touching = force > 0.0
         rate = self.tip().x_dot if touching else free_rate(self._wall, self._p.wall)
         acceleration = self._tip_acceleration(force) if touching else 0.0
-        return Truth(self.t, self._wall.deflection, rate, acceleration, -force)
+        return Truth(self.t, self._wall.deflection, rate, acceleration, -force, -force)
 
     def advance(self, duration: float, reference: ReferencePoint, force: float) -> None:
         """
