@@ -34,7 +34,7 @@ from .model import Model, names_of
 from .noise import force_noise
 from .observed import observe, Observed, Signals
 from .output_error import refine
-from .ports import default_block, Ports, usable
+from .ports import default_block, force_drops, Ports, usable
 from .selection import enough, Finding, scale_of, select, THRESHOLD
 from .uncertainty import standard_deviations
 from ..parameters import specifications
@@ -141,8 +141,9 @@ def _case(
     use = usable(model, observed)
     if held is not None:
         use = use & ~held.samples
-    port = Ports(observed, force_noise(model, observed), observed.position_noise, use,
-                 default_block(observed))
+    noise = force_noise(model, observed)
+    dropped = force_drops(observed, noise) if model.nominal.environment.unilateral else None
+    port = Ports(observed, noise, observed.position_noise, use, default_block(observed), dropped)
     return _Case(recording, port, held)
 
 
@@ -279,7 +280,8 @@ class _Conclusion:
             elif case.held_out is not None:
                 use = usable(models[1], case.port.observed)
                 whole = Ports(case.port.observed, case.port.force_noise,
-                              case.port.motion_noise, use, case.port.block)
+                              case.port.motion_noise, use, case.port.block,
+                              case.port.dropped)
                 parts.append(measure_part(
                     case.held_out.name, whole, case.held_out.samples, models, runs))
         return parts, first

@@ -33,6 +33,7 @@ from .driven_wall import driven_wall
 from .model import Laws, Model
 from .observed import Observed
 from .observer import discretise, innovations, run, SecondOrder
+from ..physics.physics import stretches
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -50,6 +51,8 @@ NUISANCES = (
 )
 """What no laboratory knows better of a right model: M_t to 0.2 %, stamps to 0.03 ms."""
 
+_DROP = 5.0  # standard deviations: the price of a sample at which the force vanished
+_DROP_S, _LEAST_DROPS = 0.5, 3
 _MOST_STEPS = 200
 START_S = 0.5
 """In which a free run forgets that its initial state was not known."""
@@ -72,6 +75,9 @@ class Ports:
         Samples that count.
     block : int
         Samples averaged to one residual.
+    dropped : ndarray of bool, shape (N,), or None
+        Where the force vanished in the midst of a contact, see `force_drops`. What presses
+        nothing there is known; a model that cannot let go pays for each such sample.
     rounds : int
         Of Picard's iteration for a wall without a robot; 1: forces at the measured motion.
 
@@ -82,17 +88,24 @@ class Ports:
     motion_noise: float
     use: Flags
     block: int
+    dropped: Flags | None = None
     rounds: int = 1
     _observer: SecondOrder | None = field(init=False, default=None)
     _weights: dict[str, Array] = field(init=False, default_factory=dict)
+    _masks: dict[str, Flags] = field(init=False, default_factory=dict)
     _doubt: tuple[Array, Array] | None = field(init=False, default=None)
 
     def __post_init__(self) -> None:
         """Count the samples of each block."""
-        measured = self.use & self.observed.measured
-        self._weights = {'force': self._sum(measured.astype(float)),
-                         'motion': self._sum(self.use.astype(float))}
-        self._masks = {'force': measured, 'motion': self.use}
+        measured, moved = self.use & self.observed.measured, self.use
+        if self.dropped is not None:  # no one can predict when, within a sample, it let go
+            edges = np.flatnonzero(np.diff(self.dropped.astype(int)))
+            measured, moved = measured.copy(), moved.copy()
+            for edge in edges.tolist():
+                measured[max(0, edge - 1):edge + 3] = False
+                moved[edge:edge + round(4.0 / (OBSERVER_CUTOFF * self.observed.h))] = False
+        self._masks = {'force': measured, 'motion': moved}
+        self._weights = {port: self._sum(mask.astype(float)) for port, mask in self._masks.items()}
 
     @property
     def count(self) -> int:
@@ -143,9 +156,15 @@ class Ports:
             [N].
 
         """
-        laws, o = model.laws(), self.observed
-        force = laws.contact.force(o.t, o.x, o.v, o.a)
-        return self._sensed_residual(laws.chain, force)
+        laws = model.laws()
+        return self._sensed_residual(laws.chain, self._force(laws)[0])
+
+    def _force(self, laws: Laws) -> tuple[Array, Array]:
+        o = self.observed
+        force, d = laws.contact.force_and_depth(o.t, o.x, o.v, o.a)
+        if self.dropped is not None:
+            force = np.where(self.dropped, 0.0, force)
+        return force, d
 
     def _sensed_residual(self, chain: list, force: Array) -> Array:  # type: ignore[type-arg]
         o = self.observed
@@ -165,8 +184,7 @@ class Ports:
         """
         laws, o = model.laws(), self.observed
         if o.reference is not None:
-            force, d = laws.contact.force_and_depth(o.t, o.x, o.v, o.a)
-            return self._robot_innovations(laws, force, d)
+            return self._robot_innovations(laws, *self._force(laws))
         if not laws.contact.unilateral and laws.contact.inertia > 0.0:
             return self._wall_misfit(model)
         return None
@@ -250,7 +268,7 @@ class Ports:
         laws, o = model.laws(), self.observed
         parts = []
         if laws.contact.unilateral or o.reference is not None or laws.contact.inertia == 0.0:
-            force, d = laws.contact.force_and_depth(o.t, o.x, o.v, o.a)
+            force, d = self._force(laws)
             residual = self._sensed_residual(laws.chain, force)
             parts.append(self.average('force', residual, self.force_noise))
             if o.reference is not None:
@@ -260,6 +278,9 @@ class Ports:
             motion = self._wall_misfit(model)
             parts.append(self.average('motion', motion, self.motion_noise))
         residuals = np.concatenate(parts)
+        if self.dropped is not None and not any(e.lets_go for e in laws.contact.effects):
+            price = _DROP * np.sqrt(self._sum(self.dropped.astype(float)))
+            residuals[:len(price)] = np.hypot(residuals[:len(price)], price)
         if self._doubt is not None:
             directions, share = self._doubt
             residuals = residuals - directions @ (share * (directions.T @ residuals))
@@ -393,6 +414,36 @@ def usable(model: Model, observed: Observed) -> Flags:
         for first in np.flatnonzero(np.diff(inside.astype(int)) > 0).tolist():
             use[max(0, first + 1 - _IMPACT_BEFORE):first + 1 + _IMPACT_AFTER] = False
     return use
+
+
+def force_drops(observed: Observed, noise: float) -> Flags | None:
+    """
+    Find where the force vanishes in the midst of a contact.
+
+    Parameters
+    ----------
+    observed : Observed
+        The recording.
+    noise : float
+        Of the force [N].
+
+    Returns
+    -------
+    dropped : ndarray of bool, shape (N,), or None
+        No force, between samples of much force less than half a second apart; None where there
+        are fewer than three such drops.
+
+    """
+    o = observed
+    strong = max(20.0 * noise, 0.05 * float(np.max(np.abs(o.force))))
+    little, much = np.abs(o.force) < 5.0 * noise, o.force < -strong
+    dropped, drops = np.zeros(len(o.t), bool), 0
+    for first, stop in stretches(little):
+        inside = little[first] and 0 < first and stop < len(o.t)
+        if inside and (stop - first) * o.h < _DROP_S and much[first - 1] and much[stop]:
+            dropped[first:stop] = True
+            drops += 1
+    return dropped if drops >= _LEAST_DROPS else None
 
 
 def default_block(observed: Observed) -> int:

@@ -17,6 +17,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+import math
 from math import nan
 from typing import Any
 
@@ -24,6 +25,9 @@ import numpy as np
 
 from .physics import Array, ContactEffect, Flags, Number, positive, Scales
 from ..parameters import parameter, ParameterGroup
+
+POSITION_DOUBT = 1e-5
+"""By how much a measured position may be off at the end of the play [m]."""
 
 
 @dataclass(frozen=True)
@@ -39,6 +43,7 @@ class Backlash(ContactEffect):
     name = 'backlash'
     equation = "F_e of (y, y'), y = play(x, gap)"
     Parameters = BacklashParameters
+    lets_go = True
     needs_touch = True
 
     states = 1  # where the tool stands within the play, x - y
@@ -49,7 +54,9 @@ class Backlash(ContactEffect):
         # Within a step of integration the state runs on; the tool carries the wall along.
         beyond = positive(abs(place) - half, m)
         inside = place - beyond * (2.0 * (place > 0.0) - 1.0)
-        return d - inside, v, abs(place) >= half * (1.0 - 1e-9)
+        # Measured positions are off by their noise, and the play is not left by so little.
+        least = half * (1.0 - 1e-9) if m is math else half - POSITION_DOUBT
+        return d - inside, v, abs(place) >= least
 
     def state_rates(
         self, t: float, d: float, v: float, contact: bool, state: tuple[float, ...]
@@ -76,4 +83,4 @@ class Backlash(ContactEffect):
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """Spread the play."""
-        return [(share * scales.depth,) for share in (0.003, 0.03, 0.15)]
+        return [(share * scales.depth,) for share in (0.0003, 0.003, 0.03, 0.15)]

@@ -240,6 +240,9 @@ class ContactEffect(Effect):
     replaces_damping: ClassVar[bool] = False
     """B_e has no meaning beside this effect."""
 
+    lets_go: ClassVar[bool] = False
+    """The force may vanish in the midst of a contact."""
+
     inertia: float = 0.0
     """Mass that moves with the contact point [kg]."""
 
