@@ -43,11 +43,11 @@ def force_noise(model: Model, observed: Observed) -> float:
     Returns
     -------
     std : float
-        [N], at least a millionth of the force's range.
+        [N], at least a ten thousandth of the force's range.
 
     """
     o = observed
-    least = 1e-6 * float(np.ptp(o.force))
+    least = 1e-4 * float(np.ptp(o.force))
     span = max(6, round(_WINDOW_S / o.h))
     law = model.laws().contact
     if law.unilateral:

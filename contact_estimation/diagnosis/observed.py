@@ -178,7 +178,8 @@ def observe(
         carried = carrier(before)
     else:
         carried = _carried(model, reference, force, position, h)
-    noise = max(white_noise_std(position - carried), 1e-12)
+    # No model follows a motion to better than a hundred thousandth, even without noise.
+    noise = max(white_noise_std(position - carried), 1e-5 * float(np.ptp(position)))
     weight = np.where(seen, 1.0, 1e-3)
     left, cutoff = smooth_enough(position - carried, weight, h, noise)
     x, v, a = differentiate(carried + left, h)

@@ -36,6 +36,7 @@ Array = NDArray[np.float64]
 
 _STEP = 1e-3  # relative, of the finite differences
 _ROUNDS = 2
+_CLOSE = 2.5  # standard deviations of the position noise, within which a run is refined
 _PICARD = 8  # rounds in which the free run of a wall converges
 
 
@@ -54,7 +55,8 @@ def refine(ports: Sequence[Ports], found: Fit) -> Fit:
     -------
     refined : Fit
         With the values of least output error; cost and residuals are still those of the ports.
-        The start itself where no step makes the output error smaller.
+        The start itself where no step makes the output error smaller, or where the command is
+        not known well enough for a free run to follow the motion.
 
     """
     if not found.model.nominal.environment.unilateral:
@@ -62,6 +64,8 @@ def refine(ports: Sequence[Ports], found: Fit) -> Fit:
     model, free = found.model, found.model.free
     low, high = (bound[free] for bound in model.bounds)
     values = np.array(model.values)
+    if not all(_runs_true(port, model) for port in ports):
+        return found
     here = _errors(ports, model)
     cost = float(here @ here)
     for _ in range(_ROUNDS):
@@ -82,6 +86,12 @@ def refine(ports: Sequence[Ports], found: Fit) -> Fit:
         if gained < 1e-3 * cost:
             break
     return found._replace(model=model.at(values))
+
+
+def _runs_true(port: Ports, model: Model) -> bool:
+    o = port.observed
+    error = (o.raw_position - free_run(model, o).position)[port.use]
+    return float(np.std(error)) < _CLOSE * port.motion_noise
 
 
 def _refine_wall(ports: Sequence[Ports], found: Fit) -> Fit:

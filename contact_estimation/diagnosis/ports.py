@@ -290,7 +290,8 @@ class Ports:
         """
         Discount from now on what `NUISANCES` could explain: whiten with their covariance.
 
-        So is the instant, within a sample, at which the reference steps.
+        So are the instant, within a sample, at which the reference steps, and whether the robot
+        holds the wanted acceleration between samples or follows straight lines.
 
         Parameters
         ----------
@@ -306,9 +307,20 @@ class Ports:
             for name, values in NUISANCES
             if name not in model.effects and (robot or name == 'force_delay')
         ]
-        columns += self._steps_of_reference(model)
+        columns += self._held_acceleration(model) + self._steps_of_reference(model)
         directions, sizes, _ = np.linalg.svd(np.array(columns).T, full_matrices=False)
         self._doubt = directions, 1.0 - 1.0 / np.sqrt(1.0 + sizes**2)
+
+    def _held_acceleration(self, model: Model) -> list[Array]:
+        """Give the innovations of a robot that holds the wanted acceleration over each sample."""
+        o, mass = self.observed, model.laws().robot.mass
+        if o.reference is None:
+            return []
+        late = -0.5 * mass * np.gradient(o.reference[2])
+        answer = self.answer_to(late, model)
+        assert answer is not None
+        motion = self.average('motion', answer, self.motion_noise)
+        return [np.concatenate((np.zeros(len(motion)), motion))]
 
     def _steps_of_reference(self, model: Model) -> list[Array]:
         """Give the innovations that a step of x_r leaves when it comes a share of a sample off."""
