@@ -55,6 +55,7 @@ setup(
             'diagnose = contact_estimation.commands.diagnose:main',
             'replay = contact_estimation.commands.replay:main',
             'reproduce = contact_estimation.commands.reproduce:main',
+            'simulate = contact_estimation.commands.simulate:main',
         ],
     },
     python_requires='>=3.10',

@@ -64,6 +64,10 @@ class ForceDelay(ForceSensorEffect):
         """Look back, straight between the samples; see `ForceSensorEffect.sense_along`."""
         return np.interp(t - self.values.delay, t, force)
 
+    def undo_along(self, t: Array, reading: Array) -> Array:
+        """Look ahead, straight between the samples; see `ForceSensorEffect.undo_along`."""
+        return np.interp(t + self.values.delay, t, reading)
+
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """Spread the delay."""

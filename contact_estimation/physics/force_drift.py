@@ -21,7 +21,7 @@ from math import nan
 
 import numpy as np
 
-from .physics import Array, ForceSensorEffect, Scales
+from .physics import Array, ForceSensorEffect, Number, Scales
 from ..parameters import parameter, ParameterGroup
 
 
@@ -46,6 +46,10 @@ class ForceDrift(ForceSensorEffect):
     def sense_along(self, t: Array, force: Array, acceleration: Array) -> Array:
         """Add the drift; see `ForceSensorEffect.sense_along`."""
         return np.asarray(force + self.values.rate * t)
+
+    def undo(self, t: Number, reading: Number) -> Number:
+        """Subtract the drift; see `ForceSensorEffect.undo`."""
+        return reading - self.values.rate * t
 
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:

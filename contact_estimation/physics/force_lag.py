@@ -60,6 +60,10 @@ class ForceLag(ForceSensorEffect):
         push = np.concatenate(([force[0]], begin * force[:-1] + end * force[1:]))
         return np.asarray(lfilter([1.0], [1.0, -decay], push))
 
+    def undo_along(self, t: Array, reading: Array) -> Array:
+        """Give tau y' + y from central differences; see `ForceSensorEffect.undo_along`."""
+        return np.asarray(reading + self.values.tau * np.gradient(reading, t))
+
     def _weights(self, dt: float) -> tuple[float, float, float]:
         """Solve the equation over a step: y = decay y_0 + begin F_0 + end F_1."""
         tau = self.values.tau

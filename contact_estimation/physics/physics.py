@@ -456,6 +456,9 @@ class ForceSensorEffect(Effect):
     memory: ClassVar[bool] = False
     """Whether a reading depends on earlier forces."""
 
+    added_mass: float = 0.0
+    """Mass beyond the sensor [kg], which the sensor feels and the wall does not."""
+
     def sense(self, t: float, dt: float, force: float, acceleration: float) -> float:
         """
         Pass one instant through the sensor.
@@ -497,6 +500,42 @@ class ForceSensorEffect(Effect):
             readings.append(self.sense(now, now - last, f, a))
             last = now
         return np.array(readings)
+
+    def undo(self, t: Number, reading: Number) -> Number:
+        """
+        Take out of a reading what does not depend on acceleration or on earlier forces.
+
+        Parameters
+        ----------
+        t : float or ndarray, shape (N,)
+            Time [s].
+        reading : float or ndarray, shape (N,)
+            As measured [N].
+
+        Returns
+        -------
+        force : float or ndarray, shape (N,)
+            As the chain before this effect has had it, where that can be told [N].
+
+        """
+        return reading
+
+    def undo_along(self, t: Array, reading: Array) -> Array:
+        """
+        Take out of a recording what does not depend on acceleration.
+
+        Parameters
+        ----------
+        t, reading : ndarray, shape (N,)
+            Time [s] and reading [N].
+
+        Returns
+        -------
+        force : ndarray, shape (N,)
+            As the chain before this effect has had it, where that can be told [N].
+
+        """
+        return np.asarray(self.undo(t, reading))
 
 
 class RobotEffect(Effect):

@@ -43,6 +43,10 @@ class ToolInertia(ForceSensorEffect):
     Parameters = ToolInertiaParameters
     needs_touch = True  # beside a wall that never lets go it is M_e
 
+    def __init__(self, values: ToolInertiaParameters) -> None:
+        super().__init__(values)
+        self.added_mass = values.mass
+
     def sense(self, t: float, dt: float, force: float, acceleration: float) -> float:
         """Subtract mass a; see `ForceSensorEffect.sense`."""
         return force - float(self.values.mass) * acceleration

@@ -16,11 +16,17 @@
 
 from __future__ import annotations
 
+import numpy as np
+from numpy.typing import NDArray
+
 from .plant_parameters import PlantParameters
+from .sampled_reference import reference_through
 from .sensors import Sensors
 from .world import ReferenceAt, Truth, World
 from ..signals.contact_recording import ContactRecording
 from ..signals.contact_sample import ContactSample
+
+Array = NDArray[np.float64]
 
 
 def run_open_loop(
@@ -59,3 +65,60 @@ def run_open_loop(
         samples.append(ContactSample(round(1e9 * k * period), position, velocity, force))
         world.advance(period, reference)
     return truths, ContactRecording.of(samples)
+
+
+def simulate_on(
+    parameters: PlantParameters, t: Array, reference_rows: Array, x0: float, v0: float = 0.0
+) -> list[Truth]:
+    """
+    Simulate on a sampled reference, straight between its samples.
+
+    Parameters
+    ----------
+    parameters : PlantParameters
+        The world; `integration_rate` decides how many steps are made a sample, and one or two
+        are enough at 500 Hz, unless dry friction acts on a light robot.
+    t : ndarray, shape (N,)
+        Times of the samples [s], growing.
+    reference_rows : ndarray, shape (4, N)
+        x_r [m], its rate [m/s] and acceleration [m/s^2], F_r [N] (0: none).
+    x0, v0 : float
+        Position [m] and velocity [m/s] of the robot at t[0].
+
+    Returns
+    -------
+    truths : list of Truth
+        One entry a sample; their time counts from t[0].
+
+    """
+    since = t - t[0]
+    return simulate_at(parameters, since, reference_through(since, reference_rows), x0, v0)
+
+
+def simulate_at(
+    parameters: PlantParameters, t: Array, reference: ReferenceAt, x0: float, v0: float = 0.0
+) -> list[Truth]:
+    """
+    Simulate, and look at given times.
+
+    Parameters
+    ----------
+    parameters, x0, v0
+        As of `simulate_on`.
+    t : ndarray, shape (N,)
+        Times to look at [s], growing from 0 on.
+    reference : callable
+        Time [s] to (x_r, its rate, its acceleration, F_r).
+
+    Returns
+    -------
+    truths : list of Truth
+        One entry a time.
+
+    """
+    world, truths = World(parameters, x0, v0), []
+    for now in t.tolist():
+        if now > world.t:
+            world.advance(now - world.t, reference)
+        truths.append(world.truth(reference))
+    return truths

@@ -95,16 +95,18 @@ class World:
     ----------
     parameters : PlantParameters
         The world.
-    position : float
-        Where the robot rests at t = 0 [m].
+    position, velocity : float
+        Of the robot at t = 0 [m], [m/s].
 
     """
 
-    def __init__(self, parameters: PlantParameters, position: float) -> None:
+    def __init__(
+        self, parameters: PlantParameters, position: float, velocity: float = 0.0
+    ) -> None:
         self.t = 0.0
         self._physics: Any = None
         self.configure(parameters)
-        self._state: State = (position, 0.0) + (0.0,) * self._law.states
+        self._state: State = (position, velocity) + (0.0,) * self._law.states
         self._last_sensed = (-1.0, 0.0)
         self._credit = _MOST_SWITCHES
 
@@ -129,7 +131,7 @@ class World:
         )
         self._robot = RobotLaw(robot.mass, robot.damping, robot.stiffness, effects)
         self._force_tracking = robot.force_tracking
-        self._steps = max(1, ceil(parameters.integration_rate / parameters.sample_rate))
+        self._rate = parameters.integration_rate
 
     @property
     def position(self) -> float:
@@ -149,12 +151,13 @@ class World:
 
         """
         self._reference = reference
-        end, h = self.t + duration, duration / self._steps
+        steps = max(1, ceil(duration * self._rate - 1e-6))
+        end, h = self.t + duration, duration / steps
         now = self._look(self.t, self._state)
-        for k in range(self._steps):
+        for k in range(steps):
             if self._chain:
                 self._sense(now.force, now.acceleration)
-            now = self._step_with_events(h if k < self._steps - 1 else end - self.t, now)
+            now = self._step_with_events(h if k < steps - 1 else end - self.t, now)
         self.t = end
 
     def truth(self, reference: ReferenceAt) -> Truth:

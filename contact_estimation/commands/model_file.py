@@ -1,0 +1,59 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The model file, as the commands read it."""
+
+from __future__ import annotations
+
+import dataclasses
+
+from ..exceptions import ModelFileError
+from ..parameter_file import read_parameter_file
+from ..parameter_values import build, without
+from ..plant.plant_parameters import PlantParameters
+from ..ros.plant_node_parameters import PlantNodeParameters
+
+
+def read_model(path: str, seed: int | None = None) -> PlantParameters:
+    """
+    Read a model.
+
+    Parameters
+    ----------
+    path : str
+        A parameter file with a section plant_node.
+    seed : int, optional
+        Of all noise; that of the file by default.
+
+    Returns
+    -------
+    model : PlantParameters
+        What the file leaves out has its default.
+
+    Raises
+    ------
+    ModelFileError
+        If the file is missing or has no such section.
+    ContactEstimationError
+        If a key is unknown or a value not valid.
+
+    """
+    values = read_parameter_file(path, 'plant_node')
+    if not values:
+        raise ModelFileError(
+            f'model file {path} must have a section plant_node with ros__parameters, got none; '
+            'see the README for an example'
+        )
+    model = build(PlantParameters, without(PlantNodeParameters, values))
+    return model if seed is None else dataclasses.replace(model, seed=seed)

@@ -1,0 +1,167 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The plant model off-line, on a recorded command or force, or on an experiment."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, Sequence
+
+import numpy as np
+
+from .command_line import add_source_options, Parser, run_command, source_of
+from .model_file import read_model
+from ..exceptions import ParameterRangeError, RecordingError
+from ..plant.plant_parameters import PlantParameters
+from ..plant.simulation import (
+    simulate_command,
+    simulate_experiment,
+    simulate_force,
+    Simulation,
+)
+from ..recorded_signals import read_signals, RecordedSignals
+from ..recordings import RecordingReader
+from ..recordings.simulation_file import write_simulation
+from ..reference.experiments import experiment_named, EXPERIMENTS
+from ..ros.plant_node_parameters import PlantNodeParameters
+
+
+def make_parser() -> Parser:
+    """Build the command line of `simulate`."""
+    parser = Parser(
+        prog='simulate',
+        description='Simulate a model file on the command of a recording, straight between its '
+        'samples and with its stamps, or on an experiment; an attached wall without a robot on '
+        'the recorded force.',
+    )
+    parser.add_argument('--model', required=True, metavar='FILE', help='the model, a YAML file')
+    given = parser.add_mutually_exclusive_group(required=True)
+    given.add_argument('--like', metavar='RECORDING', help='an .mcap file or rosbag2 folder')
+    given.add_argument(
+        '--experiment', metavar='NAME|FILE.yaml',
+        help='one of ' + ', '.join(EXPERIMENTS) + ', or a YAML file of segments',
+    )
+    parser.add_argument('--output', required=True, metavar='FILE', help='new .mcap file')
+    parser.add_argument('--seed', type=int, help='seed of all noise; that of the model')
+    add_source_options(parser)
+    return parser
+
+
+def run(options: Any) -> int:
+    """
+    Simulate as the options say.
+
+    Parameters
+    ----------
+    options : argparse.Namespace
+        Of `make_parser`.
+
+    Returns
+    -------
+    code : int
+        0.
+
+    """
+    output = _new_recording(options.output)
+    if options.seed is not None and options.seed < 0:
+        raise ParameterRangeError(f'--seed must be >= 0, got {options.seed}')
+    model = read_model(options.model, options.seed)
+    frame_id = PlantNodeParameters().frame_id
+    if options.like:
+        reader, source = RecordingReader(options.like), source_of(options)
+        signals = read_signals(reader, source, options.axis or 'x', options.joint or '')
+        simulation = _simulate_like(model, signals, options.like)
+        frame_id = signals.frame_id
+    else:
+        simulation = simulate_experiment(model, experiment_named(options.experiment))
+    joint = options.joint or PlantNodeParameters().joint
+    write_simulation(output, simulation, options.axis or 'x', joint, frame_id)
+    seconds = (simulation.stamp_ns[-1] - simulation.stamp_ns[0]) * 1e-9
+    print(f'{len(simulation.stamp_ns)} samples, {seconds:.1f} s, greatest pressing force '
+          f'{max(0.0, -float(np.min(simulation.measured[0]))):.4g} N; wrote {output}')
+    return 0
+
+
+def _new_recording(path: str) -> Path:
+    """Refuse an output that could not be written before anything is simulated."""
+    file = Path(path)
+    if file.exists():
+        raise RecordingError(
+            f'{path} exists and recordings are never overwritten; choose another output or '
+            'remove it'
+        )
+    if not file.absolute().parent.is_dir():
+        raise RecordingError(
+            f'cannot write {path}: folder {file.parent} does not exist; make it first'
+        )
+    return file
+
+
+def _simulate_like(
+    model: PlantParameters, signals: RecordedSignals, recording: str
+) -> Simulation:
+    wrench, reference = signals.wrench, signals.reference_trajectory
+    if len(reference):
+        start = _start(signals)
+        return simulate_command(
+            model, wrench.stamp_ns, reference.stamp_ns, reference.values, start
+        )
+    if model.environment.unilateral:
+        raise RecordingError(
+            f'{recording} has no reference_trajectory, and a wall that can let go has to be '
+            'moved by a robot; expected the topic, or environment.unilateral false in the '
+            'model; say which topic to read with --topic reference_trajectory:=/name'
+        )
+    if len(wrench) < 2:
+        raise RecordingError(f'{recording} must have at least 2 wrenches, got {len(wrench)}')
+    return simulate_force(model, wrench.stamp_ns, wrench.values[0], _start(signals))
+
+
+def _start(signals: RecordedSignals) -> tuple[float, float]:
+    """Tell position and velocity at the first wrench."""
+    joints, first = signals.joint_states, int(signals.wrench.stamp_ns[0])
+    t = (joints.stamp_ns - first) * 1e-9
+    position = float(np.interp(0.0, t, joints.values[0]))
+    if np.all(np.isfinite(joints.values[1])):
+        return position, float(np.interp(0.0, t, joints.values[1]))
+    if len(signals.reference_trajectory):
+        reference = signals.reference_trajectory
+        since = (reference.stamp_ns - first) * 1e-9
+        return position, float(np.interp(0.0, since, reference.values[1]))
+    near = np.argsort(np.abs(t), kind='stable')[:3]
+    slope = np.polyfit(t[near], joints.values[0][near], 1)[0] if len(near) == 3 else 0.0
+    return position, float(slope)
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """
+    Run the command.
+
+    Parameters
+    ----------
+    args : sequence of str, optional
+        Command line; that of the process by default.
+
+    Returns
+    -------
+    code : int
+        0, or 1 after one line on stderr.
+
+    """
+    return run_command(make_parser(), run, args)
+
+
+if __name__ == '__main__':
+    raise SystemExit(main())

@@ -1,0 +1,202 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""A permanently attached environment without a robot, driven by a recorded force."""
+
+from __future__ import annotations
+
+import math
+from math import ceil
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .plant_parameters import PlantParameters
+from ..exceptions import ParameterRangeError, SignalShapeError
+from ..physics import effects_that_are_on
+from ..physics.contact_law import ContactLaw
+from ..physics.physics import Effect, ForceSensorEffect
+
+Array = NDArray[np.float64]
+State = tuple[float, ...]  # x, v, then the effects' internal states
+
+
+def run_driven_wall(
+    parameters: PlantParameters, t: Array, force: Array, x0: float, v0: float = 0.0
+) -> Array:
+    """
+    Run the environment free on a measured force.
+
+    M_e xdd = -F_e - (B_e v + K_e delta + physics), the force straight between its samples and
+    freed of what the model says of the sensor.
+
+    Parameters
+    ----------
+    parameters : PlantParameters
+        The model; environment, physics and `integration_rate` count.
+    t : ndarray, shape (N,)
+        Times of the samples [s], growing; N >= 2.
+    force : ndarray, shape (N,)
+        Measured F_e [N].
+    x0, v0 : float
+        Position [m] and velocity [m/s] at t[0].
+
+    Returns
+    -------
+    positions : ndarray, shape (N,)
+        x [m].
+
+    Raises
+    ------
+    ParameterRangeError
+        If the wall has no mass, or can let go.
+    SignalShapeError
+        If the arrays do not fit together.
+
+    """
+    return run_driven_wall_with_rates(parameters, t, force, x0, v0)[0]
+
+
+def run_driven_wall_with_rates(
+    parameters: PlantParameters, t: Array, force: Array, x0: float, v0: float = 0.0
+) -> Array:
+    """
+    Run the environment free; parameters as of `run_driven_wall`.
+
+    Returns
+    -------
+    motion : ndarray, shape (3, N)
+        x [m] and its derivatives [m/s], [m/s^2].
+
+    """
+    if np.shape(t) != np.shape(force) or np.ndim(t) != 1 or len(t) < 2:
+        raise SignalShapeError(
+            'a driven wall needs t and force of one shape (N,) with N >= 2, got '
+            f'{np.shape(t)} and {np.shape(force)}'
+        )
+    wall = DrivenWall(parameters)
+    since = t - t[0]
+    return wall.run(since, wall.true_force(since, force), (x0, v0))
+
+
+class DrivenWall:
+    """
+    The attached environment, by Runge-Kutta steps of fourth order.
+
+    Parameters
+    ----------
+    parameters : PlantParameters
+        The model.
+
+    Raises
+    ------
+    ParameterRangeError
+        If the wall has no mass, or can let go.
+
+    """
+
+    def __init__(self, parameters: PlantParameters) -> None:
+        wall = parameters.environment
+        if wall.unilateral:
+            raise ParameterRangeError(
+                'only a wall that is permanently attached follows a force alone, got '
+                'environment.unilateral true; set it to false, or give a reference_trajectory'
+            )
+        effects: list[Effect] = effects_that_are_on(parameters.physics)
+        self._sensor = [e for e in effects if isinstance(e, ForceSensorEffect)]
+        self._law = ContactLaw(
+            wall.stiffness, wall.damping, wall.location, wall.inertia, False, effects
+        )
+        # A mass beyond the sensor moves with the wall, and the sensor drives it too.
+        self._mass = self._law.inertia + sum(effect.added_mass for effect in self._sensor)
+        if self._mass <= 0.0:
+            raise ParameterRangeError(
+                'environment.inertia must be > 0 kg for an attached wall without a robot, got '
+                f'{wall.inertia:g}; without mass a force does not tell its motion'
+            )
+        self._rate = parameters.integration_rate
+
+    def true_force(self, t: Array, reading: Array) -> Array:
+        """
+        Free a measured force of what the sensor's physics have made of it, but for mass.
+
+        Parameters
+        ----------
+        t, reading : ndarray, shape (N,)
+            Time since the first sample [s] and measured F_e [N].
+
+        Returns
+        -------
+        force : ndarray, shape (N,)
+            F_e, less mass times acceleration [N].
+
+        """
+        for effect in reversed(self._sensor):
+            reading = effect.undo_along(t, reading)
+        return reading
+
+    def run(self, t: Array, force: Array, start: tuple[float, float]) -> Array:
+        """
+        Integrate.
+
+        Parameters
+        ----------
+        t, force : ndarray, shape (N,)
+            Time since the first sample [s] and force without the sensor's physics [N].
+        start : tuple of float
+            Position [m] and velocity [m/s] at the first sample.
+
+        Returns
+        -------
+        motion : ndarray, shape (3, N)
+            x [m] and its derivatives [m/s], [m/s^2].
+
+        """
+        state: State = (*start, *(0.0,) * self._law.states)
+        times, forces = t.tolist(), force.tolist()
+        motion = [(*state[:2], self._acceleration(times[0], state, forces[0]))]
+        for now, then, f, g in zip(times[:-1], times[1:], forces[:-1], forces[1:]):
+            steps = max(1, ceil((then - now) * self._rate - 1e-6))
+            h, slope = (then - now) / steps, (g - f) / steps
+            for k in range(steps):
+                state = self._step(now + k * h, state, h, f + k * slope, slope)
+            motion.append((*state[:2], self._acceleration(then, state, g)))
+        return np.array(motion).T
+
+    def _step(self, t: float, state: State, h: float, force: float, slope: float) -> State:
+        half, middle = 0.5 * h, force + 0.5 * slope
+        k1 = self._rates(t, state, force)
+        k2 = self._rates(t + half, _moved(state, half, k1), middle)
+        k3 = self._rates(t + half, _moved(state, half, k2), middle)
+        k4 = self._rates(t + h, _moved(state, h, k3), force + slope)
+        sixth = h / 6.0
+        x, v, *states = [s + sixth * (a + 2.0 * b + 2.0 * c + d)
+                         for s, a, b, c, d in zip(state, k1, k2, k3, k4)]
+        if not states:
+            return x, v
+        return (x, v, *self._law.settle(t + h, x, v, tuple(states)))
+
+    def _rates(self, t: float, state: State, force: float) -> State:
+        a = self._acceleration(t, state, force)
+        if len(state) == 2:
+            return state[1], a
+        return (state[1], a, *self._law.rates(t, state[0], state[1], state[2:]))
+
+    def _acceleration(self, t: float, state: State, force: float) -> float:
+        resistance = self._law.resistance(t, state[0], state[1], state[2:], math)
+        return float(-force - resistance) / self._mass
+
+
+def _moved(state: State, h: float, rates: State) -> State:
+    return tuple([s + h * rate for s, rate in zip(state, rates)])

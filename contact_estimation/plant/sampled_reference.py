@@ -1,0 +1,78 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""A reference straight between its samples, as a function of time."""
+
+from __future__ import annotations
+
+import bisect
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .world import ReferenceAt
+from ..exceptions import SignalShapeError
+
+Array = NDArray[np.float64]
+
+
+def reference_through(t: Array, rows: Array) -> ReferenceAt:
+    """
+    Let a reference run straight between its samples; before and after, it rests.
+
+    Parameters
+    ----------
+    t : ndarray, shape (N,)
+        Times of the samples [s], growing; N >= 1.
+    rows : ndarray, shape (4, N)
+        x_r [m], its rate [m/s] and acceleration [m/s^2], F_r [N].
+
+    Returns
+    -------
+    reference_at : callable
+        Time [s] to (x_r, its rate, its acceleration, F_r).
+
+    Raises
+    ------
+    SignalShapeError
+        If the shapes do not fit together, or the times do not grow.
+
+    """
+    if np.ndim(t) != 1 or len(t) < 1 or np.shape(rows) != (4, len(t)):
+        raise SignalShapeError(
+            'a reference needs t of shape (N,) and rows of shape (4, N) with N >= 1, got '
+            f'{np.shape(t)} and {np.shape(rows)}; give x_r, its rate, its acceleration and F_r'
+        )
+    if not np.all(np.diff(t) > 0.0):
+        raise SignalShapeError(
+            'the times of a reference must grow, got equal or falling ones; sort them, and keep '
+            'one sample a time'
+        )
+    times: list[float] = t.tolist()
+    points: list[tuple[float, float, float, float]] = list(zip(*rows.tolist()))
+    slopes = list(zip(*(np.diff(rows) / np.diff(t)).tolist()))
+    before, after = ((points[k][0], 0.0, 0.0, 0.0) for k in (0, -1))
+    begin, end, place = times[0], times[-1], 0
+
+    def at(now: float) -> tuple[float, float, float, float]:
+        nonlocal place
+        if not begin <= now < end:
+            return before if now < begin else after if now > end else points[-1]
+        if not times[place] <= now < times[place + 1]:
+            place = bisect.bisect_right(times, now) - 1
+        since, (x, v, a, F) = now - times[place], points[place]
+        x_1, v_1, a_1, F_1 = slopes[place]
+        return x + since * x_1, v + since * v_1, a + since * a_1, F + since * F_1
+
+    return at

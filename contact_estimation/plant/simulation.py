@@ -1,0 +1,148 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""A simulated recording: the plant on a recorded command or force, or on an experiment."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .driven_wall import run_driven_wall_with_rates
+from .open_loop import simulate_at
+from .plant_parameters import PlantParameters
+from .sampled_reference import reference_through
+from .sensors import Sensors
+from .world import Truth
+from ..reference.experiment import Experiment
+
+Array = NDArray[np.float64]
+Stamps = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Simulation:
+    """
+    What the sensors tell of a simulated world, and what the robot was to do.
+
+    Attributes
+    ----------
+    stamp_ns : ndarray of int64, shape (N,)
+        Of the samples [ns].
+    measured : ndarray, shape (3, N)
+        F_e [N], x [m] and its rate [m/s], NaN where the model does not publish it.
+    reference_ns : ndarray of int64, shape (M,)
+        Stamps of the reference [ns].
+    reference : ndarray, shape (4, M)
+        x_r [m], its rate [m/s] and acceleration [m/s^2], F_r [N]; M = 0 without a robot.
+
+    """
+
+    stamp_ns: Stamps
+    measured: Array
+    reference_ns: Stamps
+    reference: Array
+
+
+def simulate_command(
+    model: PlantParameters, stamp_ns: Stamps, reference_ns: Stamps, reference: Array,
+    start: tuple[float, float],
+) -> Simulation:
+    """
+    Simulate on a reference.
+
+    Parameters
+    ----------
+    model : PlantParameters
+        The world.
+    stamp_ns : ndarray of int64, shape (N,)
+        When to measure [ns], growing.
+    reference_ns, reference
+        As in `Simulation`; straight between the samples.
+    start : tuple of float
+        Position [m] and velocity [m/s] of the robot at the first stamp.
+
+    Returns
+    -------
+    simulation : Simulation
+        With noise as the model's sensors have it.
+
+    """
+    first = stamp_ns[0]
+    follow = reference_through((reference_ns - first) * 1e-9, reference)
+    truths = simulate_at(model, (stamp_ns - first) * 1e-9, follow, *start)
+    return Simulation(stamp_ns, _measured(model, truths), reference_ns, reference)
+
+
+def simulate_experiment(model: PlantParameters, experiment: Experiment) -> Simulation:
+    """
+    Simulate on what an experiment wants, passed through.
+
+    Parameters
+    ----------
+    model : PlantParameters
+        The world, sampled at its `sample_rate`.
+    experiment : Experiment
+        What is wanted.
+
+    Returns
+    -------
+    simulation : Simulation
+        Stamps begin with 0. No force law is active, so the reference has no force.
+
+    """
+    count = round(experiment.duration * model.sample_rate) + 1
+    stamp_ns = np.round(1e9 / model.sample_rate * np.arange(count)).astype(np.int64)
+    wanted = [experiment.desired(t) for t in (stamp_ns * 1e-9).tolist()]
+    reference = np.array([(*desired[:3], 0.0) for desired in wanted]).T
+    start = wanted[0].position, wanted[0].velocity
+    return simulate_command(model, stamp_ns, stamp_ns, reference, start)
+
+
+def simulate_force(
+    model: PlantParameters, stamp_ns: Stamps, force: Array, start: tuple[float, float]
+) -> Simulation:
+    """
+    Simulate an attached wall without a robot on a measured force.
+
+    Parameters
+    ----------
+    model : PlantParameters
+        The wall.
+    stamp_ns : ndarray of int64, shape (N,)
+        Of the force [ns], growing.
+    force : ndarray, shape (N,)
+        Measured F_e [N]; straight between the samples.
+    start : tuple of float
+        Position [m] and velocity [m/s] at the first stamp.
+
+    Returns
+    -------
+    simulation : Simulation
+        Its force is the one given, with noise as the model's sensors have it.
+
+    """
+    t = (stamp_ns - stamp_ns[0]) * 1e-9
+    motion = run_driven_wall_with_rates(model, t, force, *start)
+    columns = zip(t.tolist(), *motion.tolist(), force.tolist(), force.tolist())
+    measured = _measured(model, [Truth(*column) for column in columns])
+    nothing = np.empty(0, np.int64), np.empty((4, 0))
+    return Simulation(stamp_ns, measured, *nothing)
+
+
+def _measured(model: PlantParameters, truths: list[Truth]) -> Array:
+    sensors = Sensors(model)
+    return np.array([sensors.measure(truth) for truth in truths]).T

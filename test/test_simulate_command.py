@@ -1,0 +1,224 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The command `simulate`: what it writes, on what it simulates, and what it refuses."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from contact_estimation.commands.simulate import main
+from contact_estimation.messages import RosbagsCodec, TrajectoryEncoder
+from contact_estimation.messages.encoding import JointStateEncoder, WrenchEncoder
+from contact_estimation.recorded_signals import read_signals, RecordedSignals
+from contact_estimation.recording_replay import RecordingSource
+from contact_estimation.recordings import RecordingReader
+from contact_estimation.recordings.writing import RecordingWriter
+import numpy as np
+from numpy.typing import NDArray
+import pytest
+from scipy.signal import lsim
+import yaml
+
+Array = NDArray[np.float64]
+ATTACHED = {'stiffness': 1200.0, 'damping': 12.0, 'inertia': 0.6, 'unilateral': False}
+SHORT = {'start': -0.01, 'segments': [
+    {'duration': 0.4, 'position': 0.008}, {'duration': 0.3, 'position': -0.01},
+]}
+
+
+def model_file(folder: Path, **groups: Any) -> str:
+    """Write a model file and return its path."""
+    path = folder / f'model_{len(list(folder.glob("model_*")))}.yaml'
+    path.write_text(yaml.safe_dump({'plant_node': {'ros__parameters': groups}}))
+    return str(path)
+
+
+def experiment_file(folder: Path) -> str:
+    """Write an experiment that touches the wall once and return its path."""
+    path = folder / 'short.yaml'
+    path.write_text(yaml.safe_dump(SHORT))
+    return str(path)
+
+
+def signals_of(path: Path) -> RecordedSignals:
+    """Read a recording of the contract's topics."""
+    return read_signals(RecordingReader(path), RecordingSource())
+
+
+def simulated(folder: Path, name: str, *args: str) -> RecordedSignals:
+    """Run the command and read what it has written."""
+    output = folder / name
+    assert main([*args, '--output', str(output)]) == 0
+    return signals_of(output)
+
+
+def driven_recording(path: Path, force: Array, rate: float = 600.0) -> Array:
+    """Record a force, with a position that rests; give the times."""
+    codec, t = RosbagsCodec(), np.arange(len(force)) / rate
+    wrenches, joints = WrenchEncoder(codec, 'sensor'), JointStateEncoder(codec, '', 'j', False)
+    with RecordingWriter.file(path) as writer:
+        for now, value in zip(t.tolist(), force.tolist()):
+            stamp = round(1e9 * now) + 5_000_000_000
+            writer.write('/wrench', 'geometry_msgs/msg/WrenchStamped',
+                         wrenches.encode(stamp, value, 0.0, 0.0), stamp)
+            writer.write('/joint_states', 'sensor_msgs/msg/JointState',
+                         joints.encode(stamp, 0.0, 0.0), stamp)
+    return t
+
+
+def test_experiment_is_played_to_its_end_and_touches_the_wall(tmp_path: Path) -> None:
+    got = simulated(tmp_path, 'a.mcap', '--model', model_file(tmp_path, seed=1),
+                    '--experiment', experiment_file(tmp_path))
+    assert len(got.wrench) == len(got.joint_states) == len(got.reference_trajectory) == 351
+    assert np.min(got.wrench.values) < -10.0
+    np.testing.assert_allclose(got.reference_trajectory.values[0, [0, 200]], [-0.01, 0.008])
+
+
+def test_robot_rests_first_and_follows_the_reference_in_free_flight(tmp_path: Path) -> None:
+    model = model_file(tmp_path, environment={'location': 1.0})
+    got = simulated(tmp_path, 'a.mcap', '--model', model,
+                    '--experiment', experiment_file(tmp_path))
+    np.testing.assert_allclose(
+        got.joint_states.values[0], got.reference_trajectory.values[0], atol=1e-6)
+
+
+def test_simulating_like_a_simulation_repeats_it(tmp_path: Path) -> None:
+    model = model_file(tmp_path, physics={'coulomb_friction': {'F_c': 6.0}})
+    first = simulated(tmp_path, 'a.mcap', '--model', model,
+                      '--experiment', experiment_file(tmp_path))
+    again = simulated(tmp_path, 'b.mcap', '--model', model, '--like', str(tmp_path / 'a.mcap'))
+    np.testing.assert_array_equal(first.wrench.stamp_ns, again.wrench.stamp_ns)
+    np.testing.assert_allclose(first.wrench.values, again.wrench.values, atol=1e-9)
+    np.testing.assert_allclose(first.joint_states.values, again.joint_states.values, atol=1e-12)
+
+
+def test_reference_is_followed_straight_between_samples_that_lack_rates(tmp_path: Path) -> None:
+    codec, t = RosbagsCodec(), 0.04 * np.arange(50)
+    driven_recording(tmp_path / 'coarse.mcap', np.zeros(1200))
+    references = TrajectoryEncoder(codec, '', 'j')
+    with RecordingWriter.file(tmp_path / 'all.mcap') as writer:
+        for message in RecordingReader(tmp_path / 'coarse.mcap').messages():
+            kind = RecordingReader(tmp_path / 'coarse.mcap').topics()[message.topic]
+            writer.write(message.topic, kind, message.data, message.log_time_ns)
+        for now in t.tolist():
+            stamp = round(1e9 * now) + 5_000_000_000
+            data = references.encode(stamp, -0.1 * now, -0.1, 0.0, float('nan'))
+            writer.write('/reference_trajectory', 'trajectory_msgs/msg/JointTrajectory', data,
+                         stamp)
+    got = simulated(tmp_path, 'b.mcap', '--model', model_file(tmp_path, seed=0),
+                    '--like', str(tmp_path / 'all.mcap'))
+    late = slice(900, 1100)  # stairs of 40 ms would shake the robot by 0.5 mm
+    since = (got.joint_states.stamp_ns[late] - 5_000_000_000) * 1e-9
+    np.testing.assert_allclose(got.joint_states.values[0, late], -0.1 * since, atol=1e-6)
+
+
+def test_seed_decides_the_noise_and_nothing_else(tmp_path: Path) -> None:
+    model = model_file(tmp_path, sensors={'force_noise': 1.0})
+    args = ('--model', model, '--experiment', experiment_file(tmp_path))
+    one, same, other = (
+        simulated(tmp_path, f'{k}.mcap', *args, '--seed', seed) for k, seed in enumerate('335'))
+    np.testing.assert_array_equal(one.wrench.values, same.wrench.values)
+    assert np.std(one.wrench.values - other.wrench.values) == pytest.approx(2**0.5, rel=0.1)
+    np.testing.assert_array_equal(one.joint_states.values, other.joint_states.values)
+
+
+def test_attached_wall_is_that_of_a_linear_system_driven_straight_between_samples(
+    tmp_path: Path,
+) -> None:
+    force = np.cumsum(np.random.default_rng(2).standard_normal(900))
+    force -= force[0]
+    t = driven_recording(tmp_path / 'in.mcap', force)
+    got = simulated(tmp_path, 'out.mcap', '--model', model_file(tmp_path, environment=ATTACHED),
+                    '--like', str(tmp_path / 'in.mcap'))
+    expected = lsim(([-1.0], [0.6, 12.0, 1200.0]), force, t)[1]
+    np.testing.assert_allclose(got.joint_states.values[0], expected, atol=1e-8)
+    np.testing.assert_array_equal(got.wrench.values[0], force)
+    assert len(got.reference_trajectory) == 0
+    assert got.frame_id == 'sensor'
+
+
+def test_bias_of_the_sensor_does_not_drive_an_attached_wall(tmp_path: Path) -> None:
+    driven_recording(tmp_path / 'in.mcap', np.full(600, 5.0))
+    biased = model_file(tmp_path, environment=ATTACHED, physics={'force_bias': {'bias': 5.0}})
+    got = simulated(tmp_path, 'out.mcap', '--model', biased, '--like', str(tmp_path / 'in.mcap'))
+    np.testing.assert_allclose(got.joint_states.values[0], 0.0, atol=1e-12)
+
+
+@pytest.mark.parametrize('groups, text', [
+    ({'environment': {'stifness': 1.0}}, "did you mean 'environment.stiffness'"),
+    ({'physics': {'colomb_friction': {'F_c': 1.0}}},
+     "did you mean 'physics.coulomb_friction.F_c'"),
+    ({'physics': {'stribeck_friction': {'F_c': 1.0}}}, 'needs all of F_c, F_s, v_s'),
+    ({'environment': {'stiffness': -1.0}}, 'environment.stiffness must be a number >= '),
+])
+def test_model_that_is_no_model_is_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], groups: dict[str, Any], text: str
+) -> None:
+    args = ['--model', model_file(tmp_path, **groups), '--experiment', 'sine']
+    assert main([*args, '--output', str(tmp_path / 'a.mcap')]) == 1
+    error = capsys.readouterr().err
+    assert text in error and error.count('\n') == 1
+    assert not (tmp_path / 'a.mcap').exists()
+
+
+def test_recording_without_reference_is_refused_for_a_wall_that_lets_go(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    driven_recording(tmp_path / 'in.mcap', np.zeros(10))
+    args = ['--model', model_file(tmp_path, seed=1), '--like', str(tmp_path / 'in.mcap')]
+    assert main([*args, '--output', str(tmp_path / 'a.mcap')]) == 1
+    assert 'has no reference_trajectory' in capsys.readouterr().err
+
+
+def test_attached_wall_without_mass_is_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    driven_recording(tmp_path / 'in.mcap', np.zeros(10))
+    model = model_file(tmp_path, environment={**ATTACHED, 'inertia': 0.0})
+    args = ['--model', model, '--like', str(tmp_path / 'in.mcap')]
+    assert main([*args, '--output', str(tmp_path / 'a.mcap')]) == 1
+    assert 'environment.inertia must be > 0 kg' in capsys.readouterr().err
+
+
+@pytest.mark.parametrize('args, text', [
+    (['--experiment', 'sinus'], "did you mean 'sine'"),
+    (['--like', 'nowhere.mcap'], 'nowhere.mcap'),
+    (['--experiment', 'sine', '--seed', '-1'], '--seed must be >= 0'),
+])
+def test_request_that_cannot_be_met_is_refused_in_one_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], args: list[str], text: str
+) -> None:
+    output = ['--output', str(tmp_path / 'a.mcap')]
+    assert main(['--model', model_file(tmp_path, seed=1), *args, *output]) == 1
+    error = capsys.readouterr().err
+    assert text in error and error.count('\n') == 1
+
+
+def test_nothing_is_overwritten(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / 'a.mcap').write_text('precious')
+    args = ['--model', model_file(tmp_path, seed=1), '--experiment', 'sine']
+    assert main([*args, '--output', str(tmp_path / 'a.mcap')]) == 1
+    assert 'never overwritten' in capsys.readouterr().err
+    assert (tmp_path / 'a.mcap').read_text() == 'precious'
+
+
+def test_file_that_is_no_model_is_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / 'e.yaml').write_text('estimator_node: {ros__parameters: {estimator: rls}}')
+    args = ['--model', str(tmp_path / 'e.yaml'), '--experiment', 'sine']
+    assert main([*args, '--output', str(tmp_path / 'a.mcap')]) == 1
+    assert 'must have a section plant_node' in capsys.readouterr().err
