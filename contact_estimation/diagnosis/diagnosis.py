@@ -29,7 +29,7 @@ from .fitting import Fit, fit
 from .flexible import memory, predictable_share
 from .free_run import free_run
 from .held_out import as_good, by_part, errors_of, improvement_interval, measure_part, Part
-from .location import locate
+from .location import guess_port, locate
 from .model import Model, names_of
 from .noise import force_noise
 from .observed import observe, Observed, Signals
@@ -125,8 +125,14 @@ def diagnose(
     base = _recalibrate(ports, model)
     at_nominal = _cost(ports, model)
     finding = select(ports, base, progress)
-    finding, cases = _refine(finding, cases, model, progress)
-    return _Conclusion(model, at_nominal, finding, cases, others, seed).draw(progress)
+    odd_robot = _robot_is_odd(finding, ports)
+    if odd_robot:
+        progress('looking past the robot')
+        finding = _past_the_robot(finding, ports, progress)
+    else:
+        finding, cases = _refine(finding, cases, model, progress)
+    conclusion = _Conclusion(model, at_nominal, finding, cases, others, seed, odd_robot)
+    return conclusion.draw(progress)
 
 
 def _prepare(recording: Recording, model: Model, hold: bool) -> _Case:
@@ -157,6 +163,24 @@ def _recalibrate(ports: Sequence[Ports], model: Model) -> Fit:
 def _cost(ports: Sequence[Ports], model: Model) -> float:
     stacked = np.concatenate([port.residuals(model) for port in ports])
     return float(stacked @ stacked)
+
+
+def _robot_is_odd(finding: Finding, ports: Sequence[Ports]) -> bool:
+    """Tell whether much is left in the motion alone, such as of commands that come late."""
+    best = finding.best
+    if best.cost < (1.0 + LEFT) * best.filled or best.cost < (1.0 - EXPLAINED) * finding.base.cost:
+        return False
+    return all(guess_port(port, best.model) == 'robot' for port in ports)
+
+
+def _past_the_robot(
+    finding: Finding, ports: Sequence[Ports], progress: Progress
+) -> Finding:
+    """Take what the motion does not explain for its noise, and look at the force."""
+    for port in ports:
+        port.distrust_motion(finding.best.model)
+    base = _recalibrate(ports, finding.base.model)
+    return select(ports, base, progress)
 
 
 def _refine(
@@ -198,10 +222,11 @@ class _Conclusion:
 
     def __init__(
         self, model: Model, at_nominal: float, finding: Finding, cases: list[_Case],
-        others: list[_Case], seed: int,
+        others: list[_Case], seed: int, odd_robot: bool,
     ) -> None:
         self._nominal, self._at_nominal = model, at_nominal
         self._finding, self._cases, self._others = finding, cases, others
+        self._odd_robot = odd_robot
         self._ports = [case.port for case in cases]
         self._generator = np.random.default_rng(seed)
 
@@ -221,6 +246,7 @@ class _Conclusion:
             open_end = structured and (explained < FULLY or not best.model.effects)
         if best.model.effects and open_end and explained < EXPLAINED:
             best = base  # a false name is worse than no name
+        open_end = open_end or self._odd_robot
         verdict = self._verdict(best, open_end)
         if not open_end and all(
                 port.observed.has_dynamics(base.model.nominal) for port in self._ports):
@@ -240,6 +266,7 @@ class _Conclusion:
         if located:
             shown = best.model if verdict == 'unexplained' and best.model.effects else base.model
             acting = names[0].port if names and shown is base.model else None
+            acting = 'robot' if self._odd_robot else acting
             location = locate(port, shown, acting)
         rivals = {other: self._rival(effect.name, other)
                   for effect in names for other in effect.indistinguishable_from}

@@ -123,12 +123,12 @@ def guess_port(port: Ports, model: Model) -> str:
     """
     missing = port.force_residual(model)
     answer = port.answer_to(missing * port.use, model)
-    count = len(port.observed.t) // port.block
-    parts = port.residuals(model, robust=False).reshape(-1, count)
-    if answer is None or len(parts) == 1:
+    innovations = port.motion_residual(model)
+    if answer is None or innovations is None:
         return 'contact'
-    force, motion = parts
-    excess = [max(0.0, float(np.sum(part**2 - 1.0))) for part in parts]
+    force = port.average('force', missing, port.force_noise)
+    motion = port.average('motion', innovations, port.motion_noise)
+    excess = [max(0.0, float(np.sum(part**2 - 1.0))) for part in (force, motion)]
     if excess[1] < _SILENT * excess[0]:
         return 'force_sensor'
     pushed = port.average('motion', answer, port.motion_noise)

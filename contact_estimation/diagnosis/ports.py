@@ -209,6 +209,22 @@ class Ports:
         misfit = o.raw_position - predicted
         return innovations(misfit, self._whitener(system), OBSERVER_CUTOFF, o.h)
 
+    def distrust_motion(self, model: Model) -> None:
+        """
+        Take what a model leaves in the motion for its noise.
+
+        Parameters
+        ----------
+        model : Model
+            Fitted.
+
+        """
+        motion = self.motion_residual(model)
+        if motion is not None:
+            left = self.average('motion', motion, self.motion_noise)
+            filled = self._weights['motion'] > 0.0
+            self.motion_noise *= max(1.0, float(np.sqrt(np.mean(left[filled] ** 2))))
+
     def answer_to(self, push: Array, model: Model) -> Array | None:
         """
         Compute the innovations that a force on the robot would leave.

@@ -84,12 +84,43 @@ def manoeuvre(
     )
 
 
+def rich() -> Experiment:
+    """
+    Build three touches that differ in speed and depth, each with excitation of its own.
+
+    No force is wanted, eq. (1) alone: for a recording that `diagnose` can learn from.
+
+    Returns
+    -------
+    experiment : Experiment
+        Of 15.8 s.
+
+    """
+    away = -0.02
+
+    def touch(approach_s: float, depth: float, amplitude: float, *omegas: float) -> list[Segment]:
+        excitation = Multisine(amplitude, list(omegas))
+        return [
+            Segment(approach_s, depth), Segment(0.3, depth),
+            Segment(3.0, depth, position_excitation=excitation), Segment(0.8, away),
+        ]
+
+    return Experiment('rich', away, (
+        Segment(0.5, away),
+        *touch(0.8, 0.012, 0.002, 5.0, 11.0, 23.0),
+        *touch(0.5, 0.020, 0.003, 4.0, 9.0, 17.0),
+        *touch(1.5, 0.024, 0.002, 6.0, 13.0, 27.0),
+        Segment(0.3, away),
+    ))
+
+
 EXPERIMENTS: dict[str, Callable[[], Experiment]] = {
     'sine': lambda: manoeuvre('sine', FORCE_EXCITATION['sine']),
     'prbs': lambda: manoeuvre('prbs', FORCE_EXCITATION['prbs']),
     'multisine': lambda: manoeuvre('multisine', FORCE_EXCITATION['multisine']),
     'none': lambda: manoeuvre('none'),
     'long': lambda: manoeuvre('long', FORCE_EXCITATION['sine'], hold_s=12.0),
+    'rich': rich,
 }
 
 _SEGMENT_KEYS = {'duration', 'position', 'force', 'force_excitation', 'position_excitation'}

@@ -1,0 +1,190 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The whole way round: conceal an effect, find it, tell the estimator, get K and B right."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+import subprocess
+import sys
+from typing import Any, Sequence
+
+import numpy as np
+import yaml
+
+from .command_line import Parser, run_command
+from ..exceptions import ContactEstimationError, ParameterRangeError, RecordingError
+from ..parameter_file import read_parameter_file
+from ..parameter_values import build, flatten, without
+from ..plant.plant_parameters import PlantParameters
+from ..ros.plant_node_parameters import PlantNodeParameters
+
+WORLD = {
+    'environment.stiffness': 4800.0, 'environment.damping': 200.0, 'sensors.force_noise': 0.3,
+    'sensors.distribution': 'normal', 'sensors.position_noise': 3e-6,
+    'sensors.position_quantisation': 1e-6,
+}
+"""The true wall and the sensors of the demonstration."""
+
+NOMINAL = {'environment.stiffness': 4300.0, 'environment.damping': 260.0}
+"""What the simulation believes: other values, and no extra physics."""
+
+CONCEALED: tuple[dict[str, float], ...] = (
+    {'physics.coulomb_friction.F_c': 6.0},
+    {'physics.contact_offset.offset': -0.0006},
+    {'physics.quadratic_damping.B_2': 1500.0},
+    {'physics.viscoelastic_relaxation.K_1': 900.0, 'physics.viscoelastic_relaxation.tau': 0.2},
+    {'physics.force_bias.bias': -4.0},
+    {'physics.environment_inertia.M_e': 2.0},
+)
+"""One of these is concealed, drawn by the seed."""
+
+_ESTIMATOR = {'estimator': 'kalman', 'reference_law': 'pass_through'}
+
+
+def make_parser() -> Parser:
+    """Build the command line of the demonstration."""
+    parser = Parser(
+        prog='python -m contact_estimation',
+        description='Conceal an effect in the simulated plant, run the loop, diagnose the '
+        'recording, run the loop again with the finding, and compare.',
+    )
+    parser.add_argument('--output', required=True, metavar='DIR', help='new folder for results')
+    parser.add_argument('--physics', metavar='FILE',
+                        help='sealed plant_node parameters; else an effect is drawn by the seed')
+    parser.add_argument('--seed', type=int, default=0, help='of the draw and of all noise (0)')
+    return parser
+
+
+def run(options: Any) -> int:
+    """
+    Go the whole way round.
+
+    Parameters
+    ----------
+    options : argparse.Namespace
+        Of `make_parser`.
+
+    Returns
+    -------
+    code : int
+        0, or 1 where a step failed.
+
+    """
+    if options.seed < 0:
+        raise ParameterRangeError(f'--seed must be >= 0, got {options.seed}')
+    sealed = _sealed(options)
+    output = Path(options.output)
+    if output.exists() and any(output.iterdir()):
+        raise RecordingError(
+            f'--output {output} exists already and is not empty; nothing recorded is ever '
+            'overwritten: name another folder'
+        )
+    output.mkdir(parents=True, exist_ok=True)
+    before = _loop(output, 'before', sealed, {}, options.seed)
+    report = _diagnose(output)
+    found = read_parameter_file(output / 'corrected.yaml', 'estimator_node')
+    after = _loop(output, 'after', sealed, found, options.seed + 1)
+    _print(sealed, report, before, after, output)
+    return 0
+
+
+def _sealed(options: Any) -> dict[str, Any]:
+    """Read or draw what is concealed."""
+    if options.physics:
+        given = without(PlantNodeParameters, read_parameter_file(options.physics, 'plant_node'))
+        build(PlantParameters, given)
+        return {**WORLD, **given}
+    drawn = np.random.default_rng(options.seed).integers(len(CONCEALED))
+    return {**WORLD, **CONCEALED[int(drawn)]}
+
+
+def _loop(
+    output: Path, name: str, plant: dict[str, Any], estimator: dict[str, Any], seed: int
+) -> dict[str, Any]:
+    """Run the loop in processes of its own and read its summary."""
+    parameters = output / f'{name}.yaml'
+    parameters.write_text(yaml.safe_dump({
+        'plant_node': {'ros__parameters': plant},
+        'estimator_node': {'ros__parameters': {**_ESTIMATOR, **estimator}},
+    }))
+    _call('loop', '--experiment', 'rich', '--params', str(parameters), '--seed', str(seed),
+          '--output', str(output / name))
+    return dict(json.loads((output / name / 'summary.json').read_text()))
+
+
+def _diagnose(output: Path) -> dict[str, Any]:
+    """Hand over the recording and the nominal model, and nothing else."""
+    nominal = output / 'nominal.yaml'
+    nominal.write_text(yaml.safe_dump({'plant_node': {'ros__parameters': NOMINAL}}))
+    _call('diagnose', str(output / 'before' / 'recording'), '--nominal', str(nominal),
+          '--json', str(output / 'report.json'), '--html', str(output / 'report.html'),
+          '--write-model', str(output / 'corrected.yaml'))
+    return dict(json.loads((output / 'report.json').read_text()))
+
+
+def _call(command: str, *arguments: str) -> None:
+    done = subprocess.run(
+        [sys.executable, '-m', f'contact_estimation.commands.{command}', *arguments],
+        stdout=subprocess.DEVNULL,
+    )
+    if done.returncode:
+        raise ContactEstimationError(f'{command} ended with exit code {done.returncode}')
+
+
+def _print(
+    sealed: dict[str, Any], report: dict[str, Any], before: dict[str, Any],
+    after: dict[str, Any], output: Path,
+) -> None:
+    true = {name: value for name, value in flatten(build(PlantParameters, sealed)).items()
+            if name.startswith('physics.') and value == value}
+    found = {f'physics.{effect["name"]}.{name}': value for effect in report['effects']
+             for name, value in effect['parameters'].items()}
+    print('concealed: ' + ', '.join(f'{name[8:]} = {value:g}' for name, value in true.items()))
+    named = ', '.join(f'{name[8:]} = {value["value"]:.4g} +- {value["std"]:.2g} {value["unit"]}'
+                      for name, value in found.items())
+    print(f'diagnosed: {report["verdict"]}' + (f'; {named}' if named else ''))
+    print(f'{"":<22}{"true":>12}{"before":>12}{"after":>12}')
+    for name, label in (('stiffness', 'K_e [N/m]'), ('damping', 'B_e [N s/m]')):
+        print(f'{label:<22}{sealed["environment." + name]:>12.1f}{_text(before[name]):>12}'
+              f'{_text(after[name]):>12}')
+    for name, label in (('stiffness', 'error of K_e [%]'), ('damping', 'error of B_e [%]')):
+        key = f'{name}_error_percent'
+        print(f'{label:<22}{"":>12}{_text(before[key], "+.2f"):>12}'
+              f'{_text(after[key], "+.2f"):>12}')
+    print(f'see {output}/report.html, before/ and after/')
+
+
+def _text(value: float | None, form: str = '.1f') -> str:
+    return 'none' if value is None else format(value, form)
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """
+    Run the command.
+
+    Parameters
+    ----------
+    args : sequence of str, optional
+        Command line; that of the process by default.
+
+    Returns
+    -------
+    code : int
+        0, or 1 after one line on stderr.
+
+    """
+    return run_command(make_parser(), run, args)
