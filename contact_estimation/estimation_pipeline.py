@@ -16,9 +16,10 @@
 
 from __future__ import annotations
 
+from itertools import repeat
 import math
 from math import isfinite, nan
-from typing import Sequence
+from typing import Iterable, Sequence
 
 from .estimation_parameters import EstimationParameters
 from .estimators import ESTIMATORS
@@ -34,7 +35,7 @@ from .estimators.estimator import (
 )
 from .estimators.excitation_monitor import ExcitationMonitor
 from .physics import effects_that_are_on
-from .physics.physics import ContactEffect
+from .physics.compensation import Compensation
 from .signals.conditioning import Conditioned, Conditioner
 from .signals.contact_sample import ContactSample
 from .signals.relations import NoiseGain, Row
@@ -72,7 +73,8 @@ class EstimationPipeline:
         p = self.parameters
         self._conditioner = Conditioner(p.contact, p.sample_rate, self._estimator.relation)
         self._make_conditioning()
-        self._set_physics()
+        self._compensate()
+        self._set_location()
         self._monitor = ExcitationMonitor(p.excitation, 1.0 / p.sample_rate)
         self._noise = EquationNoise(p.contact.force_noise**2)
         self._note_prediction()
@@ -108,7 +110,9 @@ class EstimationPipeline:
         if parameters.environment != old.environment or parameters.tuning != old.tuning:
             self._estimator.environment = parameters.environment
             self._estimator.configure(getattr(parameters.tuning, parameters.estimator))
-        self._set_physics()
+        if repr(parameters.physics) != repr(old.physics):  # NaN is not equal to itself
+            self._compensate()
+        self._set_location()
         self._conditioner.detector.configure(parameters.contact)
         if rate_changed:
             self._monitor = ExcitationMonitor(parameters.excitation, 1.0 / parameters.sample_rate)
@@ -133,9 +137,14 @@ class EstimationPipeline:
         self._conditioner.build(p.conditioning, p.sample_rate, self._estimator.relation)
         self._conditioner.detector.contact = contact
 
-    def _set_physics(self) -> None:
-        effects = effects_that_are_on(self.parameters.physics)
-        self._conditioner.effects = [e for e in effects if isinstance(e, ContactEffect)]
+    def _compensate(self) -> None:
+        p = self.parameters
+        compensation = Compensation(
+            effects_that_are_on(p.physics), p.environment.initial_stiffness, p.contact.force_noise
+        )
+        self._conditioner.compensation = compensation if compensation.acts else None
+
+    def _set_location(self) -> None:
         self._conditioner.location = self.parameters.environment.location
         # Where x_e is estimated too, its prior decides how far outside no contact can be.
         self._conditioner.location_margin = 5.0 * (self._estimator.location_std or 0.0)
@@ -154,6 +163,7 @@ class EstimationPipeline:
     def restart_time(self) -> None:
         """Accept stamps before the last one, as when a bag loops; K_hat and B_hat stay."""
         self._conditioner.forget_motion()
+        self._compensate()
 
     def tare(self) -> tuple[bool, str]:
         """
@@ -285,11 +295,14 @@ class EstimationPipeline:
                 states += self._stand(contact[begin:end])
             begin = end
         location = self.parameters.environment.location
+        surfaces: Iterable[float] = repeat(location)
+        if conditioned.shifts:
+            surfaces = [location + shift for shift in conditioned.shifts]
         return [
             Estimate(
-                sample[0], now[0], now[1], now[2], now[3], location + now[4], now[5], status, why
+                sample[0], now[0], now[1], now[2], now[3], surface + now[4], now[5], status, why
             )
-            for sample, (now, status, why) in zip(samples, states)
+            for sample, surface, (now, status, why) in zip(samples, surfaces, states)
         ]
 
     def _observe(

@@ -29,6 +29,7 @@ from contact_estimation.parameters import ParameterSpecification, specifications
 from contact_estimation.reference.experiment import Desired
 from contact_estimation.signals.contact_sample import ContactSample
 from core_runs import closed_loop, contact_samples, PAPER_SENSORS, PERIOD_NS
+from effect_examples import switched_on
 import pytest
 
 SPECIFICATIONS = list(specifications(EstimationParameters))
@@ -72,7 +73,9 @@ def other_value(spec: ParameterSpecification) -> Any:
         return spec.default + 1
     default = float(spec.default)
     moved = 1.5 * default if isfinite(default) and default else 1e-3
-    return min(moved, spec.maximum) if spec.maximum is not None else moved
+    low, high = (-inf if spec.minimum is None else spec.minimum,
+                 inf if spec.maximum is None else spec.maximum)
+    return min(max(moved, low), high)
 
 
 def finite(results: list[Result]) -> bool:
@@ -90,6 +93,8 @@ def survives(name: str, value: Any) -> bool:
     session = session_for(name)
     feed(session, SAMPLES[:IN_CONTACT])
     together = {'conditioning.cutoff_frequency': 0.0} if name == 'sample_rate' else {}
+    if name.startswith('physics.'):  # an effect needs all of its parameters
+        together = switched_on(name.split('.')[1])
     session.change_parameters({**together, name: value})
     results = feed(session, SAMPLES[IN_CONTACT:])
     return len(results) == len(SAMPLES) - IN_CONTACT and finite(results)

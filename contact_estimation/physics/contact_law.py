@@ -94,6 +94,11 @@ class ContactLaw:
         self._stateful = [place for place in placed if place[0].states]
         self._is_plain = not any(_overrides(effect, hook) for effect in wall for hook in _HOOKS)
 
+    @property
+    def bends_stiffness(self) -> bool:
+        """Whether K_e is multiplied by anything but the distance from the surface."""
+        return bool(self._transmissions or self._deflections or self._springs)
+
     def penetration(self, t: Any, x: Any, v: Any, states: Any, m: Any) -> tuple[Any, Any, Any]:
         """
         Tell how deep the tool is in the wall.
@@ -122,6 +127,23 @@ class ContactLaw:
         for effect, place in self._transmissions:
             d, v, engaged = effect.transmit(d, v, states[place], m)
         return d, v, engaged
+
+    def travel(self, t: Any, x: Any, states: Any, m: Any) -> Any:
+        """
+        Tell how far the tool is from the surface, whatever then reaches the wall of that.
+
+        Its rate is the velocity that damping acts on. Parameters as `penetration`.
+
+        Returns
+        -------
+        travel : float or ndarray, shape (N,)
+            Distance, positive inside [m].
+
+        """
+        d = x - self._x_e
+        for effect, place in self._surfaces:
+            d = d - effect.surface(t, states[place], m)[0]
+        return d
 
     def touch(self, t: Any, x: Any, v: Any, states: Any, m: Any) -> Touch:
         """

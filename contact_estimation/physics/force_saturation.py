@@ -39,6 +39,10 @@ class ForceSaturation(ForceSensorEffect):
     equation = 'F_measured = clip(F_e, +-limit)'
     Parameters = ForceSaturationParameters
 
+    def __init__(self, values: ForceSaturationParameters) -> None:
+        super().__init__(values)
+        self.limit = values.limit
+
     def sense(self, t: float, dt: float, force: float, acceleration: float) -> float:
         """Clip; see `ForceSensorEffect.sense`."""
         limit = float(self.values.limit)

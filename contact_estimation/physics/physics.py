@@ -456,6 +456,9 @@ class ForceSensorEffect(Effect):
     memory: ClassVar[bool] = False
     """Whether a reading depends on earlier forces."""
 
+    limit: float = math.inf
+    """End of the sensor's range [N]."""
+
     added_mass: float = 0.0
     """Mass beyond the sensor [kg], which the sensor feels and the wall does not."""
 

@@ -64,9 +64,11 @@ class Conditioned(NamedTuple):
         Of the force noise, as known at each sample [N^2].
     rows : list of row or None
         (y, phi_K, phi_B, phi_c, ...) of samples in contact; None elsewhere, and where the
-        relation does not hold yet.
+        relation does not hold, or not yet.
     gains : list of NoiseGain
         How white noise enters each row.
+    shifts : sequence of float
+        By how much the surface is known to have moved [m]; empty where it has not.
 
     """
 
@@ -76,6 +78,7 @@ class Conditioned(NamedTuple):
     variances: list[float]
     rows: list[Row | None]
     gains: list[NoiseGain]
+    shifts: Sequence[float] = ()
 
 
 class Conditioner:
@@ -102,7 +105,7 @@ class Conditioner:
         self.bias = 0.0
         self.location = 0.0
         self.location_margin = 0.0
-        self.effects: Sequence[Any] = ()
+        self.compensation: Any = None
         self.missing = 0
         self.sample_period_s = 0.0
         self.build(ConditioningParameters(0.0), sample_rate, relation)
@@ -142,10 +145,10 @@ class Conditioner:
         """Begin anew with the next sample, as after a jump of time."""
         self._filter.reset()
         self._velocity_filter.reset()
-        self._relation = self._relation_class(self._T)
+        # The second and third carry the columns of K_e and x_e, where known physics bend them.
+        self._relation, *self._columns = (self._relation_class(self._T) for _ in range(3))
         self._tail_left = 0
-        self._first_ns: int | None = None
-        self._last_ns = 0
+        self._last_ns = -1
         self._last_position = self._last_velocity = nan
         self.detector.contact = False
         self._free: deque[float] = deque(maxlen=max(2, round(_TARE_S / self._T)))
@@ -206,34 +209,42 @@ class Conditioner:
 
         """
         dts, deltas, velocities, pressings = self._motion(samples)
+        known: list[Any] = []
+        shifts: Sequence[float] = ()
+        if self.compensation is not None:
+            known = self._know(samples, deltas, pressings)
+            shifts = [delta - now.depth for delta, now in zip(deltas, known)]
+            deltas, pressings = [now.depth for now in known], [now.pressing for now in known]
         surface = -self.location_margin
         inside = [delta > surface for delta in deltas]
         contact, variances = self.detector.decide(dts, pressings, inside)
-        if self.effects and True in contact:
-            pressings = self._compensate(samples, dts, deltas, velocities, pressings)
+        learns = contact
+        if known:
+            learns = [touching and now.usable for touching, now in zip(contact, known)]
         rows: list[Row | None] = [None] * len(samples)
         gains = [NO_GAIN] * len(samples)
         begin, count = 0, len(samples)
         while begin < count:  # stretch by stretch of contact and of free flight
-            touching, end = contact[begin], begin + 1
-            while end < count and contact[end] is touching:
+            touching, end = learns[begin], begin + 1
+            while end < count and learns[end] is touching:
                 end += 1
             if touching:
                 stretch = slice(begin, end)
-                rows[stretch], gains[stretch] = self._touch(
-                    samples[stretch], dts[stretch], deltas[stretch], pressings[stretch]
+                rows[stretch], gains[stretch] = self._filtered(
+                    *(self._known_rows(dts[stretch], known[stretch]) if known else self._rows(
+                        samples[stretch], dts[stretch], deltas[stretch], pressings[stretch]))
                 )
             else:
                 self._fly(pressings[begin:end], inside[begin:end])
             begin = end
         self._last_velocity = velocities[-1]
-        return Conditioned(dts, velocities, contact, variances, rows, gains)
+        return Conditioned(dts, velocities, contact, variances, rows, gains, shifts)
 
     def _motion(
         self, samples: Sequence[ContactSample]
     ) -> tuple[list[float], list[float], list[float], list[float]]:
-        if self._first_ns is None:
-            self._first_ns = self._last_ns = samples[0][0]
+        if self._last_ns < 0:
+            self._last_ns = samples[0][0]
         location, bias, last, longest = self.location, self.bias, self._last_ns, 1.5 * self._T
         dts, deltas, velocities, pressings = [], [], [], []
         mean = self.sample_period_s
@@ -259,31 +270,48 @@ class Conditioner:
         raw = (position - last) / dt if dt > 0.0 and last == last else 0.0
         return self._velocity_filter.process(((raw,),))[0][0]
 
-    def _compensate(
-        self, samples: Sequence[ContactSample], dts: list[float], deltas: list[float],
-        velocities: list[float], pressings: list[float],
-    ) -> list[float]:
-        """Subtract what known extra physics adds to the force."""
-        assert self._first_ns is not None
-        compensated, last = [], self._last_velocity
-        for sample, dt, d, v, pressing in zip(samples, dts, deltas, velocities, pressings):
-            a = (v - last) / dt if dt > 0.0 and last == last else 0.0
-            t, last = (sample.stamp_ns - self._first_ns) * 1e-9, v
-            for effect in self.effects:
-                pressing -= effect.resistance(t, d, v, (), math) + effect.inertia * a
-            compensated.append(pressing)
-        return compensated
+    def _know(
+        self, samples: Sequence[ContactSample], deltas: list[float], pressings: list[float]
+    ) -> list[Any]:
+        """Tell what known extra physics makes of each sample."""
+        take = self.compensation.take
+        return [
+            take(stamp_ns, delta, velocity, force, pressing)
+            for (stamp_ns, _, velocity, force), delta, pressing in zip(samples, deltas, pressings)
+        ]
 
-    def _touch(
+    def _rows(
         self, samples: Sequence[ContactSample], dts: list[float], deltas: list[float],
         pressings: list[float],
     ) -> tuple[list[Row | None], list[NoiseGain]]:
-        self._free.clear()
         relation, gain_of, rows, gains = self._relation, self._gains, [], []
         row_of = relation.row
         for dt, delta, sample, pressing in zip(dts, deltas, samples, pressings):
             rows.append(row_of(dt, delta, sample[2], pressing))
             gains.append(gain_of[relation.weighting])
+        return rows, gains
+
+    def _known_rows(
+        self, dts: list[float], known: list[Any]
+    ) -> tuple[list[Row | None], list[NoiseGain]]:
+        """Build rows whose columns of K_e and x_e are weighted over time as the force is."""
+        rows: list[Row | None] = []
+        gains: list[NoiseGain] = []
+        relation, gain_of = self._relation, self._gains
+        stiffness, constant = self._columns
+        for dt, now in zip(dts, known):
+            travel, v = now.travel, now.velocity
+            row = relation.row(dt, travel, v, now.rest)
+            K = stiffness.row(dt, travel, v, now.stiffness_column)
+            c = constant.row(dt, travel, v, now.constant_column)
+            rows.append((row[0], K[0], row[2], c[0], row[4]) if row and K and c else None)
+            gains.append(gain_of[relation.weighting])
+        return rows, gains
+
+    def _filtered(
+        self, rows: list[Row | None], gains: list[NoiseGain]
+    ) -> tuple[list[Row | None], list[NoiseGain]]:
+        self._free.clear()
         self._tail_left = self._tail
         filtered = self._filter.process([row or _ZEROS for row in rows])
         if None in rows:  # the relation waits for consecutive samples
@@ -293,7 +321,8 @@ class Conditioner:
     def _fly(self, pressings: list[float], inside: list[bool]) -> None:
         """Let the gate's zeros run through the filter until nothing of the contact is left."""
         self._free.extend([p for p, may in zip(pressings, inside) if not may])
-        self._relation.leave()
+        for relation in (self._relation, *self._columns):
+            relation.leave()
         if self._tail_left:
             zeros = min(self._tail_left, len(inside))
             self._filter.process([_ZEROS] * zeros)
