@@ -51,7 +51,7 @@ BOUNDS = {
     # at every sample, and with it the acceleration, which then leads its mean by half a sample.
     # On a smooth command the bounds of all others hold, see below.
     'environment_inertia': (1.0, 8.0),
-    'tool_inertia': (1.0, 4.0),
+    'tool_inertia': (0.5, 4.0),
 }
 WITHOUT_STIFFNESS = {'power_law_stiffness'}
 WITHOUT_DAMPING = {'hunt_crossley_damping'}

@@ -129,17 +129,7 @@ class ContactLaw:
         return d, v, engaged
 
     def travel(self, t: Any, x: Any, states: Any, m: Any) -> Any:
-        """
-        Tell how far the tool is from the surface, whatever then reaches the wall of that.
-
-        Its rate is the velocity that damping acts on. Parameters as `penetration`.
-
-        Returns
-        -------
-        travel : float or ndarray, shape (N,)
-            Distance, positive inside [m].
-
-        """
+        """Tell how far inside the surface the tool is [m], whatever of that reaches the wall."""
         d = x - self._x_e
         for effect, place in self._surfaces:
             d = d - effect.surface(t, states[place], m)[0]
@@ -180,30 +170,14 @@ class ContactLaw:
         return resistance
 
     def resistance(self, t: Any, x: Any, v: Any, states: Any, m: Any) -> Any:
-        """
-        Give what resists in contact, but for inertia; parameters as `penetration`.
-
-        Returns
-        -------
-        resistance : float or ndarray
-            Sum of spring, damper and resistances [N].
-
-        """
+        """Give what resists in contact but for inertia [N]; parameters as `penetration`."""
         if self._is_plain:
             return self._K_e * (x - self._x_e) + self._B_e * v
         d, v, _ = self.penetration(t, x, v, states, m)
         return self._resistance(t, d, v, states, m)
 
     def rates(self, t: float, x: float, v: float, states: State) -> State:
-        """
-        Differentiate the internal states; parameters as `penetration`.
-
-        Returns
-        -------
-        rates : tuple of float
-            Time derivatives.
-
-        """
+        """Differentiate the internal states; parameters as `penetration`."""
         rates: State = ()
         for effect, place, d, u in self._met(t, x, v, states):
             touching = d > 0.0 or not self.unilateral
@@ -211,15 +185,7 @@ class ContactLaw:
         return rates
 
     def settle(self, t: float, x: float, v: float, states: State) -> State:
-        """
-        Keep the internal states where they may be; parameters as `penetration`.
-
-        Returns
-        -------
-        states : tuple of float
-            What holds from here on.
-
-        """
+        """Keep the internal states where they may be; parameters as `penetration`."""
         settled: State = ()
         for effect, place, d, u in self._met(t, x, v, states):
             settled += effect.settle(d, u, d > 0.0 or not self.unilateral, states[place])

@@ -68,7 +68,7 @@ class Conditioned(NamedTuple):
     gains : list of NoiseGain
         How white noise enters each row.
     shifts : sequence of float
-        By how much the surface is known to have moved [m]; empty where it has not.
+        By how much the surface is known to have moved [m]; empty: not at all.
 
     """
 
@@ -209,11 +209,9 @@ class Conditioner:
 
         """
         dts, deltas, velocities, pressings = self._motion(samples)
-        known: list[Any] = []
-        shifts: Sequence[float] = ()
-        if self.compensation is not None:
-            known = self._know(samples, deltas, pressings)
-            shifts = [delta - now.depth for delta, now in zip(deltas, known)]
+        known = self._know(samples, deltas, pressings) if self.compensation else []
+        shifts = [delta - now.depth for delta, now in zip(deltas, known)]
+        if known:
             deltas, pressings = [now.depth for now in known], [now.pressing for now in known]
         surface = -self.location_margin
         inside = [delta > surface for delta in deltas]
@@ -275,10 +273,8 @@ class Conditioner:
     ) -> list[Any]:
         """Tell what known extra physics makes of each sample."""
         take = self.compensation.take
-        return [
-            take(stamp_ns, delta, velocity, force, pressing)
-            for (stamp_ns, _, velocity, force), delta, pressing in zip(samples, deltas, pressings)
-        ]
+        return [take(stamp_ns, delta, velocity, force, pressing) for
+                (stamp_ns, _, velocity, force), delta, pressing in zip(samples, deltas, pressings)]
 
     def _rows(
         self, samples: Sequence[ContactSample], dts: list[float], deltas: list[float],
