@@ -16,6 +16,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 import json
 from pathlib import Path
 from typing import Any, Sequence
@@ -28,9 +29,12 @@ from .command_line import (
     run_command,
     source_of,
 )
+from .loop_picture import require_matplotlib
 from .progress import Progress
 from ..diagnosis.diagnosis import diagnose, Recording
 from ..diagnosis.finding import Diagnosis
+from ..diagnosis.next_experiment import choose, Proposal
+from ..diagnosis.page import as_html
 from ..diagnosis.reading import read_signals
 from ..diagnosis.report import as_dict, as_text, model_file
 from ..exceptions import ModelFileError, ParameterRangeError
@@ -38,6 +42,7 @@ from ..parameter_file import read_parameter_file
 from ..parameter_values import build
 from ..plant.plant_parameters import PlantParameters
 from ..recordings import RecordingReader
+from ..reference.experiments import experiment_text
 
 
 def make_parser() -> Parser:
@@ -78,10 +83,13 @@ def run(options: Any) -> int:
     """
     if options.seed < 0:
         raise ParameterRangeError(f'--seed must be >= 0, got {options.seed}')
-    different_files((options.json, options.html, options.write_model))
-    for path in (options.json, options.html, options.write_model):
+    outputs = (options.json, options.html, options.write_model, _experiment_file(options))
+    different_files(outputs)
+    for path in outputs:
         if path:
             new_file(path)
+    if options.html:
+        require_matplotlib()
     nominal = build(PlantParameters, nominal_values(options.nominal))
     progress = Progress('diagnose')
     stages: list[str] = []
@@ -96,8 +104,11 @@ def run(options: Any) -> int:
     )
     diagnosis = diagnose(recordings, holdouts, nominal, options.seed, tell)
     progress.done()
+    proposal = choose(diagnosis)
+    if proposal is not None:
+        diagnosis = replace(diagnosis, next_experiment=proposal.text)
+    _write(diagnosis, proposal, options)  # first: who pipes the text into `head` gets the files
     print(as_text(diagnosis))
-    _write(diagnosis, options)
     return 0
 
 
@@ -136,13 +147,27 @@ def _read(path: str, options: Any) -> Recording:
     return Recording(str(Path(path).name), signals)
 
 
-def _write(diagnosis: Diagnosis, options: Any) -> None:
+def _write(diagnosis: Diagnosis, proposal: Proposal | None, options: Any) -> None:
     experiment = None
+    if proposal is not None:
+        experiment = _experiment_file(options)
+        if experiment is not None:
+            new_file(experiment).write_text(experiment_text(proposal.experiment))
     if options.json:
-        text = json.dumps(as_dict(diagnosis, experiment), indent=1)
+        text = json.dumps(as_dict(diagnosis, experiment), indent=1, allow_nan=False)
         new_file(options.json).write_text(text + '\n')
+    if options.html:
+        title = ', '.join(Path(path).name for path in options.recordings)
+        new_file(options.html).write_text(
+            as_html(diagnosis, title, experiment), encoding='utf-8')
     if options.write_model:
         new_file(options.write_model).write_text(model_file(diagnosis))
+
+
+def _experiment_file(options: Any) -> str | None:
+    """Name the file of the next experiment, beside the report; None without one."""
+    beside = options.json or options.html
+    return str(Path(beside).with_suffix('.experiment.yaml')) if beside else None
 
 
 def main(args: Sequence[str] | None = None) -> int:

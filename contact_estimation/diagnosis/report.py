@@ -23,6 +23,7 @@ import yaml
 
 from .finding import Diagnosis, Errors, NamedEffect, Value
 from .free_run import plant_of
+from .location import Location
 from .model import Model
 from ..parameter_values import flatten
 from ..plant.plant_parameters import PlantParameters
@@ -32,8 +33,8 @@ _PHASES = {
     'loading': 'while pressing further', 'unloading': 'while letting go',
     'all': 'in all phases of the contact',
 }
-_PORTS = {'contact': 'in the contact', 'force_sensor': 'in the force sensor',
-          'robot': 'in the robot'}
+PORTS = {'contact': 'in the contact', 'force_sensor': 'in the force sensor',
+         'robot': 'in the robot'}
 
 
 def as_dict(diagnosis: Diagnosis, experiment_file: str | None = None) -> dict[str, Any]:
@@ -137,7 +138,8 @@ def as_text(diagnosis: Diagnosis) -> str:
     for effect in d.effects:
         lines += _effect_lines(effect)
     if d.location is not None and (d.verdict == 'unexplained' or not d.effects):
-        lines += ['What no effect explains sits ' + _where(d)]
+        where = f'{PORTS[d.location.port]}, {place_of(d.location)}'
+        lines += [f'What no effect explains sits {where}.']
     lines += _fit_lines(d)
     if d.next_experiment:
         lines += ['', 'Next: ' + d.next_experiment]
@@ -165,15 +167,11 @@ def _effect_lines(effect: NamedEffect) -> list[str]:
         + ('' if value.unit == '1' else f' {value.unit}')
         for name, value in effect.parameters.items()
     )
-    where = effect.location
-    times = ', '.join(f'{a:.1f}-{b:.1f} s' for a, b in where.intervals_s[:4])
-    more = ', ...' if len(where.intervals_s) > 4 else ''
     lines = [
-        f'  {effect.name} ({_PORTS[effect.port]}), probability {effect.probability:.3f}',
+        f'  {effect.name} ({PORTS[effect.port]}), probability {effect.probability:.3f}',
         f'    {effect.equation}',
         f'    {values}',
-        f'    seen {_PHASES.get(where.phase, where.phase)} ({times}{more}), strongest at '
-        f'{where.region}, {where.band_hz[0]:.1f} to {where.band_hz[1]:.1f} Hz',
+        f'    seen {place_of(effect.location)}',
     ]
     if effect.indistinguishable_from:
         lines.append('    this recording cannot tell it from '
@@ -181,17 +179,32 @@ def _effect_lines(effect: NamedEffect) -> list[str]:
     return lines
 
 
-def _where(d: Diagnosis) -> str:
-    where = d.location
-    assert where is not None
+def place_of(location: Location) -> str:
+    """
+    Say where a mismatch sits, but for its port.
+
+    Parameters
+    ----------
+    location : Location
+        It.
+
+    Returns
+    -------
+    text : str
+        Phase, times, region and band.
+
+    """
+    where = location
     times = ', '.join(f'{a:.1f}-{b:.1f} s' for a, b in where.intervals_s[:4])
-    return (f'{_PORTS[where.port]}, {_PHASES.get(where.phase, where.phase)} ({times}), '
-            f'{where.region}, {where.band_hz[0]:.1f} to {where.band_hz[1]:.1f} Hz.')
+    times += ', ...' if len(where.intervals_s) > 4 else ''
+    strongest = 'strongest at ' if where.region.startswith(('small', 'large')) else ''
+    return (f'{_PHASES.get(where.phase, where.phase)} ({times}), {strongest}{where.region}, '
+            f'{where.band_hz[0]:.1f} to {where.band_hz[1]:.1f} Hz')
 
 
 def _fit_lines(d: Diagnosis) -> list[str]:
     lines = []
-    if d.verdict in ('physics_missing', 'unexplained'):
+    if d.effects:
         stiffness = (f'K_e {d.stiffness.value:.6g} +- {d.stiffness.std:.2g} N/m'
                      if d.corrected.free[0] else 'no K_e (the effect takes its place)')
         damping = (f'B_e {d.damping.value:.5g} +- {d.damping.std:.2g} N s/m'

@@ -78,16 +78,16 @@ class Sine(Excitation):
     """
 
     def __init__(self, amplitude: float, omega: float) -> None:
-        self._amplitude, self._omega = amplitude, omega
+        self.amplitude, self.omega = amplitude, omega
 
     def value(self, t: float) -> float:
         """Evaluate; see `Excitation.value`."""
-        return self._amplitude * sin(self._omega * t)
+        return self.amplitude * sin(self.omega * t)
 
     def rates(self, t: float) -> tuple[float, float]:
         """Differentiate; see `Excitation.rates`."""
-        w = self._omega
-        return self._amplitude * w * cos(w * t), -w * w * self.value(t)
+        w = self.omega
+        return self.amplitude * w * cos(w * t), -w * w * self.value(t)
 
 
 class Multisine(Excitation):
@@ -108,6 +108,7 @@ class Multisine(Excitation):
             raise ParameterRangeError('a multisine needs at least one frequency, got none')
         if min(omegas) <= 0.0:
             raise ParameterRangeError(f'frequencies must be > 0 rad/s, got {min(omegas):g}')
+        self.amplitude, self.omegas = amplitude, list(omegas)
         count = len(omegas)
         phases = [-pi * k * (k - 1) / count for k in range(1, count + 1)]
         self._parts = list(zip(omegas, phases))
@@ -143,14 +144,14 @@ class PseudoRandomBinary(Excitation):
     def __init__(self, amplitude: float, shift_rate: float = 20.0) -> None:
         if shift_rate <= 0.0:
             raise ParameterRangeError(f'shift_rate must be > 0 Hz, got {shift_rate:g}')
-        self._amplitude, self._rate = amplitude, shift_rate
+        self.amplitude, self.shift_rate = amplitude, shift_rate
 
     def value(self, t: float) -> float:
         """Evaluate; see `Excitation.value`."""
         bits = register_sequence()
         # The epsilon keeps a stamp that is a rounding error before a shift on its far side.
-        bit = bits[int(t * self._rate + 1e-6) % len(bits)]
-        return self._amplitude if bit else -self._amplitude
+        bit = bits[int(t * self.shift_rate + 1e-6) % len(bits)]
+        return self.amplitude if bit else -self.amplitude
 
     def rates(self, t: float) -> tuple[float, float]:
         """Differentiate; see `Excitation.rates`."""

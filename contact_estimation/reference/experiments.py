@@ -196,6 +196,45 @@ def read_experiment(path: Path) -> Experiment:
     return Experiment(str(content.get('name', path.stem)), start, made)
 
 
+def experiment_text(experiment: Experiment) -> str:
+    """
+    Write an experiment as `read_experiment` reads it.
+
+    Parameters
+    ----------
+    experiment : Experiment
+        Of segments with excitations of the kinds that files know.
+
+    Returns
+    -------
+    text : str
+        YAML; numbers keep their bits.
+
+    """
+    segments = [_segment_entry(segment) for segment in experiment.segments]
+    content = {'name': experiment.name, 'start': float(experiment.start), 'segments': segments}
+    return str(yaml.safe_dump(content, sort_keys=False, default_flow_style=None, width=99))
+
+
+def _segment_entry(segment: Segment) -> dict[str, Any]:
+    entry: dict[str, Any] = {'duration': float(segment.duration),
+                             'position': float(segment.position)}
+    if segment.force == segment.force:
+        entry['force'] = float(segment.force)
+    for name in ('force_excitation', 'position_excitation'):
+        excitation = getattr(segment, name)
+        if excitation is not None:
+            entry[name] = _excitation_entry(excitation)
+    return entry
+
+
+def _excitation_entry(excitation: Excitation) -> dict[str, Any]:
+    kind, names = next(
+        (kind, names) for kind, (make, names) in _EXCITATIONS.items() if type(excitation) is make)
+    return {'kind': kind,
+            **{key: getattr(excitation, name) for key, name in names.items()}}
+
+
 def _segment(entry: Any, path: Path) -> Segment:
     _expect(isinstance(entry, Mapping), path, 'segments that are mappings', entry)
     _expect_keys(entry, _SEGMENT_KEYS, path)

@@ -1,0 +1,230 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The command diagnose: what it writes, and one line on stderr for what it cannot use."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from contact_estimation.commands import diagnose
+from contact_estimation.diagnosis.observed import Signals
+from contact_estimation.reference.experiment import Experiment, Segment
+from contact_estimation.reference.experiments import experiment_named
+from diagnosed_worlds import (
+    diagnosed,
+    MODEL,
+    recorded,
+    with_unknown_force,
+    write_model,
+    write_recording,
+)
+import numpy as np
+import pytest
+
+
+class Ended(NamedTuple):
+    """How the command has ended and what it has said."""
+
+    code: int
+    out: str
+    err: str
+
+
+class Command:
+    """The command diagnose in this process: an exception that escapes it fails the test."""
+
+    def __init__(self, capfd: pytest.CaptureFixture[str]) -> None:
+        self._capfd = capfd
+
+    def __call__(self, *arguments: object) -> Ended:
+        self._capfd.readouterr()
+        try:
+            code = diagnose.main([str(argument) for argument in arguments])
+        except SystemExit as end:
+            code = int(str(end.code))
+        return Ended(code, *self._capfd.readouterr())
+
+    def refusal(self, *arguments: object) -> str:
+        """Run where the command must refuse; return its one line."""
+        ended = self(*arguments)
+        lines = ended.err.strip().splitlines()
+        assert (ended.code, ended.out, len(lines)) == (1, '', 1), ended
+        assert lines[0].startswith('diagnose: ')
+        return lines[0]
+
+
+@pytest.fixture
+def command(capfd: pytest.CaptureFixture[str]) -> Command:
+    return Command(capfd)
+
+
+@pytest.fixture(scope='module')
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Hold a model and recordings."""
+    folder = tmp_path_factory.mktemp('diagnose')
+    write_model(folder / 'model.yaml')
+    write_recording(folder / 'clean.mcap', recorded())
+    write_recording(folder / 'unknown.mcap', with_unknown_force(recorded()))
+    resting = Experiment('free', -0.02, (Segment(1.0, -0.02), Segment(2.0, -0.01)))
+    write_recording(folder / 'free.mcap', recorded(resting))
+    return folder
+
+
+def first(signals: Signals, duration: float) -> Signals:
+    """Cut signals off."""
+    keep = signals.wrench_t < duration
+    return Signals(*(part[..., keep] for part in signals))
+
+
+def test_unexplained_recording_leaves_all_files(
+    folder: Path, tmp_path: Path, command: Command
+) -> None:
+    pytest.importorskip('matplotlib')
+    names = {'--json': 'r.json', '--html': 'r.html', '--write-model': 'm.yaml'}
+    options = [part for option, name in names.items() for part in (option, tmp_path / name)]
+    ended = command(folder / 'unknown.mcap', '--nominal', folder / 'model.yaml', *options)
+    assert ended.code == 0 and ended.out.startswith('unexplained: ')
+    report = json.loads((tmp_path / 'r.json').read_text())
+    assert report['verdict'] == 'unexplained'
+    file = tmp_path / 'r.experiment.yaml'
+    assert report['next_experiment']['file'] == str(file)
+    assert experiment_named(str(file)).duration > 5.0
+    page = (tmp_path / 'r.html').read_text(encoding='utf-8')
+    assert 'unknown.mcap' in page and str(file) in page
+    again = command(folder / 'clean.mcap', '--nominal', tmp_path / 'm.yaml')
+    assert again.code == 0  # the corrected model is a nominal model again
+
+
+def test_recording_gives_what_its_signals_give(
+    folder: Path, tmp_path: Path, command: Command
+) -> None:
+    path = tmp_path / 'r.json'
+    ended = command(folder / 'clean.mcap', '--nominal', folder / 'model.yaml', '--json', path)
+    report = json.loads(path.read_text())
+    assert (ended.code, report['verdict']) == (0, 'consistent')
+    assert report['next_experiment'] == {'text': '', 'file': None}
+    direct = diagnosed('clean')
+    assert report['recalibrated']['stiffness'] == pytest.approx(
+        direct.recalibrated.stiffness, rel=1e-6)
+    assert sorted(tmp_path.iterdir()) == [path]
+
+
+def test_samples_that_are_not_finite_are_left_out(
+    folder: Path, tmp_path: Path, command: Command
+) -> None:
+    signals = recorded()
+    signals.force[100:1800:97] = np.nan
+    signals.position[150:1800:89] = np.inf
+    recording = write_recording(tmp_path / 'a.mcap', signals)
+    ended = command(recording, '--nominal', folder / 'model.yaml')
+    assert ended.code == 0 and ended.out.startswith('consistent: ')
+
+
+def test_recording_held_out_is_named(folder: Path, tmp_path: Path, command: Command) -> None:
+    path = tmp_path / 'r.json'
+    other = write_recording(tmp_path / 'other.mcap', recorded(seed=2))
+    command(folder / 'clean.mcap', '--nominal', folder / 'model.yaml', '--holdout', other,
+            '--json', path)
+    (part,) = json.loads(path.read_text())['fit']['holdouts']
+    assert part['name'] == 'other.mcap'
+
+
+BAD_SIGNALS: dict[str, tuple[Any, str]] = {
+    'constant force': (lambda s: s._replace(force=np.full(len(s.force), -3.0)),
+                       r'wrench is constant at -3, expected a signal that changes'),
+    'constant position': (lambda s: s._replace(position=np.full(len(s.position), 0.01)),
+                          r'joint_states is constant at 0.01, expected a signal'),
+    'one second': (lambda s: first(s, 1.0), r'spans 1.00 s, expected at least 2 s; record longer'),
+    'no force is finite': (lambda s: s._replace(force=np.full(len(s.force), np.nan)),
+                           r'no usable message on wrench in .*: expected finite values'),
+}
+
+
+@pytest.mark.parametrize('name', BAD_SIGNALS)
+def test_signals_that_tell_nothing_are_refused_in_one_line(
+    name: str, folder: Path, tmp_path: Path, command: Command
+) -> None:
+    change, _ = BAD_SIGNALS[name]
+    recording = write_recording(tmp_path / 'bad.mcap', change(recorded()))
+    line = command.refusal(recording, '--nominal', folder / 'model.yaml')
+    pytest.raises(ValueError, _fail, line).match(BAD_SIGNALS[name][1])
+
+
+def _fail(line: str) -> None:
+    raise ValueError(line)
+
+
+def test_recording_without_contact_is_refused(folder: Path, command: Command) -> None:
+    line = command.refusal(folder / 'free.mcap', '--nominal', folder / 'model.yaml')
+    assert 'free.mcap has no contact' in line and 'got at most -0.0' in line
+
+
+def test_holdout_without_contact_is_refused(folder: Path, command: Command) -> None:
+    line = command.refusal(folder / 'clean.mcap', '--nominal', folder / 'model.yaml',
+                           '--holdout', folder / 'free.mcap')
+    assert 'free.mcap has no contact' in line
+
+
+def test_missing_topic_is_named_with_those_that_there_are(
+    folder: Path, tmp_path: Path, command: Command
+) -> None:
+    recording = write_recording(tmp_path / 'a.mcap', recorded(), wrench='/fts/wrench')
+    line = command.refusal(recording, '--nominal', folder / 'model.yaml')
+    assert 'wrench' in line and '/fts/wrench' in line
+    ended = command(recording, '--nominal', folder / 'model.yaml', '--topic',
+                    'wrench:=/fts/wrench')
+    assert ended.code == 0
+
+
+@pytest.mark.parametrize(('sections', 'hint'), [
+    ({'physics': {'coulomb_fricton': {'F_c': 1.0}}}, "'physics.coulomb_friction.F_c'"),
+    ({'environment': {**MODEL['environment'], 'stifness': 1.0}}, "'environment.stiffness'"),
+    ({'physics': {'stribeck_friction': {'F_c': 1.0}}}, 'needs all of F_c, F_s, v_s'),
+    ({'environment': {'stiffness': -1.0}}, 'environment.stiffness must be'),
+])
+def test_model_file_that_is_wrong_is_refused_with_a_hint(
+    sections: dict[str, Any], hint: str, folder: Path, tmp_path: Path, command: Command
+) -> None:
+    model = write_model(tmp_path / 'model.yaml', **sections)
+    assert hint in command.refusal(folder / 'clean.mcap', '--nominal', model)
+
+
+def test_missing_options_and_files_are_refused(
+    folder: Path, tmp_path: Path, command: Command
+) -> None:
+    clean, model = folder / 'clean.mcap', folder / 'model.yaml'
+    assert '--nominal' in command.refusal(clean)
+    assert 'cannot be read' in command.refusal(clean, '--nominal', tmp_path / 'no.yaml')
+    assert 'no.mcap' in command.refusal(tmp_path / 'no.mcap', '--nominal', model)
+    (tmp_path / 'other.yaml').write_text('estimator_node: {ros__parameters: {}}\n')
+    line = command.refusal(clean, '--nominal', tmp_path / 'other.yaml')
+    assert 'must have a section plant_node' in line
+    assert '--seed must be >= 0' in command.refusal(clean, '--nominal', model, '--seed', -1)
+
+
+def test_results_that_cannot_be_written_are_refused_before_the_work(
+    folder: Path, tmp_path: Path, command: Command, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(diagnose, 'diagnose', None)  # a call would be a traceback
+    clean, model = folder / 'clean.mcap', folder / 'model.yaml'
+    line = command.refusal(clean, '--nominal', model, '--json', tmp_path / 'no' / 'r.json')
+    assert 'does not exist; make it first' in line
+    line = command.refusal(clean, '--nominal', model, '--html', clean)
+    assert 'nothing recorded is ever overwritten' in line
+    same = tmp_path / 'r.json'
+    line = command.refusal(clean, '--nominal', model, '--json', same, '--html', same)
+    assert 'two results cannot both be written' in line

@@ -1,0 +1,190 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The next experiment: within reach, without jumps, and it separates what it promises to."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import lru_cache
+from pathlib import Path
+from typing import Sequence
+
+from contact_estimation.diagnosis.candidates import Candidate, candidates, Reach, scaling_test
+from contact_estimation.diagnosis.finding import Diagnosis
+from contact_estimation.diagnosis.fitting import fit, residual_function
+from contact_estimation.diagnosis.model import Model
+from contact_estimation.diagnosis.next_experiment import choose, Judge, reach_of
+from contact_estimation.diagnosis.observed import observe
+from contact_estimation.diagnosis.ports import default_block, Ports, usable
+from contact_estimation.plant.plant_parameters import PlantParameters, WallParameters
+from contact_estimation.reference.experiment import Experiment
+from contact_estimation.reference.experiments import (
+    experiment_named,
+    experiment_text,
+    EXPERIMENTS,
+    read_experiment,
+)
+from diagnosed_worlds import diagnosed, recorded
+import numpy as np
+import pytest
+from scipy.optimize import least_squares
+
+REACH = Reach(0.1, 0.02, 0.008, 3.0, 0.15, 0.06)
+STEP = 5e-4
+PROPOSED = [*candidates(REACH), scaling_test(REACH)]
+
+
+@lru_cache(maxsize=None)
+def open_question() -> Diagnosis:
+    """Take the recording with friction, and say that it could be drag as well."""
+    d = diagnosed('friction')
+    start = d.corrected.without('coulomb_friction').with_effect('quadratic_damping', (10.0,))
+    rival = fit(d.ports, start).model
+    effect = replace(d.effects[0], indistinguishable_from=['quadratic_damping'])
+    return replace(d, effects=[effect], rivals={'quadratic_damping': rival})
+
+
+def least_cost(ports: Sequence[Ports], model: Model) -> float:
+    """Fit a model without bending large residuals, by scipy alone."""
+    function = residual_function(ports, model, robust=False)
+    start = np.array(model.values)[model.free]
+    found = least_squares(function, start, x_scale=np.abs(start), diff_step=1e-4)
+    return float(2.0 * found.cost)
+
+
+def motion(experiment: Experiment) -> np.ndarray:
+    """Sample x_d with its derivatives, shape (3, N)."""
+    t = np.arange(0.0, experiment.duration, STEP)
+    return np.array([experiment.desired(now)[:3] for now in t.tolist()]).T
+
+
+def written(experiment: Experiment, folder: Path) -> Experiment:
+    """Write an experiment to a file and read it."""
+    path = folder / 'an.experiment.yaml'
+    path.write_text(experiment_text(experiment))
+    return experiment_named(str(path))
+
+
+@pytest.mark.parametrize('experiment', [
+    *(make() for make in EXPERIMENTS.values()), *(c.experiment for c in PROPOSED),
+], ids=lambda experiment: experiment.name)
+def test_experiment_file_gives_the_same_experiment_to_the_bit(
+    experiment: Experiment, tmp_path: Path
+) -> None:
+    again = written(experiment, tmp_path)
+    assert (again.name, again.start, again.duration) == (
+        experiment.name, experiment.start, experiment.duration)
+    for t in np.linspace(-0.1, experiment.duration + 0.1, 1000).tolist():
+        assert repr(again.desired(t)) == repr(experiment.desired(t))
+
+
+def test_excitations_of_all_kinds_are_written(tmp_path: Path) -> None:
+    path = tmp_path / 'all.yaml'
+    path.write_text(
+        'name: all\nstart: 0.0\nsegments:\n'
+        '- {duration: 1.0, position: 0.0, position_excitation: '
+        '{kind: multisine, amplitude: 0.1, angular_frequencies: [5.0, 11.0]}}\n'
+        '- {duration: 1.0, position: 0.1, force: 3.0, force_excitation: '
+        '{kind: prbs, amplitude: 2.0, shift_rate: 10.0}}\n')
+    first = read_experiment(path)
+    again = written(first, tmp_path)
+    assert all(repr(again.desired(0.01 * k)) == repr(first.desired(0.01 * k))
+               for k in range(200))
+
+
+@pytest.mark.parametrize('candidate', PROPOSED, ids=lambda candidate: candidate.experiment.name)
+def test_proposals_stay_within_reach_and_do_not_jump(candidate: Candidate) -> None:
+    x, v, a = motion(candidate.experiment)
+    assert x.min() >= REACH.location - REACH.gap - 1e-9
+    assert x.max() <= REACH.position(REACH.depth) + 1e-9
+    assert np.abs(v).max() <= REACH.gain * REACH.speed * 1.001
+    assert np.abs(np.diff(x) - 0.5 * STEP * (v[1:] + v[:-1])).max() < 1e-6
+    assert np.abs(np.diff(v) - 0.5 * STEP * (a[1:] + a[:-1])).max() < 1e-3
+    assert np.abs(a[[0, -1]]).max() == 0.0
+
+
+def test_reach_is_that_of_the_recording() -> None:
+    d, o = diagnosed('friction'), diagnosed('friction').ports[0].observed
+    reach = reach_of(d)
+    assert reach.depth <= o.x.max() and reach.depth > 0.7 * o.x.max()
+    assert reach.speed == pytest.approx(np.abs(o.v).max())
+    assert reach.gap == pytest.approx(-o.x.min())
+    assert reach.gain == pytest.approx(1.0 + d.recalibrated.stiffness / 2500.0)
+
+
+def test_proposal_names_pair_and_experiment() -> None:
+    proposal = choose(open_question())
+    assert proposal is not None
+    assert 'coulomb_friction from quadratic_damping' in proposal.text
+    assert 'times the noise' in proposal.text and ' mm deep' in proposal.text
+    assert proposal.experiment.duration == pytest.approx(
+        3.0 * next(c.experiment.duration for c in candidates(reach_of(open_question()))
+                   if c.words in proposal.text))
+
+
+@pytest.mark.parametrize('index', [0, 3, 6])
+def test_predicted_difference_is_about_what_fits_to_a_new_recording_leave(index: int) -> None:
+    d = open_question()
+    (rival,) = d.rivals.values()
+    experiment = candidates(reach_of(d))[index].experiment
+    predicted = Judge(d).least_difference(experiment).strength
+    F_c = d.effects[0].parameters['F_c'].value
+    observed = observe(recorded(experiment, seed=7, physics__coulomb_friction__F_c=F_c),
+                       d.nominal.nominal)
+    old = d.ports[0]
+    new = Ports(observed, old.force_noise, old.motion_noise, usable(d.nominal, observed),
+                default_block(observed))
+    new.doubt(d.corrected)
+    both, before = ([*d.ports, new], d.ports)
+    gained = least_cost(both, rival) - least_cost(both, d.corrected)
+    already = least_cost(before, rival) - least_cost(before, d.corrected)
+    # The prediction is linear, and knows the old recording by its curvature alone.
+    assert 0.5 < (gained - already) / new.count / predicted < 2.0
+
+
+def test_best_proposal_differs_more_than_the_others() -> None:
+    d = open_question()
+    proposal, judge = choose(d), Judge(d)
+    strengths = {c.words: judge.least_difference(c.experiment).strength
+                 for c in candidates(reach_of(d))}
+    assert proposal is not None and max(strengths, key=lambda w: strengths[w]) in proposal.text
+
+
+def test_models_that_are_the_same_are_not_promised_apart() -> None:
+    d = open_question()
+    twin = replace(d, rivals={'quadratic_damping': d.corrected})
+    proposal = choose(twin)
+    assert proposal is not None and proposal.text.startswith('None of ')
+
+
+def test_unexplained_gets_two_depths_at_two_speeds(tmp_path: Path) -> None:
+    proposal = choose(diagnosed('unknown'))
+    assert proposal is not None
+    assert 'half and twice the speed' in proposal.text
+    reach = reach_of(diagnosed('unknown'))
+    positions = {segment.position for segment in written(proposal.experiment, tmp_path).segments}
+    assert positions == {reach.start, reach.position(reach.depth),
+                         reach.position(0.5 * reach.depth)}
+
+
+@pytest.mark.parametrize('name', ['clean', 'stiffer', 'friction'])
+def test_nothing_is_proposed_where_nothing_is_open(name: str) -> None:
+    assert choose(diagnosed(name)) is None
+
+
+def test_attached_environment_has_no_robot_to_play_an_experiment() -> None:
+    d = open_question()
+    wall = PlantParameters(environment=WallParameters(unilateral=False, inertia=1.0))
+    assert choose(replace(d, nominal=replace(d.nominal, nominal=wall))) is None
