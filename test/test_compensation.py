@@ -50,7 +50,7 @@ BOUNDS = {
     # Percent of K_e and B_e where 1 and 2 are not kept. The feed-forward of a closed loop steps
     # at every sample, and with it the acceleration, which then leads its mean by half a sample.
     # On a smooth command the bounds of all others hold, see below.
-    'environment_inertia': (1.0, 8.0),
+    'hunt_crossley_damping': (0.2, 4.0), 'environment_inertia': (1.0, 8.0),
     'tool_inertia': (0.5, 4.0),
 }
 WITHOUT_STIFFNESS = {'power_law_stiffness'}
