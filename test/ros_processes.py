@@ -48,6 +48,7 @@ from geometry_msgs.msg import Vector3Stamped, WrenchStamped  # noqa: E402
 from rcl_interfaces.msg import SetParametersResult  # noqa: E402
 from rcl_interfaces.srv import DescribeParameters, GetParameters  # noqa: E402
 from rcl_interfaces.srv import ListParameters, SetParameters  # noqa: E402
+from rcl_interfaces.srv import SetParametersAtomically  # noqa: E402
 from rclpy.executors import SingleThreadedExecutor  # noqa: E402
 from rclpy.parameter import Parameter  # noqa: E402
 from rclpy.qos import QoSProfile  # noqa: E402
@@ -439,6 +440,14 @@ class Peer(Listener):
         self._changed.update(values)
         request = _set_request(values)
         return list(self.call(SetParameters, f'{self.name}/set_parameters', request).results)
+
+    def set_together(self, values: Mapping[str, Any]) -> SetParametersResult:
+        """Set parameters, all or none."""
+        request = SetParametersAtomically.Request(parameters=_set_request(values).parameters)
+        self._defaults.update(self.get([name for name in values if name not in self._defaults]))
+        self._changed.update(values)
+        service = f'{self.name}/set_parameters_atomically'
+        return self.call(SetParametersAtomically, service, request).result
 
     def begin_change(self, **values: Any) -> Callable[[], bool]:
         """Ask for a change of parameters without waiting; tells when it is done."""

@@ -23,6 +23,7 @@ from contact_estimation.estimation_parameters import EstimationParameters
 from contact_estimation.estimators import ESTIMATORS
 from contact_estimation.parameters import ParameterSpecification, specifications
 from contact_estimation.ros.estimator_node_parameters import EstimatorNodeParameters
+from effect_examples import switched_on
 import pytest
 from ros_processes import estimator_and_peer, Peer
 
@@ -34,6 +35,16 @@ LOWEST = {spec.name: spec.minimum for spec in CHANGEABLE if spec.minimum is not 
 HIGHEST = {spec.name: spec.maximum for spec in CHANGEABLE if spec.maximum is not None}
 OFF = {spec.name for spec in SPECIFICATIONS if spec.nan_is_off}
 DEFAULTS = {spec.name: spec.default for spec in SPECIFICATIONS}
+
+
+def group_of(name: str) -> str:
+    """Name the group of a parameter."""
+    return name.rpartition('.')[0]
+
+
+EFFECT_GROUPS = [group_of(spec.name) for spec in CHANGEABLE if spec.name.startswith('physics.')]
+TOGETHER = sorted({group for group in EFFECT_GROUPS if EFFECT_GROUPS.count(group) > 1})
+"""Effects that need several parameters, which cannot be set one by one."""
 
 
 @pytest.fixture(scope='module')
@@ -103,11 +114,24 @@ def test_every_parameter_starts_with_its_default(peer: Peer) -> None:
 
 def test_every_changeable_parameter_takes_another_value(peer: Peer) -> None:
     for spec in CHANGEABLE:
+        if group_of(spec.name) in TOGETHER:
+            continue
         value = other_value(spec)
         results = peer.set({spec.name: value})
         assert results[0].successful, f'{spec.name} = {value!r}: {results[0].reason}'
         assert same(peer.get([spec.name])[spec.name], value)
         assert peer.set({spec.name: spec.default})[0].successful
+
+
+def test_effect_of_several_parameters_is_switched_on_and_off_at_once(peer: Peer) -> None:
+    for group in TOGETHER:
+        values = switched_on(group.split('.')[1])
+        one = next(iter(values.items()))
+        assert 'needs all of' in peer.set(dict([one]))[0].reason
+        for wanted in (values, dict.fromkeys(values, nan)):
+            result = peer.set_together(wanted)
+            assert result.successful, f'{group}: {result.reason}'
+            assert all(same(v, wanted[n]) for n, v in peer.get(list(wanted)).items())
 
 
 def test_read_only_parameters_refuse(peer: Peer) -> None:
