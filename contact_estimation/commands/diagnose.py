@@ -35,12 +35,13 @@ from ..diagnosis.diagnosis import diagnose, Recording
 from ..diagnosis.finding import Diagnosis
 from ..diagnosis.next_experiment import choose, Proposal
 from ..diagnosis.page import as_html
-from ..diagnosis.reading import read_signals
+from ..diagnosis.reading import timed
 from ..diagnosis.report import as_dict, as_text, model_file
 from ..exceptions import ModelFileError, ParameterRangeError
 from ..parameter_file import read_parameter_file
 from ..parameter_values import build
 from ..plant.plant_parameters import PlantParameters
+from ..recorded_signals import read_signals
 from ..recordings import RecordingReader
 from ..reference.experiments import experiment_text
 
@@ -142,9 +143,9 @@ def nominal_values(path: str) -> dict[str, Any]:
 
 
 def _read(path: str, options: Any) -> Recording:
-    signals = read_signals(
+    recorded = read_signals(
         RecordingReader(path), source_of(options), options.axis or 'x', options.joint or '')
-    return Recording(str(Path(path).name), signals)
+    return Recording(str(Path(path).name), timed(recorded))
 
 
 def _write(diagnosis: Diagnosis, proposal: Proposal | None, options: Any) -> None:

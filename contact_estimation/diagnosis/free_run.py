@@ -28,8 +28,8 @@ from .observed import Observed
 from ..parameter_values import build, flatten
 from ..parameters import specifications
 from ..physics import EFFECTS
+from ..plant.open_loop import simulate_on
 from ..plant.plant_parameters import PlantParameters
-from ..plant.world import ReferenceAt, World
 
 Array = NDArray[np.float64]
 
@@ -62,37 +62,6 @@ def plant_of(model: Model) -> PlantParameters:
         for parameter, value in zip(names, model.values[model.place(name)]):
             values[f'physics.{name}.{parameter}'] = value
     return build(PlantParameters, values)
-
-
-def straight(reference: Array, h: float) -> ReferenceAt:
-    """
-    Let a reference run straight between its samples.
-
-    Parameters
-    ----------
-    reference : ndarray, shape (4, N)
-        x_r [m], its derivatives, F_r [N].
-    h : float
-        Sample period [s].
-
-    Returns
-    -------
-    reference_at : callable
-        Time [s] to (x_r, its rate, its acceleration, F_r).
-
-    """
-    rows: list[tuple[float, float, float, float]] = list(zip(*reference.tolist()))
-    last = len(rows) - 2
-
-    def at(t: float) -> tuple[float, float, float, float]:
-        place = t / h
-        k = min(max(int(place), 0), last)
-        share = min(max(place - k, 0.0), 1.0)
-        a, b = rows[k], rows[k + 1]
-        return (a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1]),
-                a[2] + share * (b[2] - a[2]), a[3] + share * (b[3] - a[3]))
-
-    return at
 
 
 class Run(NamedTuple):
@@ -133,13 +102,8 @@ def free_run(model: Model, observed: Observed) -> Run:
     if o.reference is None:
         return Run(driven_wall(model, o, _PICARD), o.force)
     parameters = dataclasses.replace(
-        plant_of(model), sample_rate=1.0 / o.h, integration_rate=max(1000.0, _STEPS / o.h),
+        plant_of(model), sample_rate=1.0 / o.h, integration_rate=_STEPS / o.h,
     )
-    world, reference = World(parameters, float(o.x[0])), straight(o.reference, o.h)
-    positions, forces = [], []
-    for _ in range(len(o.t)):
-        truth = world.truth(reference)
-        positions.append(truth.position)
-        forces.append(truth.sensed)
-        world.advance(o.h, reference)
-    return Run(np.array(positions), np.array(forces))
+    truths = simulate_on(parameters, o.t, o.reference, float(o.x[0]))
+    return Run(np.array([truth.position for truth in truths]),
+               np.array([truth.sensed for truth in truths]))

@@ -33,12 +33,12 @@ from .candidates import Candidate, candidates, Reach, scaling_test
 from .episodes import episodes
 from .finding import Diagnosis
 from .fitting import residual_function
-from .free_run import plant_of, straight
+from .free_run import plant_of
 from .model import Model
 from .observed import Observed
 from .ports import default_block, Ports, usable
 from .selection import THRESHOLD
-from ..plant.world import World
+from ..plant.open_loop import simulate_on
 from ..reference.experiment import Experiment
 
 Array = NDArray[np.float64]
@@ -233,13 +233,8 @@ class Judge:
             plant_of(self._model), sample_rate=1.0 / h,
             integration_rate=max(_INTEGRATION_RATE, 1.0 / h),
         )
-        world, reference_at = World(parameters, float(reference[0, 0])), straight(reference, h)
-        rows = []
-        for _ in range(len(t)):
-            truth = world.truth(reference_at)
-            rows.append((truth.position, truth.velocity, truth.acceleration, truth.sensed))
-            world.advance(h, reference_at)
-        x, v, a, force = np.array(rows, np.float64).T
+        truths = simulate_on(parameters, t, reference, float(reference[0, 0]))
+        _, x, v, a, _, force = np.array(truths, np.float64).T
         observed = Observed(t, h, force, np.ones(len(t), bool), x, x, v, a, reference,
                             o.position_noise, o.cutoff)
         return Ports(observed, self._port.force_noise, self._port.motion_noise,
