@@ -17,6 +17,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -28,13 +29,14 @@ from .observed import Observed
 from ..parameter_values import build, flatten
 from ..parameters import specifications
 from ..physics import EFFECTS
+from ..physics.physics import SIGN_VELOCITY
 from ..plant.open_loop import simulate_on
 from ..plant.plant_parameters import PlantParameters
 
 Array = NDArray[np.float64]
 
 _PICARD = 40  # rounds at most
-_STEPS = 2  # Runge-Kutta steps a sample; events are stepped onto
+_STABLE = 1.0  # rate of decay times step; Runge-Kutta is stable up to 2.8
 
 
 def plant_of(model: Model) -> PlantParameters:
@@ -81,6 +83,18 @@ class Run(NamedTuple):
     force: Array
 
 
+def _steps(model: Model, o: Observed) -> int:
+    """Choose Runge-Kutta steps a sample so that drag that is steep at standstill stays stable."""
+    laws, wall = model.laws(), model.nominal.environment
+    x, states = wall.location + 0.5 * max(float(np.max(o.x)) - wall.location, 1e-4), (0.0,) * 99
+    little = 0.1 * SIGN_VELOCITY
+    touch = [laws.contact.touch(0.0, x, v, states[:laws.contact.states], math).resistance
+             for v in (0.0, little)]
+    drag = [laws.robot.force(x, v, (x, v, 0.0, 0.0), math) for v in (0.0, little)]
+    steepness = (touch[1] - touch[0] + drag[0] - drag[1]) / little / laws.robot.mass
+    return max(1, math.ceil(o.h * steepness / _STABLE))
+
+
 def free_run(model: Model, observed: Observed) -> Run:
     """
     Simulate a recording from its command, or a wall without a robot from the measured force.
@@ -102,7 +116,7 @@ def free_run(model: Model, observed: Observed) -> Run:
     if o.reference is None:
         return Run(driven_wall(model, o, _PICARD), o.force)
     parameters = dataclasses.replace(
-        plant_of(model), sample_rate=1.0 / o.h, integration_rate=_STEPS / o.h,
+        plant_of(model), sample_rate=1.0 / o.h, integration_rate=_steps(model, o) / o.h,
     )
     truths = simulate_on(parameters, o.t, o.reference, float(o.x[0]))
     return Run(np.array([truth.position for truth in truths]),

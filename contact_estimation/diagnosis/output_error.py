@@ -28,21 +28,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .fitting import Fit, fit
-from .free_run import free_run
+from .free_run import free_run, Run
 from .model import Model
 from .ports import huber, Ports
 
 Array = NDArray[np.float64]
 
 _STEP = 1e-3  # relative, of the finite differences
-_ROUNDS = 2
 _CLOSE = 2.5  # standard deviations of the position noise, within which a run is refined
 _PICARD = 8  # rounds in which the free run of a wall converges
 
 
 def refine(ports: Sequence[Ports], found: Fit) -> Fit:
     """
-    Take Gauss-Newton steps on the output error.
+    Take a Gauss-Newton step on the output error.
 
     Parameters
     ----------
@@ -55,7 +54,7 @@ def refine(ports: Sequence[Ports], found: Fit) -> Fit:
     -------
     refined : Fit
         With the values of least output error; cost and residuals are still those of the ports.
-        The start itself where no step makes the output error smaller, or where the command is
+        The start itself where that does not make the output error smaller, or where the command is
         not known well enough for a free run to follow the motion.
 
     """
@@ -64,33 +63,28 @@ def refine(ports: Sequence[Ports], found: Fit) -> Fit:
     model, free = found.model, found.model.free
     low, high = (bound[free] for bound in model.bounds)
     values = np.array(model.values)
-    if not all(_runs_true(port, model) for port in ports):
+    runs = [free_run(model, port.observed) for port in ports]
+    if not all(_runs_true(port, run) for port, run in zip(ports, runs)):
         return found
-    here = _errors(ports, model)
+    here = _errors(ports, runs)
     cost = float(here @ here)
-    for _ in range(_ROUNDS):
-        size = np.where(values != 0.0, np.abs(values), 1.0)
-        columns = []
-        for k in np.flatnonzero(free):
-            moved = values.copy()
-            moved[k] += _STEP * size[k]
-            columns.append((_errors(ports, model.at(moved)) - here) / _STEP)
-        change = np.linalg.lstsq(np.array(columns).T, -here, rcond=1e-9)[0] * size[free]
-        tried = values.copy()
-        tried[free] = np.clip(values[free] + change, low, high)
-        there = _errors(ports, model.at(tried))
-        if float(there @ there) >= cost:
-            break
-        gained = cost - float(there @ there)
-        values, here, cost = tried, there, float(there @ there)
-        if gained < 1e-3 * cost:
-            break
+    size = np.where(values != 0.0, np.abs(values), 1.0)
+    columns = []
+    for k in np.flatnonzero(free):
+        moved = values.copy()
+        moved[k] += _STEP * size[k]
+        columns.append((_errors_at(ports, model.at(moved)) - here) / _STEP)
+    change = np.linalg.lstsq(np.array(columns).T, -here, rcond=1e-9)[0] * size[free]
+    tried = values.copy()
+    tried[free] = np.clip(values[free] + change, low, high)
+    there = _errors_at(ports, model.at(tried))
+    if float(there @ there) < cost:
+        values = tried
     return found._replace(model=model.at(values))
 
 
-def _runs_true(port: Ports, model: Model) -> bool:
-    o = port.observed
-    error = (o.raw_position - free_run(model, o).position)[port.use]
+def _runs_true(port: Ports, run: Run) -> bool:
+    error = (port.observed.raw_position - run.position)[port.use]
     return float(np.std(error)) < _CLOSE * port.motion_noise
 
 
@@ -100,10 +94,14 @@ def _refine_wall(ports: Sequence[Ports], found: Fit) -> Fit:
     return fit(ports, found.model)
 
 
-def _errors(ports: Sequence[Ports], model: Model) -> Array:
+def _errors_at(ports: Sequence[Ports], model: Model) -> Array:
+    return _errors(ports, [free_run(model, port.observed) for port in ports])
+
+
+def _errors(ports: Sequence[Ports], runs: Sequence[Run]) -> Array:
     parts = []
-    for port in ports:
-        run, o = free_run(model, port.observed), port.observed
+    for port, run in zip(ports, runs):
+        o = port.observed
         parts.append(port.average('motion', o.raw_position - run.position, port.motion_noise))
         parts.append(port.average('force', o.force - run.force, port.force_noise))
     return huber(np.concatenate(parts))
