@@ -119,7 +119,7 @@ def test_recording_gives_what_its_signals_give(
     assert report['next_experiment'] == {'text': '', 'file': None}
     direct = diagnosed('clean')
     assert report['recalibrated']['stiffness'] == pytest.approx(
-        direct.recalibrated.stiffness, rel=1e-6)
+        direct.recalibrated.stiffness, rel=1e-4)  # stamps are whole nanoseconds
     assert sorted(tmp_path.iterdir()) == [path]
 
 

@@ -73,7 +73,7 @@ class Candidate(NamedTuple):
     Attributes
     ----------
     words : str
-        To be read after 'please', in a sentence.
+        What to do, to be read after 'please', in a sentence.
     experiment : Experiment
         One touch.
 

@@ -158,9 +158,9 @@ def _sentence(
             'motion')
     if difference.strength < THRESHOLD:
         return (
-            f'None of {tried} experiments within what this recording reached tells {pairs}. They '
-            f'differ most, by up to {size}, if you {best.words}. Go deeper or faster than here, '
-            'or take either: they predict the same.'
+            f'Within what this recording reached it is hard to tell {pairs}. Of {tried} '
+            f'experiments the best is to {best.words}: whatever the values, the predictions then '
+            f'differ by up to {size}. Deeper or faster than here would tell more.'
         )
     return (f'To tell {pairs}, {best.words}: whatever the values, their predictions then differ '
             f'by up to {size}.')
