@@ -134,6 +134,20 @@ def test_samples_that_are_not_finite_are_left_out(
     assert ended.code == 0 and ended.out.startswith('consistent: ')
 
 
+def test_recording_without_reference_is_diagnosed_in_contact_alone(
+    folder: Path, tmp_path: Path, command: Command
+) -> None:
+    path = tmp_path / 'r.json'
+    signals = recorded(physics__coulomb_friction__F_c=2.0)
+    recording = write_recording(tmp_path / 'a.mcap', signals, with_reference=False)
+    ended = command(recording, '--nominal', folder / 'model.yaml', '--json', path)
+    assert ended.code == 0
+    report = json.loads(path.read_text())
+    assert report['verdict'] == 'physics_missing'
+    assert {effect['port'] for effect in report['effects']} <= {'contact', 'force_sensor'}
+    assert report['fit']['motion_rmse_m'] is None
+
+
 def test_recording_held_out_is_named(folder: Path, tmp_path: Path, command: Command) -> None:
     path = tmp_path / 'r.json'
     other = write_recording(tmp_path / 'other.mcap', recorded(seed=2))

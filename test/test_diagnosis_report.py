@@ -59,6 +59,13 @@ def test_report_has_the_keys_of_the_contract(name: str) -> None:
     assert set(report['next_experiment']) == {'text', 'file'}
 
 
+@pytest.mark.parametrize('name', ['clean', 'stiffer'])
+def test_corrected_is_recalibrated_where_nothing_is_missing(name: str) -> None:
+    d = diagnosed(name)
+    assert d.corrected.values == d.recalibrated.values
+    assert d.force.corrected == d.force.recalibrated
+
+
 def test_effects_have_the_keys_of_the_contract() -> None:
     (effect,) = as_dict(diagnosed('friction'))['effects']
     assert set(effect) == {'name', 'port', 'probability', 'equation', 'parameters',

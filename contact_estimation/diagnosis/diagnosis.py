@@ -192,7 +192,8 @@ def _refine(
     The free run of a good model follows the sharp bends of the motion, so that less bandwidth is
     needed for the rest and velocities get better; friction near standstill needs that.
     """
-    if not finding.best.model.effects:
+    runs = all(case.port.observed.has_dynamics(model.nominal) for case in cases)
+    if not finding.best.model.effects or not runs:
         return finding, cases
     progress('smoothing the motion with what was found')
     best, again = finding.best.model, []
@@ -251,7 +252,7 @@ class _Conclusion:
         if not open_end and all(
                 port.observed.has_dynamics(base.model.nominal) for port in self._ports):
             progress('output error')
-            same = best is base
+            same = not best.model.effects  # a search that takes none ends with a fit of its own
             base = refine(self._ports, base) if same else base
             best = base if same else refine(self._ports, best)
         progress('held-out parts')
