@@ -62,7 +62,22 @@ def truths_of(name: str, count: int = 700, **values: Any) -> tuple[Array, ...]:
     return tuple(np.array(simulate(count, with_effect(name, **values))).T)
 
 
+@pytest.fixture
+def exact_positions(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let the play of backlash trust positions, which are free of noise here."""
+    monkeypatch.setattr('contact_estimation.physics.backlash.POSITION_DOUBT', 0.0)
+
+
+def test_backlash_on_arrays_holds_on_while_a_position_is_off_by_its_noise() -> None:
+    t = np.arange(100, dtype=np.float64) * 2e-3
+    x = np.linspace(-1e-3, 2e-3, 100)
+    x[-1] -= 4e-6
+    force = law_of('backlash').force(t, x, np.full(100, 0.015), np.zeros(100))
+    assert force[-1] == pytest.approx(force[-2], rel=0.05)
+
+
 @pytest.mark.parametrize('name', WALL)
+@pytest.mark.usefixtures('exact_positions')
 def test_law_on_arrays_is_the_contract_s_formula(name: str) -> None:
     t, x, v, a = motion(2e-5)
     expected = FORMULAS[name](t, x, v, a, *example_values(name))
@@ -87,6 +102,7 @@ def test_states_of_a_recording_are_those_of_small_steps(name: str) -> None:
 
 
 @pytest.mark.parametrize('name', WALL)
+@pytest.mark.usefixtures('exact_positions')
 def test_force_predicted_from_true_motion_is_the_true_force(name: str) -> None:
     t, x, v, a, force, _ = truths_of(name)
     got = law_of(name).force(t, x, v, a)

@@ -33,7 +33,8 @@ import numpy as np
 import pytest
 import yaml
 
-NAMED = pytest.mark.parametrize('name', EXPERIMENTS)
+MANOEUVRES = [name for name in EXPERIMENTS if name != 'rich']
+NAMED = pytest.mark.parametrize('name', MANOEUVRES)
 SINE = {'kind': 'sine', 'amplitude': 8.0, 'angular_frequency': 20.0}
 GOOD: dict[str, Any] = {
     'name': 'test', 'start': -0.05,
@@ -239,3 +240,11 @@ def test_mistake_in_the_file_is_an_error_that_says_which(
 ) -> None:
     with pytest.raises(ContactEstimationError, match=message):
         read_experiment(written(content, tmp_path))
+
+
+def test_rich_touches_three_times_at_different_depths_and_wants_no_force() -> None:
+    rich = experiment_named('rich')
+    desired = [rich.desired(0.01 * k) for k in range(round(100 * rich.duration))]
+    inside = np.array([point.position for point in desired]) > 0.0
+    assert np.count_nonzero(np.diff(inside.astype(int)) == 1) == 3
+    assert all(np.isnan(point.force) for point in desired)

@@ -54,6 +54,7 @@ FULLY = 0.97
 """Share of the misfit from which on what is left is the method's own error."""
 
 _PREDICTABLE = 0.1  # share of the residual that a smoother foretells: structure, not noise
+_SIGNIFICANT = 3.0  # standard deviations
 _MEMORY = 0.25  # correlation of neighbouring residuals: structure that no smoother foretells
 _TEMPERATURE = 10.0  # serial correlation: costs are worth less than independent samples say
 _MOST_RIVALS = 2
@@ -248,6 +249,7 @@ class _Conclusion:
         if best.model.effects and open_end and explained < EXPLAINED:
             best = base  # a false name is worse than no name
         open_end = open_end or self._odd_robot
+        best = self._significant(best)
         verdict = self._verdict(best, open_end)
         if not open_end and all(
                 port.observed.has_dynamics(base.model.nominal) for port in self._ports):
@@ -281,6 +283,18 @@ class _Conclusion:
             predictable, self._ports, runs,
         )
 
+    def _significant(self, best: Fit) -> Fit:
+        """Drop effects whose every parameter could as well be that of no effect."""
+        stds = standard_deviations(self._ports, best)
+        for name in best.model.effects:
+            place, neutral = best.model.place(name), EFFECTS[name].neutral
+            away = [abs(value - neutral.get(parameter, 0.0)) > _SIGNIFICANT * std
+                    for parameter, value, std in zip(
+                        names_of(name), best.model.values[place], stds[place])]
+            if not any(away):
+                return self._significant(fit(self._ports, best.model.without(name)))
+        return best
+
     def _verdict(self, best: Fit, open_end: bool) -> str:
         if open_end:
             return 'unexplained'
@@ -311,8 +325,13 @@ class _Conclusion:
                               case.port.motion_noise, use, case.port.block,
                               case.port.dropped)
                 parts.append(measure_part(
-                    case.held_out.name, whole, case.held_out.samples, models, runs))
+                    self._part_name(case), whole, case.held_out.samples, models, runs))
         return parts, first
+
+    def _part_name(self, case: _Case) -> str:
+        assert case.held_out is not None
+        several = len(self._cases) > 1
+        return f'{case.recording.name}, {case.held_out.name}' if several else case.held_out.name
 
     def _names(self, best: Fit) -> list[NamedEffect]:
         stds = standard_deviations(self._ports, best)

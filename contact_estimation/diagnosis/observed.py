@@ -178,8 +178,10 @@ def observe(
         carried = carrier(before)
     else:
         carried = _carried(model, reference, force, position, h)
-    # No model follows a motion to better than a hundred thousandth, even without noise.
-    noise = max(white_noise_std(position - carried), 1e-5 * float(np.ptp(position)))
+    # From the samples as they came: on the grid they may be means of two. No model follows a
+    # motion to better than a hundred thousandth, even without noise.
+    left_raw = signals.position - np.interp(signals.joint_t, t, carried)
+    noise = max(white_noise_std(left_raw), 1e-5 * float(np.ptp(position)))
     weight = np.where(seen, 1.0, 1e-3)
     left, cutoff = smooth_enough(position - carried, weight, h, noise)
     x, v, a = differentiate(carried + left, h)

@@ -38,6 +38,7 @@ THRESHOLD = 0.1
 SHARE = 0.3
 """Least share of the misfit above the noise that a further effect must explain."""
 
+_PRICE = 25.0  # of a parameter
 _MOST_EFFECTS = 3
 _FOLLOWED = 6  # candidates that are fitted to the end in each round
 
@@ -87,7 +88,7 @@ def scale_of(found: Fit) -> float:
 
 def penalty(model: Model) -> float:
     """
-    Price the parameters of the effects as BIC does.
+    Price the parameters of the effects, higher than BIC does: laws contain one another.
 
     Parameters
     ----------
@@ -100,7 +101,7 @@ def penalty(model: Model) -> float:
         In units of cost for residuals of variance 1.
 
     """
-    return 8.0 * float(np.count_nonzero(model.free) - model.base_count)
+    return _PRICE * float(np.count_nonzero(model.free) - model.base_count)
 
 
 def candidates_for(model: Model, with_robot: bool) -> list[str]:

@@ -47,7 +47,7 @@ def standard_deviations(ports: Sequence[Ports], found: Fit) -> Array:
     Returns
     -------
     std : ndarray, shape (P,)
-        Of all values; NaN for those that were not fitted.
+        Of all values; NaN for those that were not fitted, or stand at the end of their range.
 
     """
     model, free = found.model, found.model.free
@@ -69,4 +69,8 @@ def standard_deviations(ports: Sequence[Ports], found: Fit) -> Array:
     independent = np.diag(inverse) * max(1.0, float(np.mean(here**2)))
     std = np.full(len(model.values), np.nan)
     std[free] = np.sqrt(np.maximum(clustered, independent)) * size
+    low, high = model.bounds
+    every = np.array(model.values)
+    little = 1e-6 * np.where(every != 0.0, np.abs(every), 1.0)
+    std[(every - low < little) | (high - every < little)] = np.nan
     return std
