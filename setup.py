@@ -48,6 +48,7 @@ setup(
     ],
     entry_points={
         'console_scripts': [
+            'blind_trials = contact_estimation.commands.blind_trials:main',
             'estimator_node = contact_estimation.ros.estimator_node:main',
             'plant_node = contact_estimation.ros.plant_node:main',
             'recorder_node = contact_estimation.ros.recorder_node:main',

@@ -1,0 +1,205 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""What the robots of the trials are asked to do."""
+
+from __future__ import annotations
+
+from math import pi
+from typing import Callable, Mapping, NamedTuple
+
+from numpy.random import Generator
+
+from ..reference.excitation import Excitation, Multisine, PseudoRandomBinary, Sine
+from ..reference.experiment import Experiment, Segment
+from ..reference.quintic import quintic
+
+_FADE_S = 0.3
+_FASTEST = 0.2  # of x_r [m/s]: beyond it the touch is a blow
+
+
+class Stage(NamedTuple):
+    """
+    Where an experiment takes place.
+
+    Attributes
+    ----------
+    surface : float
+        x_e [m].
+    rest : float
+        Where the robot waits, x [m].
+    reach : float
+        How far x_r goes beyond the surface at the deepest level [m].
+
+    """
+
+    surface: float
+    rest: float
+    reach: float
+
+
+class Faded(Excitation):
+    """
+    An excitation that comes and goes smoothly.
+
+    Parameters
+    ----------
+    signal : Excitation
+        It.
+    begin, end : float
+        When it is there [s].
+
+    """
+
+    def __init__(self, signal: Excitation, begin: float, end: float) -> None:
+        self._signal, self._begin, self._end = signal, begin, end
+
+    def _window(self, t: float) -> tuple[float, float, float]:
+        if t < 0.5 * (self._begin + self._end):
+            return quintic(0.0, 1.0, _FADE_S, t - self._begin)
+        return quintic(1.0, 0.0, _FADE_S, t - self._end + _FADE_S)
+
+    def value(self, t: float) -> float:
+        """Evaluate; see `Excitation.value`."""
+        return self._window(t)[0] * self._signal.value(t)
+
+    def rates(self, t: float) -> tuple[float, float]:
+        """Differentiate; see `Excitation.rates`."""
+        w, w_dot, w_ddot = self._window(t)
+        value, (first, second) = self._signal.value(t), self._signal.rates(t)
+        return (w_dot * value + w * first,
+                w_ddot * value + 2.0 * w_dot * first + w * second)
+
+
+class _Plan:
+    """An experiment while it is laid out."""
+
+    def __init__(self, stage: Stage) -> None:
+        self._stage = stage
+        self._segments: list[Segment] = []
+        self._t, self._x = 0.0, stage.rest
+
+    def wait(self, duration: float) -> None:
+        """Stay."""
+        self.go(self._x, duration)
+
+    def go(self, position: float, duration: float, excitation: Excitation | None = None) -> None:
+        """Move as fast as asked, but not faster than is gentle."""
+        duration = max(duration, 1.875 * abs(position - self._x) / _FASTEST)
+        self._segments.append(Segment(duration, position, position_excitation=excitation))
+        self._t, self._x = self._t + duration, position
+
+    def press(self, level: float, duration: float) -> None:
+        """Go to a share of the reach."""
+        self.go(self._stage.surface + level * self._stage.reach, duration)
+
+    def hold(self, duration: float, signal: Excitation) -> None:
+        """Stay and excite; a step signal needs no fading."""
+        end = self._t + duration
+        if not isinstance(signal, PseudoRandomBinary):
+            signal = Faded(signal, self._t, end)
+        self.go(self._x, duration, signal)
+
+    def leave(self, duration: float) -> None:
+        """Go back to rest."""
+        self.go(self._stage.rest, duration)
+
+    def experiment(self, name: str) -> Experiment:
+        """Give what was laid out."""
+        return Experiment(name, self._stage.rest, tuple(self._segments))
+
+
+def _rich(stage: Stage, rng: Generator) -> Experiment:
+    """Several touches of different depth and haste, each with a multisine."""
+    plan = _Plan(stage)
+    count = int(rng.integers(2, 4))
+    for level in rng.permutation([1.0, *rng.uniform(0.3, 0.9, count - 1)]).tolist():
+        plan.wait(float(rng.uniform(0.5, 1.2)))
+        plan.press(level, float(rng.choice([0.4, 0.8, 1.2, 1.8])))
+        omegas = (2.0 * pi * rng.uniform(0.4, 9.0, int(rng.integers(3, 9)))).tolist()
+        amplitude = float(rng.uniform(0.08, 0.25)) * level * stage.reach
+        plan.hold(float(rng.uniform(2.0, 3.5)), Multisine(amplitude, omegas))
+        plan.leave(float(rng.choice([0.5, 1.0, 2.0])))
+    plan.wait(0.6)
+    return plan.experiment('rich')
+
+
+def _cycles(stage: Stage, rng: Generator) -> Experiment:
+    """Touches with two levels each and no excitation but the motion itself."""
+    plan = _Plan(stage)
+    for _ in range(int(rng.integers(3, 5))):
+        plan.wait(float(rng.uniform(0.4, 1.2)))
+        level = float(rng.uniform(0.4, 1.0))
+        plan.press(level, float(rng.choice([0.4, 0.8, 1.6])))
+        plan.wait(float(rng.uniform(0.6, 1.5)))
+        plan.press(level * float(rng.uniform(0.35, 0.65)), float(rng.choice([0.2, 0.5, 1.0])))
+        plan.wait(float(rng.uniform(0.4, 1.0)))
+        plan.leave(float(rng.choice([0.4, 0.8, 1.6])))
+    plan.wait(0.6)
+    return plan.experiment('cycles')
+
+
+def _prbs(stage: Stage, rng: Generator) -> Experiment:
+    """One long touch with a binary sequence."""
+    signal = PseudoRandomBinary(float(rng.uniform(0.04, 0.12)) * stage.reach)
+    return _single(stage, rng, 'prbs', signal)
+
+
+def _paper(stage: Stage, rng: Generator) -> Experiment:
+    """One touch with a sine, as eq. (41)."""
+    amplitude = float(rng.uniform(0.05, 0.15)) * stage.reach
+    return _single(stage, rng, 'paper', Sine(amplitude, float(rng.uniform(10.0, 25.0))))
+
+
+def _single(stage: Stage, rng: Generator, name: str, signal: Excitation) -> Experiment:
+    plan = _Plan(stage)
+    plan.wait(float(rng.uniform(0.5, 1.0)))
+    plan.press(1.0, float(rng.uniform(1.2, 2.2)))
+    plan.wait(0.4)
+    plan.hold(float(rng.uniform(4.0, 7.0)), signal)
+    plan.wait(0.4)
+    plan.leave(float(rng.uniform(1.2, 2.2)))
+    plan.wait(0.8)
+    return plan.experiment(name)
+
+
+_KINDS: Mapping[str, tuple[float, Callable[[Stage, Generator], Experiment]]] = {
+    'rich': (0.55, _rich),
+    'cycles': (0.2, _cycles),
+    'prbs': (0.125, _prbs),
+    'paper': (0.125, _paper),
+}
+"""How often, and how it is made."""
+
+
+def draw_experiment(stage: Stage, rng: Generator) -> Experiment:
+    """
+    Draw an experiment.
+
+    Parameters
+    ----------
+    stage : Stage
+        Where it takes place.
+    rng : numpy.random.Generator
+        Source of chance.
+
+    Returns
+    -------
+    experiment : Experiment
+        Of one to four touches, 8 to 25 s long.
+
+    """
+    weights = [weight for weight, _ in _KINDS.values()]
+    kind = str(rng.choice(list(_KINDS), p=weights))
+    return _KINDS[kind][1](stage, rng)

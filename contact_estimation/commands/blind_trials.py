@@ -1,0 +1,106 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""How good `diagnose` is on worlds that it has never seen."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any, Sequence
+
+from .command_line import new_file, Parser, run_command
+from .progress import Progress
+from ..blind_trials.picture import draw_confusion
+from ..blind_trials.study import as_dict, plan, run_study
+from ..blind_trials.table import as_text
+from ..exceptions import ParameterRangeError
+
+
+def make_parser() -> Parser:
+    """Build the command line of `blind_trials`."""
+    parser = Parser(
+        prog='blind_trials',
+        description='Draw worlds with one concealed effect or none, record them, seal the truth; '
+        'let diagnose, given recording and nominal model alone, say what is missing; unseal and '
+        'score. A study that was stopped goes on, and a larger one takes over the trials of a '
+        'smaller one in the same folder; without the subfolder reports they are diagnosed anew.',
+    )
+    parser.add_argument('--count', type=int, required=True, help='trials with an effect')
+    parser.add_argument('--clean', type=int, default=0, help='trials without (0)')
+    parser.add_argument('--seed', type=int, default=0, help='of all chance (0)')
+    parser.add_argument('--jobs', type=int, default=1, help='processes (1)')
+    parser.add_argument('--output', metavar='DIR', default='blind_trials_output',
+                        help='recordings, reports, truths, table.txt and confusion.png '
+                        '(blind_trials_output)')
+    parser.add_argument('--json', metavar='FILE', help='the scores as JSON')
+    return parser
+
+
+def run(options: Any) -> int:
+    """
+    Run a study.
+
+    Parameters
+    ----------
+    options : argparse.Namespace
+        Of `make_parser`.
+
+    Returns
+    -------
+    code : int
+        0.
+
+    """
+    for name, least in (('count', 0), ('clean', 0), ('seed', 0), ('jobs', 1)):
+        if getattr(options, name) < least:
+            raise ParameterRangeError(f'--{name} must be >= {least}, got {getattr(options, name)}')
+    if options.count + options.clean == 0:
+        raise ParameterRangeError('--count and --clean are both 0; ask for one trial at least')
+    target = new_file(options.json) if options.json else None
+    folder = Path(options.output)
+    folder.mkdir(parents=True, exist_ok=True)
+    progress = Progress('blind_trials')
+    trials = plan(options.count, options.clean, options.seed)
+    scores = run_study(folder, trials, options.jobs, progress.show)
+    progress.done()
+    text = as_text(scores, str(folder / 'handed_over'))
+    print(text)
+    (folder / 'table.txt').write_text(text + '\n')
+    if target is not None:
+        target.write_text(json.dumps(as_dict(scores, options.seed), indent=1) + '\n')
+    print(f'wrote {draw_confusion(scores, folder / "confusion.png")}')
+    return 0
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """
+    Run the command.
+
+    Parameters
+    ----------
+    args : sequence of str, optional
+        Command line; that of the process by default.
+
+    Returns
+    -------
+    code : int
+        0, or 1 after one line on stderr.
+
+    """
+    return run_command(make_parser(), run, args)
+
+
+if __name__ == '__main__':
+    raise SystemExit(main())
