@@ -1,0 +1,172 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Studies of blind_trials: what is sealed, what is handed over, and going on after a stop."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+from blind_setups import answer, short_trial, truth
+from contact_estimation.blind_trials import study
+from contact_estimation.blind_trials.blind_diagnosis import command_line, diagnose_blind
+from contact_estimation.blind_trials.handing_over import hand_over, Handed, write_json
+from contact_estimation.blind_trials.study import plan, Planned, run_study, run_trial
+from contact_estimation.commands.blind_trials import main
+from contact_estimation.commands.diagnose import nominal_values
+from contact_estimation.diagnosis.reading import read_signals
+from contact_estimation.physics import EFFECTS
+from contact_estimation.recording_replay import RecordingSource
+from contact_estimation.recordings import RecordingReader
+import numpy as np
+import pytest
+
+PLANNED = Planned('trial_x', 'force_bias', (0, 0, 0))
+
+
+@pytest.fixture(scope='module')
+def handed(tmp_path_factory: pytest.TempPathFactory) -> Handed:
+    """Write the files of a short trial."""
+    files = Handed.of(tmp_path_factory.mktemp('study'), 'trial_x')
+    hand_over(short_trial('force_bias', bias=2.0), files, np.random.default_rng(0))
+    return files
+
+
+def done(folder: Path, planned: Planned, said: dict[str, Any]) -> Handed:
+    """Leave the files of a trial that is done."""
+    files = Handed.of(folder, planned.name)
+    for path in files:
+        path.parent.mkdir(parents=True, exist_ok=True)
+    told = truth(planned.effect) if planned.effect else truth()
+    write_json(files.truth, told)
+    write_json(files.report, said)
+    return files
+
+
+def test_the_diagnosis_is_never_told_of_the_truth(handed: Handed) -> None:
+    words = command_line(handed.recording, handed.nominal, Path('out.json'))
+    assert not any('truth' in word or handed.truth.parent.name in word for word in words)
+    assert handed.truth.parent not in (handed.recording.parent, handed.nominal.parent)
+
+
+def test_neither_name_nor_model_file_betrays_the_effect(handed: Handed) -> None:
+    names = {planned.name for planned in plan(30, 10, 3)}
+    assert len(names) == 40
+    assert not any(effect in name for name in names for effect in EFFECTS)
+    assert {len(name) for name in names} == {len('trial_') + 8}
+    assert 'physics' not in handed.nominal.read_text()
+    assert nominal_values(str(handed.nominal)) == {
+        'environment.stiffness': 4400.0, 'environment.damping': 80.0,
+        'environment.location': 0.0, 'robot.mass': 20.0, 'robot.damping': 600.0,
+        'robot.stiffness': 4000.0,
+    }
+
+
+def test_the_recording_is_read_as_it_was_simulated(handed: Handed) -> None:
+    signals = read_signals(RecordingReader(handed.recording), RecordingSource(), 'x', '')
+    told = json.loads(handed.truth.read_text())
+    free = signals.wrench_t < 0.4
+    assert float(np.mean(signals.force[free])) == pytest.approx(2.0, abs=0.1)
+    assert float(np.std(signals.force[free])) == pytest.approx(told['force_floor_n'], rel=0.15)
+    assert signals.reference[0][0] == pytest.approx(-0.01)
+    assert float(np.min(signals.force)) < -30.0
+
+
+def test_the_truth_tells_effect_wall_and_concealment(handed: Handed) -> None:
+    told = json.loads(handed.truth.read_text())
+    assert told['effects'] == [
+        {'name': 'force_bias', 'port': 'force_sensor', 'parameters': {'bias': 2.0}}]
+    assert (told['stiffness'], told['damping']) == (4000.0, 100.0)
+    assert told['verdict'] == 'physics_missing'
+    assert told['concealed'] > 1.2
+
+
+def test_a_larger_study_holds_the_trials_of_a_smaller_one() -> None:
+    assert set(plan(5, 3, 1)) < set(plan(40, 8, 1))
+    assert not set(plan(5, 3, 1)) & set(plan(5, 3, 2))
+
+
+def test_a_trial_that_is_done_is_not_done_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    calls: list[str] = []
+    monkeypatch.setattr(study, 'draw_trial', lambda *_: calls.append('draw'))
+    monkeypatch.setattr(study, 'hand_over', lambda *_: calls.append('hand over'))
+    monkeypatch.setattr(study, 'diagnose_blind', lambda _: calls.append('diagnose'))
+    run_trial(tmp_path, PLANNED)
+    assert calls == ['draw', 'hand over', 'diagnose']
+    calls.clear()
+    files = done(tmp_path, PLANNED, answer('force_bias'))
+    run_trial(tmp_path, PLANNED)
+    assert calls == []
+    files.report.unlink()
+    run_trial(tmp_path, PLANNED)
+    assert calls == ['diagnose']
+
+
+def test_a_recording_without_truth_was_stopped_amid_and_is_drawn_anew(tmp_path: Path) -> None:
+    files = Handed.of(tmp_path, 'trial_x')
+    files.recording.parent.mkdir()
+    files.recording.write_bytes(b'half')
+    hand_over(short_trial(), files, np.random.default_rng(0))
+    assert RecordingReader(files.recording).topics()
+    assert files.truth.exists()
+
+
+def test_a_study_that_is_done_is_only_scored(tmp_path: Path) -> None:
+    trials = plan(2, 1, 0)
+    for planned in trials:
+        done(tmp_path, planned, answer(planned.effect) if planned.effect else answer())
+    told: list[float] = []
+    scores = run_study(tmp_path, trials, 1, lambda share, _: told.append(share))
+    assert [s.trial for s in scores] == [planned.name for planned in trials]
+    assert all(s.alone for s in scores if s.effect)
+    assert told[-1] == 1.0
+
+
+def test_a_diagnosis_that_fails_leaves_its_complaint(tmp_path: Path) -> None:
+    files = Handed.of(tmp_path, 'trial_x')
+    files.report.parent.mkdir()
+    diagnose_blind(files)
+    kept = json.loads(files.report.read_text())
+    assert kept['report'] is None
+    assert str(files.nominal) in kept['error']
+
+
+def test_the_command_draws_diagnoses_and_scores(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    target = tmp_path / 'scores.json'
+    words = ['--count', '0', '--clean', '1', '--seed', '3', '--output', str(tmp_path / 'study'),
+             '--json', str(target)]
+    assert main(words) == 0
+    assert '1 trials, 1 of them clean' in capsys.readouterr().out
+    told = json.loads(target.read_text())
+    assert (told['count'], told['clean'], told['seed']) == (0, 1, 3)
+    assert told['trials'][0]['error'] == ''
+    assert (tmp_path / 'study' / 'confusion.png').stat().st_size > 1000
+    assert (tmp_path / 'study' / 'table.txt').exists()
+
+
+@pytest.mark.parametrize('words, complaint', [
+    (['--count', '0'], 'both 0'), (['--count', '-1'], '--count must be >= 0, got -1'),
+    (['--count', '1', '--jobs', '0'], '--jobs must be >= 1'),
+])
+def test_the_command_refuses_what_makes_no_sense(
+    words: list[str], complaint: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(words) == 1
+    assert complaint in capsys.readouterr().err
