@@ -1,0 +1,146 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Short noisy recordings of worlds whose physics the diagnosis is not told, each made once."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from math import pi
+from typing import Any
+
+from contact_estimation.diagnosis.diagnosis import diagnose, Recording
+from contact_estimation.diagnosis.finding import Diagnosis
+from contact_estimation.diagnosis.model import Model
+from contact_estimation.diagnosis.noise import force_noise
+from contact_estimation.diagnosis.observed import observe, Observed, Signals
+from contact_estimation.diagnosis.ports import default_block, Ports, usable
+from contact_estimation.parameter_values import build
+from contact_estimation.parameters import specifications
+from contact_estimation.physics import EFFECTS
+from contact_estimation.plant.open_loop import run_open_loop
+from contact_estimation.plant.plant_parameters import PlantParameters
+from contact_estimation.reference.excitation import Excitation, Multisine
+from contact_estimation.reference.experiment import Experiment, Segment
+from contact_estimation.reference.quintic import quintic
+import numpy as np
+
+MODEL: dict[str, Any] = {
+    'environment.stiffness': 5000.0, 'environment.damping': 120.0,
+    'robot.mass': 12.0, 'robot.damping': 350.0, 'robot.stiffness': 2500.0,
+}
+FORCE_NOISE, POSITION_NOISE, QUANTUM = 0.3, 3e-6, 1e-6
+SENSORS: dict[str, Any] = {
+    'sensors.force_noise': FORCE_NOISE, 'sensors.position_noise': POSITION_NOISE,
+    'sensors.position_quantisation': QUANTUM,
+}
+RATE_HZ, FREE = 250.0, -0.012
+
+_SWING = Multisine(1.0, [2.0 * pi * f for f in (0.7, 1.3, 2.1, 3.3, 4.7, 6.1)])
+_RISE_S = 0.2
+
+
+class Swing(Excitation):
+    """A multisine that swells and fades: an excitation that jumps would be an impact."""
+
+    def __init__(self, amplitude: float, begin: float, duration: float) -> None:
+        self._amplitude, self._begin, self._end = amplitude, begin, begin + duration
+
+    def _window(self, t: float) -> tuple[float, float, float]:
+        if t < self._end - _RISE_S:
+            return quintic(0.0, self._amplitude, _RISE_S, t - self._begin)
+        return quintic(self._amplitude, 0.0, _RISE_S, t - self._end + _RISE_S)
+
+    def value(self, t: float) -> float:
+        """Give the product of window and multisine."""
+        return self._window(t)[0] * _SWING.value(t)
+
+    def rates(self, t: float) -> tuple[float, float]:
+        """Differentiate the product."""
+        (w, w_1, w_2), m, (m_1, m_2) = self._window(t), _SWING.value(t), _SWING.rates(t)
+        return w_1 * m + w * m_1, w_2 * m + 2.0 * w_1 * m_1 + w * m_2
+
+
+Touch = tuple[float, float]  # where x_d goes [m], how long it swings there [s]
+
+
+def touches(*places: Touch, swing: float = 0.012) -> Experiment:
+    """Touch, swing, hold and let go, each time from free flight."""
+    segments, now = [Segment(0.7, FREE)], 0.7
+    for depth, duration in places:
+        excitation = Swing(swing, now + 0.5, duration)
+        segments += [
+            Segment(0.5, depth), Segment(duration, depth, position_excitation=excitation),
+            Segment(0.2, depth), Segment(0.4, FREE), Segment(0.3, FREE),
+        ]
+        now += duration + 1.4
+    return Experiment('touches', FREE, tuple(segments))
+
+
+TOUCHES = touches((0.03, 1.0), (0.024, 0.8), (0.036, 0.6))
+
+
+def nominal(**changes: Any) -> PlantParameters:
+    """Give the model that the diagnosis is told; dots in names as double underscores."""
+    return build(PlantParameters, {**MODEL, **_dotted(changes)})
+
+
+def _dotted(changes: dict[str, Any]) -> dict[str, Any]:
+    return {name.replace('__', '.'): value for name, value in changes.items()}
+
+
+def physics(name: str, *values: float) -> dict[str, float]:
+    """Name an effect's parameters with dots as double underscores."""
+    names = (spec.name for spec in specifications(EFFECTS[name].Parameters))
+    return {f'physics__{name}__{key}': value for key, value in zip(names, values)}
+
+
+def recorded(experiment: Experiment = TOUCHES, seed: int = 1, **changes: Any) -> Signals:
+    """Record an experiment in a world; equal requests share one simulation."""
+    return _recorded(experiment, seed, tuple(changes.items()))
+
+
+@lru_cache(maxsize=None)
+def _recorded(experiment: Experiment, seed: int, changes: tuple[Any, ...]) -> Signals:
+    plant = build(PlantParameters, {
+        **MODEL, **SENSORS, 'sample_rate': RATE_HZ, 'seed': seed, **_dotted(dict(changes)),
+    })
+
+    def reference(t: float) -> tuple[float, float, float, float]:
+        return (*experiment.desired(t)[:3], 0.0)
+
+    start = experiment.desired(0.0).position
+    truths, samples = run_open_loop(plant, reference, start, experiment.duration)
+    t = np.array([truth.t for truth in truths])
+    return Signals(t, samples.force, t, samples.position, t,
+                   np.array([reference(now) for now in t.tolist()]).T)
+
+
+def diagnosed(signals: Signals, model: PlantParameters | None = None) -> Diagnosis:
+    """Diagnose one recording."""
+    return diagnose([Recording('world', signals)], [], model or nominal())
+
+
+def ports_of(signals: Signals, model: PlantParameters | None = None) -> tuple[Ports, Model]:
+    """Make the ports of a recording as the diagnosis does, nothing held out."""
+    start = Model.of(model or nominal())
+    observed = observe(signals, start.nominal)
+    return ports_on(observed, start), start
+
+
+def ports_on(observed: Observed, start: Model) -> Ports:
+    """Make the ports of what was observed."""
+    noise = force_noise(start, observed)
+    return Ports(observed, noise, observed.position_noise, usable(start, observed),
+                 default_block(observed))
