@@ -16,8 +16,9 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import lru_cache
-from math import pi
+from math import nan, pi
 from typing import Any
 
 from contact_estimation.diagnosis.diagnosis import diagnose, Recording
@@ -27,14 +28,17 @@ from contact_estimation.diagnosis.noise import force_noise
 from contact_estimation.diagnosis.observed import observe, Observed, Signals
 from contact_estimation.diagnosis.ports import default_block, Ports, usable
 from contact_estimation.parameter_values import build
-from contact_estimation.parameters import specifications
+from contact_estimation.parameters import parameter, ParameterGroup, specifications
 from contact_estimation.physics import EFFECTS
+from contact_estimation.physics.physics import ContactEffect
 from contact_estimation.plant.open_loop import run_open_loop
 from contact_estimation.plant.plant_parameters import PlantParameters
+from contact_estimation.plant.simulation import simulate_force
 from contact_estimation.reference.excitation import Excitation, Multisine
 from contact_estimation.reference.experiment import Experiment, Segment
 from contact_estimation.reference.quintic import quintic
 import numpy as np
+from pytest import MonkeyPatch
 
 MODEL: dict[str, Any] = {
     'environment.stiffness': 5000.0, 'environment.damping': 120.0,
@@ -113,10 +117,17 @@ def recorded(experiment: Experiment = TOUCHES, seed: int = 1, **changes: Any) ->
 
 @lru_cache(maxsize=None)
 def _recorded(experiment: Experiment, seed: int, changes: tuple[Any, ...]) -> Signals:
-    plant = build(PlantParameters, {
-        **MODEL, **SENSORS, 'sample_rate': RATE_HZ, 'seed': seed, **_dotted(dict(changes)),
+    return record(_world(seed, dict(changes)), experiment)
+
+
+def _world(seed: int, changes: dict[str, Any]) -> PlantParameters:
+    return build(PlantParameters, {
+        **MODEL, **SENSORS, 'sample_rate': RATE_HZ, 'seed': seed, **_dotted(changes),
     })
 
+
+def record(plant: PlantParameters, experiment: Experiment = TOUCHES) -> Signals:
+    """Record an experiment with a given plant."""
     def reference(t: float) -> tuple[float, float, float, float]:
         return (*experiment.desired(t)[:3], 0.0)
 
@@ -125,6 +136,68 @@ def _recorded(experiment: Experiment, seed: int, changes: tuple[Any, ...]) -> Si
     t = np.array([truth.t for truth in truths])
     return Signals(t, samples.force, t, samples.position, t,
                    np.array([reference(now) for now in t.tolist()]).T)
+
+
+@dataclass(frozen=True)
+class ResonanceParameters(ParameterGroup):
+    """Parameters of `Resonance`."""
+
+    mass: float = parameter(nan, 'Of what swings behind the surface', 'kg', nan_is_off=True)
+    stiffness: float = parameter(nan, 'Of its spring to the surface', 'N/m', nan_is_off=True)
+    damping: float = parameter(nan, 'Likewise', 'N s/m', nan_is_off=True)
+
+
+class Resonance(ContactEffect):
+    """A mass that swings behind the surface; the library has no such effect."""
+
+    name = 'resonance'
+    Parameters = ResonanceParameters
+    states = 2
+
+    def _pull(self, d: float, v: float, state: Any) -> float:
+        return self.values.stiffness * (d - state[0]) + self.values.damping * (v - state[1])
+
+    def resistance(self, t: Any, d: Any, v: Any, state: Any, m: Any) -> Any:
+        """Give the pull of the mass; see `ContactEffect.resistance`."""
+        return self._pull(d, v, state)
+
+    def state_rates(
+        self, t: float, d: float, v: float, contact: bool, state: tuple[float, ...]
+    ) -> tuple[float, ...]:
+        """Move the mass; out of contact the surface rests."""
+        pull = self._pull(d, v, state) if contact else self._pull(0.0, 0.0, state)
+        return state[1], pull / self.values.mass
+
+
+@lru_cache(maxsize=None)
+def resonant() -> Signals:
+    """Record a world with a resonance in the wall, at 9 Hz."""
+    mass, omega = 0.4, 2.0 * pi * 9.0
+    effect = ResonanceParameters(mass, mass * omega**2, 2.0 * 0.05 * mass * omega)
+    plant = _world(1, {})
+    groups = {name: cls.Parameters() for name, cls in EFFECTS.items()}
+    object.__setattr__(plant, 'physics', type('Physics', (), {**groups, 'resonance': effect})())
+    with MonkeyPatch.context() as patch:
+        patch.setitem(EFFECTS, 'resonance', Resonance)
+        return record(plant)
+
+
+ATTACHED: dict[str, Any] = {
+    'environment__stiffness': 5000.0, 'environment__damping': 12.0, 'environment__inertia': 2.0,
+    'environment__unilateral': False,
+}
+_SHAKE = Multisine(25.0, [2.0 * pi * f for f in (0.6, 1.7, 3.1, 5.3, 7.1, 8.3, 9.7, 12.1)])
+
+
+@lru_cache(maxsize=None)
+def attached(*changes: tuple[str, float]) -> Signals:
+    """Record a permanently attached wall under a known force."""
+    plant = _world(1, {**ATTACHED, 'sensors__force_noise': 0.0, **dict(changes)})
+    stamps = np.arange(round(8.0 * RATE_HZ)) * round(1e9 / RATE_HZ)
+    t = stamps * 1e-9
+    force = np.array([_SHAKE.value(now) for now in t.tolist()])
+    measured = simulate_force(plant, stamps, force, (0.0, 0.0)).measured
+    return Signals(t, measured[0], t, measured[1], np.empty(0), np.empty((4, 0)))
 
 
 def diagnosed(signals: Signals, model: PlantParameters | None = None) -> Diagnosis:
