@@ -210,7 +210,7 @@ def _refine(
     ports = [case.port for case in again]
     base = _recalibrate(ports, finding.base.model)
     named = fit(ports, best)
-    if named.cost > finding.best.cost:
+    if named.cost > finding.best.cost or not named.model.plausible():
         return finding, cases
     left = named.cost - named.filled
     if left > 0.5 * THRESHOLD * named.filled and left > 0.02 * (

@@ -80,7 +80,8 @@ def refine(ports: Sequence[Ports], found: Fit) -> Fit:
     there = _errors_at(ports, model.at(tried))
     if float(there @ there) < cost:
         values = tried
-    return found._replace(model=model.at(values))
+    refined = found._replace(model=model.at(values))
+    return refined if refined.model.plausible() else found
 
 
 def _runs_true(port: Ports, run: Run) -> bool:

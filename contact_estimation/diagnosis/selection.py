@@ -264,7 +264,9 @@ def exchange(
         rest = fit(ports, best.model.without(name))
         names = candidates_for(rest.model, with_robot)
         fits = search(ports, rest, names, progress)
-        if fits and fits[0].cost < best.cost - scale_of(best) * 10.0:
+        # A wider law always fits a little better: it has to pay for its parameters.
+        least = 10.0 + (penalty(fits[0].model) - penalty(best.model) if fits else 0.0)
+        if fits and fits[0].cost < best.cost - scale_of(best) * least:
             best = fits[0]
             rivals.pop(name, None)
             rivals[best.model.effects[-1]] = fits[1:]

@@ -57,8 +57,8 @@ class StribeckFriction(ContactEffect):
 
     @classmethod
     def plausible(cls, values: Any) -> bool:
-        """Friction falls: F_s > F_c."""
-        return bool(values.F_s > values.F_c)
+        """Friction falls, F_s > F_c, and not within the smooth sign, where no one could see it."""
+        return bool(values.F_s > values.F_c and values.v_s > SIGN_VELOCITY)
 
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
