@@ -92,7 +92,12 @@ def _runs_true(port: Ports, run: Run) -> bool:
 def _refine_wall(ports: Sequence[Ports], found: Fit) -> Fit:
     for port in ports:
         port.rounds = _PICARD
-    return fit(ports, found.model)
+    refined = fit(ports, found.model)
+    if refined.cost <= found.cost and refined.model.plausible():
+        return refined
+    for port in ports:  # the iteration does not converge where the wall is far from linear
+        port.rounds = 1
+    return found
 
 
 def _errors_at(ports: Sequence[Ports], model: Model) -> Array:

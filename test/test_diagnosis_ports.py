@@ -1,0 +1,285 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""What right and wrong models leave at the ports of a recording."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from concealed_worlds import (
+    attached,
+    ATTACHED,
+    FORCE_NOISE,
+    nominal,
+    physics,
+    ports_of,
+    recorded,
+)
+from contact_estimation.diagnosis.model import Model
+from contact_estimation.diagnosis.observed import Observed, Signals
+from contact_estimation.diagnosis.ports import (
+    at_touch_down,
+    default_block,
+    force_drops,
+    huber,
+    Ports,
+    ROBUST,
+    usable,
+)
+import numpy as np
+from numpy.typing import NDArray
+import pytest
+
+Array = NDArray[np.float64]
+
+EFFECTS_BY_PORT = [
+    ('coulomb_friction', (2.0,), True, True),
+    ('cubic_stiffness', (3e6,), True, True),
+    ('force_bias', (2.0,), True, False),
+    ('force_delay', (0.006,), True, False),
+    ('robot_friction', (3.0,), False, True),
+    ('reflected_inertia', (1.5,), False, True),
+]
+
+
+def mean_squares(port: Ports, model: Model) -> tuple[float, float]:
+    """Give the mean square of what a model leaves at both ports, in those of the noise."""
+    port.doubt(model)
+    parts = np.split(port.residuals(model, robust=False), 2)
+    force, motion = (float(np.mean(part[part != 0.0] ** 2)) for part in parts)
+    return force, motion
+
+
+@pytest.mark.parametrize('seed', [1, 2, 3])
+def test_true_model_leaves_noise_of_variance_one(seed: int) -> None:
+    port, model = ports_of(recorded(seed=seed))
+    force, motion = mean_squares(port, model)
+    assert force == pytest.approx(1.0, abs=0.2)
+    assert motion == pytest.approx(1.0, abs=0.3)
+
+
+def test_force_residual_of_the_true_model_is_the_sensor_s_noise() -> None:
+    port, model = ports_of(recorded())
+    residual = port.force_residual(model)[port.use]
+    assert np.std(residual) == pytest.approx(FORCE_NOISE, rel=0.05)
+    assert abs(np.mean(residual)) < 4.0 * FORCE_NOISE / np.sqrt(len(residual))
+
+
+@pytest.mark.parametrize('name, values, in_force, in_motion', EFFECTS_BY_PORT)
+def test_effect_shows_at_the_ports_it_acts_on(
+    name: str, values: tuple[float, ...], in_force: bool, in_motion: bool
+) -> None:
+    port, model = ports_of(recorded(**physics(name, *values)))
+    for left, shows in zip(mean_squares(port, model), (in_force, in_motion)):
+        assert left > 8.0 if shows else left < 2.0
+
+
+@pytest.mark.parametrize('name, values', [case[:2] for case in EFFECTS_BY_PORT])
+def test_true_effect_explains_what_it_did(name: str, values: tuple[float, ...]) -> None:
+    port, model = ports_of(recorded(**physics(name, *values)))
+    before, after = (sum(mean_squares(port, m))
+                     for m in (model, model.with_effect(name, values)))
+    assert after < 0.15 * before
+
+
+def test_impulse_of_touch_down_is_kept() -> None:
+    pressing, step = -40.0, 0.3  # a damper's force is there at once, within the step
+    d = np.array([-1.3, -0.7 * 1.0, 0.3, 1.3])
+    force = np.where(d > 0.0, pressing, 0.0)
+    changed = at_touch_down(force, d)
+    area = np.sum(0.5 * (changed[1:] + changed[:-1]))
+    # Straight lines between samples a second apart; the force acts for 0.3 s of the second one.
+    assert area == pytest.approx(pressing * (step + 1.0))
+    np.testing.assert_array_equal(changed != force, [False, True, False, False])
+
+
+@pytest.mark.parametrize('d', [[-2.0, -1.0, -0.5], [0.5, 0.7, 0.9], [0.5, -0.5, -1.0]])
+def test_without_touch_down_no_force_is_changed(d: list[float]) -> None:
+    depth = np.array(d)
+    force = np.where(depth > 0.0, -5.0, 0.0)
+    np.testing.assert_array_equal(at_touch_down(force, depth), force)
+
+
+def test_doubt_discounts_nuisances_and_not_physics() -> None:
+    port, model = ports_of(recorded())
+    stiffer = model.with_effect('impedance_mismatch', (1.0, 1.0, 1.02))
+    rubbing = model.with_effect('coulomb_friction', (1.0,))
+    before = [cost(port, m) - cost(port, model) for m in (stiffer, rubbing)]
+    port.doubt(model)
+    after = [cost(port, m) - cost(port, model) for m in (stiffer, rubbing)]
+    discounted, kept = (now / then for now, then in zip(after, before))
+    assert discounted < 0.2
+    assert kept > 0.5
+
+
+def cost(port: Ports, model: Model) -> float:
+    """Sum the squares of what a model leaves."""
+    return float(np.sum(port.residuals(model, robust=False) ** 2))
+
+
+def test_doubt_makes_no_residual_larger() -> None:
+    port, model = ports_of(recorded(**physics('coulomb_friction', 2.0)))
+    before = cost(port, model)
+    port.doubt(model)
+    assert cost(port, model) <= before
+
+
+def test_lost_wrenches_do_not_count() -> None:
+    signals = recorded()
+    kept = np.ones(len(signals.force), bool)
+    kept[600:620] = kept[1000::37] = False
+    kept[-1] = True
+    wrong = np.where(kept, signals.force, 1e3)
+    lossy = signals._replace(wrench_t=signals.wrench_t[kept], force=wrong[kept])
+    port, model = ports_of(lossy)
+    assert len(port.observed.t) == len(signals.force)
+    np.testing.assert_array_equal(port.observed.measured, kept)
+    force, motion = mean_squares(port, model)
+    assert force == pytest.approx(1.0, abs=0.2)
+    assert motion == pytest.approx(1.0, abs=0.3)
+
+
+def test_blocks_average_to_variance_one() -> None:
+    port, _ = ports_of(recorded())
+    noise = 0.7 * np.random.default_rng(1).standard_normal(len(port.observed.t))
+    averaged = port.average('force', noise, 0.7)
+    assert len(averaged) == len(noise) // port.block
+    assert np.var(averaged[averaged != 0.0]) == pytest.approx(1.0, abs=0.15)
+
+
+def test_count_is_that_of_the_residuals_that_are_not_empty() -> None:
+    port, model = ports_of(recorded())
+    assert port.count == np.count_nonzero(port.residuals(model))
+
+
+def test_touch_downs_and_ends_are_not_used() -> None:
+    port, model = ports_of(recorded())
+    o = port.observed
+    inside = o.x > 0.0
+    first = np.flatnonzero(inside[1:] & ~inside[:-1]) + 1
+    use = usable(model, o)
+    assert len(first) >= 3
+    assert not use[first].any()
+    assert not use[:5].any() and not use[-5:].any()
+    assert np.mean(use) > 0.95
+
+
+def test_start_of_an_attached_wall_is_not_used() -> None:
+    port, model = ports_of(attached(), nominal(**ATTACHED))
+    use = usable(model, port.observed)
+    assert not use[port.observed.t < 0.49].any()
+    assert use[(port.observed.t > 0.51) & (port.observed.t < 7.9)].all()
+
+
+def test_distrusted_motion_weighs_as_much_as_it_errs() -> None:
+    port, model = ports_of(recorded(**physics('robot_friction', 3.0)))
+    port.distrust_motion(model)
+    residual = port.motion_residual(model)
+    assert residual is not None
+    left = port.average('motion', residual, port.motion_noise)
+    assert np.mean(left[left != 0.0] ** 2) == pytest.approx(1.0)
+
+
+def test_trusted_motion_stays_as_it_is() -> None:
+    port, model = ports_of(recorded())
+    before = port.motion_noise
+    port.distrust_motion(model)
+    assert before <= port.motion_noise < 1.4 * before
+
+
+def test_answer_to_what_the_model_lacks_is_its_motion_residual() -> None:
+    true, model = ports_of(recorded(**physics('robot_friction', 3.0)))
+    residual = true.motion_residual(model)
+    drag = -3.0 * np.tanh(true.observed.v / 4e-4)
+    answer = true.answer_to(drag, model)
+    assert answer is not None and residual is not None
+    assert np.corrcoef(answer[true.use], residual[true.use])[0, 1] > 0.95
+
+
+def test_without_a_robot_there_is_no_motion_port() -> None:
+    signals = recorded()._replace(reference_t=np.empty(0), reference=np.empty((4, 0)))
+    port, model = ports_of(signals)
+    assert port.observed.reference is None
+    assert port.motion_residual(model) is None
+    assert port.answer_to(np.zeros(len(port.observed.t)), model) is None
+    assert port.count == np.count_nonzero(port.residuals(model))
+
+
+def test_attached_wall_has_a_motion_port_alone() -> None:
+    port, model = ports_of(attached(), nominal(**ATTACHED))
+    assert default_block(port.observed) == len(port.observed.t) // len(port.residuals(model))
+    assert np.mean(port.residuals(model) ** 2) == pytest.approx(1.0, abs=0.3)
+
+
+def test_bent_residuals_have_the_squares_of_huber_s_loss() -> None:
+    r = np.linspace(-40.0, 40.0, 801)
+    loss = np.where(np.abs(r) <= ROBUST, r**2, 2.0 * ROBUST * np.abs(r) - ROBUST**2)
+    np.testing.assert_allclose(huber(r) ** 2, loss)
+    np.testing.assert_array_equal(np.sign(huber(r)), np.sign(r))
+
+
+def observed_force(force: Array) -> Observed:
+    """Make an observation of which the force alone counts."""
+    t, nothing = 0.004 * np.arange(len(force)), np.zeros(len(force))
+    return Observed(t, 0.004, force, np.ones(len(force), bool), nothing, nothing, nothing,
+                    nothing, None, 1e-6, 20.0)
+
+
+def pressed(drops: int, samples: int) -> Array:
+    """Press for four seconds, and vanish for some samples every now and then."""
+    force = np.zeros(1200)
+    force[100:1100] = -50.0
+    for k in range(drops):
+        force[200 + 150 * k:200 + 150 * k + samples] = 0.0
+    return force + 0.1 * np.random.default_rng(1).standard_normal(1200)
+
+
+def test_drops_in_the_midst_of_a_contact_are_found() -> None:
+    found = force_drops(observed_force(pressed(4, 20)), 0.1)
+    assert found is not None
+    expected = pressed(4, 20) > -25.0
+    expected[:100] = expected[1100:] = False
+    np.testing.assert_array_equal(found, expected)
+
+
+@pytest.mark.parametrize('drops, samples', [(0, 0), (2, 20), (4, 140)])
+def test_few_or_long_gaps_are_no_drops(drops: int, samples: int) -> None:
+    assert force_drops(observed_force(pressed(drops, samples)), 0.1) is None
+
+
+def test_model_that_cannot_let_go_pays_for_drops() -> None:
+    port, model = ports_of(recorded())
+    dropped = np.zeros(len(port.observed.t), bool)
+    dropped[800:805] = dropped[900:905] = True
+    with_drops = replace(port, dropped=dropped)
+    plain = cost(with_drops, model)
+    playing = cost(with_drops, model.with_effect('backlash', (0.0,)))
+    assert plain - playing == pytest.approx(25.0 * 10.0, rel=0.01)
+
+
+def test_reference_reaches_a_late_robot_later() -> None:
+    port, _ = ports_of(recorded())
+    o = port.observed
+    assert o.reference is not None
+    late = o.reference_at(3.0 * o.h)
+    np.testing.assert_allclose(late[:, 3:], o.reference[:, :-3], atol=1e-9)
+    np.testing.assert_array_equal(o.reference_at(0.0), o.reference)
+
+
+def test_stamps_of_joint_and_wrench_may_differ() -> None:
+    signals: Signals = recorded()
+    shifted = signals._replace(joint_t=signals.joint_t[3:], position=signals.position[3:])
+    port, model = ports_of(shifted)
+    assert mean_squares(port, model)[0] == pytest.approx(1.0, abs=0.2)
