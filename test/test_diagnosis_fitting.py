@@ -1,0 +1,156 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Models in one vector, and fits of them to the ports."""
+
+from __future__ import annotations
+
+from concealed_worlds import FREE, MODEL, nominal, physics, ports_of, recorded
+from contact_estimation.diagnosis.fitting import fit, residual_function, step
+from contact_estimation.diagnosis.model import Model, names_of
+from contact_estimation.diagnosis.uncertainty import standard_deviations
+from contact_estimation.physics import EFFECTS
+import numpy as np
+import pytest
+
+K_e, B_e = MODEL['environment.stiffness'], MODEL['environment.damping']
+STIFFER = {'environment__stiffness': 5600.0, 'environment__damping': 90.0}
+
+
+def test_fit_recovers_stiffness_and_damping() -> None:
+    port, model = ports_of(recorded(**STIFFER))
+    found = fit([port], model)
+    assert found.model.values == pytest.approx((5600.0, 90.0), rel=0.01)
+    assert found.filled == port.count
+
+
+def test_cost_of_a_fit_is_that_of_its_residuals() -> None:
+    port, model = ports_of(recorded(**STIFFER))
+    found = fit([port], model)
+    assert found.cost == pytest.approx(float(np.sum(port.residuals(found.model) ** 2)))
+    assert found.cost == pytest.approx(float(np.sum(found.residuals**2)))
+
+
+@pytest.mark.parametrize('start', [(500.0, 5.0), (50000.0, 1000.0)])
+def test_fit_finds_its_way_from_far_off(start: tuple[float, float]) -> None:
+    port, model = ports_of(recorded())
+    assert fit([port], model.at(start)).model.values == pytest.approx((K_e, B_e), rel=0.01)
+
+
+def test_fit_stays_within_the_ranges_of_the_parameters() -> None:
+    port, model = ports_of(recorded())
+    found = fit([port], model.with_effect('coulomb_friction', (1.0,)))
+    low, high = found.model.bounds
+    assert np.all(low <= found.model.values) and np.all(found.model.values <= high)
+    assert found.model.values[-1] < 0.05
+
+
+def test_step_is_exact_for_what_is_linear() -> None:
+    port, model = ports_of(recorded(**physics('force_bias', 2.0)))
+    start = model.with_effect('force_bias', (0.01,))
+    cost, stepped = step([port], start)
+    again, _ = step([port], stepped)
+    assert stepped.values[-1] == pytest.approx(2.0, rel=0.02)
+    assert cost - again < 1e-3 * cost
+
+
+def test_step_never_makes_things_worse() -> None:
+    port, model = ports_of(recorded())
+    start = model.with_effect('power_law_stiffness', (2.0, 1e6))
+    before = float(np.sum(port.residuals(start) ** 2))
+    assert step([port], start)[0] <= before
+
+
+def test_what_is_no_number_is_beyond_all_cost() -> None:
+    port, model = ports_of(recorded())
+    wild = model.with_effect('cubic_stiffness', (0.0,))
+    left = residual_function([port], wild)(np.array([np.nan, B_e, 0.0]))
+    assert np.all(np.isfinite(left))
+    assert np.max(left) == 1e6
+
+
+def test_standard_deviations_cover_the_errors() -> None:
+    errors = []
+    for seed in (1, 2, 3):
+        port, model = ports_of(recorded(seed=seed))
+        port.doubt(model)
+        found = fit([port], model)
+        errors += list((np.array(found.model.values) - (K_e, B_e))
+                       / standard_deviations([port], found))
+    assert np.sqrt(np.mean(np.square(errors))) < 3.0
+
+
+def test_standard_deviations_of_what_is_not_fitted_are_not_numbers() -> None:
+    port, model = ports_of(recorded(**physics('hunt_crossley_damping', 12000.0)))
+    found = fit([port], model.with_effect('hunt_crossley_damping', (10000.0,)))
+    std = standard_deviations([port], found)
+    np.testing.assert_array_equal(np.isnan(std), [False, True, False])
+
+
+def test_model_places_values_in_order() -> None:
+    model = Model.of(nominal()).with_effect('moving_environment', (1e-4, 2.0, 0.3))
+    model = model.with_effect('force_bias', (1.5,))
+    assert model.place('moving_environment') == slice(2, 5)
+    assert model.place('force_bias') == slice(5, 6)
+    assert model.without('moving_environment').values == (K_e, B_e, 1.5)
+    assert model.without('moving_environment').effects == ('force_bias',)
+
+
+@pytest.mark.parametrize('name', ['force_bias', 'no_such_effect'])
+def test_effect_that_a_model_has_not_has_no_place(name: str) -> None:
+    model = Model.of(nominal()).with_effect('coulomb_friction', (1.0,))
+    with pytest.raises(KeyError, match=name):
+        model.place(name)
+    with pytest.raises(KeyError, match=name):
+        model.without(name)
+
+
+def test_effect_that_does_not_exist_cannot_be_added() -> None:
+    model = Model.of(nominal()).with_effect('no_such_effect', (1.0,))
+    with pytest.raises(KeyError, match='no_such_effect'):
+        model.laws()
+
+
+def test_inertia_is_fitted_where_the_wall_has_one() -> None:
+    model = Model.of(nominal(environment__inertia=2.0, environment__unilateral=False))
+    assert model.values == (K_e, B_e, 2.0)
+    assert model.laws().contact.inertia == 2.0
+    assert model.with_effect('force_bias', (1.0,)).place('force_bias') == slice(3, 4)
+
+
+@pytest.mark.parametrize('name', EFFECTS)
+def test_bounds_have_a_place_for_every_value(name: str) -> None:
+    count = len(names_of(name))
+    model = Model.of(nominal()).with_effect(name, (0.5,) * count)
+    low, high = model.bounds
+    assert len(low) == len(high) == len(model.values) == len(model.free) == 2 + count
+    assert np.all(low < high)
+
+
+def test_effects_act_in_the_order_of_the_registry() -> None:
+    model = Model.of(nominal()).with_effect('force_saturation', (50.0,))
+    model = model.with_effect('tool_inertia', (1.0,))
+    chain = [type(effect).name for effect in model.laws().chain]
+    assert chain == ['tool_inertia', 'force_saturation']
+
+
+def test_friction_that_rises_is_implausible() -> None:
+    model = Model.of(nominal())
+    assert model.with_effect('stribeck_friction', (1.0, 2.0, 0.01)).plausible()
+    assert not model.with_effect('stribeck_friction', (2.0, 1.0, 0.01)).plausible()
+    assert not model.with_effect('stribeck_friction', (1.0, 2.0, 1e-5)).plausible()
+
+
+def test_world_of_these_tests_begins_in_free_flight() -> None:
+    assert recorded().position[0] == pytest.approx(FREE, abs=1e-5)

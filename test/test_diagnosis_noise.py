@@ -1,0 +1,87 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The noise floor of the force with everything slow that a sensor adds."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from concealed_worlds import (
+    attached,
+    ATTACHED,
+    FORCE_NOISE,
+    nominal,
+    physics,
+    POSITION_NOISE,
+    QUANTUM,
+    recorded,
+)
+from contact_estimation.diagnosis.model import Model
+from contact_estimation.diagnosis.noise import force_noise
+from contact_estimation.diagnosis.observed import observe, Signals
+import numpy as np
+import pytest
+
+
+def noise_of(signals: Signals, **changes: Any) -> float:
+    """Estimate the noise floor of a recording."""
+    model = Model.of(nominal(**changes))
+    return force_noise(model, observe(signals, model.nominal))
+
+
+@pytest.mark.parametrize('changes', [
+    {},
+    physics('force_bias', 2.0),
+    physics('force_drift', 0.3),
+    physics('tool_inertia', 1.0),
+    {**physics('force_bias', -5.0), **physics('force_drift', 1.0),
+     **physics('tool_inertia', 1.0)},
+], ids=['plain', 'bias', 'drift', 'tool', 'all'])
+def test_noise_floor_is_that_of_the_sensor(changes: dict[str, float]) -> None:
+    assert noise_of(recorded(**changes)) == pytest.approx(FORCE_NOISE, rel=0.1)
+
+
+@pytest.mark.parametrize('noise', [0.05, 1.5])
+def test_noise_floor_follows_the_noise(noise: float) -> None:
+    signals = recorded(sensors__force_noise=noise)
+    assert noise_of(signals) == pytest.approx(noise, rel=0.1)
+
+
+def test_noise_floor_of_even_noise_is_its_standard_deviation() -> None:
+    signals = recorded(sensors__distribution='uniform', sensors__position_noise=0.0)
+    assert noise_of(signals) == pytest.approx(FORCE_NOISE / np.sqrt(3.0), rel=0.1)
+
+
+def test_noise_floor_without_free_flight_comes_from_the_spectrum() -> None:
+    signals = recorded()
+    touching = (signals.wrench_t > 1.0) & (signals.wrench_t < 2.45)
+    t = signals.wrench_t[touching] - signals.wrench_t[touching][0]
+    three = [np.tile(row[touching], 3) for row in (signals.force, signals.position)]
+    t_three = np.arange(3 * len(t)) * (t[1] - t[0])
+    pressed = Signals(t_three, three[0], t_three, three[1], np.empty(0), np.empty((4, 0)))
+    assert noise_of(pressed) == pytest.approx(FORCE_NOISE, rel=0.15)
+
+
+def test_force_without_noise_has_the_least_noise_floor() -> None:
+    signals = recorded(sensors__force_noise=0.0)
+    assert noise_of(signals) == pytest.approx(1e-4 * np.ptp(signals.force), rel=0.01)
+    pushed = attached()
+    assert noise_of(pushed, **ATTACHED) >= 1e-4 * np.ptp(pushed.force)
+
+
+def test_position_noise_is_known_to_a_tenth() -> None:
+    expected = np.sqrt(POSITION_NOISE**2 + QUANTUM**2 / 12.0)
+    seen = [observe(recorded(seed=seed), nominal()).position_noise for seed in (1, 2, 3)]
+    assert np.mean(seen) == pytest.approx(expected, rel=0.1)
