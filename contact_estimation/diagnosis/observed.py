@@ -162,8 +162,9 @@ def observe(
     """
     _check(signals)
     span = float(signals.wrench_t[-1])
-    # The mean over the whole span: the median of rounded stamps drifts off by whole samples.
-    count = round(span / float(np.median(np.diff(signals.wrench_t)))) + 1
+    # Step by step: the median of rounded or jittered stamps drifts off by whole samples.
+    steps = np.diff(signals.wrench_t)
+    count = int(np.sum(np.round(steps / np.median(steps)))) + 1
     h = span / (count - 1)
     t: Array = np.asarray(h * np.arange(count), np.float64)
     force, measured = _on_grid(signals.wrench_t, signals.force, t, h)
@@ -220,6 +221,14 @@ def _check(signals: Signals) -> None:
             raise RecordingError(
                 f'{name} spans {span:.2f} s, expected at least {LEAST_DURATION_S:g} s; '
                 'record longer'
+            )
+    for name, values in (
+        ('wrench', signals.force), ('joint_states', signals.position),
+        ('reference_trajectory', signals.reference),
+    ):
+        if not np.isfinite(values).all():
+            raise RecordingError(
+                f'{name} must have finite values only, got NaN or infinity; leave such samples out'
             )
     for name, values in (('wrench', signals.force), ('joint_states', signals.position)):
         if float(np.ptp(values)) == 0.0:

@@ -1,0 +1,128 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Recordings that tell nothing are refused with a reason; odd ones do no harm."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from concealed_worlds import diagnosed, nominal, physics, recorded, touches
+from contact_estimation.diagnosis.diagnosis import diagnose, Recording
+from contact_estimation.diagnosis.observed import LEAST_DURATION_S, observe, Signals
+from contact_estimation.exceptions import ContactEstimationError, RecordingError
+import numpy as np
+from numpy.typing import NDArray
+import pytest
+
+Array = NDArray[np.float64]
+
+
+def changed(**rows: Any) -> Signals:
+    """Change some of a recording's signals."""
+    return recorded()._replace(**rows)
+
+
+def cut(signals: Signals, first: float, last: float) -> Signals:
+    """Keep a stretch of a recording, its time beginning anew."""
+    inside = (signals.wrench_t >= first) & (signals.wrench_t < last)
+    t = signals.wrench_t[inside] - signals.wrench_t[inside][0]
+    return Signals(t, signals.force[inside], t, signals.position[inside], t,
+                   signals.reference[:, inside])
+
+
+def refused(signals: Signals, match: str) -> None:
+    """Require an error with a text."""
+    with pytest.raises(RecordingError, match=match):
+        diagnosed(signals)
+
+
+def test_constant_force_is_refused() -> None:
+    refused(changed(force=np.full(1825, -3.0)), 'wrench is constant at -3.*topic, axis')
+
+
+def test_constant_position_is_refused() -> None:
+    refused(changed(position=np.zeros(1825)), 'joint_states is constant at 0.*topic, axis')
+
+
+@pytest.mark.parametrize('seconds', [0.02, 0.5, 1.0, 0.99 * LEAST_DURATION_S])
+def test_short_recordings_are_refused(seconds: float) -> None:
+    refused(cut(recorded(), 0.5, 0.5 + seconds), 'wrench spans .* s, expected at least 2 s')
+
+
+@pytest.mark.parametrize('count', [0, 1])
+def test_hardly_any_joint_state_is_refused(count: int) -> None:
+    few = changed(joint_t=np.arange(float(count)), position=np.arange(float(count)))
+    refused(few, 'joint_states spans 0.00 s')
+
+
+def test_hardly_any_wrench_is_refused() -> None:
+    refused(changed(wrench_t=np.zeros(1), force=np.zeros(1)), 'wrench spans 0.00 s')
+
+
+def test_recording_without_contact_is_refused_by_name() -> None:
+    away = changed(position=recorded().position - 0.05)
+    with pytest.raises(RecordingError, match='monday has no contact of 0.2 s.*location'):
+        diagnose([Recording('monday', away)], [], nominal())
+
+
+def test_holdout_without_contact_is_refused_by_name() -> None:
+    away = changed(position=recorded().position - 0.05)
+    with pytest.raises(RecordingError, match='tuesday has no contact'):
+        diagnose([Recording('monday', recorded())], [Recording('tuesday', away)], nominal())
+
+
+@pytest.mark.parametrize('row', ['force', 'position'])
+@pytest.mark.parametrize('value', [np.nan, np.inf])
+def test_signals_that_are_no_numbers_are_refused(row: str, value: float) -> None:
+    values: Array = getattr(recorded(), row).copy()
+    values[700] = value
+    with pytest.raises(ContactEstimationError, match='finite'):
+        diagnosed(changed(**{row: values}))
+
+
+def test_one_touch_is_enough() -> None:
+    once = touches((0.03, 1.5))
+    found = diagnosed(recorded(once, **physics('coulomb_friction', 2.0)))
+    assert [effect.name for effect in found.effects] == ['coulomb_friction']
+
+
+def test_recording_that_ends_in_contact_is_diagnosed() -> None:
+    assert diagnosed(cut(recorded(), 0.0, 6.4)).verdict == 'consistent'
+
+
+def test_grid_is_that_of_the_wrenches() -> None:
+    signals = recorded()
+    observed = observe(signals, nominal())
+    np.testing.assert_allclose(observed.t, signals.wrench_t, atol=1e-9)
+    assert observed.h == pytest.approx(0.004)
+
+
+def test_lost_wrenches_keep_their_place() -> None:
+    signals = recorded()
+    kept = np.random.default_rng(1).uniform(size=len(signals.wrench_t)) > 0.1
+    kept[[0, -1]] = True
+    kept[900:1000] = False
+    observed = observe(signals._replace(wrench_t=signals.wrench_t[kept],
+                                        force=signals.force[kept]), nominal())
+    np.testing.assert_array_equal(observed.measured, kept)
+
+
+def test_jitter_of_stamps_moves_no_sample() -> None:
+    signals = recorded()
+    jitter = 2e-4 * np.random.default_rng(1).uniform(-1.0, 1.0, len(signals.wrench_t))
+    jitter[0] = jitter[-1] = 0.0
+    observed = observe(signals._replace(wrench_t=signals.wrench_t + jitter), nominal())
+    assert len(observed.t) == len(signals.wrench_t)
+    assert observed.measured.all()

@@ -1,0 +1,215 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Parts that no fit sees: which they are, and what is measured on them."""
+
+from __future__ import annotations
+
+from concealed_worlds import (
+    attached,
+    ATTACHED,
+    FORCE_NOISE,
+    nominal,
+    physics,
+    ports_of,
+    recorded,
+    Touch,
+    touches,
+)
+from contact_estimation.diagnosis.episodes import episodes, hold_out, require_contact
+from contact_estimation.diagnosis.finding import Errors
+from contact_estimation.diagnosis.held_out import (
+    as_good,
+    by_part,
+    errors_of,
+    improvement_interval,
+    measure_part,
+    Part,
+)
+from contact_estimation.diagnosis.model import Model
+from contact_estimation.diagnosis.observed import Observed
+from contact_estimation.exceptions import RecordingError
+import numpy as np
+from numpy.typing import NDArray
+import pytest
+
+Array = NDArray[np.float64]
+
+MODEL = Model.of(nominal())
+DEPTHS = [(0.02, 0.03), (0.03, 0.02), (0.02, 0.03, 0.01), (0.01, 0.03, 0.02), (0.03, 0.02, 0.01),
+          (0.02, 0.01, 0.03, 0.015), (0.01, 0.015, 0.03, 0.02), (0.02, 0.02, 0.02)]
+
+
+def moved(depths: tuple[float, ...]) -> Observed:
+    """Observe a motion that dips to given depths, each for half a second."""
+    h, parts = 0.01, []
+    for depth in depths:
+        parts += [np.full(50, -0.01), np.full(50, depth)]
+    x = np.concatenate([*parts, np.full(50, -0.01)])
+    t, nothing = h * np.arange(len(x)), np.zeros(len(x))
+    force = np.where(x > 0.0, -5000.0 * x, 0.0)
+    return Observed(t, h, force, np.ones(len(x), bool), x, x, nothing, nothing, None, 1e-6, 20.0)
+
+
+def test_episodes_are_the_touches() -> None:
+    port, model = ports_of(recorded())
+    o = port.observed
+    found = episodes(model, o)
+    assert len(found) == 3
+    for first, stop in found:
+        assert o.x[first] > 0.0 >= o.x[first - 1]
+        assert o.x[stop - 1] > 0.0 >= o.x[stop]
+
+
+def test_short_touches_are_no_episodes() -> None:
+    short = moved((0.02, 0.03))
+    x = short.x.copy()
+    x[50:85] = -0.01
+    found = episodes(MODEL, Observed(short.t, short.h, short.force, short.measured, x, x, short.v,
+                                     short.a, None, 1e-6, 20.0))
+    assert found == [(150, 200)]
+
+
+@pytest.mark.parametrize('depths', DEPTHS)
+def test_deepest_episode_is_never_held_out(depths: tuple[float, ...]) -> None:
+    o = moved(depths)
+    part = hold_out(MODEL, o)
+    held = [k for k, (first, stop) in enumerate(episodes(MODEL, o))
+            if part.samples[first:stop].any()]
+    assert len(held) == 1
+    assert part.name == f'episode {held[0] + 1}'
+    assert held[0] != int(np.argmax(depths))
+
+
+@pytest.mark.parametrize('depths', DEPTHS)
+def test_held_out_episode_is_whole_and_cut_in_free_flight(depths: tuple[float, ...]) -> None:
+    o = moved(depths)
+    samples = hold_out(MODEL, o).samples
+    edges = np.flatnonzero(np.diff(samples.astype(int)))
+    assert np.all(o.x[edges] < 0.0)
+    assert 0 < np.count_nonzero(samples) < len(o.t)
+
+
+def test_of_one_episode_a_late_block_is_held_out() -> None:
+    o = moved((0.02,))
+    part = hold_out(MODEL, o)
+    held = np.flatnonzero(part.samples)
+    assert held[0] >= 75 and held[-1] < 100
+    assert part.name.endswith(' s')
+
+
+def test_of_an_attached_wall_a_late_block_is_held_out() -> None:
+    port, model = ports_of(attached(), nominal(**ATTACHED))
+    samples = hold_out(model, port.observed).samples
+    assert np.mean(samples) == pytest.approx(0.2, abs=0.01)
+    assert np.flatnonzero(samples)[0] > 0.5 * len(samples)
+
+
+def test_recording_without_contact_is_refused() -> None:
+    with pytest.raises(RecordingError, match='free.mcap has no contact of 0.2 s.*location'):
+        require_contact(MODEL, moved((-0.001, -0.002)), 'free.mcap')
+
+
+def part_of(recalibrated: Array, corrected: Array) -> Part:
+    """Make a part with given squared errors, ten samples a block."""
+    force = np.array([recalibrated, recalibrated, corrected])
+    return Part('part', force, np.full(len(recalibrated), 10.0), None, np.zeros(0))
+
+
+def test_errors_are_root_mean_squares_over_all_parts() -> None:
+    parts = [part_of(np.full(4, 90.0), np.full(4, 10.0)), part_of(np.full(2, 0.0), np.full(2, 0.0))]
+    force, motion = errors_of(parts)
+    assert force.recalibrated == pytest.approx(np.sqrt(4 * 90.0 / 60.0))
+    assert force.corrected == pytest.approx(np.sqrt(4 * 10.0 / 60.0))
+    assert motion == Errors(None, None, None)
+    assert [part.force.corrected for part in by_part(parts)] == pytest.approx([1.0, 0.0])
+
+
+def test_improvement_of_equal_blocks_is_certain() -> None:
+    interval = improvement_interval([part_of(np.full(6, 90.0), np.full(6, 10.0))],
+                                    np.random.default_rng(0))
+    assert interval == pytest.approx((1.0 - 1.0 / 3.0,) * 2)
+
+
+def test_interval_of_an_improvement_holds_it() -> None:
+    generator = np.random.default_rng(1)
+    recalibrated, corrected = 90.0 * generator.chisquare(10, 40), 10.0 * generator.chisquare(10, 40)
+    interval = improvement_interval([part_of(recalibrated, corrected)], np.random.default_rng(0))
+    assert interval is not None
+    low, high = interval
+    assert low < 1.0 - 1.0 / 3.0 < high
+    assert high - low < 0.2
+
+
+def test_no_improvement_gives_an_interval_around_nothing() -> None:
+    generator = np.random.default_rng(2)
+    one, other = (generator.chisquare(10, 40) for _ in range(2))
+    interval = improvement_interval([part_of(one, other)], np.random.default_rng(0))
+    assert interval is not None and interval[0] < 0.0 < interval[1]
+
+
+def test_one_block_has_no_interval() -> None:
+    single = part_of(np.array([90.0]), np.array([10.0]))
+    assert improvement_interval([single], np.random.default_rng(0)) is None
+
+
+def test_same_generator_gives_the_same_interval() -> None:
+    part = part_of(np.arange(1.0, 20.0), np.arange(2.0, 21.0))
+    first, second = (improvement_interval([part], np.random.default_rng(5)) for _ in range(2))
+    assert first == second
+
+
+def test_part_measures_the_force_in_contact_and_the_motion_after_its_start() -> None:
+    port, model = ports_of(recorded())
+    o = port.observed
+    samples = o.t < 2.0
+    part = measure_part('first', port, samples, [model] * 3, [o.raw_position + 1e-3] * 3)
+    touching = samples & port.use & (o.x > 0.0)
+    assert part.samples.sum() == np.count_nonzero(touching)
+    assert part.force[0].sum() == pytest.approx(
+        float(np.sum(port.force_residual(model)[touching] ** 2)))
+    assert errors_of([part])[1].nominal == pytest.approx(1e-3)
+    assert part.motion_samples.sum() == np.count_nonzero(samples & (o.t >= 0.5))
+
+
+def test_true_model_predicts_a_part_to_its_noise() -> None:
+    port, model = ports_of(recorded())
+    everything = np.ones(len(port.observed.t), bool)
+    part = measure_part('all', port, everything, [model] * 3, None)
+    assert errors_of([part])[0].nominal == pytest.approx(FORCE_NOISE, rel=0.06)
+    assert part.motion is None
+
+
+def test_model_is_as_good_as_itself_and_not_as_a_worse_one() -> None:
+    port, model = ports_of(recorded(**physics('coulomb_friction', 2.0)))
+    everything = np.ones(len(port.observed.t), bool)
+    true = model.with_effect('coulomb_friction', (2.0,))
+    generator = np.random.default_rng(0)
+    assert as_good(port, everything, true, true, generator)
+    assert not as_good(port, everything, true, model, generator)
+    assert as_good(port, everything, model, true, generator)
+
+
+def test_part_of_one_block_cannot_tell() -> None:
+    port, model = ports_of(recorded())
+    samples = np.zeros(len(port.observed.t), bool)
+    samples[700:710] = True
+    assert not as_good(port, samples, model, model, np.random.default_rng(0))
+
+
+@pytest.mark.parametrize('touch', [(0.03, 1.2), (0.02, 1.5)])
+def test_one_real_touch_holds_out_part_of_itself(touch: Touch) -> None:
+    port, model = ports_of(recorded(touches(touch, swing=0.006)))
+    part = hold_out(model, port.observed)
+    assert np.all(port.observed.x[part.samples] > 0.0)

@@ -1,0 +1,132 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Where the diagnosis says that a mismatch sits."""
+
+from __future__ import annotations
+
+from concealed_worlds import attached, ATTACHED, nominal, physics, ports_of, recorded, resonant
+from contact_estimation.diagnosis.fitting import fit
+from contact_estimation.diagnosis.location import guess_port, intervals, locate, Location
+from contact_estimation.diagnosis.model import Model
+from contact_estimation.diagnosis.observed import Signals
+from contact_estimation.diagnosis.ports import Ports
+import numpy as np
+import pytest
+
+PHASES = {'free', 'entry', 'loading', 'hold', 'unloading', 'all'}
+WORLDS = [
+    ('coulomb_friction', (2.0,), 'contact'),
+    ('cubic_stiffness', (3e6,), 'contact'),
+    ('moving_environment', (0.0003, 1.7, 0.7), 'contact'),
+    ('viscoelastic_relaxation', (500.0, 0.15), 'contact'),
+    ('force_bias', (2.0,), 'force_sensor'),
+    ('force_drift', (0.3,), 'force_sensor'),
+    ('force_saturation', (70.0,), 'force_sensor'),
+    ('tool_inertia', (1.0,), 'force_sensor'),
+    ('robot_friction', (3.0,), 'robot'),
+    ('reflected_inertia', (1.5,), 'robot'),
+    ('actuator_saturation', (90.0,), 'robot'),
+]
+
+
+def recalibrated(signals: Signals) -> tuple[Ports, Model]:
+    """Fit stiffness and damping alone."""
+    port, model = ports_of(signals)
+    port.doubt(model)
+    return port, fit([port], model).model
+
+
+def located(name: str, values: tuple[float, ...]) -> Location:
+    """Locate what a recalibrated model leaves of an effect."""
+    return locate(*recalibrated(recorded(**physics(name, *values))))
+
+
+@pytest.mark.parametrize('name, values, expected', WORLDS)
+def test_port_of_an_effect_is_guessed_from_its_residuals(
+    name: str, values: tuple[float, ...], expected: str
+) -> None:
+    port, model = recalibrated(recorded(**physics(name, *values)))
+    assert guess_port(port, model) == expected
+
+
+@pytest.mark.parametrize('name, values, expected', WORLDS)
+def test_location_is_plausible(name: str, values: tuple[float, ...], expected: str) -> None:
+    place = located(name, values)
+    assert place.phase in PHASES
+    assert place.intervals_s == sorted(place.intervals_s)
+    assert all(0.0 <= a < b <= 7.3 for a, b in place.intervals_s)
+    assert 0.0 <= place.band_hz[0] <= place.band_hz[1] <= 125.0
+
+
+def test_saturation_is_seen_at_large_depth_or_speed() -> None:
+    assert 'large' in located('force_saturation', (70.0,)).region
+
+
+def test_plastic_set_is_seen_in_contact_only() -> None:
+    port, model = recalibrated(recorded(**physics('plastic_set', 0.06)))
+    o = port.observed
+    for begin, end in locate(port, model).intervals_s:
+        inside = o.x[(o.t >= begin) & (o.t < end)] > 0.0
+        assert np.mean(inside) > 0.7
+
+
+def test_bias_is_seen_in_free_flight_too() -> None:
+    place = located('force_bias', (2.0,))
+    assert place.intervals_s[0][0] < 0.5
+
+
+def test_resonance_is_located_around_its_frequency() -> None:
+    place = locate(*recalibrated(resonant()))
+    assert place.port == 'contact'
+    assert place.band_hz[0] < 9.0 < place.band_hz[1] < 12.0
+
+
+def test_port_that_is_known_is_kept() -> None:
+    port, model = recalibrated(recorded(**physics('force_bias', 2.0)))
+    assert locate(port, model, 'robot').port == 'robot'
+
+
+def test_without_a_robot_the_contact_is_blamed() -> None:
+    port, model = ports_of(attached(('physics__cubic_stiffness__K_3', 1e6)), nominal(**ATTACHED))
+    place = locate(port, model)
+    assert place.port == 'contact'
+    assert place.phase in {'loading', 'unloading', 'all'}
+
+
+def test_intervals_are_where_the_energy_is() -> None:
+    port, _ = ports_of(recorded())
+    step = port.observed.h * port.block
+    energy = np.ones(round(7.0 / step))
+    energy[round(2.0 / step):round(2.5 / step)] = 20.0
+    energy[round(2.6 / step):round(3.0 / step)] = 20.0
+    energy[round(5.0 / step):round(5.4 / step)] = 20.0
+    found = intervals(port, energy)
+    assert np.array(found) == pytest.approx(np.array([[2.0, 3.0], [5.0, 5.4]]), abs=0.1)
+
+
+def test_noise_has_hardly_any_intervals() -> None:
+    port, _ = ports_of(recorded())
+    # A window's mean of eight squares is beyond 2.5 once in a hundred.
+    found = intervals(port, np.random.default_rng(1).standard_normal(6000) ** 2)
+    length = 6000 * port.observed.h * port.block
+    assert sum(end - begin for begin, end in found) < 0.03 * length
+
+
+def test_report_s_form_is_rounded() -> None:
+    place = Location('contact', [(1.23456, 2.0)], 'hold', 'small |v|', (0.12345, 9.0))
+    assert place.as_dict() == {
+        'port': 'contact', 'intervals_s': [[1.235, 2.0]], 'phase': 'hold',
+        'region': 'small |v|', 'band_hz': [0.123, 9.0],
+    }

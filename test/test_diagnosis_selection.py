@@ -1,0 +1,184 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The search for effects: what may be taken, and what is worth taking."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+from concealed_worlds import attached, ATTACHED, nominal, physics, ports_of, recorded
+from contact_estimation.diagnosis.fitting import Fit, fit
+from contact_estimation.diagnosis.model import Model, names_of
+from contact_estimation.diagnosis.ports import Ports
+from contact_estimation.diagnosis.scales import measure_scales
+from contact_estimation.diagnosis.selection import (
+    candidates_for,
+    enough,
+    penalty,
+    prune,
+    scale_of,
+    search,
+    select,
+    SHARE,
+    THRESHOLD,
+)
+from contact_estimation.physics import EFFECTS
+import numpy as np
+import pytest
+
+MODEL = Model.of(nominal())
+COUNT = 1000
+
+
+@lru_cache(maxsize=None)
+def prepared(*changes: tuple[str, float]) -> tuple[Ports, Fit]:
+    """Recalibrate the nominal model on a world's recording."""
+    port, model = ports_of(recorded(**dict(changes)))
+    port.doubt(fit([port], model).model)
+    return port, fit([port], model)
+
+
+def with_cost(cost: float, *effects: str) -> Fit:
+    """Make a fit of a given cost."""
+    model = MODEL
+    for name in effects:
+        model = model.with_effect(name, (1.0,) * len(names_of(name)))
+    return Fit(model, cost, np.zeros(COUNT), COUNT)
+
+
+def test_every_effect_may_be_added_where_there_is_a_robot() -> None:
+    assert candidates_for(MODEL, True) == list(EFFECTS)
+
+
+def test_robot_s_effects_need_a_robot() -> None:
+    left_out = set(EFFECTS) - set(candidates_for(MODEL, False))
+    assert left_out == {name for name, cls in EFFECTS.items() if cls.port == 'robot'}
+
+
+def test_effect_is_not_added_twice() -> None:
+    rubbing = MODEL.with_effect('coulomb_friction', (1.0,))
+    assert 'coulomb_friction' not in candidates_for(rubbing, True)
+
+
+def test_attached_wall_has_no_effects_of_touching_and_one_inertia() -> None:
+    names = set(candidates_for(Model.of(nominal(**ATTACHED)), False))
+    assert 'environment_inertia' not in names
+    assert not any(EFFECTS[name].needs_touch for name in names)
+    assert {'cubic_stiffness', 'force_bias'} <= names
+
+
+def test_parameters_of_effects_are_priced() -> None:
+    assert penalty(MODEL) == 0.0
+    assert penalty(with_cost(0.0, 'coulomb_friction').model) == 8.0
+    assert penalty(with_cost(0.0, 'stribeck_friction').model) == 24.0
+
+
+def test_law_that_replaces_a_parameter_is_priced_less() -> None:
+    assert penalty(with_cost(0.0, 'hunt_crossley_damping').model) == 0.0
+    assert penalty(with_cost(0.0, 'power_law_stiffness').model) == 8.0
+
+
+def test_scale_is_that_of_the_residuals_and_never_below_the_noise() -> None:
+    assert scale_of(with_cost(2.5 * COUNT)) == 2.5
+    assert scale_of(with_cost(0.5 * COUNT)) == 1.0
+
+
+@pytest.mark.parametrize('gain, expected', [(0.5, False), (0.99, False), (1.01, True)])
+def test_least_gain_is_a_share_of_the_residuals_and_the_price(
+    gain: float, expected: bool
+) -> None:
+    least = THRESHOLD * COUNT + 8.0
+    before, after = with_cost(COUNT), with_cost(COUNT - gain * least, 'coulomb_friction')
+    assert enough(before, after) is expected
+
+
+@pytest.mark.parametrize('share, expected', [(0.9 * SHARE, False), (1.1 * SHARE, True)])
+def test_effect_must_explain_a_fair_share_of_the_misfit(share: float, expected: bool) -> None:
+    excess = 4.0 * COUNT
+    before = with_cost(COUNT + excess)
+    after = with_cost(COUNT + (1.0 - share) * excess, 'coulomb_friction')
+    assert enough(before, after) is expected
+
+
+def test_search_ranks_the_true_effect_first() -> None:
+    port, base = prepared(*physics('quadratic_damping', 600.0).items())
+    told: list[str] = []
+    names = ['cubic_stiffness', 'quadratic_damping', 'force_bias', 'force_lag']
+    found = search([port], base, names, told.append)
+    assert told == names
+    assert found[0].model.effects == ('quadratic_damping',)
+    assert found[0].model.values[-1] == pytest.approx(600.0, rel=0.05)
+
+
+@pytest.mark.parametrize('K_2, depth', [(1500.0, 0.006), (300.0, 0.011), (5000.0, 0.009)])
+def test_search_finds_the_depth_of_a_second_spring(K_2: float, depth: float) -> None:
+    port, base = prepared(*physics('bilinear_stiffness', K_2, depth).items())
+    (found,) = search([port], base, ['bilinear_stiffness'], lambda name: None)
+    assert found.model.values[2:] == pytest.approx((K_2, depth), rel=0.05)
+
+
+def test_implausible_values_are_not_found() -> None:
+    port, base = prepared(*physics('coulomb_friction', 2.0).items())
+    for found in search([port], base, ['stribeck_friction'], lambda name: None):
+        assert found.model.plausible()
+
+
+def test_nothing_is_taken_from_a_clean_world() -> None:
+    port, base = prepared()
+    finding = select([port], base)
+    assert finding.best.model.effects == ()
+    assert finding.rivals == {}
+    assert max(finding.candidates.values()) < 0.1
+
+
+def test_finding_of_an_effect_has_rivals_and_evidence() -> None:
+    port, base = prepared(*physics('force_delay', 0.006).items())
+    finding = select([port], base)
+    assert finding.best.model.effects == ('force_delay',)
+    assert finding.rivals['force_delay'][0].model.effects == ('force_lag',)
+    assert max(finding.candidates, key=lambda name: finding.candidates[name]) == 'force_delay'
+    assert finding.candidates['force_delay'] > 0.9
+
+
+def test_wider_law_does_not_take_the_place_of_the_true_one() -> None:
+    pair = {**physics('coulomb_friction', 2.0), **physics('force_delay', 0.006)}
+    port, base = prepared(*pair.items())
+    effects = select([port], base).best.model.effects
+    assert sorted(effects) == ['coulomb_friction', 'force_delay']
+
+
+def test_superfluous_effect_is_pruned() -> None:
+    port, base = prepared(*physics('coulomb_friction', 2.0).items())
+    both = base.model.with_effect('coulomb_friction', (2.0,)).with_effect('force_bias', (0.0,))
+    best, rivals = prune([port], fit([port], both), {'coulomb_friction': [], 'force_bias': []})
+    assert best.model.effects == ('coulomb_friction',)
+    assert set(rivals) == {'coulomb_friction'}
+
+
+def test_scales_are_those_of_the_recording() -> None:
+    port, base = prepared(*physics('moving_environment', 0.0003, 1.7, 0.7).items())
+    scales, o = measure_scales([port], base), port.observed
+    assert scales.depth == pytest.approx(float(np.max(o.x)), rel=1e-6)
+    assert scales.force == pytest.approx(float(np.max(np.abs(o.force))))
+    assert scales.duration == pytest.approx(7.296)
+    assert scales.mass == 12.0
+    assert min(abs(frequency - 1.7) for frequency, _ in scales.peaks()) < 0.1
+
+
+def test_attached_wall_has_scales_too() -> None:
+    port, model = ports_of(attached(), nominal(**ATTACHED))
+    scales = measure_scales([port], fit([port], model))
+    assert scales.spectrum == ()
+    assert scales.depth == pytest.approx(float(np.max(np.abs(port.observed.x))), rel=1e-6)
