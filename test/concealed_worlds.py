@@ -51,7 +51,8 @@ SENSORS: dict[str, Any] = {
 }
 RATE_HZ, FREE = 250.0, -0.012
 
-_SWING = Multisine(1.0, [2.0 * pi * f for f in (0.7, 1.3, 2.1, 3.3, 4.7, 6.1)])
+_TONES_HZ = (0.7, 1.3, 2.1, 3.3, 4.7, 6.1)
+_SWING = Multisine(1.0, [2.0 * pi * f for f in _TONES_HZ])
 _RISE_S = 0.2
 
 
@@ -93,6 +94,14 @@ def touches(*places: Touch, swing: float = 0.012) -> Experiment:
 
 
 TOUCHES = touches((0.03, 1.0), (0.024, 0.8), (0.036, 0.6))
+JUMPING = Experiment('jumping', FREE, (
+    Segment(0.7, FREE), Segment(0.5, 0.03),
+    Segment(0.9, 0.03, position_excitation=Multisine(0.008, [2.0 * pi * f for f in _TONES_HZ])),
+    Segment(0.3, 0.03), Segment(0.4, FREE), Segment(0.3, FREE), Segment(0.5, 0.036),
+    Segment(0.5, 0.036, position_excitation=Multisine(0.008, [2.0 * pi * f for f in _TONES_HZ])),
+    Segment(0.3, 0.036), Segment(0.4, FREE), Segment(0.3, FREE),
+))
+"""Its excitation begins and ends at once: steps of the reference and of its rate."""
 
 
 def nominal(**changes: Any) -> PlantParameters:
@@ -104,7 +113,7 @@ def _dotted(changes: dict[str, Any]) -> dict[str, Any]:
     return {name.replace('__', '.'): value for name, value in changes.items()}
 
 
-def physics(name: str, *values: float) -> dict[str, float]:
+def physics(name: str, *values: float) -> dict[str, Any]:
     """Name an effect's parameters with dots as double underscores."""
     names = (spec.name for spec in specifications(EFFECTS[name].Parameters))
     return {f'physics__{name}__{key}': value for key, value in zip(names, values)}

@@ -16,6 +16,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from concealed_worlds import FREE, MODEL, nominal, physics, ports_of, recorded
 from contact_estimation.diagnosis.fitting import fit, residual_function, step
 from contact_estimation.diagnosis.model import Model, names_of
@@ -25,7 +27,7 @@ import numpy as np
 import pytest
 
 K_e, B_e = MODEL['environment.stiffness'], MODEL['environment.damping']
-STIFFER = {'environment__stiffness': 5600.0, 'environment__damping': 90.0}
+STIFFER: dict[str, Any] = {'environment__stiffness': 5600.0, 'environment__damping': 90.0}
 
 
 def test_fit_recovers_stiffness_and_damping() -> None:

@@ -17,8 +17,8 @@
 from __future__ import annotations
 
 from concealed_worlds import (
-    attached,
     ATTACHED,
+    attached,
     FORCE_NOISE,
     nominal,
     physics,
@@ -56,8 +56,8 @@ def moved(depths: tuple[float, ...]) -> Observed:
     h, parts = 0.01, []
     for depth in depths:
         parts += [np.full(50, -0.01), np.full(50, depth)]
-    x = np.concatenate([*parts, np.full(50, -0.01)])
-    t, nothing = h * np.arange(len(x)), np.zeros(len(x))
+    x: Array = np.concatenate([*parts, np.full(50, -0.01)])
+    t, nothing = np.linspace(0.0, h * (len(x) - 1), len(x)), np.zeros(len(x))
     force = np.where(x > 0.0, -5000.0 * x, 0.0)
     return Observed(t, h, force, np.ones(len(x), bool), x, x, nothing, nothing, None, 1e-6, 20.0)
 
@@ -128,7 +128,7 @@ def part_of(recalibrated: Array, corrected: Array) -> Part:
 
 
 def test_errors_are_root_mean_squares_over_all_parts() -> None:
-    parts = [part_of(np.full(4, 90.0), np.full(4, 10.0)), part_of(np.full(2, 0.0), np.full(2, 0.0))]
+    parts = [part_of(np.full(4, 90.0), np.full(4, 10.0)), part_of(np.zeros(2), np.zeros(2))]
     force, motion = errors_of(parts)
     assert force.recalibrated == pytest.approx(np.sqrt(4 * 90.0 / 60.0))
     assert force.corrected == pytest.approx(np.sqrt(4 * 10.0 / 60.0))
@@ -144,7 +144,7 @@ def test_improvement_of_equal_blocks_is_certain() -> None:
 
 def test_interval_of_an_improvement_holds_it() -> None:
     generator = np.random.default_rng(1)
-    recalibrated, corrected = 90.0 * generator.chisquare(10, 40), 10.0 * generator.chisquare(10, 40)
+    recalibrated, corrected = (s * generator.chisquare(10, 40) for s in (90.0, 10.0))
     interval = improvement_interval([part_of(recalibrated, corrected)], np.random.default_rng(0))
     assert interval is not None
     low, high = interval

@@ -16,7 +16,7 @@
 
 from __future__ import annotations
 
-from concealed_worlds import attached, ATTACHED, nominal, physics, ports_of, recorded, resonant
+from concealed_worlds import ATTACHED, attached, nominal, physics, ports_of, recorded, resonant
 from contact_estimation.diagnosis.fitting import fit
 from contact_estimation.diagnosis.location import guess_port, intervals, locate, Location
 from contact_estimation.diagnosis.model import Model

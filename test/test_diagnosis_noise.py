@@ -19,8 +19,8 @@ from __future__ import annotations
 from typing import Any
 
 from concealed_worlds import (
-    attached,
     ATTACHED,
+    attached,
     FORCE_NOISE,
     nominal,
     physics,
@@ -49,7 +49,7 @@ def noise_of(signals: Signals, **changes: Any) -> float:
     {**physics('force_bias', -5.0), **physics('force_drift', 1.0),
      **physics('tool_inertia', 1.0)},
 ], ids=['plain', 'bias', 'drift', 'tool', 'all'])
-def test_noise_floor_is_that_of_the_sensor(changes: dict[str, float]) -> None:
+def test_noise_floor_is_that_of_the_sensor(changes: dict[str, Any]) -> None:
     assert noise_of(recorded(**changes)) == pytest.approx(FORCE_NOISE, rel=0.1)
 
 

@@ -19,8 +19,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 from concealed_worlds import (
-    attached,
     ATTACHED,
+    attached,
     FORCE_NOISE,
     nominal,
     physics,

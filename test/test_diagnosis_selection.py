@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from functools import lru_cache
 
-from concealed_worlds import attached, ATTACHED, nominal, physics, ports_of, recorded
+from concealed_worlds import ATTACHED, attached, nominal, physics, ports_of, recorded
 from contact_estimation.diagnosis.fitting import Fit, fit
 from contact_estimation.diagnosis.model import Model, names_of
 from contact_estimation.diagnosis.ports import Ports

@@ -35,7 +35,7 @@ from .noise import force_noise
 from .observed import observe, Observed, Signals
 from .output_error import refine
 from .ports import default_block, force_drops, Ports, usable
-from .selection import enough, Finding, scale_of, select, THRESHOLD
+from .selection import enough, Finding, penalty, scale_of, select, THRESHOLD
 from .uncertainty import standard_deviations
 from ..parameters import specifications
 from ..physics import EFFECTS
@@ -256,7 +256,7 @@ class _Conclusion:
             progress('output error')
             same = not best.model.effects  # a search that takes none ends with a fit of its own
             base = refine(self._ports, base) if same else base
-            best = base if same else refine(self._ports, best)
+            best = base if same else self._without_idle(refine(self._ports, best))
         progress('held-out parts')
         models = [self._nominal, base.model, best.model]
         parts, runs = self._held_out(models)
@@ -293,6 +293,16 @@ class _Conclusion:
                         names_of(name), best.model.values[place], stds[place])]
             if not any(away):
                 return self._significant(fit(self._ports, best.model.without(name)))
+        return best
+
+    def _without_idle(self, best: Fit) -> Fit:
+        """Leave out an effect that the output error has made vanish, and fit the others anew."""
+        cost = _cost(self._ports, best.model)
+        for name in best.model.effects:
+            rest = best.model.without(name)
+            price = penalty(best.model) - penalty(rest)
+            if rest.effects and _cost(self._ports, rest) <= cost + price:
+                return self._without_idle(refine(self._ports, fit(self._ports, rest)))
         return best
 
     def _verdict(self, best: Fit, open_end: bool) -> str:
