@@ -203,7 +203,7 @@ def attached(*changes: tuple[str, float]) -> Signals:
     """Record a permanently attached wall under a known force."""
     plant = _world(1, {**ATTACHED, 'sensors__force_noise': 0.0, **dict(changes)})
     stamps = np.arange(round(8.0 * RATE_HZ)) * round(1e9 / RATE_HZ)
-    t = stamps * 1e-9
+    t = np.asarray(stamps * 1e-9, np.float64)
     force = np.array([_SHAKE.value(now) for now in t.tolist()])
     measured = simulate_force(plant, stamps, force, (0.0, 0.0)).measured
     return Signals(t, measured[0], t, measured[1], np.empty(0), np.empty((4, 0)))

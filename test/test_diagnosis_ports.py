@@ -232,7 +232,7 @@ def test_bent_residuals_have_the_squares_of_huber_s_loss() -> None:
 
 def observed_force(force: Array) -> Observed:
     """Make an observation of which the force alone counts."""
-    t, nothing = 0.004 * np.arange(len(force)), np.zeros(len(force))
+    t, nothing = np.linspace(0.0, 0.004 * (len(force) - 1), len(force)), np.zeros(len(force))
     return Observed(t, 0.004, force, np.ones(len(force), bool), nothing, nothing, nothing,
                     nothing, None, 1e-6, 20.0)
 

@@ -17,6 +17,7 @@
 from __future__ import annotations
 
 from functools import lru_cache
+from typing import Any
 
 from concealed_worlds import ATTACHED, attached, nominal, physics, ports_of, recorded
 from contact_estimation.diagnosis.fitting import Fit, fit
@@ -43,7 +44,7 @@ COUNT = 1000
 
 
 @lru_cache(maxsize=None)
-def prepared(*changes: tuple[str, float]) -> tuple[Ports, Fit]:
+def prepared(*changes: tuple[str, Any]) -> tuple[Ports, Fit]:
     """Recalibrate the nominal model on a world's recording."""
     port, model = ports_of(recorded(**dict(changes)))
     port.doubt(fit([port], model).model)
