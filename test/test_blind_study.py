@@ -29,6 +29,7 @@ from contact_estimation.commands.blind_trials import main
 from contact_estimation.commands.diagnose import nominal_values
 from contact_estimation.diagnosis.reading import timed
 from contact_estimation.physics import EFFECTS
+from contact_estimation.recorded_signals import read_signals
 from contact_estimation.recording_replay import RecordingSource
 from contact_estimation.recordings import RecordingReader
 import numpy as np
