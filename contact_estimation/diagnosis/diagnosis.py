@@ -246,6 +246,8 @@ class _Conclusion:
             structured = predictable > _PREDICTABLE or _MEMORY < max(
                 memory(port, best.model) for port in self._ports)
             open_end = structured and (explained < FULLY or not best.model.effects)
+        if self._lets_go(best.model):
+            open_end = False  # what is left is when, within a sample, it let go
         if best.model.effects and open_end and explained < EXPLAINED:
             best = base  # a false name is worse than no name
         open_end = open_end or self._odd_robot
@@ -282,6 +284,11 @@ class _Conclusion:
             _advice(names, verdict), rivals, self._finding.candidates, best.cost / count,
             predictable, self._ports, runs,
         )
+
+    def _lets_go(self, model: Model) -> bool:
+        """Tell whether the force vanishes amid contacts, and an effect is named that does so."""
+        named = [getattr(EFFECTS[name], 'lets_go', False) for name in model.effects]
+        return any(named) and all(port.dropped is not None for port in self._ports)
 
     def _significant(self, best: Fit) -> Fit:
         """Drop effects whose every parameter could as well be that of no effect."""
