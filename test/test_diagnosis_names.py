@@ -70,10 +70,6 @@ WORLDS: dict[str, tuple[float, ...]] = {
 
 BOUND, WIDE = 0.04, {('bouc_wen_hysteresis', 'gamma'): 0.15}
 EVERY = pytest.mark.parametrize('name', EFFECTS)
-CHATTERS = pytest.mark.xfail(reason=(
-    'backlash lets the force come and go within a sample wherever the robot holds still: samples '
-    'do not tell its mean, the motion looks like that of an odd robot, and the verdict stays open'
-), strict=True)
 
 
 @lru_cache(maxsize=None)
@@ -107,9 +103,7 @@ def test_effect_is_named(name: str) -> None:
     assert found.effects[0].probability > 0.9
 
 
-@pytest.mark.parametrize('name', [
-    pytest.param(name, marks=[CHATTERS] if name == 'backlash' else []) for name in EFFECTS
-])
+@EVERY
 def test_verdict_says_that_physics_are_missing(name: str) -> None:
     assert of_world(name).verdict == 'physics_missing'
 

@@ -246,11 +246,12 @@ class _Conclusion:
             structured = predictable > _PREDICTABLE or _MEMORY < max(
                 memory(port, best.model) for port in self._ports)
             open_end = structured and (explained < FULLY or not best.model.effects)
-        if self._lets_go(best.model):
+        lets_go = self._lets_go(best.model)
+        if lets_go:
             open_end = False  # what is left is when, within a sample, it let go
         if best.model.effects and open_end and explained < EXPLAINED:
             best = base  # a false name is worse than no name
-        open_end = open_end or self._odd_robot
+        open_end = open_end or (self._odd_robot and not lets_go)
         best = self._significant(best)
         verdict = self._verdict(best, open_end)
         if not open_end and all(
