@@ -57,7 +57,7 @@ _PREDICTABLE = 0.1  # share of the residual that a smoother foretells: structure
 _SIGNIFICANT = 3.0  # standard deviations
 _MEMORY = 0.25  # correlation of neighbouring residuals: structure that no smoother foretells
 _TEMPERATURE = 10.0  # serial correlation: costs are worth less than independent samples say
-_MOST_RIVALS = 2
+_NEAREST, _MOST_RIVALS = 4, 2
 
 
 @dataclass(frozen=True)
@@ -229,6 +229,7 @@ class _Conclusion:
         self._nominal, self._at_nominal = model, at_nominal
         self._finding, self._cases, self._others = finding, cases, others
         self._odd_robot = odd_robot
+        self._refitted: dict[str, list[Fit]] = {}
         self._ports = [case.port for case in cases]
         self._generator = np.random.default_rng(seed)
 
@@ -372,21 +373,30 @@ class _Conclusion:
             locate(self._ports[0], without.model, cls.port),
         )
 
+    def _rivals_of(self, name: str) -> list[Fit]:
+        """Fit the nearest rivals to the motion as it is smoothed now; the rest are far behind."""
+        if name not in self._refitted:
+            rivals = self._finding.rivals.get(name, [])[:_NEAREST]
+            fits = [fit(self._ports, rival.model, steps=8) for rival in rivals]
+            plausible = [found for found in fits if found.model.plausible()]
+            self._refitted[name] = sorted(plausible, key=lambda found: found.cost)
+        return self._refitted[name]
+
     def _rival(self, name: str, other: str) -> Model:
-        fits = self._finding.rivals[name]
+        fits = self._rivals_of(name)
         return next(found.model for found in fits if found.model.effects[-1] == other)
 
     def _probability(self, best: Fit, name: str) -> float:
         scale = _TEMPERATURE * scale_of(best)
         weights = [exp(-min(max(rival.cost - best.cost, 0.0) / (2.0 * scale), 700.0))
-                   for rival in self._finding.rivals.get(name, [])]
+                   for rival in self._rivals_of(name)]
         return 1.0 / (1.0 + sum(weights))
 
     def _alike(self, best: Fit, name: str) -> list[str]:
         """Name the rivals that predict held-out data as well, with no more parameters."""
         alike = []
         count, own = best.filled, len(best.model.values)
-        for rival in self._finding.rivals.get(name, [])[:4]:
+        for rival in self._rivals_of(name):
             if len(rival.model.values) > own or name == rival.model.effects[-1]:
                 continue
             if rival.cost - best.cost > THRESHOLD * count * scale_of(best):
