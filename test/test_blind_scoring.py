@@ -107,6 +107,15 @@ def test_a_wall_without_spring_or_damper_must_be_told_so(
     assert scored(told, answer(corrected=corrected)).base_right is right
 
 
+def test_a_right_name_beside_an_unexplained_rest_is_no_right_verdict() -> None:
+    told = truth('force_bias')
+    assert scored(told, answer('force_bias')).verdict_right
+    unsure = scored(told, answer('force_bias', verdict='unexplained'))
+    assert (unsure.named, unsure.alone, unsure.verdict_right) == (True, True, False)
+    assert 'force_bias, unexplained' in as_text([unsure], 'DIR')
+    assert total([unsure], 'verdict right') == 0.0
+
+
 def test_a_command_that_failed_has_named_nothing() -> None:
     failed = scored(truth('force_lag', parameters={'tau': 0.01}), FAILED)
     assert (failed.named, failed.alone, failed.verdict) == (False, False, '')

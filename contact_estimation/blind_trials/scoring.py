@@ -42,6 +42,8 @@ class Score:
         How well.
     verdict : str
         Of the report; '' where there is none.
+    verdict_right : bool
+        It is that of the truth.
     said : list of str
         Names of the effects, first to last.
     rivals : list of str
@@ -77,6 +79,7 @@ class Score:
     effect: str
     concealed: float
     verdict: str
+    verdict_right: bool
     said: list[str]
     rivals: list[str]
     named: bool | None
@@ -126,7 +129,7 @@ def score(trial: str, truth: Mapping[str, Any], answer: Mapping[str, Any]) -> Sc
     held_out = fit.get('force_rmse_n', {}).get('corrected')
     return Score(
         trial=trial, effect=name, concealed=float(truth['concealed']), verdict=verdict,
-        said=said, rivals=rivals,
+        verdict_right=verdict == truth['verdict'], said=said, rivals=rivals,
         named=name in first + rivals if true else None,
         alone=(said == [name] and not rivals) if true else None,
         surplus=len(said) > 1 if true else None,

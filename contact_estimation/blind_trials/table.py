@@ -55,9 +55,10 @@ def as_text(scores: Sequence[Score], where: str) -> str:
 
 def _total_line(total: Total) -> str:
     verdict = {True: 'met', False: 'MISSED', None: ''}[total.met]
-    bound = 'at least' if total.at_least else 'at most'
-    return (f'  {total.name:<52}{_number(total.value):>8}  of {total.told:<5}'
-            f'{bound} {total.mark:g}  {verdict}')
+    line = f'  {total.name:<52}{_number(total.value):>8}  of {total.told:<5}'
+    if total.mark is None:
+        return line.rstrip()
+    return f'{line}{"at least" if total.at_least else "at most"} {total.mark:g}  {verdict}'
 
 
 def _group_line(label: str, scores: Sequence[Score]) -> str:

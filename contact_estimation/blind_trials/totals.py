@@ -39,8 +39,8 @@ class Total(NamedTuple):
         None where no trial tells.
     told : int
         Trials (or parameters) that tell.
-    mark : float
-        To be reached, or not to be passed.
+    mark : float or None
+        To be reached, or not to be passed; None: for information.
     at_least : bool
         Whether the mark is a floor.
 
@@ -49,13 +49,13 @@ class Total(NamedTuple):
     name: str
     value: float | None
     told: int
-    mark: float
+    mark: float | None
     at_least: bool
 
     @property
     def met(self) -> bool | None:
         """Whether the mark is met."""
-        if self.value is None:
+        if self.value is None or self.mark is None:
             return None
         return self.value >= self.mark if self.at_least else self.value <= self.mark
 
@@ -66,8 +66,8 @@ class _Question(NamedTuple):
     name: str
     ask: Callable[[Score], Iterable[float]]
     summarise: Callable[[Sequence[float]], float]
-    mark: float
-    at_least: bool
+    mark: float | None
+    at_least: bool = True
 
 
 def _share(values: Sequence[float]) -> float:
@@ -107,6 +107,7 @@ _QUESTIONS = (
     _Question('median error of B_e [%]', _damping, median, 5.0, False),
     _Question('K_e, B_e given or withheld rightly [%]', lambda s: [s.base_right], _share,
               100.0, True),
+    _Question('verdict right [%]', lambda s: [s.verdict_right], _share, None),
 )
 
 
@@ -224,8 +225,9 @@ def is_miss(score: Score) -> bool:
     Returns
     -------
     miss : bool
-        Wrong or several names, an accusation, or no report.
+        Wrong or several names, an accusation, a rest unexplained though the effect is in the
+        library, or no report.
 
     """
     return (bool(score.error) or score.named is False or bool(score.surplus)
-            or bool(score.accused))
+            or bool(score.accused) or bool(score.effect and not score.verdict_right))
