@@ -82,6 +82,8 @@ class Observed:
         x_r [m], its derivatives, F_r [N], straight between samples; None without a robot.
     position_noise : float
         Standard deviation [m].
+    jitter : float
+        By how much the stamps of the positions stray from an even beat, standard deviation [s].
     cutoff : float
         Of the smoothing [Hz].
 
@@ -98,6 +100,7 @@ class Observed:
     reference: Array | None
     position_noise: float
     cutoff: float
+    jitter: float = 0.0
 
     def has_dynamics(self, nominal: PlantParameters) -> bool:
         """Tell whether a model can be run free: from a reference, or a wall from its force."""
@@ -186,7 +189,8 @@ def observe(
     weight = np.where(seen, 1.0, 1e-3)
     left, cutoff = smooth_enough(position - carried, weight, h, noise)
     x, v, a = differentiate(carried + left, h)
-    return Observed(t, h, force, measured, position, x, v, a, reference, noise, cutoff)
+    return Observed(t, h, force, measured, position, x, v, a, reference, noise, cutoff,
+                    _jitter(signals.joint_t))
 
 
 def _carried(
@@ -204,6 +208,14 @@ def _carried(
         return run(system, wall.stiffness * wall.location - force, float(position[0]),
                    wall.stiffness)
     return np.zeros(len(position))
+
+
+def _jitter(stamps: Array) -> float:
+    """Measure how far stamps stray from their neighbours' middle; gaps do not count."""
+    strays = 0.5 * (stamps[2:] + stamps[:-2]) - stamps[1:-1]
+    even = np.abs(np.diff(stamps, 2)) < 0.5 * float(np.median(np.diff(stamps)))
+    # A middle of two strays too: three independent ones have the variance 1 + 1/4 + 1/4.
+    return float(np.std(strays[even]) / np.sqrt(1.5)) if even.any() else 0.0
 
 
 def _on_grid(stamps: Array, values: Array, t: Array, h: float) -> tuple[Array, Flags]:

@@ -93,6 +93,7 @@ class Ports:
     _observer: SecondOrder | None = field(init=False, default=None)
     _weights: dict[str, Array] = field(init=False, default_factory=dict)
     _masks: dict[str, Flags] = field(init=False, default_factory=dict)
+    _spread: dict[str, Array] = field(init=False, default_factory=dict)
     _doubt: tuple[Array, Array] | None = field(init=False, default=None)
 
     def __post_init__(self) -> None:
@@ -105,7 +106,17 @@ class Ports:
                 measured[max(0, edge - 1):edge + 3] = False
                 moved[edge:edge + round(4.0 / (OBSERVER_CUTOFF * self.observed.h))] = False
         self._masks = {'force': measured, 'motion': moved}
+        self._spread = self._spread_of_stamps()
         self._weights = {port: self._sum(mask.astype(float)) for port, mask in self._masks.items()}
+
+    def _spread_of_stamps(self) -> dict[str, Array]:
+        """Tell by how much stamps that stray widen the noise: a moving thing was elsewhere."""
+        o = self.observed
+        rate = np.gradient(o.force, o.h) if o.jitter * o.h > 0.0 else np.zeros(len(o.t))
+        span = max(1, round(0.02 / o.h))
+        slope = np.convolve(rate, np.ones(span) / span, mode='same')
+        return {'force': np.hypot(1.0, slope * o.jitter / self.force_noise),
+                'motion': np.hypot(1.0, o.v * o.jitter / self.motion_noise)}
 
     @property
     def count(self) -> int:
@@ -138,7 +149,7 @@ class Ports:
 
         """
         weights = self._weights[port]
-        total = self._sum(residual * self._masks[port])
+        total = self._sum(residual / self._spread[port] * self._masks[port])
         return total / (noise * np.sqrt(np.maximum(weights, 1.0)))
 
     def force_residual(self, model: Model) -> Array:
