@@ -180,7 +180,7 @@ def as_good(
     port: Ports, samples: Flags, best: Model, rival: Model, generator: np.random.Generator
 ) -> bool:
     """
-    Tell whether two models' held-out errors differ by less than the width of their interval.
+    Tell whether a rival predicts held-out data no worse than by the width of the interval.
 
     Parameters
     ----------
@@ -216,7 +216,7 @@ def as_good(
         return False
     drawn = generator.choice(blocks, (_DRAWS, len(blocks)))
     low, high = np.percentile(differences[drawn].sum(axis=1), (2.5, 97.5))
-    return bool(abs(differences.sum()) <= high - low)
+    return bool(differences.sum() <= high - low)
 
 
 def _smoothed(signal: Array, block: int) -> Array:
