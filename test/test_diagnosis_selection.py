@@ -28,6 +28,7 @@ from contact_estimation.diagnosis.selection import (
     candidates_for,
     enough,
     penalty,
+    PRICE,
     prune,
     scale_of,
     search,
@@ -82,13 +83,13 @@ def test_attached_wall_has_no_effects_of_touching_and_one_inertia() -> None:
 
 def test_parameters_of_effects_are_priced() -> None:
     assert penalty(MODEL) == 0.0
-    assert penalty(with_cost(0.0, 'coulomb_friction').model) == 8.0
-    assert penalty(with_cost(0.0, 'stribeck_friction').model) == 24.0
+    assert penalty(with_cost(0.0, 'coulomb_friction').model) == PRICE
+    assert penalty(with_cost(0.0, 'stribeck_friction').model) == 3.0 * PRICE
 
 
 def test_law_that_replaces_a_parameter_is_priced_less() -> None:
     assert penalty(with_cost(0.0, 'hunt_crossley_damping').model) == 0.0
-    assert penalty(with_cost(0.0, 'power_law_stiffness').model) == 8.0
+    assert penalty(with_cost(0.0, 'power_law_stiffness').model) == PRICE
 
 
 def test_scale_is_that_of_the_residuals_and_never_below_the_noise() -> None:
@@ -100,7 +101,7 @@ def test_scale_is_that_of_the_residuals_and_never_below_the_noise() -> None:
 def test_least_gain_is_a_share_of_the_residuals_and_the_price(
     gain: float, expected: bool
 ) -> None:
-    least = THRESHOLD * COUNT + 8.0
+    least = THRESHOLD * COUNT + PRICE
     before, after = with_cost(COUNT), with_cost(COUNT - gain * least, 'coulomb_friction')
     assert enough(before, after) is expected
 

@@ -35,10 +35,12 @@ from ..physics.physics import RobotEffect
 THRESHOLD = 0.1
 """Least gain of an effect, as a share of the number of residuals: calibrated false alarms."""
 
+PRICE = 25.0
+"""Of a parameter more, in units of cost; BIC would ask 8, but laws contain one another."""
+
 SHARE = 0.3
 """Least share of the misfit above the noise that a further effect must explain."""
 
-_PRICE = 25.0  # of a parameter
 _MOST_EFFECTS = 3
 _FOLLOWED = 6  # candidates that are fitted to the end in each round
 
@@ -101,7 +103,7 @@ def penalty(model: Model) -> float:
         In units of cost for residuals of variance 1.
 
     """
-    return _PRICE * float(np.count_nonzero(model.free) - model.base_count)
+    return PRICE * float(np.count_nonzero(model.free) - model.base_count)
 
 
 def candidates_for(model: Model, with_robot: bool) -> list[str]:
