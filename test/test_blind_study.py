@@ -49,8 +49,6 @@ def handed(tmp_path_factory: pytest.TempPathFactory) -> Handed:
 def done(folder: Path, planned: Planned, said: dict[str, Any]) -> Handed:
     """Leave the files of a trial that is done."""
     files = Handed.of(folder, planned.name)
-    for path in files:
-        path.parent.mkdir(parents=True, exist_ok=True)
     told = truth(planned.effect) if planned.effect else truth()
     write_json(files.truth, told)
     write_json(files.report, said)
@@ -140,8 +138,7 @@ def test_a_study_that_is_done_is_only_scored(tmp_path: Path) -> None:
 
 def test_a_diagnosis_that_fails_leaves_its_complaint(tmp_path: Path) -> None:
     files = Handed.of(tmp_path, 'trial_x')
-    files.report.parent.mkdir()
-    diagnose_blind(files)
+    diagnose_blind(files)  # makes the folder of the reports, which may have been cleared away
     kept = json.loads(files.report.read_text())
     assert kept['report'] is None
     assert str(files.nominal) in kept['error']

@@ -97,8 +97,7 @@ def hand_over(trial: Trial, files: Handed, rng: Generator) -> None:
     """
     run = simulate(trial.setup, trial.physics, NOTED_HZ, INTEGRATED_HZ)
     recorded = record(run, trial.setup.sensing, rng)
-    for path in files:
-        path.parent.mkdir(parents=True, exist_ok=True)
+    files.recording.parent.mkdir(parents=True, exist_ok=True)
     files.recording.unlink(missing_ok=True)  # of a study that was stopped amid it
     _write_recording(files.recording, recorded, trial)
     files.nominal.write_text(nominal_model(trial))
@@ -117,6 +116,7 @@ def write_json(path: Path, content: Any) -> None:
         What JSON can say.
 
     """
+    path.parent.mkdir(parents=True, exist_ok=True)
     part = path.with_suffix('.part')
     part.write_text(json.dumps(content, indent=1) + '\n')
     os.replace(part, path)
