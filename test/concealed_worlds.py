@@ -214,6 +214,11 @@ def diagnosed(signals: Signals, model: PlantParameters | None = None) -> Diagnos
     return diagnose([Recording('world', signals)], [], model or nominal())
 
 
+def named(diagnosis: Diagnosis) -> list[str]:
+    """List the names."""
+    return [effect.name for effect in diagnosis.effects]
+
+
 def ports_of(signals: Signals, model: PlantParameters | None = None) -> tuple[Ports, Model]:
     """Make the ports of a recording as the diagnosis does, nothing held out."""
     start = Model.of(model or nominal())

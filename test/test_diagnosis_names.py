@@ -25,6 +25,7 @@ from concealed_worlds import (
     FORCE_NOISE,
     JUMPING,
     MODEL,
+    named,
     nominal,
     physics,
     recorded,
@@ -88,11 +89,6 @@ def of_attached(*changes: tuple[str, float]) -> Diagnosis:
 def of_clean(seed: int) -> Diagnosis:
     """Diagnose a world without effects once."""
     return diagnosed(recorded(seed=seed))
-
-
-def named(diagnosis: Diagnosis) -> list[str]:
-    """List the names."""
-    return [effect.name for effect in diagnosis.effects]
 
 
 @EVERY

@@ -18,12 +18,19 @@ from __future__ import annotations
 
 from math import exp
 
-from contact_estimation.diagnosis.observer import discretise, innovations, run, run_velocity
+from contact_estimation.diagnosis.observer import (
+    coast,
+    discretise,
+    innovations,
+    kalman_filter,
+    run,
+    run_velocity,
+)
 import numpy as np
 from numpy.typing import NDArray
 import pytest
 from scipy.integrate import solve_ivp
-from scipy.linalg import expm
+from scipy.linalg import expm, solve_discrete_are
 from scipy.signal import lsim
 
 Array = NDArray[np.float64]
@@ -126,3 +133,38 @@ def test_innovations_of_a_wrong_model_are_not_white() -> None:
 
 def test_innovations_of_nothing_are_nothing() -> None:
     assert not innovations(np.zeros(100), discretise(*SYSTEMS[1], H), CUTOFF, H).any()
+
+
+@EVERY
+def test_coasting_is_the_exponential_of_the_dynamics(M: float, B: float, K: float) -> None:
+    motions = coast(discretise(M, B, K, H), 200)
+    for k in (0, 1, 17, 199):
+        np.testing.assert_allclose(motions[:, :, k].T, expm(matrix(M, B, K) * H * k), atol=1e-7)
+
+
+@EVERY
+@pytest.mark.parametrize('force_noise, position_noise', [(0.3, 1e-6), (0.01, 3e-6)])
+def test_kalman_filter_is_that_of_the_riccati_equation(
+    M: float, B: float, K: float, force_noise: float, position_noise: float
+) -> None:
+    system = discretise(M, B, K, H)
+    denominator, std = kalman_filter(system, force_noise, position_noise)
+    # The difference equation as a state space: y = b_0 f + z_1, z' = shift z - a y + b f.
+    A = np.array([[-system.denominator[1], 1.0], [-system.denominator[2], 0.0]])
+    b = system.position
+    G = (b[1:] - system.denominator[1:] * b[0])[:, None] * force_noise
+    cross, C = G * b[0] * force_noise, np.array([[1.0, 0.0]])
+    R = np.array([[position_noise**2 + (b[0] * force_noise) ** 2]])
+    scale = 1.0 / R[0, 0]  # or the solver sees rounding alone
+    P = solve_discrete_are(A.T, C.T, G @ G.T * scale, R * scale, s=cross * scale) / scale
+    S = (C @ P @ C.T + R)[0, 0]
+    gain = (A @ P @ C.T + cross) / S
+    np.testing.assert_allclose(denominator, np.poly(A - gain @ C), atol=1e-5)
+    assert std == pytest.approx(np.sqrt(S), rel=1e-4)
+
+
+def test_with_a_force_that_is_known_innovations_are_the_misfit_itself() -> None:
+    system = discretise(*SYSTEMS[1], H)
+    denominator, std = kalman_filter(system, 0.0, 2e-6)
+    np.testing.assert_allclose(denominator, system.denominator, atol=1e-6)
+    assert std == pytest.approx(2e-6, rel=1e-3)

@@ -16,26 +16,27 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import exp
 from typing import Callable, NamedTuple, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .between_samples import BETWEEN
 from .episodes import HeldOut, hold_out, require_contact
 from .finding import Diagnosis, NamedEffect, Value
-from .fitting import Fit, fit
+from .fitting import cost_of, Fit, fit
 from .flexible import memory, predictable_share
 from .free_run import free_run
 from .held_out import as_good, by_part, errors_of, improvement_interval, measure_part, Part
 from .location import guess_port, locate
 from .model import Model, names_of
-from .noise import force_noise
+from .noise import force_noise, motion_noise
 from .observed import observe, Observed, Signals
-from .output_error import refine
+from .output_error import refine, runs_true
 from .ports import default_block, force_drops, Ports, usable
-from .selection import enough, Finding, penalty, scale_of, select, THRESHOLD
+from .selection import enough, Finding, penalty, PRICE, scale_of, select, THRESHOLD
 from .uncertainty import standard_deviations
 from ..parameters import specifications
 from ..physics import EFFECTS
@@ -58,6 +59,7 @@ _SIGNIFICANT = 3.0  # standard deviations
 _MEMORY = 0.25  # correlation of neighbouring residuals: structure that no smoother foretells
 _TEMPERATURE = 10.0  # serial correlation: costs are worth less than independent samples say
 _NEAREST, _MOST_RIVALS = 4, 2
+_NEAR = 3.0  # times the best cost: rivals beyond are out of the question
 
 
 @dataclass(frozen=True)
@@ -124,14 +126,20 @@ def diagnose(
     progress('recalibration')
     ports = [case.port for case in cases]
     base = _recalibrate(ports, model)
-    at_nominal = _cost(ports, model)
+    at_nominal = cost_of(ports, model)
+    if all(port.driven_by_force(model) for port in ports):
+        between = _between_samples(select(ports, base, progress, most=1), cases)
+        cases, others = ([_with_force(between, case) for case in group]
+                         for group in (cases, others))
+        ports = [case.port for case in cases]
+        base, at_nominal = _recalibrate(ports, model), cost_of(ports, model)
     finding = select(ports, base, progress)
+    finding, cases = _refine(finding, cases, model, progress)
+    ports = [case.port for case in cases]
     odd_robot = _robot_is_odd(finding, ports)
     if odd_robot:
         progress('looking past the robot')
         finding = _past_the_robot(finding, ports, progress)
-    else:
-        finding, cases = _refine(finding, cases, model, progress)
     conclusion = _Conclusion(model, at_nominal, finding, cases, others, seed, odd_robot)
     return conclusion.draw(progress)
 
@@ -150,8 +158,30 @@ def _case(
         use = use & ~held.samples
     noise = force_noise(model, observed)
     dropped = force_drops(observed, noise) if model.nominal.environment.unilateral else None
-    port = Ports(observed, noise, observed.position_noise, use, default_block(observed), dropped)
+    port = Ports(observed, noise, motion_noise(model, observed, noise), use,
+                 default_block(observed), dropped)
     return _Case(recording, port, held)
+
+
+def _between_samples(finding: Finding, cases: Sequence[_Case]) -> str:
+    """Tell how the force that drives a wall goes on between samples: as asks for least physics."""
+    best, costs = finding.best, {}
+    for name in BETWEEN:
+        ports = [_with_force(name, case).port for case in cases]
+        fits = [fit(ports, found.model) for found in (finding.base, best)]
+        costs[name] = min(found.cost + penalty(found.model) for found in fits)
+    costs[next(iter(BETWEEN))] -= THRESHOLD * best.filled  # where all are alike
+    return min(costs, key=lambda name: costs[name])
+
+
+def _with_force(between: str, case: _Case) -> _Case:
+    observed = replace(case.port.observed, between=between)
+    return case._replace(port=replace(case.port, observed=observed))
+
+
+def _whole(case: _Case, model: Model) -> Ports:
+    """Take the held-out part back in."""
+    return replace(case.port, use=usable(model, case.port.observed))
 
 
 def _recalibrate(ports: Sequence[Ports], model: Model) -> Fit:
@@ -159,11 +189,6 @@ def _recalibrate(ports: Sequence[Ports], model: Model) -> Fit:
     for port in ports:
         port.doubt(rough.model)
     return fit(ports, rough.model)
-
-
-def _cost(ports: Sequence[Ports], model: Model) -> float:
-    stacked = np.concatenate([port.residuals(model) for port in ports])
-    return float(stacked @ stacked)
 
 
 def _robot_is_odd(finding: Finding, ports: Sequence[Ports]) -> bool:
@@ -250,6 +275,9 @@ class _Conclusion:
         lets_go = self._lets_go(best.model)
         if lets_go:
             open_end = False  # what is left is when, within a sample, it let go
+        elif open_end and best.model.effects and self._ports[0].observed.reference is not None:
+            # Where a robot sticks, velocities are not known well enough for the ports.
+            open_end = not runs_true(self._ports, refine(self._ports, best).model)
         if best.model.effects and open_end and explained < EXPLAINED:
             best = base  # a false name is worse than no name
         open_end = open_end or (self._odd_robot and not lets_go)
@@ -306,11 +334,11 @@ class _Conclusion:
 
     def _without_idle(self, best: Fit) -> Fit:
         """Leave out an effect that the output error has made vanish, and fit the others anew."""
-        cost = _cost(self._ports, best.model)
+        cost = cost_of(self._ports, best.model)
         for name in best.model.effects:
             rest = best.model.without(name)
             price = penalty(best.model) - penalty(rest)
-            if rest.effects and _cost(self._ports, rest) <= cost + price:
+            if rest.effects and cost_of(self._ports, rest) <= cost + price:
                 return self._without_idle(refine(self._ports, fit(self._ports, rest)))
         return best
 
@@ -339,12 +367,9 @@ class _Conclusion:
                 parts.append(measure_part(
                     case.recording.name, case.port, everything, models, runs))
             elif case.held_out is not None:
-                use = usable(models[1], case.port.observed)
-                whole = Ports(case.port.observed, case.port.force_noise,
-                              case.port.motion_noise, use, case.port.block,
-                              case.port.dropped)
                 parts.append(measure_part(
-                    self._part_name(case), whole, case.held_out.samples, models, runs))
+                    self._part_name(case), _whole(case, models[1]), case.held_out.samples, models,
+                    runs))
         return parts, first
 
     def _part_name(self, case: _Case) -> str:
@@ -376,7 +401,9 @@ class _Conclusion:
     def _rivals_of(self, name: str) -> list[Fit]:
         """Fit the nearest rivals to the motion as it is smoothed now; the rest are far behind."""
         if name not in self._refitted:
-            rivals = self._finding.rivals.get(name, [])[:_NEAREST]
+            near = _NEAR * self._finding.best.cost
+            rivals = [rival for rival in self._finding.rivals.get(name, [])[:_NEAREST]
+                      if rival.cost < near]
             fits = [fit(self._ports, rival.model, steps=8) for rival in rivals]
             plausible = [found for found in fits if found.model.plausible()]
             self._refitted[name] = sorted(plausible, key=lambda found: found.cost)
@@ -395,17 +422,17 @@ class _Conclusion:
     def _alike(self, best: Fit, name: str) -> list[str]:
         """Name the rivals that predict held-out data as well, with no more parameters."""
         alike = []
-        count, own = best.filled, len(best.model.values)
+        own = len(best.model.values)
         for rival in self._rivals_of(name):
             if len(rival.model.values) > own or name == rival.model.effects[-1]:
                 continue
-            if rival.cost - best.cost > THRESHOLD * count * scale_of(best):
+            if rival.cost - best.cost > PRICE * scale_of(best):
                 continue
             if enough(rival, best):
                 continue
-            cases = [case for case in self._cases if case.held_out is not None]
-            if all(as_good(case.port, case.held_out.samples, best.model, rival.model,
-                           self._generator) for case in cases if case.held_out is not None):
+            if all(as_good(_whole(case, best.model), case.held_out.samples, best.model,
+                           rival.model, self._generator)
+                   for case in self._cases if case.held_out is not None):
                 alike.append(rival.model.effects[-1])
         return alike[:_MOST_RIVALS]
 

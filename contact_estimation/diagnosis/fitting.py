@@ -23,11 +23,13 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from .model import Model
-from .ports import huber, Ports
+from .ports import Ports
 
 Array = NDArray[np.float64]
 
 _STEP = 1e-4  # relative, of the finite differences
+_AT_END = 1e-6  # of its size: a value that has come to the end of its range
+_BEYOND_MEASURE = 1e6  # standard deviations: a model that has run away
 
 
 class Fit(NamedTuple):
@@ -54,7 +56,7 @@ class Fit(NamedTuple):
 
 
 def residual_function(
-    ports: Sequence[Ports], model: Model, robust: bool = True
+    ports: Sequence[Ports], model: Model, robust: bool = True, briefly: bool = False
 ) -> Callable[[Array], Array]:
     """
     Make the function that is minimised.
@@ -65,7 +67,7 @@ def residual_function(
         Recordings, fitted together.
     model : Model
         Its free values are the unknowns.
-    robust : bool
+    robust, briefly : bool
         As for `Ports.residuals`.
 
     Returns
@@ -82,13 +84,15 @@ def residual_function(
         full[free] = values
         there = model.at(full)
         with np.errstate(all='ignore'):
-            stacked = np.concatenate([port.residuals(there, robust) for port in ports])
-        return np.where(np.isfinite(stacked), stacked, 1e6)
+            stacked = np.concatenate([port.residuals(there, robust, briefly) for port in ports])
+        return np.where(np.abs(stacked) < _BEYOND_MEASURE, stacked, _BEYOND_MEASURE)
 
     return residuals
 
 
-def fit(ports: Sequence[Ports], model: Model, steps: int = 25) -> Fit:
+def fit(
+    ports: Sequence[Ports], model: Model, steps: int = 25, briefly: bool = False
+) -> Fit:
     """
     Search from the model's own values.
 
@@ -100,6 +104,8 @@ def fit(ports: Sequence[Ports], model: Model, steps: int = 25) -> Fit:
         Start, and what is free.
     steps : int
         Most steps of the search; with few of them it also ends at a thousandth of the cost.
+    briefly : bool
+        As for `Ports.residuals`.
 
     Returns
     -------
@@ -107,7 +113,7 @@ def fit(ports: Sequence[Ports], model: Model, steps: int = 25) -> Fit:
         The best found.
 
     """
-    function, free = residual_function(ports, model), model.free
+    function, free = residual_function(ports, model, briefly=briefly), model.free
     low, high = (bound[free] for bound in model.bounds)
     start = np.array(model.values)[free]
     size = _sizes(model)[free]
@@ -118,7 +124,8 @@ def fit(ports: Sequence[Ports], model: Model, steps: int = 25) -> Fit:
             gtol=1e-12,
         )
     values = np.array(model.values)
-    values[free] = found.x
+    at_end = found.x - low < _AT_END * size
+    values[free] = np.where(at_end, low, found.x)
     return Fit(model.at(values), 2.0 * found.cost, found.fun, sum(p.count for p in ports))
 
 
@@ -148,21 +155,22 @@ def step(ports: Sequence[Ports], model: Model) -> tuple[float, Model]:
 
     """
     # Bent residuals would hide from a first step how far it has to go.
-    function, free = residual_function(ports, model, robust=False), model.free
+    straight, bent = (residual_function(ports, model, robust, True) for robust in (False, True))
+    free = model.free
     low, high = (bound[free] for bound in model.bounds)
     start = np.clip(np.array(model.values)[free], low, high)
     size = _sizes(model)[free]
-    at_start = function(start)
-    best_cost, best = _bent_cost(at_start), start
+    at_start = straight(start)
+    best_cost, best = _sum_of_squares(bent(start)), start
     columns = np.empty((len(at_start), len(start)))
     for k in range(len(start)):
         moved = start.copy()
         moved[k] += _STEP * size[k]
-        columns[:, k] = (function(moved) - at_start) / _STEP
+        columns[:, k] = (straight(moved) - at_start) / _STEP
     change = np.linalg.lstsq(columns, -at_start, rcond=1e-10)[0] * size
     for share in (1.0, 0.3):
         tried = np.clip(start + share * change, low, high)
-        cost = _bent_cost(function(tried))
+        cost = _sum_of_squares(bent(tried))
         if cost < best_cost:
             best_cost, best = cost, tried
             break
@@ -171,6 +179,25 @@ def step(ports: Sequence[Ports], model: Model) -> tuple[float, Model]:
     return best_cost, model.at(values)
 
 
-def _bent_cost(residuals: Array) -> float:
-    bent = huber(residuals)
-    return float(bent @ bent)
+def cost_of(ports: Sequence[Ports], model: Model) -> float:
+    """
+    Evaluate a model as it is.
+
+    Parameters
+    ----------
+    ports : sequence of Ports
+        Recordings.
+    model : Model
+        With its values.
+
+    Returns
+    -------
+    cost : float
+        Sum of the squared residuals, in standard deviations.
+
+    """
+    return _sum_of_squares(residual_function(ports, model)(np.array(model.values)[model.free]))
+
+
+def _sum_of_squares(residuals: Array) -> float:
+    return float(residuals @ residuals)

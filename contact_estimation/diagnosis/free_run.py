@@ -23,7 +23,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .driven_wall import driven_wall
+from .driven_wall import DrivenWall
 from .model import Model
 from .observed import Observed
 from ..parameter_values import build, flatten
@@ -58,7 +58,7 @@ def plant_of(model: Model) -> PlantParameters:
 
     """
     values: dict[str, Any] = dict(flatten(model.nominal))
-    values['environment.stiffness'] = max(model.stiffness, 1e-6)
+    values['environment.stiffness'] = model.stiffness
     values['environment.damping'] = model.damping
     if model.with_inertia:
         values['environment.inertia'] = model.values[2]
@@ -129,9 +129,10 @@ def free_run(model: Model, observed: Observed) -> Run:
 def _free_wall(model: Model, o: Observed) -> Array:
     """Iterate, or integrate step by step where a wall is too far from linear for that."""
     with np.errstate(all='ignore'):
-        run, further = (driven_wall(model, o, _PICARD + more) for more in (0, 1))
+        wall = DrivenWall(model, o)
+        run, further = (wall.free(_PICARD + more)[0] for more in (0, 1))
     least = _CONVERGED * float(np.ptp(o.x))
     if np.isfinite(further).all() and float(np.max(np.abs(further - run))) < least:
         return run
-    wall = dataclasses.replace(plant_of(model), integration_rate=_WALL_STEPS / o.h)
-    return run_driven_wall(wall, o.t, o.force, float(o.x[0]), float(o.v[0]))
+    plant = dataclasses.replace(plant_of(model), integration_rate=_WALL_STEPS / o.h)
+    return run_driven_wall(plant, o.t, o.driving, *wall.free(1)[:, 0].tolist())

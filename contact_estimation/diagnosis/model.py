@@ -126,8 +126,10 @@ class Model:
 
     @property
     def bounds(self) -> tuple[Array, Array]:
-        """Ranges of all values: those of the parameters, and K_e > 0."""
-        low, high = [1e-3, 0.0, 0.0][:self.base_count], [np.inf] * self.base_count
+        """Ranges of all values: those of the parameters, none of the wall's below 0."""
+        # A wall that moves under a force has to have some mass.
+        low = [0.0, 0.0, 1e-3 * self.nominal.environment.inertia][:self.base_count]
+        high = [np.inf] * self.base_count
         for effect in self.effects:
             for _, minimum, maximum in _ranges(effect):
                 low.append(minimum)

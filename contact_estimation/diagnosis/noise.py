@@ -12,14 +12,16 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The noise floor of the force."""
+"""The noise floor of force and motion."""
 
 from __future__ import annotations
 
 import numpy as np
 
+from .driven_wall import DrivenWall
 from .model import Model
 from .observed import Observed
+from .observer import kalman_filter
 from .smoothing import white_noise_std
 
 _WINDOW_S = 0.1
@@ -67,3 +69,28 @@ def force_noise(model: Model, observed: Observed) -> float:
             bias = (1.0 - 2.0 / (9.0 * freedom)) ** 3
             return max(float(np.sqrt(np.median(squares) / bias)), least)
     return max(white_noise_std(o.force[o.measured]), least)
+
+
+def motion_noise(model: Model, observed: Observed, force_noise: float) -> float:
+    """
+    Give the standard deviation of the motion port's residual where the model is right.
+
+    Parameters
+    ----------
+    model : Model
+        Nominal.
+    observed : Observed
+        The recording.
+    force_noise : float
+        Of `force_noise` [N].
+
+    Returns
+    -------
+    std : float
+        Of the positions; of a permanently attached wall that of the innovations [m].
+
+    """
+    if observed.reference is not None or not model.with_inertia or model.laws().contact.unilateral:
+        return observed.position_noise
+    return kalman_filter(DrivenWall(model, observed).system, force_noise,
+                         observed.position_noise)[1]

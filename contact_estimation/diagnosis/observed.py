@@ -17,11 +17,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Callable, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .between_samples import BETWEEN
 from .observer import discretise, run
 from .smoothing import differentiate, smooth_enough, white_noise_std
 from ..exceptions import RecordingError
@@ -32,6 +34,9 @@ Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 LEAST_DURATION_S = 2.0
+
+START_S = 0.5
+"""In which a free run forgets that its initial state was not known."""
 
 
 class Signals(NamedTuple):
@@ -86,6 +91,8 @@ class Observed:
         By how much the stamps of the positions stray from an even beat, standard deviation [s].
     cutoff : float
         Of the smoothing [Hz].
+    between : str
+        How the force that drives a wall goes on between its samples, see `BETWEEN`.
 
     """
 
@@ -101,6 +108,18 @@ class Observed:
     position_noise: float
     cutoff: float
     jitter: float = 0.0
+    between: str = 'straight'
+
+    @property
+    def driving(self) -> Array:
+        """The measured force whose straight lines move a wall without a robot, shape (N,) [N]."""
+        return BETWEEN[self.between](self.force)
+
+    @cached_property
+    def nearest_line(self) -> Array:
+        """What takes a force over the motion to its slopes over v and x, shape (2, N)."""
+        columns = np.array([self.v, self.x, np.ones(len(self.t))])
+        return np.linalg.solve(columns @ columns.T, columns)[:2]
 
     def has_dynamics(self, nominal: PlantParameters) -> bool:
         """Tell whether a model can be run free: from a reference, or a wall from its force."""
@@ -190,7 +209,7 @@ def observe(
     left, cutoff = smooth_enough(position - carried, weight, h, noise)
     x, v, a = differentiate(carried + left, h)
     return Observed(t, h, force, measured, position, x, v, a, reference, noise, cutoff,
-                    _jitter(signals.joint_t))
+                    _jitter(signals.joint_t), before.between if before else 'straight')
 
 
 def _carried(

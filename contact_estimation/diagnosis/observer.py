@@ -43,12 +43,15 @@ class SecondOrder(NamedTuple):
         Of the position's transfer function.
     position, velocity : ndarray, shape (3,)
         Numerators.
+    transition : ndarray, shape (2, 2)
+        What a sample period makes of position and velocity without a force.
 
     """
 
     denominator: Array
     position: Array
     velocity: Array
+    transition: Array
 
 
 def discretise(mass: float, damping: float, stiffness: float, h: float) -> SecondOrder:
@@ -79,7 +82,7 @@ def discretise(mass: float, damping: float, stiffness: float, h: float) -> Secon
     adjugate = np.array([[A[1, 1], -A[0, 1]], [-A[1, 0], A[0, 0]]])
     low, high = -adjugate @ b_0, -adjugate @ b_1
     numerators = [np.array([b_1[i], b_0[i] + high[i], low[i]]) for i in range(2)]
-    return SecondOrder(denominator, numerators[0], numerators[1])
+    return SecondOrder(denominator, numerators[0], numerators[1], A)
 
 
 def run(system: SecondOrder, force: Array, position: float, stiffness: float) -> Array:
@@ -120,6 +123,34 @@ def run_velocity(system: SecondOrder, force: Array, position: float, stiffness: 
     return np.asarray(lfilter(system.velocity, system.denominator, force - stiffness * position))
 
 
+def coast(system: SecondOrder, count: int) -> Array:
+    """
+    Let the dynamics move without a force.
+
+    Parameters
+    ----------
+    system : SecondOrder
+        Of `discretise`.
+    count : int
+        N samples.
+
+    Returns
+    -------
+    motions : ndarray, shape (2, 2, N)
+        Position and velocity, from a position of 1 at first and from a velocity of 1.
+
+    """
+    pulse = np.zeros(count)
+    pulse[0] = 1.0
+    motions = np.empty((2, 2, count))
+    for j, first in enumerate(np.eye(2)):
+        second = system.transition @ first
+        for i in range(2):
+            begin = [first[i], second[i] + system.denominator[1] * first[i]]
+            motions[j, i] = lfilter(begin, system.denominator, pulse)
+    return motions
+
+
 def innovations(misfit: Array, system: SecondOrder, cutoff: float, h: float) -> Array:
     """
     Turn the misfit of a free run into the innovations of an observer.
@@ -143,3 +174,38 @@ def innovations(misfit: Array, system: SecondOrder, cutoff: float, h: float) -> 
     """
     pole = exp(-cutoff * h)
     return np.asarray(lfilter(system.denominator, [1.0, -2.0 * pole, pole * pole], misfit))
+
+
+def kalman_filter(
+    system: SecondOrder, force_noise: float, position_noise: float
+) -> tuple[Array, float]:
+    """
+    Design the stationary Kalman filter of dynamics that a noisy force drives.
+
+    With a and b the polynomials of the position's transfer function, the spectra of both noises
+    add up to S |c|^2 = force_noise^2 |b|^2 + position_noise^2 |a|^2; the misfit of a free run
+    filtered by a / c is the innovation (spectral factorisation; Ljung 1999, section 4.3).
+
+    Parameters
+    ----------
+    system : SecondOrder
+        The dynamics.
+    force_noise, position_noise : float
+        Standard deviations of the white noise of both [N], [m].
+
+    Returns
+    -------
+    denominator : ndarray, shape (3,)
+        c; with a quiet force that of the system, so that innovations are the misfit itself.
+    std : float
+        Of the innovations, sqrt(S) [m].
+
+    """
+    a, b = system.denominator, system.position
+    spectrum = (force_noise**2 * np.correlate(b, b, 'full')
+                + position_noise**2 * np.correlate(a, a, 'full'))
+    if not np.isfinite(spectrum).all():  # a search far off the truth
+        return a, np.inf
+    roots = np.roots(spectrum)
+    c = np.real(np.poly(roots[np.argsort(np.abs(roots))[:2]]))
+    return c, float(np.sqrt(spectrum[2] / (c @ c)))

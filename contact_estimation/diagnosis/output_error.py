@@ -35,13 +35,16 @@ from .ports import huber, Ports
 Array = NDArray[np.float64]
 
 _STEP = 1e-3  # relative, of the finite differences
-_CLOSE = 2.5  # standard deviations of the position noise, within which a run is refined
+_CLOSE = 4.0  # standard deviations of the position noise, within which a run is refined
+_AT_NOISE = 1.5  # times the noise: a free run that misses no more is right
 _PICARD = 8  # rounds in which the free run of a wall converges
+_AGAIN, _SLOWLY = 3, 0.99  # a search that ran out of steps goes on
+_WORSE = 4.0  # times: a wall's free run may miss more than with its effects at measured motion
 
 
 def refine(ports: Sequence[Ports], found: Fit) -> Fit:
     """
-    Take a Gauss-Newton step on the output error.
+    Take Gauss-Newton steps on the output error.
 
     Parameters
     ----------
@@ -60,14 +63,26 @@ def refine(ports: Sequence[Ports], found: Fit) -> Fit:
     """
     if not found.model.nominal.environment.unilateral:
         return _refine_wall(ports, found)
-    model, free = found.model, found.model.free
-    low, high = (bound[free] for bound in model.bounds)
-    values = np.array(model.values)
-    runs = [free_run(model, port.observed) for port in ports]
-    if not all(_runs_true(port, run) for port, run in zip(ports, runs)):
+    runs = [free_run(found.model, port.observed) for port in ports]
+    if not all(_close(port, run, _CLOSE) for port, run in zip(ports, runs)):
         return found
-    here = _errors(ports, runs)
-    cost = float(here @ here)
+    model, here = found.model, _errors(ports, runs)
+    for _ in range(_AGAIN):
+        tried = _better(ports, model, here)
+        there = _errors_at(ports, tried)
+        if float(there @ there) >= float(here @ here):
+            break
+        slowly = float(there @ there) > _SLOWLY * float(here @ here)
+        model, here = tried, there
+        if slowly:
+            break
+    return found._replace(model=model) if model.plausible() else found
+
+
+def _better(ports: Sequence[Ports], model: Model, here: Array) -> Model:
+    """Take a Gauss-Newton step from a model with the errors `here`."""
+    free, values = model.free, np.array(model.values)
+    low, high = (bound[free] for bound in model.bounds)
     size = np.where(values != 0.0, np.abs(values), 1.0)
     columns = []
     for k in np.flatnonzero(free):
@@ -75,25 +90,50 @@ def refine(ports: Sequence[Ports], found: Fit) -> Fit:
         moved[k] += _STEP * size[k]
         columns.append((_errors_at(ports, model.at(moved)) - here) / _STEP)
     change = np.linalg.lstsq(np.array(columns).T, -here, rcond=1e-9)[0] * size[free]
-    tried = values.copy()
-    tried[free] = np.clip(values[free] + change, low, high)
-    there = _errors_at(ports, model.at(tried))
-    if float(there @ there) < cost:
-        values = tried
-    refined = found._replace(model=model.at(values))
-    return refined if refined.model.plausible() else found
+    values[free] = np.clip(values[free] + change, low, high)
+    return model.at(values)
 
 
-def _runs_true(port: Ports, run: Run) -> bool:
+def runs_true(ports: Sequence[Ports], model: Model) -> bool:
+    """
+    Tell whether a model, run free from its command, predicts motion and force to their noise.
+
+    Parameters
+    ----------
+    ports : sequence of Ports
+        Recordings with a robot.
+    model : Model
+        Refined.
+
+    Returns
+    -------
+    true : bool
+        Nothing is missing then, whatever the ports leave.
+
+    """
+    for port in ports:
+        o, run = port.observed, free_run(model, port.observed)
+        touching = port.use & o.measured
+        force_error = float(np.std((o.force - run.force)[touching]))
+        if not _close(port, run, _AT_NOISE) or force_error > _AT_NOISE * port.force_noise:
+            return False
+    return True
+
+
+def _close(port: Ports, run: Run, bound: float) -> bool:
     error = (port.observed.raw_position - run.position)[port.use]
-    return float(np.std(error)) < _CLOSE * port.motion_noise
+    return float(np.std(error)) < bound * port.motion_noise
 
 
 def _refine_wall(ports: Sequence[Ports], found: Fit) -> Fit:
     for port in ports:
         port.rounds = _PICARD
-    refined = fit(ports, found.model)
-    if refined.cost <= found.cost and refined.model.plausible():
+    refined, before = fit(ports, found.model), np.inf
+    for _ in range(_AGAIN):
+        if refined.cost > _SLOWLY * before:
+            break
+        before, refined = refined.cost, fit(ports, refined.model)
+    if refined.cost <= _WORSE * found.cost and refined.model.plausible():
         return refined
     for port in ports:  # the iteration does not converge where the wall is far from linear
         port.rounds = 1

@@ -29,9 +29,9 @@ from math import sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from .driven_wall import driven_wall
+from .driven_wall import DrivenWall
 from .model import Laws, Model
-from .observed import Observed
+from .observed import Observed, START_S
 from .observer import discretise, innovations, run, SecondOrder
 from ..physics.physics import stretches
 
@@ -54,9 +54,6 @@ NUISANCES = (
 _DROP = 5.0  # standard deviations: the price of a sample at which the force vanished
 _DROP_S, _LEAST_DROPS = 0.5, 3
 _MOST_STEPS = 200
-START_S = 0.5
-"""In which a free run forgets that its initial state was not known."""
-
 _IMPACT_BEFORE, _IMPACT_AFTER = 2, 3  # samples around touch-down that no one can predict
 
 
@@ -196,8 +193,8 @@ class Ports:
         laws, o = model.laws(), self.observed
         if o.reference is not None:
             return self._robot_innovations(laws, *self._force(laws))
-        if not laws.contact.unilateral and laws.contact.inertia > 0.0:
-            return self._wall_misfit(model)
+        if self.driven_by_force(model):
+            return DrivenWall(model, o).innovations(self.rounds, self.force_noise)
         return None
 
     def _robot_run(self, laws: Laws, force: Array, d: Array) -> tuple[Array, SecondOrder]:
@@ -260,14 +257,15 @@ class Ports:
         moved = run(system, push, 0.0, 0.0)
         return innovations(moved, self._whitener(system), OBSERVER_CUTOFF, o.h)
 
-    def _wall_misfit(self, model: Model) -> Array:
-        """
-        Give the misfit of the free run itself.
+    def driven_by_force(self, model: Model) -> bool:
+        """Tell whether there is no robot, and a wall whose mass the measured force moves."""
+        wall = model.nominal.environment
+        return self.observed.reference is None and not wall.unilateral and model.with_inertia
 
-        Without impacts there is nothing to be forgotten, and a wall that is lightly damped
-        resonates above any sensible cut-off of an observer.
-        """
-        return self.observed.raw_position - driven_wall(model, self.observed, self.rounds)
+    def _wall_time(self, model: Model) -> float:
+        """Tell in what time the nominal wall springs back [s]."""
+        wall = model.nominal.environment
+        return 0.5 / max(OBSERVER_CUTOFF, sqrt(wall.stiffness / wall.inertia))
 
     def _whitener(self, system: SecondOrder) -> SecondOrder:
         """Weigh all models with the first one's dynamics, or they could not be compared."""
@@ -275,7 +273,7 @@ class Ports:
             self._observer = system
         return self._observer
 
-    def residuals(self, model: Model, robust: bool = True) -> Array:
+    def residuals(self, model: Model, robust: bool = True, briefly: bool = False) -> Array:
         """
         Stack the residuals of both ports.
 
@@ -285,6 +283,9 @@ class Ports:
             With its values.
         robust : bool
             Whether to bend them, see `huber`; without impacts there is no need to.
+        briefly : bool
+            Whether a wall without a robot shall forget within its own time, see
+            `DrivenWall.innovations`: less sharp, but a step from afar goes the right way.
 
         Returns
         -------
@@ -294,7 +295,7 @@ class Ports:
         """
         laws, o = model.laws(), self.observed
         parts = []
-        if laws.contact.unilateral or o.reference is not None or laws.contact.inertia == 0.0:
+        if not self.driven_by_force(model):
             force, d = self._force(laws)
             residual = self._sensed_residual(laws.chain, force)
             parts.append(self.average('force', residual, self.force_noise))
@@ -302,7 +303,8 @@ class Ports:
                 motion = self._robot_innovations(laws, force, d)
                 parts.append(self.average('motion', motion, self.motion_noise))
         else:
-            motion = self._wall_misfit(model)
+            memory = self._wall_time(model) if briefly else np.inf
+            motion = DrivenWall(model, o).innovations(self.rounds, self.force_noise, memory)
             parts.append(self.average('motion', motion, self.motion_noise))
         residuals = np.concatenate(parts)
         if self.dropped is not None and not any(e.lets_go for e in laws.contact.effects):
@@ -327,6 +329,8 @@ class Ports:
 
         """
         self._doubt = None
+        if self.driven_by_force(model):
+            return  # a wall's whole motion tells when the force came, and how it went on
         here = self.residuals(model, robust=False)
         robot = self.observed.reference is not None
         columns = [

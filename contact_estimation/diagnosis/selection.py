@@ -25,7 +25,7 @@ from typing import Callable, NamedTuple, Sequence
 
 import numpy as np
 
-from .fitting import Fit, fit, step
+from .fitting import cost_of, Fit, fit, step
 from .model import Model
 from .ports import Ports
 from .scales import measure_scales
@@ -165,11 +165,8 @@ def search(
     started: list[tuple[float, Model]] = []
     for name in names:
         progress(name)
-        tried = []
-        for values in EFFECTS[name].starts(scales):
-            tried.append(step(ports, base.model.with_effect(name, values)))
-        tried.sort(key=lambda pair: pair[0])
-        found = fit(ports, tried[0][1], steps=4)
+        begun = [base.model.with_effect(name, values) for values in EFFECTS[name].starts(scales)]
+        found = fit(ports, _approach(ports, begun), steps=4)
         started.append((found.cost, found.model))
     started.sort(key=lambda pair: pair[0] + penalty(pair[1]))
     fits = [fit(ports, model, steps=8) for _, model in started[:_FOLLOWED]]
@@ -180,7 +177,23 @@ def search(
     return sorted(fits, key=lambda found: found.cost + scale * penalty(found.model))
 
 
-def select(ports: Sequence[Ports], base: Fit, progress: Progress = lambda name: None) -> Finding:
+def _approach(ports: Sequence[Ports], begun: Sequence[Model]) -> Model:
+    """Tell from where to search: near the best of the starts."""
+    steps = [step(ports, model) for model in begun]
+    best = min(range(len(steps)), key=lambda k: steps[k][0])
+    near = steps[best][1]
+    if not all(port.driven_by_force(near) for port in ports):
+        return near
+    # Far off the truth a wall that resonates is led astray by its own memory, and one step is
+    # too long where a law bends much.
+    brief = fit(ports, begun[best], steps=8, briefly=True).model
+    return min((*begun, near, brief), key=lambda model: cost_of(ports, model))
+
+
+def select(
+    ports: Sequence[Ports], base: Fit, progress: Progress = lambda name: None,
+    most: int = _MOST_EFFECTS,
+) -> Finding:
     """
     Search for the effects that a recording calls for.
 
@@ -192,6 +205,8 @@ def select(ports: Sequence[Ports], base: Fit, progress: Progress = lambda name: 
         Recalibrated model without effects.
     progress : callable
         Told what is being tried.
+    most : int
+        Effects that may be taken.
 
     Returns
     -------
@@ -202,7 +217,7 @@ def select(ports: Sequence[Ports], base: Fit, progress: Progress = lambda name: 
     with_robot = any(port.observed.reference is not None for port in ports)
     best, evidence = base, {}
     rivals: dict[str, list[Fit]] = {}
-    for count in range(_MOST_EFFECTS):
+    for count in range(most):
         if count > 0 and best.cost < best.filled * (1.0 + 0.5 * THRESHOLD):
             break  # nothing is left to explain
         names = candidates_for(best.model, with_robot)

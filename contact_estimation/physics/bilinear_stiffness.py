@@ -38,7 +38,6 @@ class BilinearStiffness(ContactEffect):
     name = 'bilinear_stiffness'
     equation = 'F_e -= K_2 max(d - depth, 0)'
     Parameters = BilinearStiffnessParameters
-    needs_touch = True
 
     def resistance(self, t: Number, d: Number, v: Number, state: Any, m: Any) -> Number:
         """Give K_2 max(d - depth, 0); see `ContactEffect.resistance`."""

@@ -40,6 +40,7 @@ class CoulombFriction(ContactEffect):
     name = 'coulomb_friction'
     equation = 'F_e -= F_c sgn(v)'
     Parameters = CoulombFrictionParameters
+    jumps = True
 
     def resistance(self, t: Number, d: Number, v: Number, state: Any, m: Any) -> Number:
         """Give F_c sgn(v); see `ContactEffect.resistance`."""

@@ -243,6 +243,9 @@ class ContactEffect(Effect):
     lets_go: ClassVar[bool] = False
     """The force may vanish in the midst of a contact."""
 
+    jumps: ClassVar[bool] = False
+    """The resistance, a function of the rate alone, jumps where the motion turns."""
+
     inertia: float = 0.0
     """Mass that moves with the contact point [kg]."""
 

@@ -48,6 +48,7 @@ class StribeckFriction(ContactEffect):
     name = 'stribeck_friction'
     equation = 'F_e -= (F_c + (F_s - F_c) exp(-(v / v_s)^2)) sgn(v)'
     Parameters = StribeckFrictionParameters
+    jumps = True
 
     def resistance(self, t: Number, d: Number, v: Number, state: Any, m: Any) -> Number:
         """Give the falling friction; see `ContactEffect.resistance`."""

@@ -30,7 +30,7 @@ PAPER_NOISE = {'sensors.force_noise': 1.0, 'sensors.distribution': 'uniform'}
 class WallParameters(ParameterGroup):
     """The environment, eq. (3)."""
 
-    stiffness: float = parameter(4800.0, 'K_e', 'N/m', minimum=1e-6)
+    stiffness: float = parameter(4800.0, 'K_e', 'N/m', minimum=0.0)
     damping: float = parameter(200.0, 'B_e', 'N s/m', minimum=0.0)
     location: float = parameter(0.0, 'Surface of the untouched wall, x_e', 'm')
     inertia: float = parameter(0.0, 'M_e, moves with the tool while in contact', 'kg', minimum=0.0)

@@ -1,0 +1,159 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Permanently attached walls under a recorded force: springs, and a drive that has none."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+from concealed_worlds import ATTACHED, attached, diagnosed, named, nominal, physics
+from contact_estimation.diagnosis.between_samples import held, smooth, straight
+from contact_estimation.diagnosis.finding import Diagnosis
+from contact_estimation.diagnosis.observed import Signals
+import numpy as np
+from numpy.typing import NDArray
+import pytest
+from scipy.interpolate import CubicSpline
+
+Array = NDArray[np.float64]
+
+WORLDS: dict[str, tuple[float, ...]] = {
+    'coulomb_friction': (3.0,),
+    'stribeck_friction': (2.0, 5.0, 0.05),
+    'cubic_stiffness': (1e6,),
+    'quadratic_damping': (60.0,),
+    'viscoelastic_relaxation': (800.0, 0.1),
+    'bouc_wen_hysteresis': (1500.0, 150.0, 40.0),
+    'bilinear_stiffness': (1500.0, 0.004),
+    'stiffness_drift': (0.01,),
+    'force_lag': (0.003,),
+    'force_delay': (0.004,),
+    'force_drift': (0.5,),
+}
+BOUND = 0.08
+NO_REFERENCE = (np.empty(0), np.empty((4, 0)))
+MASS, DRAG, DRY, BIAS = 90.0, 200.0, 20.0, 3.0  # of a linear drive
+
+
+@pytest.mark.parametrize('name', WORLDS)
+def test_effect_of_an_attached_wall_is_named(name: str) -> None:
+    values = WORLDS[name]
+    found = diagnosed(attached(*physics(name, *values).items()), nominal(**ATTACHED))
+    assert (found.verdict, named(found)) == ('physics_missing', [name])
+    got = [parameter.value for parameter in found.effects[0].parameters.values()]
+    assert got == pytest.approx(values, rel=BOUND)
+    assert found.stiffness.value == pytest.approx(ATTACHED['environment__stiffness'], rel=0.005)
+    assert found.motion.corrected is not None and found.motion.recalibrated is not None
+    assert found.motion.corrected < 0.15 * found.motion.recalibrated
+
+
+def test_offsets_of_wall_and_sensor_are_told_apart_by_nothing() -> None:
+    found = diagnosed(attached(*physics('force_bias', 5.0).items()), nominal(**ATTACHED))
+    both = {*named(found), *found.effects[0].indistinguishable_from}
+    assert both == {'force_bias', 'contact_offset'}
+    assert len(found.effects) == 1
+
+
+@lru_cache(maxsize=None)
+def drive() -> Signals:
+    """Record a drive without a spring that is controlled in position, integrated here."""
+    rate, fine = 500, 10
+    h = 1.0 / rate / fine
+    t = np.arange(12 * rate) / rate
+    wanted = 0.05 * np.sin(2.0 * t) + 0.02 * np.sin(5.3 * t + 1.0)
+    wanted_rate = 0.1 * np.cos(2.0 * t) + 0.106 * np.cos(5.3 * t + 1.0)
+    x, v = float(wanted[0]), float(wanted_rate[0])
+    force, position = np.empty(len(t)), np.empty(len(t))
+    for k in range(len(t)):
+        push = 4e4 * (wanted[k] - x) + 3e3 * (wanted_rate[k] - v)
+        force[k], position[k] = push, x
+        for _ in range(fine):  # the controller holds its output
+            v += h / MASS * (push - DRAG * v - DRY * np.tanh(v / 4e-4))
+            x += h * v
+    noise = np.random.default_rng(1).normal(size=(2, len(t)))
+    measured = -force + BIAS + 0.2 * noise[0]
+    return Signals(t, measured, t, position + 2e-7 * noise[1], *NO_REFERENCE)
+
+
+@lru_cache(maxsize=None)
+def of_drive() -> Diagnosis:
+    """Diagnose the drive from its linear model, which has the wrong drag."""
+    return diagnosed(drive(), nominal(
+        environment__stiffness=0.0, environment__damping=300.0, environment__inertia=MASS,
+        environment__unilateral=False))
+
+
+def test_dry_friction_and_bias_of_a_drive_are_named() -> None:
+    found = of_drive()
+    assert found.verdict == 'physics_missing'
+    assert sorted(named(found)) == ['coulomb_friction', 'force_bias']
+    values = {effect.name: effect.parameters for effect in found.effects}
+    assert values['coulomb_friction']['F_c'].value == pytest.approx(DRY, rel=0.01)
+    assert values['force_bias']['bias'].value == pytest.approx(BIAS, rel=0.02)
+
+
+def test_drag_of_a_drive_is_found_and_no_spring() -> None:
+    found = of_drive()
+    assert found.damping.value == pytest.approx(DRAG, rel=0.01)
+    assert found.stiffness.value == pytest.approx(0.0, abs=1.0)
+    assert found.corrected.values[2] == pytest.approx(MASS, rel=0.01)
+
+
+def test_force_of_a_controller_is_seen_to_be_held_between_samples() -> None:
+    assert of_drive().ports[0].observed.between == 'held'
+
+
+@lru_cache(maxsize=None)
+def shaken() -> tuple[Signals, tuple[float, float, float]]:
+    """Let a wall answer tones up to a fifth of the rate, exactly, and sample both smoothly."""
+    K, B, M, rate = 2e5, 60.0, 2.0, 500.0
+    t = np.arange(3000) / rate
+    tones = 2.0 * np.pi * np.linspace(3.0, 100.0, 40)
+    phases = np.random.default_rng(0).uniform(0.0, 2.0 * np.pi, len(tones))
+    waves = np.exp(1j * (np.outer(tones, t) + phases[:, None]))
+    answer = 1.0 / (K - M * tones**2 + 1j * B * tones)
+    force, position = 10.0 * waves.sum(axis=0).real, 10.0 * (answer @ waves).real
+    noise = np.random.default_rng(1).normal(0.0, 1e-6, len(t))
+    return Signals(t, -force, t, position + noise, *NO_REFERENCE), (K, B, M)
+
+
+def test_smooth_force_is_not_taken_for_a_lag() -> None:
+    signals, values = shaken()
+    found = diagnosed(signals, nominal(
+        environment__stiffness=1.9e5, environment__damping=80.0, environment__inertia=2.1,
+        environment__unilateral=False))
+    assert (found.verdict, named(found)) == ('recalibrate', [])
+    assert found.ports[0].observed.between == 'smooth'
+    assert found.recalibrated.values == pytest.approx(values, rel=0.005)
+
+
+def areas(samples: Array) -> Array:
+    """Integrate straight lines between samples, over each interval."""
+    return 0.5 * (samples[1:] + samples[:-1])
+
+
+def test_straight_lines_through_smooth_samples_have_the_areas_of_the_spline() -> None:
+    t = np.arange(200.0)
+    force = np.sin(0.3 * t) + 0.4 * np.cos(0.11 * t)
+    spline = CubicSpline(t, force)
+    expected = [spline.integrate(k, k + 1.0) for k in range(20, 180)]
+    np.testing.assert_allclose(areas(smooth(force))[20:180], expected, atol=1e-3)
+    worst = np.max(np.abs(areas(straight(force))[20:180] - expected))
+    assert worst > 5e-3
+
+
+def test_held_samples_come_half_a_sample_late() -> None:
+    ramp = np.arange(50.0)
+    np.testing.assert_allclose(held(ramp)[1:], ramp[1:] - 0.5)
