@@ -26,8 +26,8 @@ from contact_estimation.blind_trials.blind_diagnosis import command_line, diagno
 from contact_estimation.blind_trials.handing_over import hand_over, Handed, write_json
 from contact_estimation.blind_trials.study import plan, Planned, run_study, run_trial
 from contact_estimation.commands.blind_trials import main
-from contact_estimation.commands.diagnose import nominal_values
 from contact_estimation.diagnosis.reading import timed
+from contact_estimation.parameter_file import read_parameter_file
 from contact_estimation.physics import EFFECTS
 from contact_estimation.recorded_signals import read_signals
 from contact_estimation.recording_replay import RecordingSource
@@ -67,7 +67,7 @@ def test_neither_name_nor_model_file_betrays_the_effect(handed: Handed) -> None:
     assert not any(effect in name for name in names for effect in EFFECTS)
     assert {len(name) for name in names} == {len('trial_') + 8}
     assert 'physics' not in handed.nominal.read_text()
-    assert nominal_values(str(handed.nominal)) == {
+    assert read_parameter_file(str(handed.nominal), 'plant_node') == {
         'environment.stiffness': 4400.0, 'environment.damping': 80.0,
         'environment.location': 0.0, 'robot.mass': 20.0, 'robot.damping': 600.0,
         'robot.stiffness': 4000.0,

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 from contact_estimation.commands import diagnose
 from contact_estimation.diagnosis.observed import Signals
@@ -34,42 +34,12 @@ from diagnosed_worlds import (
 )
 import numpy as np
 import pytest
-
-
-class Ended(NamedTuple):
-    """How the command has ended and what it has said."""
-
-    code: int
-    out: str
-    err: str
-
-
-class Command:
-    """The command diagnose in this process: an exception that escapes it fails the test."""
-
-    def __init__(self, capfd: pytest.CaptureFixture[str]) -> None:
-        self._capfd = capfd
-
-    def __call__(self, *arguments: object) -> Ended:
-        self._capfd.readouterr()
-        try:
-            code = diagnose.main([str(argument) for argument in arguments])
-        except SystemExit as end:
-            code = int(str(end.code))
-        return Ended(code, *self._capfd.readouterr())
-
-    def refusal(self, *arguments: object) -> str:
-        """Run where the command must refuse; return its one line."""
-        ended = self(*arguments)
-        lines = ended.err.strip().splitlines()
-        assert (ended.code, ended.out, len(lines)) == (1, '', 1), ended
-        assert lines[0].startswith('diagnose: ')
-        return lines[0]
+from run_commands import Command
 
 
 @pytest.fixture
 def command(capfd: pytest.CaptureFixture[str]) -> Command:
-    return Command(capfd)
+    return Command('diagnose', diagnose.main, capfd)
 
 
 @pytest.fixture(scope='module')
@@ -209,12 +179,20 @@ def test_missing_topic_is_named_with_those_that_there_are(
     ({'environment': {**MODEL['environment'], 'stifness': 1.0}}, "'environment.stiffness'"),
     ({'physics': {'stribeck_friction': {'F_c': 1.0}}}, 'needs all of F_c, F_s, v_s'),
     ({'environment': {'stiffness': -1.0}}, 'environment.stiffness must be'),
+    ({'physics': {'coulomb_friction': {'F_c': 1.0}}}, 'no physics, got coulomb_friction; leave'),
 ])
 def test_model_file_that_is_wrong_is_refused_with_a_hint(
     sections: dict[str, Any], hint: str, folder: Path, tmp_path: Path, command: Command
 ) -> None:
     model = write_model(tmp_path / 'model.yaml', **sections)
     assert hint in command.refusal(folder / 'clean.mcap', '--nominal', model)
+
+
+def test_parameter_file_of_the_plant_node_is_a_model_file(
+    folder: Path, tmp_path: Path, command: Command
+) -> None:
+    model = write_model(tmp_path / 'model.yaml', experiment='sine', joint='cx', **MODEL)
+    assert command(folder / 'clean.mcap', '--nominal', model).code == 0
 
 
 def test_missing_options_and_files_are_refused(

@@ -21,7 +21,6 @@ from math import isnan
 from pathlib import Path
 import subprocess
 import sys
-from typing import NamedTuple
 
 from contact_estimation.commands import replay
 from contact_estimation.contact_session import ContactSession
@@ -31,6 +30,7 @@ from contact_estimation.messages import JointStateEncoder, RosbagsCodec, WrenchE
 from contact_estimation.recordings import RecordingReader, RecordingWriter
 from core_runs import contact_samples
 import pytest
+from run_commands import Command
 
 SAMPLES = contact_samples(1.0, force_noise=0.5)
 BEGIN_NS = 1_750_000_000_000_000_000
@@ -38,40 +38,9 @@ WRENCH, JOINT_STATE = 'geometry_msgs/msg/WrenchStamped', 'sensor_msgs/msg/JointS
 COLUMNS = ('stiffness', 'damping', 'stiffness_std', 'damping_std')
 
 
-class Ended(NamedTuple):
-    """How the command has ended and what it has said."""
-
-    code: int
-    out: str
-    err: str
-
-
-class Command:
-    """The command replay in this process: an exception that escapes it fails the test."""
-
-    def __init__(self, capfd: pytest.CaptureFixture[str]) -> None:
-        self._capfd = capfd
-
-    def __call__(self, *arguments: object) -> Ended:
-        self._capfd.readouterr()
-        try:
-            code = replay.main([str(argument) for argument in arguments])
-        except SystemExit as end:
-            code = int(str(end.code))
-        return Ended(code, *self._capfd.readouterr())
-
-    def refusal(self, *arguments: object) -> str:
-        """Run where the command must refuse; return its one line."""
-        ended = self(*arguments)
-        lines = ended.err.strip().splitlines()
-        assert (ended.code, ended.out, len(lines)) == (1, '', 1), ended
-        assert lines[0].startswith('replay: ')
-        return lines[0]
-
-
 @pytest.fixture
 def command(capfd: pytest.CaptureFixture[str]) -> Command:
-    return Command(capfd)
+    return Command('replay', replay.main, capfd)
 
 
 def write_recording(

@@ -19,9 +19,9 @@ from __future__ import annotations
 import json
 import os
 import platform
-from typing import Any, Sequence
+from typing import Any
 
-from ..commands.command_line import new_file, Parser, run_command
+from ..commands.command_line import command, new_file, Parser
 from ..estimators import ESTIMATORS
 from ..exceptions import ParameterRangeError
 
@@ -123,22 +123,7 @@ def _machine() -> dict[str, Any]:
     }
 
 
-def main(args: Sequence[str] | None = None) -> int:
-    """
-    Run the command.
-
-    Parameters
-    ----------
-    args : sequence of str, optional
-        Command line; that of the process by default.
-
-    Returns
-    -------
-    code : int
-        0, or 1 after one line on stderr.
-
-    """
-    return run_command(make_parser(), run, args)
+main = command(make_parser, run)
 
 
 if __name__ == '__main__':

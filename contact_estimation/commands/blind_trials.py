@@ -18,9 +18,9 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Any, Sequence
+from typing import Any
 
-from .command_line import new_file, Parser, run_command
+from .command_line import command, new_file, Parser
 from .progress import Progress
 from ..blind_trials.picture import draw_confusion
 from ..blind_trials.study import as_dict, plan, run_study
@@ -84,22 +84,7 @@ def run(options: Any) -> int:
     return 0
 
 
-def main(args: Sequence[str] | None = None) -> int:
-    """
-    Run the command.
-
-    Parameters
-    ----------
-    args : sequence of str, optional
-        Command line; that of the process by default.
-
-    Returns
-    -------
-    code : int
-        0, or 1 after one line on stderr.
-
-    """
-    return run_command(make_parser(), run, args)
+main = command(make_parser, run)
 
 
 if __name__ == '__main__':

@@ -36,39 +36,42 @@ class Parser(argparse.ArgumentParser):
         self.exit(1, f'{self.prog}: {message}; see {self.prog} --help\n')
 
 
-def run_command(
-    parser: Parser, run: Callable[[Any], int], args: Sequence[str] | None
-) -> int:
+def command(
+    make_parser: Callable[[], Parser], run: Callable[[Any], int]
+) -> Callable[..., int]:
     """
-    Parse the command line and run the command.
+    Make the `main` of a command.
 
     Parameters
     ----------
-    parser : Parser
-        With all options.
+    make_parser : callable
+        Gives the parser with all options.
     run : callable
         Takes the parsed options, returns the exit code.
-    args : sequence of str or None
-        Command line; None takes that of the process.
 
     Returns
     -------
-    code : int
-        0, or 1 after one line on stderr.
+    main : callable
+        Takes a command line, that of the process by default; returns 0, or 1 after one line on
+        stderr.
 
     """
-    options = parser.parse_args(args)
-    try:
-        return run(options)
-    except ContactEstimationError as error:
-        print(f'{parser.prog}: {error}', file=sys.stderr)
-    except BrokenPipeError:
-        sys.stderr.close()
-    except KeyboardInterrupt:
-        print(f'{parser.prog}: interrupted', file=sys.stderr)
-    except OSError as error:
-        print(f'{parser.prog}: {error.strerror}: {error.filename}', file=sys.stderr)
-    return 1
+    def main(args: Sequence[str] | None = None) -> int:
+        parser = make_parser()
+        options = parser.parse_args(args)
+        try:
+            return run(options)
+        except ContactEstimationError as error:
+            print(f'{parser.prog}: {error}', file=sys.stderr)
+        except BrokenPipeError:
+            sys.stderr.close()
+        except KeyboardInterrupt:
+            print(f'{parser.prog}: interrupted', file=sys.stderr)
+        except OSError as error:
+            print(f'{parser.prog}: {error.strerror}: {error.filename}', file=sys.stderr)
+        return 1
+
+    return main
 
 
 def add_source_options(parser: argparse.ArgumentParser) -> None:

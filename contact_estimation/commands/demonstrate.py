@@ -20,12 +20,12 @@ import json
 from pathlib import Path
 import subprocess
 import sys
-from typing import Any, Sequence
+from typing import Any
 
 import numpy as np
 import yaml
 
-from .command_line import Parser, run_command
+from .command_line import command, Parser
 from ..exceptions import ContactEstimationError, ParameterRangeError, RecordingError
 from ..parameter_file import read_parameter_file
 from ..parameter_values import build, flatten, without
@@ -172,19 +172,4 @@ def _text(value: float | None, form: str = '.1f') -> str:
     return 'none' if value is None else format(value, form)
 
 
-def main(args: Sequence[str] | None = None) -> int:
-    """
-    Run the command.
-
-    Parameters
-    ----------
-    args : sequence of str, optional
-        Command line; that of the process by default.
-
-    Returns
-    -------
-    code : int
-        0, or 1 after one line on stderr.
-
-    """
-    return run_command(make_parser(), run, args)
+main = command(make_parser, run)

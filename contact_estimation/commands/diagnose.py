@@ -19,17 +19,18 @@ from __future__ import annotations
 from dataclasses import replace
 import json
 from pathlib import Path
-from typing import Any, Sequence
+from typing import Any
 
 from .command_line import (
     add_source_options,
+    command,
     different_files,
     new_file,
     Parser,
-    run_command,
     source_of,
 )
 from .loop_picture import require_matplotlib
+from .model_file import read_model
 from .progress import Progress
 from ..diagnosis.diagnosis import diagnose, Recording
 from ..diagnosis.finding import Diagnosis
@@ -38,8 +39,7 @@ from ..diagnosis.page import as_html
 from ..diagnosis.reading import timed
 from ..diagnosis.report import as_dict, as_text, model_file
 from ..exceptions import ModelFileError, ParameterRangeError
-from ..parameter_file import read_parameter_file
-from ..parameter_values import build
+from ..physics import effects_that_are_on
 from ..plant.plant_parameters import PlantParameters
 from ..recorded_signals import read_signals
 from ..recordings import RecordingReader
@@ -91,7 +91,7 @@ def run(options: Any) -> int:
             new_file(path)
     if options.html:
         require_matplotlib()
-    nominal = build(PlantParameters, nominal_values(options.nominal))
+    nominal = _without_physics(read_model(options.nominal), options.nominal)
     progress = Progress('diagnose')
     stages: list[str] = []
 
@@ -113,33 +113,14 @@ def run(options: Any) -> int:
     return 0
 
 
-def nominal_values(path: str) -> dict[str, Any]:
-    """
-    Read the nominal model.
-
-    Parameters
-    ----------
-    path : str
-        A parameter file with a section plant_node.
-
-    Returns
-    -------
-    values : dict
-        Dotted name to value.
-
-    Raises
-    ------
-    ModelFileError
-        If the file is missing or has no such section.
-
-    """
-    values = read_parameter_file(path, 'plant_node')
-    if not values:
+def _without_physics(model: PlantParameters, path: str) -> PlantParameters:
+    named = [effect.name for effect in effects_that_are_on(model.physics)]
+    if named:
         raise ModelFileError(
-            f'model file {path} must have a section plant_node with ros__parameters, got none; '
-            'see the README for an example'
+            f'model file {path} must have no physics, got {", ".join(named)}; leave them out: '
+            'diagnose names what a model without them is missing'
         )
-    return values
+    return model
 
 
 def _read(path: str, options: Any) -> Recording:
@@ -171,22 +152,7 @@ def _experiment_file(options: Any) -> str | None:
     return str(Path(beside).with_suffix('.experiment.yaml')) if beside else None
 
 
-def main(args: Sequence[str] | None = None) -> int:
-    """
-    Run the command.
-
-    Parameters
-    ----------
-    args : sequence of str, optional
-        Command line; that of the process by default.
-
-    Returns
-    -------
-    code : int
-        0, or 1 after one line on stderr.
-
-    """
-    return run_command(make_parser(), run, args)
+main = command(make_parser, run)
 
 
 if __name__ == '__main__':

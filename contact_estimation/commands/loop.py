@@ -20,11 +20,11 @@ import importlib.util
 import json
 from pathlib import Path
 import sys
-from typing import Any, Mapping, Sequence
+from typing import Any, Mapping
 
 import yaml
 
-from .command_line import Parser, run_command
+from .command_line import command, Parser
 from .loop_picture import draw_picture, require_matplotlib
 from .loop_processes import LoopProcesses
 from .loop_run import read_run
@@ -229,22 +229,7 @@ def _text(value: float | None, form: str = '.1f') -> str:
     return 'none' if value is None else format(value, form)
 
 
-def main(args: Sequence[str] | None = None) -> int:
-    """
-    Run the command.
-
-    Parameters
-    ----------
-    args : sequence of str, optional
-        Command line; that of the process by default.
-
-    Returns
-    -------
-    code : int
-        0, or 1 after one line on stderr.
-
-    """
-    return run_command(make_parser(), run, args)
+main = command(make_parser, run)
 
 
 if __name__ == '__main__':

@@ -17,11 +17,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, Sequence
+from typing import Any
 
 import numpy as np
 
-from .command_line import add_source_options, Parser, run_command, source_of
+from .command_line import add_source_options, command, Parser, source_of
 from .model_file import read_model
 from ..exceptions import ParameterRangeError, RecordingError
 from ..plant.plant_parameters import PlantParameters
@@ -145,22 +145,7 @@ def _start(signals: RecordedSignals) -> tuple[float, float]:
     return position, float(slope)
 
 
-def main(args: Sequence[str] | None = None) -> int:
-    """
-    Run the command.
-
-    Parameters
-    ----------
-    args : sequence of str, optional
-        Command line; that of the process by default.
-
-    Returns
-    -------
-    code : int
-        0, or 1 after one line on stderr.
-
-    """
-    return run_command(make_parser(), run, args)
+main = command(make_parser, run)
 
 
 if __name__ == '__main__':

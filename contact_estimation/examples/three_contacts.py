@@ -28,7 +28,7 @@ import numpy as np
 
 from .three_contacts_picture import draw_picture
 from .three_contacts_world import B_E, DURATION, GEOMETRY, Instant, K_E, MU, POINTS, RATE, simulate
-from ..commands.command_line import Parser, run_command
+from ..commands.command_line import command, Parser
 from ..contact_points_estimator import ContactPointsEstimate, ContactPointsEstimator
 from ..contact_points_parameters import ContactPointsParameters
 
@@ -159,22 +159,7 @@ def make_parser() -> Parser:
     return parser
 
 
-def main(args: Sequence[str] | None = None) -> int:
-    """
-    Run the example.
-
-    Parameters
-    ----------
-    args : sequence of str, optional
-        Command line; that of the process by default.
-
-    Returns
-    -------
-    code : int
-        0, or 1 after one line on stderr.
-
-    """
-    return run_command(make_parser(), run, args)
+main = command(make_parser, run)
 
 
 if __name__ == '__main__':
