@@ -286,7 +286,7 @@ class _Conclusion:
         if not open_end and all(
                 port.observed.has_dynamics(base.model.nominal) for port in self._ports):
             progress('output error')
-            same = not best.model.effects  # a search that takes none ends with a fit of its own
+            same = not best.model.effects
             base = refine(self._ports, base) if same else base
             best = base if same else self._without_idle(refine(self._ports, best))
         progress('held-out parts')

@@ -174,3 +174,9 @@ class Diagnosis:
     predictable: float
     ports: list[Ports] = field(repr=False)
     free_runs: dict[str, Array] = field(repr=False)
+
+    @property
+    def between_samples(self) -> str | None:
+        """How the force that drives a wall goes on between samples; None with a robot."""
+        driven = self.ports[0].driven_by_force(self.nominal)
+        return self.ports[0].observed.between if driven else None

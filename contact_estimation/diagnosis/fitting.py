@@ -29,6 +29,7 @@ Array = NDArray[np.float64]
 
 _STEP = 1e-4  # relative, of the finite differences
 _AT_END = 1e-6  # of its size: a value that has come to the end of its range
+_NO_WALL = 1e-3  # N/m or N s/m: as good as no spring, no damper
 _BEYOND_MEASURE = 1e6  # standard deviations: a model that has run away
 
 
@@ -132,7 +133,9 @@ def fit(
 def _sizes(model: Model) -> Array:
     """How large a change of each value is: its own size, or a little where it is 0."""
     values = np.abs(np.array(model.values))
-    return np.where(values > 0.0, values, 1.0)
+    sizes = np.where(values > 0.0, values, 1.0)
+    sizes[:2] = np.maximum(values[:2], _NO_WALL)
+    return sizes
 
 
 def step(ports: Sequence[Ports], model: Model) -> tuple[float, Model]:

@@ -33,6 +33,8 @@ _PHASES = {
     'loading': 'while pressing further', 'unloading': 'while letting go',
     'all': 'in all phases of the contact',
 }
+_BETWEEN = {'smooth': 'goes on smoothly: straight lines explain less',
+            'held': 'is held: straight lines explain less'}
 PORTS = {'contact': 'in the contact', 'force_sensor': 'in the force sensor',
          'robot': 'in the robot'}
 
@@ -79,6 +81,7 @@ def as_dict(diagnosis: Diagnosis, experiment_file: str | None = None) -> dict[st
                  'motion_rmse_m': vars(part.motion) if part.motion.nominal is not None else None}
                 for part in d.holdouts
             ],
+            'force_between_samples': d.between_samples,
             'left_over_noise': d.left,
             'left_predictable': d.predictable,
         },
@@ -163,8 +166,7 @@ def _headline(d: Diagnosis) -> str:
 
 def _effect_lines(effect: NamedEffect) -> list[str]:
     values = ', '.join(
-        f'{name} = {value.value:.5g} +- {value.std:.2g}'
-        + ('' if value.unit == '1' else f' {value.unit}')
+        f'{name} = {_known(value)}' + ('' if value.unit == '1' else f' {value.unit}')
         for name, value in effect.parameters.items()
     )
     lines = [
@@ -177,6 +179,11 @@ def _effect_lines(effect: NamedEffect) -> list[str]:
         lines.append('    this recording cannot tell it from '
                      + ' or '.join(effect.indistinguishable_from))
     return lines
+
+
+def _known(value: Value) -> str:
+    """Say a value with its standard deviation, which the end of a range has not."""
+    return f'{value.value:.6g}' + (f' +- {value.std:.2g}' if isfinite(value.std) else '')
 
 
 def place_of(location: Location) -> str:
@@ -205,10 +212,11 @@ def place_of(location: Location) -> str:
 def _fit_lines(d: Diagnosis) -> list[str]:
     lines = []
     if d.effects:
-        stiffness = (f'K_e {d.stiffness.value:.6g} +- {d.stiffness.std:.2g} N/m'
-                     if d.corrected.free[0] else 'no K_e (the effect takes its place)')
-        damping = (f'B_e {d.damping.value:.5g} +- {d.damping.std:.2g} N s/m'
-                   if d.corrected.free[1] else 'B_e 0 (the effect takes its place)')
+        stiffness_is_free, damping_is_free = d.corrected.free[:2]
+        stiffness = (f'K_e {_known(d.stiffness)} N/m' if stiffness_is_free
+                     else 'no K_e (the effect takes its place)')
+        damping = (f'B_e {_known(d.damping)} N s/m' if damping_is_free
+                   else 'B_e 0 (the effect takes its place)')
         lines += ['', f'With it: {stiffness}, {damping}; without: K_e '
                   f'{d.recalibrated.stiffness:.6g}, B_e {d.recalibrated.damping:.5g}.']
     held = ', '.join(part.name for part in d.holdouts)
@@ -218,6 +226,8 @@ def _fit_lines(d: Diagnosis) -> list[str]:
     if d.motion.nominal is not None:
         lines.append(_row('motion, free run [um]', *_numbers(d.motion, 1e6)))
     lines.append(f'  noise floor of the force {d.noise_floor:.3g} N')
+    if d.between_samples in _BETWEEN:
+        lines.append(f'  between its samples the force {_BETWEEN[d.between_samples]}')
     if d.improvement is not None and d.effects:
         low, high = (100.0 * value for value in d.improvement)
         lines.append(

@@ -231,7 +231,8 @@ def select(
         if count > 0:
             best, rivals = exchange(ports, best, rivals, with_robot, progress)
     best, rivals = prune(ports, best, rivals)
-    return Finding(base, fit(ports, best.model), rivals, evidence)
+    best = fit(ports, best.model) if best.model.effects else base
+    return Finding(base, best, rivals, evidence)
 
 
 def enough(before: Fit, after: Fit) -> bool:
