@@ -149,7 +149,7 @@ class Conditioner:
         self._relation, *self._columns = (self._relation_class(self._T) for _ in range(3))
         self._tail_left = 0
         self._last_ns = -1
-        self._last_position = self._last_velocity = nan
+        self._last_position = nan
         self.detector.contact = False
         self._free: deque[float] = deque(maxlen=max(2, round(_TARE_S / self._T)))
 
@@ -235,7 +235,6 @@ class Conditioner:
             else:
                 self._fly(pressings[begin:end], inside[begin:end])
             begin = end
-        self._last_velocity = velocities[-1]
         return Conditioned(dts, velocities, contact, variances, rows, gains, shifts)
 
     def _motion(
