@@ -182,12 +182,43 @@ class Resonance(ContactEffect):
 def resonant() -> Signals:
     """Record a world with a resonance in the wall, at 9 Hz."""
     mass, omega = 0.4, 2.0 * pi * 9.0
-    effect = ResonanceParameters(mass, mass * omega**2, 2.0 * 0.05 * mass * omega)
+    return _with_unknown(Resonance, ResonanceParameters(
+        mass, mass * omega**2, 2.0 * 0.05 * mass * omega))
+
+
+@dataclass(frozen=True)
+class SpellParameters(ParameterGroup):
+    """Parameters of `Spell`."""
+
+    first: float = parameter(nan, 'When it begins', 's', nan_is_off=True)
+    last: float = parameter(nan, 'When it ends', 's', nan_is_off=True)
+    softer: float = parameter(nan, 'By which stiffness', 'N/m', nan_is_off=True)
+
+
+class Spell(ContactEffect):
+    """A wall that is softer for a while; the library has no such effect."""
+
+    name = 'spell'
+    Parameters = SpellParameters
+
+    def resistance(self, t: Any, d: Any, v: Any, state: Any, m: Any) -> Any:
+        """Take some of the spring's force off; see `ContactEffect.resistance`."""
+        return -self.values.softer * d if self.values.first < t < self.values.last else 0.0
+
+
+@lru_cache(maxsize=None)
+def softened(first: float, last: float) -> Signals:
+    """Record a world whose wall is an eighth softer for a while."""
+    return _with_unknown(Spell, SpellParameters(first, last, 600.0))
+
+
+def _with_unknown(effect: type[ContactEffect], values: ParameterGroup) -> Signals:
     plant = _world(1, {})
     groups = {name: cls.Parameters() for name, cls in EFFECTS.items()}
-    object.__setattr__(plant, 'physics', type('Physics', (), {**groups, 'resonance': effect})())
+    object.__setattr__(
+        plant, 'physics', type('Physics', (), {**groups, effect.name: values})())
     with MonkeyPatch.context() as patch:
-        patch.setitem(EFFECTS, 'resonance', Resonance)
+        patch.setitem(EFFECTS, effect.name, effect)
         return record(plant)
 
 

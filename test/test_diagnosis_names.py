@@ -30,11 +30,13 @@ from concealed_worlds import (
     physics,
     recorded,
     resonant,
+    softened,
 )
 from contact_estimation.diagnosis.diagnosis import diagnose, Recording
 from contact_estimation.diagnosis.finding import Diagnosis
 from contact_estimation.diagnosis.model import names_of
 from contact_estimation.physics import EFFECTS
+import numpy as np
 import pytest
 
 WORLDS: dict[str, tuple[float, ...]] = {
@@ -173,6 +175,19 @@ def test_resonance_that_the_library_has_not_is_located_and_not_named() -> None:
     assert found.location.port == 'contact'
     assert found.location.band_hz[0] < 9.0 < found.location.band_hz[1]
     assert found.next_experiment
+
+
+@pytest.mark.parametrize('spell', [(1.3, 2.3), (3.5, 4.5)], ids=['fitted', 'held out'])
+def test_what_happens_for_a_while_is_found_and_when(spell: tuple[float, float]) -> None:
+    signals = softened(*spell)
+    found = diagnosed(signals)
+    assert (found.verdict, named(found)) == ('unexplained', [])
+    assert found.location is not None
+    assert found.location.port == 'contact'
+    t, touching = signals.wrench_t, signals.position > 0.0
+    true = (t > spell[0]) & (t < spell[1]) & touching
+    told = np.any([(t >= a) & (t <= b) for a, b in found.location.intervals_s], axis=0)
+    assert np.sum(true & told) > 0.5 * np.sum(true | told)
 
 
 def test_attached_wall_of_the_right_values_is_consistent() -> None:

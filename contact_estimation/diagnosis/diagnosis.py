@@ -30,7 +30,7 @@ from .fitting import cost_of, Fit, fit
 from .flexible import memory, predictable_share
 from .free_run import free_run
 from .held_out import as_good, by_part, errors_of, improvement_interval, measure_part, Part
-from .location import guess_port, locate
+from .location import guess_port, locate, Location
 from .model import Model, names_of
 from .noise import force_noise, motion_noise
 from .observed import observe, Observed, Signals
@@ -56,6 +56,7 @@ FULLY = 0.97
 
 _PREDICTABLE = 0.1  # share of the residual that a smoother foretells: structure, not noise
 _SIGNIFICANT = 3.0  # standard deviations
+_UNSEEN = 2.0  # mean square on held-out data, in those of the noise, that no estimate explains
 _MEMORY = 0.25  # correlation of neighbouring residuals: structure that no smoother foretells
 _TEMPERATURE = 10.0  # serial correlation: costs are worth less than independent samples say
 _NEAREST, _MOST_RIVALS = 4, 2
@@ -282,6 +283,8 @@ class _Conclusion:
             best = base  # a false name is worse than no name
         open_end = open_end or (self._odd_robot and not lets_go)
         best = self._significant(best)
+        whole = self._with_held_out()
+        open_end = open_end or not best.model.effects and self._fails_held_out(whole, best.model)
         verdict = self._verdict(best, open_end)
         if not open_end and all(
                 port.observed.has_dynamics(base.model.nominal) for port in self._ports):
@@ -293,16 +296,14 @@ class _Conclusion:
         models = [self._nominal, base.model, best.model]
         parts, runs = self._held_out(models)
         force, motion = errors_of(parts)
-        names = self._names(best)
-        located = verdict in ('physics_missing', 'unexplained')
-        port = self._ports[0]
         stds = standard_deviations(self._ports, best)
+        names = self._names(best, stds, whole[0])
         location = None
-        if located:
+        if verdict in ('physics_missing', 'unexplained'):
             shown = best.model if verdict == 'unexplained' and best.model.effects else base.model
             acting = names[0].port if names and shown is base.model else None
             acting = 'robot' if self._odd_robot else acting
-            location = locate(port, shown, acting)
+            location = locate(whole[0], shown, acting)
         rivals = {other: self._rival(effect.name, other)
                   for effect in names for other in effect.indistinguishable_from}
         return Diagnosis(
@@ -314,6 +315,26 @@ class _Conclusion:
             _advice(names, verdict), rivals, self._finding.candidates, best.cost / count,
             predictable, self._ports, runs,
         )
+
+    def _with_held_out(self) -> list[Ports]:
+        """Look at the recordings with the held-out parts, which have served their purpose then."""
+        whole = [_whole(case, self._finding.base.model) for case in self._cases]
+        for port in whole:
+            port.doubt(self._finding.base.model)
+        return whole
+
+    def _fails_held_out(self, whole: Sequence[Ports], model: Model) -> bool:
+        """Tell whether something that no fit has seen is not explained at all."""
+        for case, port in zip(self._cases, whole):
+            if case.held_out is None:
+                continue
+            held = (case.held_out.samples & port.use).astype(float)
+            count = len(held) // port.block
+            there = held[:count * port.block].reshape(count, port.block).mean(axis=1) > 0.5
+            parts = port.residuals(model).reshape(-1, count)[:, there]
+            if np.any(np.mean(parts**2, axis=1) > _UNSEEN):
+                return True
+        return False
 
     def _lets_go(self, model: Model) -> bool:
         """Tell whether the force vanishes amid contacts, and an effect is named that does so."""
@@ -377,14 +398,14 @@ class _Conclusion:
         several = len(self._cases) > 1
         return f'{case.recording.name}, {case.held_out.name}' if several else case.held_out.name
 
-    def _names(self, best: Fit) -> list[NamedEffect]:
-        stds = standard_deviations(self._ports, best)
+    def _names(self, best: Fit, stds: Array, seen: Ports) -> list[NamedEffect]:
         dropped = {name: fit(self._ports, best.model.without(name), steps=8)
                    for name in best.model.effects}
         order = sorted(best.model.effects, key=lambda name: -dropped[name].cost)
-        return [self._name(best, name, dropped[name], stds) for name in order]
+        return [self._name(best, name, stds, locate(seen, dropped[name].model, EFFECTS[name].port))
+                for name in order]
 
-    def _name(self, best: Fit, name: str, without: Fit, stds: Array) -> NamedEffect:
+    def _name(self, best: Fit, name: str, stds: Array, location: Location) -> NamedEffect:
         cls = EFFECTS[name]
         place = best.model.place(name)
         units = [spec.unit for spec in specifications(cls.Parameters)]
@@ -394,9 +415,7 @@ class _Conclusion:
         }
         alike = self._alike(best, name)
         return NamedEffect(
-            name, cls.port, cls.equation, self._probability(best, name), values, alike,
-            locate(self._ports[0], without.model, cls.port),
-        )
+            name, cls.port, cls.equation, self._probability(best, name), values, alike, location)
 
     def _rivals_of(self, name: str) -> list[Fit]:
         """Fit the nearest rivals to the motion as it is smoothed now; the rest are far behind."""
