@@ -150,6 +150,18 @@ def test_attached_wall_is_that_of_a_linear_system_driven_straight_between_sample
     assert got.frame_id == 'sensor'
 
 
+def test_force_that_is_held_drives_an_attached_wall_by_steps(tmp_path: Path) -> None:
+    force = np.sin(np.arange(900) * 0.2)
+    t = driven_recording(tmp_path / 'in.mcap', force)
+    got = simulated(tmp_path, 'out.mcap', '--model', model_file(tmp_path, environment=ATTACHED),
+                    '--like', str(tmp_path / 'in.mcap'), '--between', 'held')
+    expected = lsim(([-1.0], [0.6, 12.0, 1200.0]), force, t, interp=False)[1]
+    late = np.max(np.abs(expected - lsim(([-1.0], [0.6, 12.0, 1200.0]), force, t)[1]))
+    error = np.max(np.abs(got.joint_states.values[0] - expected))
+    assert error < 0.1 * late
+    np.testing.assert_array_equal(got.wrench.values[0], force)
+
+
 def test_bias_of_the_sensor_does_not_drive_an_attached_wall(tmp_path: Path) -> None:
     driven_recording(tmp_path / 'in.mcap', np.full(600, 5.0))
     biased = model_file(tmp_path, environment=ATTACHED, physics={'force_bias': {'bias': 5.0}})

@@ -24,6 +24,7 @@ import numpy as np
 from .command_line import add_source_options, command, Parser, source_of
 from .model_file import read_model
 from ..exceptions import ParameterRangeError, RecordingError
+from ..plant.between_samples import BETWEEN
 from ..plant.plant_parameters import PlantParameters
 from ..plant.simulation import (
     simulate_command,
@@ -55,6 +56,11 @@ def make_parser() -> Parser:
     )
     parser.add_argument('--output', required=True, metavar='FILE', help='new .mcap file')
     parser.add_argument('--seed', type=int, help='seed of all noise; that of the model')
+    parser.add_argument(
+        '--between', choices=tuple(BETWEEN), default='straight',
+        help='how a recorded force that drives an attached wall goes on between its samples '
+        '(straight); `diagnose` tells',
+    )
     add_source_options(parser)
     return parser
 
@@ -82,7 +88,7 @@ def run(options: Any) -> int:
     if options.like:
         reader, source = RecordingReader(options.like), source_of(options)
         signals = read_signals(reader, source, options.axis or 'x', options.joint or '')
-        simulation = _simulate_like(model, signals, options.like)
+        simulation = _simulate_like(model, signals, options)
         frame_id = signals.frame_id
     else:
         simulation = simulate_experiment(model, experiment_named(options.experiment))
@@ -110,9 +116,9 @@ def _new_recording(path: str) -> Path:
 
 
 def _simulate_like(
-    model: PlantParameters, signals: RecordedSignals, recording: str
+    model: PlantParameters, signals: RecordedSignals, options: Any
 ) -> Simulation:
-    wrench, reference = signals.wrench, signals.reference_trajectory
+    wrench, reference, recording = signals.wrench, signals.reference_trajectory, options.like
     if len(reference):
         start = _start(signals)
         return simulate_command(
@@ -126,7 +132,8 @@ def _simulate_like(
         )
     if len(wrench) < 2:
         raise RecordingError(f'{recording} must have at least 2 wrenches, got {len(wrench)}')
-    return simulate_force(model, wrench.stamp_ns, wrench.values[0], _start(signals))
+    return simulate_force(
+        model, wrench.stamp_ns, wrench.values[0], _start(signals), options.between)
 
 
 def _start(signals: RecordedSignals) -> tuple[float, float]:

@@ -23,7 +23,6 @@ from typing import Callable, NamedTuple, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from .between_samples import BETWEEN
 from .episodes import HeldOut, hold_out, require_contact
 from .finding import Diagnosis, NamedEffect, Value
 from .fitting import cost_of, Fit, fit
@@ -40,6 +39,7 @@ from .selection import enough, Finding, penalty, PRICE, scale_of, select, THRESH
 from .uncertainty import standard_deviations
 from ..parameters import specifications
 from ..physics import EFFECTS
+from ..plant.between_samples import BETWEEN
 from ..plant.plant_parameters import PlantParameters
 
 Array = NDArray[np.float64]

@@ -28,10 +28,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
-from .between_samples import smooth
 from .model import Model
 from .observed import Observed, START_S
 from .observer import coast, discretise, kalman_filter, run, run_velocity
+from ..plant.between_samples import smooth
 
 Array = NDArray[np.float64]
 

@@ -23,11 +23,11 @@ from typing import Callable, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .between_samples import BETWEEN
 from .observer import discretise, run
 from .smoothing import differentiate, smooth_enough, white_noise_std
 from ..exceptions import RecordingError
 from ..physics.robot_law import RobotLaw
+from ..plant.between_samples import BETWEEN
 from ..plant.plant_parameters import PlantParameters
 
 Array = NDArray[np.float64]

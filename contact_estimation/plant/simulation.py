@@ -21,6 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from .between_samples import BETWEEN
 from .driven_wall import run_driven_wall_with_rates
 from .open_loop import simulate_at
 from .plant_parameters import PlantParameters
@@ -113,7 +114,8 @@ def simulate_experiment(model: PlantParameters, experiment: Experiment) -> Simul
 
 
 def simulate_force(
-    model: PlantParameters, stamp_ns: Stamps, force: Array, start: tuple[float, float]
+    model: PlantParameters, stamp_ns: Stamps, force: Array, start: tuple[float, float],
+    between: str = 'straight',
 ) -> Simulation:
     """
     Simulate an attached wall without a robot on a measured force.
@@ -125,9 +127,11 @@ def simulate_force(
     stamp_ns : ndarray of int64, shape (N,)
         Of the force [ns], growing.
     force : ndarray, shape (N,)
-        Measured F_e [N]; straight between the samples.
+        Measured F_e [N].
     start : tuple of float
         Position [m] and velocity [m/s] at the first stamp.
+    between : str
+        How the force goes on between its samples, a key of `BETWEEN`.
 
     Returns
     -------
@@ -136,7 +140,7 @@ def simulate_force(
 
     """
     t = (stamp_ns - stamp_ns[0]) * 1e-9
-    motion = run_driven_wall_with_rates(model, t, force, *start)
+    motion = run_driven_wall_with_rates(model, t, BETWEEN[between](force), *start)
     columns = zip(t.tolist(), *motion.tolist(), force.tolist(), force.tolist())
     measured = _measured(model, [Truth(*column) for column in columns])
     nothing = np.empty(0, np.int64), np.empty((4, 0))
