@@ -69,6 +69,9 @@ def test_every_axis_finds_its_own_wall(peer: AxesPeer) -> None:
 
 
 def test_status_and_diagnostics_tell_of_every_axis(peer: AxesPeer) -> None:
+    peer.change(estimator='kalman')
+    peer.feed_instants(moved_instants(SAMPLES, peer.begin_ns))
+    peer.start_afresh()  # the status comes on change: that of the start was before the peer
     samples = moved_instants(SAMPLES, peer.begin_ns)
     peer.feed_instants(samples)
     assert peer.statuses()[0].startswith('free: y free, z free')
