@@ -229,7 +229,7 @@ def _refine(
         carried = free_run(best, o).position
         if not np.isfinite(carried).all() or np.max(np.abs(carried)) > 1e3 * np.max(np.abs(o.x)):
             return finding, cases  # run away: nothing to learn from it
-        better = observe(case.recording.signals, model.nominal, o, lambda before: carried)
+        better = observe(case.recording.signals, model.nominal, carried, o.between)
         if better.cutoff > o.cutoff:
             return finding, cases
         again.append(_case(case.recording, better, model, case.held_out))

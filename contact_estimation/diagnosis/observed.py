@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Callable, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -147,12 +147,9 @@ class Observed:
         return np.array([np.interp(self.t - delay, self.t, row) for row in self.reference])
 
 
-Carrier = Callable[['Observed'], Array]
-
-
 def observe(
-    signals: Signals, model: PlantParameters, before: Observed | None = None,
-    carrier: Carrier | None = None,
+    signals: Signals, model: PlantParameters, carried: Array | None = None,
+    between: str = 'straight',
 ) -> Observed:
     """
     Put a recording on the grid of its wrenches and smooth its motion.
@@ -166,10 +163,11 @@ def observe(
         The recording.
     model : PlantParameters
         The nominal model.
-    before : Observed, optional
-        What was seen of this recording before a better model was known.
-    carrier : callable, optional
-        Takes `before` and gives the position that the better model predicts, shape (N,) [m].
+    carried : ndarray, shape (N,), optional
+        The position that a better model predicts on the grid [m]; that of the nominal one by
+        default.
+    between : str
+        As of `Observed`.
 
     Returns
     -------
@@ -197,9 +195,7 @@ def observe(
         reference = np.array([np.interp(t, signals.reference_t, r) for r in signals.reference])
         if not model.robot.force_tracking:
             reference[3] = 0.0
-    if before is not None and carrier is not None:
-        carried = carrier(before)
-    else:
+    if carried is None:
         carried = _carried(model, reference, force, position, h)
     # From the samples as they came: on the grid they may be means of two. No model follows a
     # motion to better than a hundred thousandth, even without noise.
@@ -209,7 +205,7 @@ def observe(
     left, cutoff = smooth_enough(position - carried, weight, h, noise)
     x, v, a = differentiate(carried + left, h)
     return Observed(t, h, force, measured, position, x, v, a, reference, noise, cutoff,
-                    _jitter(signals.joint_t), before.between if before else 'straight')
+                    _jitter(signals.joint_t), between)
 
 
 def _carried(

@@ -363,11 +363,10 @@ class Ports:
         size = robot.stiffness * np.abs(jumps) * o.h  # impulse of a whole sample [N s]
         least = 0.1 * self.motion_noise * OBSERVER_CUTOFF * robot.mass
         steps = np.argsort(-size)[:_MOST_STEPS]
-        system = discretise(robot.mass, robot.damping, robot.stiffness, o.h)
-        push = np.zeros(len(o.t))
-        push[0] = 1.0
-        answer = innovations(run(system, push, 0.0, 0.0), self._whitener(system),
-                             OBSERVER_CUTOFF, o.h)
+        pulse = np.zeros(len(o.t))
+        pulse[0] = 1.0
+        answer = self.answer_to(pulse, model)
+        assert answer is not None
         columns = []
         for k in steps[size[steps] > least].tolist():
             moved = np.zeros(len(o.t))
