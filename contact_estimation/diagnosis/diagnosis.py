@@ -35,7 +35,7 @@ from .noise import force_noise, motion_noise
 from .observed import observe, Observed, Signals
 from .output_error import refine, runs_true
 from .ports import default_block, force_drops, Ports, usable
-from .selection import enough, Finding, penalty, PRICE, scale_of, select, THRESHOLD
+from .selection import enough, Finding, penalty, PRICE, scale_of, select, SHARE, THRESHOLD
 from .uncertainty import standard_deviations
 from ..parameters import specifications
 from ..physics import EFFECTS
@@ -129,8 +129,8 @@ def diagnose(
     base = _recalibrate(ports, model)
     at_nominal = cost_of(ports, model)
     if all(port.driven_by_force(model) for port in ports):
-        between = _between_samples(select(ports, base, progress, most=1), cases)
-        cases, others = ([_with_force(between, case) for case in group]
+        between = _between_samples(select(ports, base, progress, most=2), cases)
+        cases, others = ([_with_force(between, case, model) for case in group]
                          for group in (cases, others))
         ports = [case.port for case in cases]
         base, at_nominal = _recalibrate(ports, model), cost_of(ports, model)
@@ -168,16 +168,20 @@ def _between_samples(finding: Finding, cases: Sequence[_Case]) -> str:
     """Tell how the force that drives a wall goes on between samples: as asks for least physics."""
     best, costs = finding.best, {}
     for name in BETWEEN:
-        ports = [_with_force(name, case).port for case in cases]
+        ports = [_with_force(name, case, finding.base.model).port for case in cases]
         fits = [fit(ports, found.model) for found in (finding.base, best)]
         costs[name] = min(found.cost + penalty(found.model) for found in fits)
-    costs[next(iter(BETWEEN))] -= THRESHOLD * best.filled  # where all are alike
+    likeliest = next(iter(BETWEEN))
+    least = SHARE * max(costs[likeliest] - best.filled, 0.0)
+    costs[likeliest] -= max(THRESHOLD * best.filled, least)
     return min(costs, key=lambda name: costs[name])
 
 
-def _with_force(between: str, case: _Case) -> _Case:
-    observed = replace(case.port.observed, between=between)
-    return case._replace(port=replace(case.port, observed=observed))
+def _with_force(between: str, case: _Case, model: Model) -> _Case:
+    port = case.port
+    observed = replace(port.observed, between=between)
+    noise = motion_noise(model, observed, port.force_noise)
+    return case._replace(port=replace(port, observed=observed, motion_noise=noise))
 
 
 def _whole(case: _Case, model: Model) -> Ports:
@@ -434,8 +438,11 @@ class _Conclusion:
 
     def _probability(self, best: Fit, name: str) -> float:
         scale = _TEMPERATURE * scale_of(best)
-        weights = [exp(-min(max(rival.cost - best.cost, 0.0) / (2.0 * scale), 700.0))
-                   for rival in self._rivals_of(name)]
+        weights = []
+        for rival in self._rivals_of(name):
+            more = PRICE * (len(rival.model.values) - len(best.model.values))
+            behind = max(rival.cost - best.cost + max(more, 0.0), 0.0)
+            weights.append(exp(-min(behind / (2.0 * scale), 700.0)))
         return 1.0 / (1.0 + sum(weights))
 
     def _alike(self, best: Fit, name: str) -> list[str]:

@@ -31,7 +31,7 @@ from scipy.signal import lfilter
 from .model import Model
 from .observed import Observed, START_S
 from .observer import coast, discretise, kalman_filter, run, run_velocity
-from ..plant.between_samples import smooth
+from ..plant.between_samples import NOISE, smooth
 
 Array = NDArray[np.float64]
 
@@ -169,5 +169,25 @@ class DrivenWall:
         if memory < np.inf:
             denominator = np.poly([exp(-o.h / memory)] * 2)
         else:
-            denominator, _ = kalman_filter(self.system, force_noise, o.position_noise)
+            denominator, _ = self.kalman_filter(force_noise)
         return np.asarray(lfilter(self.system.denominator, denominator, o.raw_position - x))
+
+    def kalman_filter(self, force_noise: float) -> tuple[Array, float]:
+        """
+        Design the filter that trusts force and position as their noise allows.
+
+        Parameters
+        ----------
+        force_noise : float
+            Standard deviation [N].
+
+        Returns
+        -------
+        denominator : ndarray
+            Of the innovations' filter.
+        std : float
+            Of the innovations [m].
+
+        """
+        o = self._observed
+        return kalman_filter(self.system, force_noise, o.position_noise, NOISE[o.between])

@@ -21,7 +21,6 @@ import numpy as np
 from .driven_wall import DrivenWall
 from .model import Model
 from .observed import Observed
-from .observer import kalman_filter
 from .smoothing import white_noise_std
 
 _WINDOW_S = 0.1
@@ -92,5 +91,4 @@ def motion_noise(model: Model, observed: Observed, force_noise: float) -> float:
     """
     if observed.reference is not None or not model.with_inertia or model.laws().contact.unilateral:
         return observed.position_noise
-    return kalman_filter(DrivenWall(model, observed).system, force_noise,
-                         observed.position_noise)[1]
+    return DrivenWall(model, observed).kalman_filter(force_noise)[1]

@@ -23,7 +23,7 @@ and stay white where the model is right.
 from __future__ import annotations
 
 from math import exp
-from typing import NamedTuple
+from typing import NamedTuple, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -177,7 +177,8 @@ def innovations(misfit: Array, system: SecondOrder, cutoff: float, h: float) -> 
 
 
 def kalman_filter(
-    system: SecondOrder, force_noise: float, position_noise: float
+    system: SecondOrder, force_noise: float, position_noise: float,
+    weights: Sequence[float] = (1.0,),
 ) -> tuple[Array, float]:
     """
     Design the stationary Kalman filter of dynamics that a noisy force drives.
@@ -192,20 +193,24 @@ def kalman_filter(
         The dynamics.
     force_noise, position_noise : float
         Standard deviations of the white noise of both [N], [m].
+    weights : sequence of float
+        With which W samples of the force's noise act at a time.
 
     Returns
     -------
-    denominator : ndarray, shape (3,)
+    denominator : ndarray, shape (W + 2,)
         c; with a quiet force that of the system, so that innovations are the misfit itself.
     std : float
         Of the innovations, sqrt(S) [m].
 
     """
-    a, b = system.denominator, system.position
+    a, b = system.denominator, np.convolve(system.position, weights)
+    a = np.pad(a, (0, len(b) - len(a)))
     spectrum = (force_noise**2 * np.correlate(b, b, 'full')
                 + position_noise**2 * np.correlate(a, a, 'full'))
     if not np.isfinite(spectrum).all():  # a search far off the truth
         return a, np.inf
     roots = np.roots(spectrum)
-    c = np.real(np.poly(roots[np.argsort(np.abs(roots))[:2]]))
-    return c, float(np.sqrt(spectrum[2] / (c @ c)))
+    count = len(b) - 1
+    c = np.real(np.poly(roots[np.argsort(np.abs(roots))[:count]]))
+    return c, float(np.sqrt(spectrum[count] / (c @ c)))

@@ -77,3 +77,6 @@ BETWEEN: dict[str, Callable[[Array], Array]] = {
     'straight': straight, 'smooth': smooth, 'held': held,
 }
 """What may happen between samples, by name, the likeliest first."""
+
+NOISE = {'straight': (1.0,), 'smooth': (-1.0 / 12.0, 7.0 / 6.0, -1.0 / 12.0), 'held': (0.5, 0.5)}
+"""Weights with which each passes on white noise of the samples, `smooth` to first order."""
