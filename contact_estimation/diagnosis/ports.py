@@ -369,10 +369,12 @@ class Ports:
         assert answer is not None
         columns = []
         for k in steps[size[steps] > least].tolist():
-            moved = np.zeros(len(o.t))
-            moved[k:] = answer[:len(o.t) - k] * robot.stiffness * jumps[k] / sqrt(12.0)
-            motion = self.average('motion', moved, self.motion_noise)
-            columns.append(np.concatenate((np.zeros(len(motion)), motion)))
+            for first in (k, k + 1):  # how it is spread over the sample takes two pulses to tell
+                moved = np.zeros(len(o.t))
+                moved[first:] = (answer[:len(o.t) - first] * robot.stiffness * jumps[k]
+                                 / sqrt(12.0))
+                motion = self.average('motion', moved, self.motion_noise)
+                columns.append(np.concatenate((np.zeros(len(motion)), motion)))
         return columns
 
 
