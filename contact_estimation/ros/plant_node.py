@@ -131,7 +131,7 @@ class PlantNode(Node):
         self.statistics.begin_ns = begin_ns
         for k in range(round(min(self._duration * self._plant.sample_rate, 2**62))):
             self._wait_until(begin + k * self._period_ns)
-            if self._stopping or not self.context.ok():
+            if self._stopping:
                 return
             self._send(k, begin_ns + k * self._period_ns)
             self._follow_newest(begin_ns, k)
@@ -153,7 +153,7 @@ class PlantNode(Node):
 
     def _wait_until(self, deadline_ns: int) -> None:
         """Take references while waiting."""
-        while self.context.ok():
+        while not self._stopping:
             remaining = deadline_ns - time.perf_counter_ns()
             if remaining <= 0:
                 return

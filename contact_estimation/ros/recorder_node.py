@@ -120,7 +120,7 @@ class RecorderNode(Node):
     def stop(self) -> None:
         """Take what has come and close the recording."""
         self._thread.stop()
-        if self.context.ok() and self._data.dedicated:
+        if self._data.dedicated:
             self._data.take_all()
         self._writer.close()
 

@@ -17,13 +17,16 @@
 from __future__ import annotations
 
 import os
+import signal
 import sys
+from threading import Event
 from typing import Callable, Iterable, Protocol, Sequence
 
 import rclpy
-from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.executors import SingleThreadedExecutor
 from rclpy.logging import LoggingSeverity, set_logger_level
 from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
 
 from ..exceptions import ContactEstimationError
 from ..parameters import ParameterSpecification
@@ -79,32 +82,42 @@ def run_node(
     try:
         # rcl would print the error of a parameter file before we do, over several lines.
         set_logger_level('rcl', LoggingSeverity.FATAL)
-        rclpy.init(args=['node', *arguments])
+        rclpy.init(args=['node', *arguments], signal_handler_options=SignalHandlerOptions.NO)
         set_logger_level('rcl', LoggingSeverity.UNSET)
     except Exception as error:  # noqa: B902 - rcl's own errors share no base class
         print(f'cannot start: {_one_line(error)}', file=sys.stderr)
         return 1
+    interrupted = _on_signals()
     try:
-        return _spin(make())
+        return _spin(make(), interrupted)
     except ContactEstimationError as error:
         print(f'error: {error}', file=sys.stderr)
         return 1
-    except KeyboardInterrupt:
-        return 0
     finally:
         rclpy.try_shutdown()
 
 
-def _spin(node: RunnableNode) -> int:
+def _on_signals() -> Event:
+    """
+    Take SIGINT and SIGTERM as a wish to end.
+
+    rclpy's own handlers shut the context down at once, and a thread that is about to publish
+    fails amid a sample; so the threads end first, and what has come is still taken.
+    """
+    interrupted = Event()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda *_: interrupted.set())
+    return interrupted
+
+
+def _spin(node: RunnableNode, interrupted: Event) -> int:
     executor = SingleThreadedExecutor()
     assert isinstance(node, Node)
     executor.add_node(node)
     node.start()
     try:
-        while rclpy.ok() and not node.finished:
+        while not interrupted.is_set() and not node.finished:
             executor.spin_once(timeout_sec=0.2)
-    except (KeyboardInterrupt, ExternalShutdownException):
-        pass
     finally:
         node.stop()
         executor.shutdown()
