@@ -21,12 +21,14 @@ from functools import lru_cache
 from math import nan, pi
 from typing import Any
 
-from contact_estimation.diagnosis.diagnosis import diagnose, Recording
+from contact_estimation.diagnosis.case import Recording
+from contact_estimation.diagnosis.diagnosis import diagnose
 from contact_estimation.diagnosis.finding import Diagnosis
 from contact_estimation.diagnosis.model import Model
 from contact_estimation.diagnosis.noise import force_noise
 from contact_estimation.diagnosis.observed import observe, Observed, Signals
-from contact_estimation.diagnosis.ports import default_block, Ports, usable
+from contact_estimation.diagnosis.ports import Ports
+from contact_estimation.diagnosis.usable_samples import default_block, usable
 from contact_estimation.parameter_values import build
 from contact_estimation.parameters import parameter, ParameterGroup, specifications
 from contact_estimation.physics import EFFECTS

@@ -21,7 +21,8 @@ from math import pi
 from pathlib import Path
 from typing import Any
 
-from contact_estimation.diagnosis.diagnosis import diagnose, Recording
+from contact_estimation.diagnosis.case import Recording
+from contact_estimation.diagnosis.diagnosis import diagnose
 from contact_estimation.diagnosis.finding import Diagnosis
 from contact_estimation.diagnosis.observed import Signals
 from contact_estimation.messages import (

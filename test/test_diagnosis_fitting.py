@@ -21,6 +21,7 @@ from typing import Any
 from concealed_worlds import FREE, MODEL, nominal, physics, ports_of, recorded
 from contact_estimation.diagnosis.fitting import fit, residual_function, step
 from contact_estimation.diagnosis.model import Model, names_of
+from contact_estimation.diagnosis.nuisances import doubt
 from contact_estimation.diagnosis.uncertainty import standard_deviations
 from contact_estimation.physics import EFFECTS
 import numpy as np
@@ -86,7 +87,7 @@ def test_standard_deviations_cover_the_errors() -> None:
     errors = []
     for seed in (1, 2, 3):
         port, model = ports_of(recorded(seed=seed))
-        port.doubt(model)
+        doubt(port, model)
         found = fit([port], model)
         errors += list((np.array(found.model.values) - (K_e, B_e))
                        / standard_deviations([port], found))

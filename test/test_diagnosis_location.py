@@ -20,6 +20,7 @@ from concealed_worlds import ATTACHED, attached, nominal, physics, ports_of, rec
 from contact_estimation.diagnosis.fitting import fit
 from contact_estimation.diagnosis.location import guess_port, intervals, locate, Location
 from contact_estimation.diagnosis.model import Model
+from contact_estimation.diagnosis.nuisances import doubt
 from contact_estimation.diagnosis.observed import Signals
 from contact_estimation.diagnosis.ports import Ports
 import numpy as np
@@ -44,7 +45,7 @@ WORLDS = [
 def recalibrated(signals: Signals) -> tuple[Ports, Model]:
     """Fit stiffness and damping alone."""
     port, model = ports_of(signals)
-    port.doubt(model)
+    doubt(port, model)
     return port, fit([port], model).model
 
 

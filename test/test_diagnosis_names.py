@@ -32,7 +32,8 @@ from concealed_worlds import (
     resonant,
     softened,
 )
-from contact_estimation.diagnosis.diagnosis import diagnose, Recording
+from contact_estimation.diagnosis.case import Recording
+from contact_estimation.diagnosis.diagnosis import diagnose
 from contact_estimation.diagnosis.finding import Diagnosis
 from contact_estimation.diagnosis.model import names_of
 from contact_estimation.physics import EFFECTS

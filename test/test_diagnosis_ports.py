@@ -28,16 +28,15 @@ from concealed_worlds import (
     recorded,
 )
 from contact_estimation.diagnosis.model import Model
+from contact_estimation.diagnosis.nuisances import doubt
 from contact_estimation.diagnosis.observed import Observed, Signals
 from contact_estimation.diagnosis.ports import (
     at_touch_down,
-    default_block,
-    force_drops,
     huber,
     Ports,
     ROBUST,
-    usable,
 )
+from contact_estimation.diagnosis.usable_samples import default_block, force_drops, usable
 import numpy as np
 from numpy.typing import NDArray
 import pytest
@@ -56,7 +55,7 @@ EFFECTS_BY_PORT = [
 
 def mean_squares(port: Ports, model: Model) -> tuple[float, float]:
     """Give the mean square of what a model leaves at both ports, in those of the noise."""
-    port.doubt(model)
+    doubt(port, model)
     parts = np.split(port.residuals(model, robust=False), 2)
     force, motion = (float(np.mean(part[part != 0.0] ** 2)) for part in parts)
     return force, motion
@@ -117,7 +116,7 @@ def test_doubt_discounts_nuisances_and_not_physics() -> None:
     stiffer = model.with_effect('impedance_mismatch', (1.0, 1.0, 1.02))
     rubbing = model.with_effect('coulomb_friction', (1.0,))
     before = [cost(port, m) - cost(port, model) for m in (stiffer, rubbing)]
-    port.doubt(model)
+    doubt(port, model)
     after = [cost(port, m) - cost(port, model) for m in (stiffer, rubbing)]
     discounted, kept = (now / then for now, then in zip(after, before))
     assert discounted < 0.2
@@ -132,7 +131,7 @@ def cost(port: Ports, model: Model) -> float:
 def test_doubt_makes_no_residual_larger() -> None:
     port, model = ports_of(recorded(**physics('coulomb_friction', 2.0)))
     before = cost(port, model)
-    port.doubt(model)
+    doubt(port, model)
     assert cost(port, model) <= before
 
 

@@ -22,6 +22,7 @@ from typing import Any
 from concealed_worlds import ATTACHED, attached, nominal, physics, ports_of, recorded
 from contact_estimation.diagnosis.fitting import Fit, fit
 from contact_estimation.diagnosis.model import Model, names_of
+from contact_estimation.diagnosis.nuisances import doubt
 from contact_estimation.diagnosis.ports import Ports
 from contact_estimation.diagnosis.scales import measure_scales
 from contact_estimation.diagnosis.selection import (
@@ -48,7 +49,7 @@ COUNT = 1000
 def prepared(*changes: tuple[str, Any]) -> tuple[Ports, Fit]:
     """Recalibrate the nominal model on a world's recording."""
     port, model = ports_of(recorded(**dict(changes)))
-    port.doubt(fit([port], model).model)
+    doubt(port, fit([port], model).model)
     return port, fit([port], model)
 
 

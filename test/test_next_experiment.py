@@ -26,8 +26,10 @@ from contact_estimation.diagnosis.finding import Diagnosis
 from contact_estimation.diagnosis.fitting import fit, residual_function
 from contact_estimation.diagnosis.model import Model
 from contact_estimation.diagnosis.next_experiment import choose, Judge, reach_of
+from contact_estimation.diagnosis.nuisances import doubt
 from contact_estimation.diagnosis.observed import observe
-from contact_estimation.diagnosis.ports import default_block, Ports, usable
+from contact_estimation.diagnosis.ports import Ports
+from contact_estimation.diagnosis.usable_samples import default_block, usable
 from contact_estimation.plant.plant_parameters import PlantParameters, WallParameters
 from contact_estimation.reference.experiment import Experiment
 from contact_estimation.reference.experiments import (
@@ -146,7 +148,7 @@ def test_predicted_difference_is_about_what_fits_to_a_new_recording_leave(index:
     old = d.ports[0]
     new = Ports(observed, old.force_noise, old.motion_noise, usable(d.nominal, observed),
                 default_block(observed))
-    new.doubt(d.corrected)
+    doubt(new, d.corrected)
     both, before = ([*d.ports, new], d.ports)
     gained = least_cost(both, rival) - least_cost(both, d.corrected)
     already = least_cost(before, rival) - least_cost(before, d.corrected)

@@ -32,7 +32,8 @@ from .command_line import (
 from .loop_picture import require_matplotlib
 from .model_file import read_model
 from .progress import Progress
-from ..diagnosis.diagnosis import diagnose, Recording
+from ..diagnosis.case import Recording
+from ..diagnosis.diagnosis import diagnose
 from ..diagnosis.finding import Diagnosis
 from ..diagnosis.next_experiment import choose, Proposal
 from ..diagnosis.page import as_html

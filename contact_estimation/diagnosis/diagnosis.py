@@ -16,77 +16,27 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from math import exp
-from typing import Callable, NamedTuple, Sequence
+from typing import Callable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-from .episodes import HeldOut, hold_out, require_contact
-from .finding import Diagnosis, NamedEffect, Value
+from .case import Case, Recording
+from .conclusion import Conclusion, EXPLAINED, LEFT
+from .finding import Diagnosis
 from .fitting import cost_of, Fit, fit
-from .flexible import memory, predictable_share
 from .free_run import free_run
-from .held_out import as_good, by_part, errors_of, improvement_interval, measure_part, Part
-from .location import guess_port, locate, Location
-from .model import Model, names_of
-from .noise import force_noise, motion_noise
-from .observed import observe, Observed, Signals
-from .output_error import refine, runs_true
-from .ports import default_block, force_drops, Ports, usable
-from .selection import enough, Finding, penalty, PRICE, scale_of, select, SHARE, THRESHOLD
-from .uncertainty import standard_deviations
-from ..parameters import specifications
-from ..physics import EFFECTS
+from .location import guess_port
+from .model import Model
+from .nuisances import doubt
+from .observed import observe
+from .ports import Ports
+from .selection import Finding, penalty, select, SHARE, THRESHOLD
 from ..plant.between_samples import BETWEEN
 from ..plant.plant_parameters import PlantParameters
 
-Array = NDArray[np.float64]
 Progress = Callable[[str], None]
 
-LEFT = 0.5
-"""Mean square of the residuals beyond that of the noise, from which on something is missing."""
-
-EXPLAINED = 0.9
-"""Least share of the misfit that effects must explain to be named at all."""
-
-FULLY = 0.97
-"""Share of the misfit from which on what is left is the method's own error."""
-
-_PREDICTABLE = 0.1  # share of the residual that a smoother foretells: structure, not noise
-_SIGNIFICANT = 3.0  # standard deviations
-_UNSEEN = 2.0  # mean square on held-out data, in those of the noise, that no estimate explains
-_MEMORY = 0.25  # correlation of neighbouring residuals: structure that no smoother foretells
-_TEMPERATURE = 10.0  # serial correlation: costs are worth less than independent samples say
-_NEAREST, _MOST_RIVALS = 4, 2
-_NEAR = 3.0  # times the best cost: rivals beyond are out of the question
-
-
-@dataclass(frozen=True)
-class Recording:
-    """
-    A recording to be diagnosed.
-
-    Attributes
-    ----------
-    name : str
-        For texts.
-    signals : Signals
-        What it holds.
-
-    """
-
-    name: str
-    signals: Signals
-
-
-class _Case(NamedTuple):
-    """A recording with the part of it that is held out; None holds nothing out."""
-
-    recording: Recording
-    port: Ports
-    held_out: HeldOut | None
+_FIRST = 2  # effects that are looked for to tell how a force goes on between its samples
 
 
 def diagnose(
@@ -122,53 +72,42 @@ def diagnose(
     """
     model = Model.of(nominal)
     progress('noise and alignment')
-    cases = [_prepare(recording, model, hold=not holdouts) for recording in recordings]
-    others = [_prepare(recording, model, hold=False) for recording in holdouts]
+    cases = [Case.prepare(recording, model, hold=not holdouts) for recording in recordings]
+    others = [Case.prepare(recording, model, hold=False) for recording in holdouts]
     progress('recalibration')
-    ports = [case.port for case in cases]
-    base = _recalibrate(ports, model)
-    at_nominal = cost_of(ports, model)
+    ports = _ports(cases)
+    base, at_nominal = _recalibrate(ports, model), cost_of(ports, model)
+    finding = None
     if all(port.driven_by_force(model) for port in ports):
-        between = _between_samples(select(ports, base, progress, most=2), cases)
-        cases, others = ([_with_force(between, case, model) for case in group]
-                         for group in (cases, others))
-        ports = [case.port for case in cases]
-        base, at_nominal = _recalibrate(ports, model), cost_of(ports, model)
-    finding = select(ports, base, progress)
+        finding = select(ports, base, progress, most=_FIRST)
+        between = _between_samples(finding, cases)
+        if between != cases[0].port.observed.between:
+            cases, others = ([case.with_force(between, model) for case in group]
+                             for group in (cases, others))
+            ports, finding = _ports(cases), None
+            base, at_nominal = _recalibrate(ports, model), cost_of(ports, model)
+        elif len(finding.best.model.effects) == _FIRST:
+            finding = None  # there may be more of them
+    finding = finding or select(ports, base, progress)
     finding, cases = _refine(finding, cases, model, progress)
-    ports = [case.port for case in cases]
+    ports = _ports(cases)
     odd_robot = _robot_is_odd(finding, ports)
     if odd_robot:
         progress('looking past the robot')
         finding = _past_the_robot(finding, ports, progress)
-    conclusion = _Conclusion(model, at_nominal, finding, cases, others, seed, odd_robot)
+    conclusion = Conclusion(model, at_nominal, finding, cases, others, seed, odd_robot)
     return conclusion.draw(progress)
 
 
-def _prepare(recording: Recording, model: Model, hold: bool) -> _Case:
-    observed = observe(recording.signals, model.nominal)
-    require_contact(model, observed, recording.name)
-    return _case(recording, observed, model, hold_out(model, observed) if hold else None)
+def _ports(cases: Sequence[Case]) -> list[Ports]:
+    return [case.port for case in cases]
 
 
-def _case(
-    recording: Recording, observed: Observed, model: Model, held: HeldOut | None
-) -> _Case:
-    use = usable(model, observed)
-    if held is not None:
-        use = use & ~held.samples
-    noise = force_noise(model, observed)
-    dropped = force_drops(observed, noise) if model.nominal.environment.unilateral else None
-    port = Ports(observed, noise, motion_noise(model, observed, noise), use,
-                 default_block(observed), dropped)
-    return _Case(recording, port, held)
-
-
-def _between_samples(finding: Finding, cases: Sequence[_Case]) -> str:
+def _between_samples(finding: Finding, cases: Sequence[Case]) -> str:
     """Tell how the force that drives a wall goes on between samples: as asks for least physics."""
     best, costs = finding.best, {}
     for name in BETWEEN:
-        ports = [_with_force(name, case, finding.base.model).port for case in cases]
+        ports = [case.with_force(name, finding.base.model).port for case in cases]
         fits = [fit(ports, found.model) for found in (finding.base, best)]
         costs[name] = min(found.cost + penalty(found.model) for found in fits)
     likeliest = next(iter(BETWEEN))
@@ -177,22 +116,10 @@ def _between_samples(finding: Finding, cases: Sequence[_Case]) -> str:
     return min(costs, key=lambda name: costs[name])
 
 
-def _with_force(between: str, case: _Case, model: Model) -> _Case:
-    port = case.port
-    observed = replace(port.observed, between=between)
-    noise = motion_noise(model, observed, port.force_noise)
-    return case._replace(port=replace(port, observed=observed, motion_noise=noise))
-
-
-def _whole(case: _Case, model: Model) -> Ports:
-    """Take the held-out part back in."""
-    return replace(case.port, use=usable(model, case.port.observed))
-
-
 def _recalibrate(ports: Sequence[Ports], model: Model) -> Fit:
     rough = fit(ports, model)
     for port in ports:
-        port.doubt(rough.model)
+        doubt(port, rough.model)
     return fit(ports, rough.model)
 
 
@@ -215,8 +142,8 @@ def _past_the_robot(
 
 
 def _refine(
-    finding: Finding, cases: list[_Case], model: Model, progress: Progress
-) -> tuple[Finding, list[_Case]]:
+    finding: Finding, cases: list[Case], model: Model, progress: Progress
+) -> tuple[Finding, list[Case]]:
     """
     Smooth the motion anew with what is known now, and look again.
 
@@ -236,8 +163,8 @@ def _refine(
         better = observe(case.recording.signals, model.nominal, carried, o.between)
         if better.cutoff > o.cutoff:
             return finding, cases
-        again.append(_case(case.recording, better, model, case.held_out))
-    ports = [case.port for case in again]
+        again.append(Case.of(case.recording, better, model, case.held_out))
+    ports = _ports(again)
     base = _recalibrate(ports, finding.base.model)
     named = fit(ports, best)
     if named.cost > finding.best.cost or not named.model.plausible():
@@ -247,229 +174,3 @@ def _refine(
             base.cost - base.filled):
         return select(ports, base, progress), again
     return finding._replace(base=base, best=named), again
-
-
-class _Conclusion:
-    """Everything after the search: what holds on held-out data, and how to say it."""
-
-    def __init__(
-        self, model: Model, at_nominal: float, finding: Finding, cases: list[_Case],
-        others: list[_Case], seed: int, odd_robot: bool,
-    ) -> None:
-        self._nominal, self._at_nominal = model, at_nominal
-        self._finding, self._cases, self._others = finding, cases, others
-        self._odd_robot = odd_robot
-        self._refitted: dict[str, list[Fit]] = {}
-        self._ports = [case.port for case in cases]
-        self._generator = np.random.default_rng(seed)
-
-    def draw(self, progress: Progress) -> Diagnosis:
-        """Prove on held-out data, then say."""
-        finding = self._finding
-        best, base = finding.best, finding.base
-        count = base.filled
-        excess, left = base.cost - count, best.cost - count
-        explained = 1.0 - left / excess if excess > 0.0 else 1.0
-        predictable, open_end = 0.0, False
-        if left > LEFT * count:
-            progress('what is left')
-            predictable = max(predictable_share(port, best.model) for port in self._ports)
-            structured = predictable > _PREDICTABLE or _MEMORY < max(
-                memory(port, best.model) for port in self._ports)
-            open_end = structured and (explained < FULLY or not best.model.effects)
-        lets_go = self._lets_go(best.model)
-        if lets_go:
-            open_end = False  # what is left is when, within a sample, it let go
-        elif open_end and best.model.effects and self._ports[0].observed.reference is not None:
-            # Where a robot sticks, velocities are not known well enough for the ports.
-            open_end = not runs_true(self._ports, refine(self._ports, best).model)
-        if best.model.effects and open_end and explained < EXPLAINED:
-            best = base  # a false name is worse than no name
-        open_end = open_end or (self._odd_robot and not lets_go)
-        best = self._significant(best)
-        whole = self._with_held_out()
-        open_end = open_end or not best.model.effects and self._fails_held_out(whole, best.model)
-        verdict = self._verdict(best, open_end)
-        if not open_end and all(
-                port.observed.has_dynamics(base.model.nominal) for port in self._ports):
-            progress('output error')
-            same = not best.model.effects
-            base = refine(self._ports, base) if same else base
-            best = base if same else self._without_idle(refine(self._ports, best))
-        progress('held-out parts')
-        models = [self._nominal, base.model, best.model]
-        parts, runs = self._held_out(models)
-        force, motion = errors_of(parts)
-        stds = standard_deviations(self._ports, best)
-        names = self._names(best, stds, whole[0])
-        location = None
-        if verdict in ('physics_missing', 'unexplained'):
-            shown = best.model if verdict == 'unexplained' and best.model.effects else base.model
-            acting = names[0].port if names and shown is base.model else None
-            acting = 'robot' if self._odd_robot else acting
-            location = locate(whole[0], shown, acting)
-        rivals = {other: self._rival(effect.name, other)
-                  for effect in names for other in effect.indistinguishable_from}
-        return Diagnosis(
-            verdict, names, location, models[0], models[1], models[2],
-            Value(best.model.stiffness, stds[0], 'N/m'),
-            Value(best.model.damping, stds[1], 'N s/m'),
-            float(np.mean([case.port.force_noise for case in self._cases])), force, motion,
-            improvement_interval(parts, self._generator), by_part(parts),
-            _advice(names, verdict), rivals, self._finding.candidates, best.cost / count,
-            predictable, self._ports, runs,
-        )
-
-    def _with_held_out(self) -> list[Ports]:
-        """Look at the recordings with the held-out parts, which have served their purpose then."""
-        whole = [_whole(case, self._finding.base.model) for case in self._cases]
-        for port in whole:
-            port.doubt(self._finding.base.model)
-        return whole
-
-    def _fails_held_out(self, whole: Sequence[Ports], model: Model) -> bool:
-        """Tell whether something that no fit has seen is not explained at all."""
-        for case, port in zip(self._cases, whole):
-            if case.held_out is None:
-                continue
-            held = (case.held_out.samples & port.use).astype(float)
-            count = len(held) // port.block
-            there = held[:count * port.block].reshape(count, port.block).mean(axis=1) > 0.5
-            parts = port.residuals(model).reshape(-1, count)[:, there]
-            if np.any(np.mean(parts**2, axis=1) > _UNSEEN):
-                return True
-        return False
-
-    def _lets_go(self, model: Model) -> bool:
-        """Tell whether the force vanishes amid contacts, and an effect is named that does so."""
-        named = [getattr(EFFECTS[name], 'lets_go', False) for name in model.effects]
-        return any(named) and all(port.dropped is not None for port in self._ports)
-
-    def _significant(self, best: Fit) -> Fit:
-        """Drop effects whose every parameter could as well be that of no effect."""
-        stds = standard_deviations(self._ports, best)
-        for name in best.model.effects:
-            place, neutral = best.model.place(name), EFFECTS[name].neutral
-            away = [abs(value - neutral.get(parameter, 0.0)) > _SIGNIFICANT * std
-                    for parameter, value, std in zip(
-                        names_of(name), best.model.values[place], stds[place])]
-            if not any(away):
-                return self._significant(fit(self._ports, best.model.without(name)))
-        return best
-
-    def _without_idle(self, best: Fit) -> Fit:
-        """Leave out an effect that the output error has made vanish, and fit the others anew."""
-        cost = cost_of(self._ports, best.model)
-        for name in best.model.effects:
-            rest = best.model.without(name)
-            price = penalty(best.model) - penalty(rest)
-            if rest.effects and cost_of(self._ports, rest) <= cost + price:
-                return self._without_idle(refine(self._ports, fit(self._ports, rest)))
-        return best
-
-    def _verdict(self, best: Fit, open_end: bool) -> str:
-        if open_end:
-            return 'unexplained'
-        if best.model.effects:
-            return 'physics_missing'
-        base, count = self._finding.base, self._finding.base.filled
-        gained = self._at_nominal - base.cost
-        return 'consistent' if gained < THRESHOLD * count * scale_of(base) else 'recalibrate'
-
-    def _held_out(self, models: Sequence[Model]) -> tuple[list[Part], dict[str, Array]]:
-        parts: list[Part] = []
-        first: dict[str, Array] = {}
-        for case in [*self._cases, *self._others]:
-            with_motion = case.port.observed.has_dynamics(models[0].nominal)
-            runs = None
-            if with_motion:
-                different = models if models[2] is not models[1] else models[:2]
-                runs = [free_run(model, case.port.observed).position for model in different]
-                runs = [*runs, runs[1]][:3]
-                first = first or dict(zip(('nominal', 'recalibrated', 'corrected'), runs))
-            if case in self._others:
-                everything = np.ones(len(case.port.observed.t), bool)
-                parts.append(measure_part(
-                    case.recording.name, case.port, everything, models, runs))
-            elif case.held_out is not None:
-                parts.append(measure_part(
-                    self._part_name(case), _whole(case, models[1]), case.held_out.samples, models,
-                    runs))
-        return parts, first
-
-    def _part_name(self, case: _Case) -> str:
-        assert case.held_out is not None
-        several = len(self._cases) > 1
-        return f'{case.recording.name}, {case.held_out.name}' if several else case.held_out.name
-
-    def _names(self, best: Fit, stds: Array, seen: Ports) -> list[NamedEffect]:
-        dropped = {name: fit(self._ports, best.model.without(name), steps=8)
-                   for name in best.model.effects}
-        order = sorted(best.model.effects, key=lambda name: -dropped[name].cost)
-        return [self._name(best, name, stds, locate(seen, dropped[name].model, EFFECTS[name].port))
-                for name in order]
-
-    def _name(self, best: Fit, name: str, stds: Array, location: Location) -> NamedEffect:
-        cls = EFFECTS[name]
-        place = best.model.place(name)
-        units = [spec.unit for spec in specifications(cls.Parameters)]
-        values = {
-            parameter: Value(value, float(std), unit) for parameter, value, std, unit in zip(
-                names_of(name), best.model.values[place], stds[place], units)
-        }
-        alike = self._alike(best, name)
-        return NamedEffect(
-            name, cls.port, cls.equation, self._probability(best, name), values, alike, location)
-
-    def _rivals_of(self, name: str) -> list[Fit]:
-        """Fit the nearest rivals to the motion as it is smoothed now; the rest are far behind."""
-        if name not in self._refitted:
-            near = _NEAR * self._finding.best.cost
-            rivals = [rival for rival in self._finding.rivals.get(name, [])[:_NEAREST]
-                      if rival.cost < near]
-            fits = [fit(self._ports, rival.model, steps=8) for rival in rivals]
-            plausible = [found for found in fits if found.model.plausible()]
-            self._refitted[name] = sorted(plausible, key=lambda found: found.cost)
-        return self._refitted[name]
-
-    def _rival(self, name: str, other: str) -> Model:
-        fits = self._rivals_of(name)
-        return next(found.model for found in fits if found.model.effects[-1] == other)
-
-    def _probability(self, best: Fit, name: str) -> float:
-        scale = _TEMPERATURE * scale_of(best)
-        weights = []
-        for rival in self._rivals_of(name):
-            more = PRICE * (len(rival.model.values) - len(best.model.values))
-            behind = max(rival.cost - best.cost + max(more, 0.0), 0.0)
-            weights.append(exp(-min(behind / (2.0 * scale), 700.0)))
-        return 1.0 / (1.0 + sum(weights))
-
-    def _alike(self, best: Fit, name: str) -> list[str]:
-        """Name the rivals that predict held-out data as well, with no more parameters."""
-        alike = []
-        own = len(best.model.values)
-        for rival in self._rivals_of(name):
-            if len(rival.model.values) > own or name == rival.model.effects[-1]:
-                continue
-            if rival.cost - best.cost > PRICE * scale_of(best):
-                continue
-            if enough(rival, best):
-                continue
-            if all(as_good(_whole(case, best.model), case.held_out.samples, best.model,
-                           rival.model, self._generator)
-                   for case in self._cases if case.held_out is not None):
-                alike.append(rival.model.effects[-1])
-        return alike[:_MOST_RIVALS]
-
-
-def _advice(names: Sequence[NamedEffect], verdict: str) -> str:
-    open_names = [(effect.name, effect.indistinguishable_from) for effect in names
-                  if effect.indistinguishable_from]
-    if open_names:
-        pairs = '; '.join(f'{name} from {" and ".join(others)}' for name, others in open_names)
-        return f'To tell {pairs}, run an experiment in which their predictions differ most.'
-    if verdict == 'unexplained':
-        return ('No effect of the library explains this. Repeat the same contact at half and at '
-                'twice the speed and depth: what scales with which tells what is missing.')
-    return ''

@@ -130,14 +130,14 @@ class DrivenWall:
 
     def _push_of(self, restoring: Array, x: Array, v: Array, a: Array) -> Array:
         """Give what drives the line: the force, less what the wall adds to the line."""
-        push = self._push - smooth(restoring - self._damping * v - self._stiffness * x)
+        beyond = restoring - self._damping * v - self._stiffness * x
+        push = self._push
         for effect in self._law.effects:
             if effect.jumps:  # within the sample in which the motion turns
                 rates = v + np.multiply.outer(_WITHIN * self._observed.h, a)
-                at_once = effect.resistance(0.0, 0.0, v, (), np)
-                push -= np.mean(effect.resistance(0.0, 0.0, rates, (), np), axis=0)
-                push += smooth(at_once)
-        return push
+                push = push - np.mean(effect.resistance(0.0, 0.0, rates, (), np), axis=0)
+                beyond = beyond - effect.resistance(0.0, 0.0, v, (), np)
+        return push - smooth(beyond)
 
     def _driven(self, push: Array) -> Array:
         return run(self.system, push, float(self._observed.x[0]), self._stiffness)

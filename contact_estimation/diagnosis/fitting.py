@@ -29,7 +29,6 @@ Array = NDArray[np.float64]
 
 _STEP = 1e-4  # relative, of the finite differences
 _AT_END = 1e-6  # of its size: a value that has come to the end of its range
-_NO_WALL = 1e-3  # N/m or N s/m: as good as no spring, no damper
 _BEYOND_MEASURE = 1e6  # standard deviations: a model that has run away
 
 
@@ -77,13 +76,9 @@ def residual_function(
         Free values to stacked residuals.
 
     """
-    free = model.free
-    fixed = np.array(model.values)
 
     def residuals(values: Array) -> Array:
-        full = fixed.copy()
-        full[free] = values
-        there = model.at(full)
+        there = model.with_free(values)
         with np.errstate(all='ignore'):
             stacked = np.concatenate([port.residuals(there, robust, briefly) for port in ports])
         return np.where(np.abs(stacked) < _BEYOND_MEASURE, stacked, _BEYOND_MEASURE)
@@ -114,28 +109,50 @@ def fit(
         The best found.
 
     """
-    function, free = residual_function(ports, model, briefly=briefly), model.free
-    low, high = (bound[free] for bound in model.bounds)
-    start = np.array(model.values)[free]
-    size = _sizes(model)[free]
+    function = residual_function(ports, model, briefly=briefly)
+    (low, high), size = model.free_bounds, model.free_sizes
     with np.errstate(all='ignore'):  # far off the truth costs are beyond all measure
         found = least_squares(
-            function, np.clip(start, low + 1e-9 * size, high), bounds=(low, high), x_scale=size,
-            diff_step=_STEP, max_nfev=steps, xtol=1e-6, ftol=1e-3 if steps < 10 else 1e-6,
-            gtol=1e-12,
+            function, np.clip(model.free_values, low + 1e-9 * size, high), bounds=(low, high),
+            x_scale=size, diff_step=_STEP, max_nfev=steps, xtol=1e-6, gtol=1e-12,
+            ftol=1e-3 if steps < 10 else 1e-6,
         )
-    values = np.array(model.values)
-    at_end = found.x - low < _AT_END * size
-    values[free] = np.where(at_end, low, found.x)
-    return Fit(model.at(values), 2.0 * found.cost, found.fun, sum(p.count for p in ports))
+    there = model.with_free(np.where(found.x - low < _AT_END * size, low, found.x))
+    return Fit(there, 2.0 * found.cost, found.fun, sum(p.count for p in ports))
 
 
-def _sizes(model: Model) -> Array:
-    """How large a change of each value is: its own size, or a little where it is 0."""
-    values = np.abs(np.array(model.values))
-    sizes = np.where(values > 0.0, values, 1.0)
-    sizes[:2] = np.maximum(values[:2], _NO_WALL)
-    return sizes
+def differentiate_by(
+    values: Array, size: Array, function: Callable[[Array], Array], here: Array,
+    share: float = _STEP,
+) -> Array:
+    """
+    Differentiate a function of several values by forward differences.
+
+    Parameters
+    ----------
+    values : ndarray, shape (P,)
+        Where.
+    size : ndarray, shape (P,)
+        By the relative change of what.
+    function : callable
+        Values to residuals.
+    here : ndarray, shape (R,)
+        Its result at `values`.
+    share : float
+        Step, as a share of `size`.
+
+    Returns
+    -------
+    jacobian : ndarray, shape (R, P)
+        A column for each value, for a change by its size.
+
+    """
+    columns = np.empty((len(here), len(values)))
+    for k in range(len(values)):
+        moved = values.copy()
+        moved[k] += share * size[k]
+        columns[:, k] = (function(moved) - here) / share
+    return columns
 
 
 def step(ports: Sequence[Ports], model: Model) -> tuple[float, Model]:
@@ -159,17 +176,11 @@ def step(ports: Sequence[Ports], model: Model) -> tuple[float, Model]:
     """
     # Bent residuals would hide from a first step how far it has to go.
     straight, bent = (residual_function(ports, model, robust, True) for robust in (False, True))
-    free = model.free
-    low, high = (bound[free] for bound in model.bounds)
-    start = np.clip(np.array(model.values)[free], low, high)
-    size = _sizes(model)[free]
+    (low, high), size = model.free_bounds, model.free_sizes
+    start = np.clip(model.free_values, low, high)
     at_start = straight(start)
     best_cost, best = _sum_of_squares(bent(start)), start
-    columns = np.empty((len(at_start), len(start)))
-    for k in range(len(start)):
-        moved = start.copy()
-        moved[k] += _STEP * size[k]
-        columns[:, k] = (straight(moved) - at_start) / _STEP
+    columns = differentiate_by(start, size, straight, at_start)
     change = np.linalg.lstsq(columns, -at_start, rcond=1e-10)[0] * size
     for share in (1.0, 0.3):
         tried = np.clip(start + share * change, low, high)
@@ -177,9 +188,7 @@ def step(ports: Sequence[Ports], model: Model) -> tuple[float, Model]:
         if cost < best_cost:
             best_cost, best = cost, tried
             break
-    values = np.array(model.values)
-    values[free] = best
-    return best_cost, model.at(values)
+    return best_cost, model.with_free(best)
 
 
 def cost_of(ports: Sequence[Ports], model: Model) -> float:
@@ -199,7 +208,7 @@ def cost_of(ports: Sequence[Ports], model: Model) -> float:
         Sum of the squared residuals, in standard deviations.
 
     """
-    return _sum_of_squares(residual_function(ports, model)(np.array(model.values)[model.free]))
+    return _sum_of_squares(residual_function(ports, model)(model.free_values))
 
 
 def _sum_of_squares(residuals: Array) -> float:

@@ -51,11 +51,8 @@ def predictable_share(port: Ports, model: Model) -> float:
         Of the residuals' variance, the larger of both ports; below 0 where there is nothing.
 
     """
-    residuals = port.residuals(model)
-    blocks = len(port.observed.t) // port.block
-    parts = residuals.reshape(-1, blocks)
     features = _features(port, model)
-    return max(_cross_validated(features, part) for part in parts)
+    return max(_cross_validated(features, part) for part in port.split(port.residuals(model)))
 
 
 def memory(port: Ports, model: Model) -> float:
@@ -76,11 +73,10 @@ def memory(port: Ports, model: Model) -> float:
         is larger than its noise; 0 for noise, however loud.
 
     """
-    blocks = len(port.observed.t) // port.block
     largest = 0.0
-    for part in port.residuals(model).reshape(-1, blocks):
+    for part in port.split(port.residuals(model)):
         power = float(part @ part)
-        if power < 1.5 * blocks:
+        if power < 1.5 * len(part):
             continue
         for lag in range(1, 6):
             largest = max(largest, abs(float(part[lag:] @ part[:-lag])) / power)
@@ -95,8 +91,8 @@ def _features(port: Ports, model: Model) -> Array:
                inside * np.tanh(o.v / 2e-3), np.tanh(o.v / 2e-3)]
     if o.reference is not None:
         signals += list(o.reference[:3])
-    count = len(o.t) // port.block
-    rows = [s[:count * port.block].reshape(count, port.block).mean(axis=1) for s in signals]
+    rows = [port.blocks(signal) for signal in signals]
+    count = len(rows[0])
     unit = [(row - row.mean()) / (row.std() + 1e-12) for row in rows]
     columns = []
     for lag in _LAGS_S:

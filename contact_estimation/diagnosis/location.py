@@ -91,11 +91,10 @@ def locate(port: Ports, model: Model, acting: str | None = None) -> Location:
         Of the residual's energy.
 
     """
-    count = len(port.observed.t) // port.block
-    parts = port.residuals(model).reshape(-1, count) ** 2
+    parts = port.split(port.residuals(model)) ** 2
     which = acting or guess_port(port, model)
     chosen = parts[-1] if which == 'robot' else parts[0]
-    phases = _phases(port, model, count)
+    phases = _phases(port, model, len(chosen))
     return Location(
         which, intervals(port, chosen), _phase(chosen, phases), _region(port, model, chosen),
         _band(port, model, which),
@@ -171,17 +170,12 @@ def intervals(port: Ports, energy: Array) -> list[tuple[float, float]]:
     return sorted((a * step, b * step) for a, b in merged[:_MOST_INTERVALS])
 
 
-def _blocks(port: Ports, signal: Array) -> Array:
-    count = len(signal) // port.block
-    return np.asarray(signal[:count * port.block].reshape(count, port.block).mean(axis=1))
-
-
 def _phases(port: Ports, model: Model, count: int) -> dict[str, Flags]:
     o, law = port.observed, model.laws().contact
-    v = _blocks(port, o.v)
+    v = port.blocks(o.v)
     if not law.unilateral:
         return {'loading': v > 0.0, 'unloading': v <= 0.0}
-    inside = _blocks(port, law.contact(o.t, o.x, o.v).astype(float)) > 0.5
+    inside = port.blocks(law.contact(o.t, o.x, o.v).astype(float)) > 0.5
     since = np.zeros(count)
     for k in range(1, count):
         since[k] = since[k - 1] + o.h * port.block if inside[k] else 0.0
@@ -204,8 +198,8 @@ def _phase(energy: Array, phases: dict[str, Flags]) -> str:
 def _region(port: Ports, model: Model, energy: Array) -> str:
     """Say in words where in the plane of depth and rate the residual is strong."""
     o, law = port.observed, model.laws().contact
-    d = _blocks(port, law.penetration(o.t, o.x, o.v, law.states_along(o.t, o.x, o.v), np)[0])
-    v = _blocks(port, o.v)
+    d = port.blocks(law.penetration(o.t, o.x, o.v, law.states_along(o.t, o.x, o.v), np)[0])
+    v = port.blocks(o.v)
     use = d > 0.0 if law.unilateral else np.ones(len(d), bool)
     if use.sum() < 20:
         return 'free flight'

@@ -32,6 +32,8 @@ from ..plant.plant_parameters import PlantParameters
 
 Array = NDArray[np.float64]
 
+_NO_WALL = 1e-3  # N/m or N s/m: as good as no spring, no damper
+
 
 class Laws(NamedTuple):
     """
@@ -119,6 +121,39 @@ class Model:
                 return slice(first, first + count)
             first += count
         raise KeyError(name)
+
+    def with_free(self, values: Array) -> 'Model':
+        """Take other values of what is free; the rest stays."""
+        every = np.array(self.values)
+        every[self.free] = values
+        return self.at(every)
+
+    @property
+    def free_values(self) -> Array:
+        """The values that are fitted."""
+        return np.array(self.values)[self.free]
+
+    @property
+    def free_bounds(self) -> tuple[Array, Array]:
+        """Their ranges."""
+        low, high = self.bounds
+        return low[self.free], high[self.free]
+
+    @property
+    def free_sizes(self) -> Array:
+        """How large a change of each of them is: its own size, or a little where it is 0."""
+        values = np.abs(np.array(self.values))
+        sizes = np.where(values > 0.0, values, 1.0)
+        sizes[:2] = np.maximum(values[:2], _NO_WALL)
+        return sizes[self.free]
+
+    @property
+    def at_end(self) -> NDArray[np.bool_]:
+        """Which of all values stand at the end of their range, as does next to no wall."""
+        values, (low, high) = np.array(self.values), self.bounds
+        little = 1e-6 * np.abs(values)
+        little[:2] = _NO_WALL
+        return np.asarray((values - low <= little) | (high - values <= little))
 
     def at(self, values: Any) -> 'Model':
         """Take other values."""

@@ -32,18 +32,19 @@ from numpy.typing import NDArray
 from .candidates import Candidate, candidates, Reach, scaling_test
 from .episodes import episodes
 from .finding import Diagnosis
-from .fitting import residual_function
+from .fitting import differentiate_by, residual_function
 from .free_run import plant_of
 from .model import Model
+from .nuisances import doubt
 from .observed import Observed
-from .ports import default_block, Ports, usable
+from .ports import Ports
 from .selection import THRESHOLD
+from .usable_samples import default_block, usable
 from ..plant.open_loop import simulate_on
 from ..reference.experiment import Experiment
 
 Array = NDArray[np.float64]
 
-_STEP = 1e-4  # relative, of the finite differences
 _INTEGRATION_RATE = 1000.0
 _LEAST_PACE = 0.1
 
@@ -205,7 +206,7 @@ class Judge:
 
         """
         port = self._played(experiment)
-        port.doubt(self._model)
+        doubt(port, self._model)
         true = port.residuals(self._model, robust=False)
         differences = (self._difference(port, true, name) for name in self._rivals)
         return min(differences, key=lambda difference: difference.strength)
@@ -216,7 +217,7 @@ class Judge:
         new = _sensitivities([port], rival)
         target = np.concatenate((np.zeros(len(known)), -off))
         change = np.linalg.lstsq(np.concatenate((known, new)), target, rcond=1e-10)[0]
-        parts = (off + new @ change).reshape(-1, len(port.observed.t) // port.block)
+        parts = port.split(off + new @ change)
         strength = float(np.sum(parts**2)) / port.count
         if not isfinite(strength):
             return Difference(0.0, 0.0, 0.0)
@@ -244,12 +245,5 @@ class Judge:
 def _sensitivities(ports: Sequence[Ports], model: Model) -> Array:
     """Differentiate the residuals by the relative change of each free value."""
     function = residual_function(ports, model, robust=False)
-    values = np.array(model.values)[model.free]
-    size = np.where(values != 0.0, np.abs(values), 1.0)
-    here = function(values)
-    columns = []
-    for k in range(len(values)):
-        moved = values.copy()
-        moved[k] += _STEP * size[k]
-        columns.append((function(moved) - here) / _STEP)
-    return np.array(columns).T
+    values = model.free_values
+    return differentiate_by(values, model.free_sizes, function, function(values))

@@ -89,6 +89,6 @@ def motion_noise(model: Model, observed: Observed, force_noise: float) -> float:
         Of the positions; of a permanently attached wall that of the innovations [m].
 
     """
-    if observed.reference is not None or not model.with_inertia or model.laws().contact.unilateral:
-        return observed.position_noise
-    return DrivenWall(model, observed).kalman_filter(force_noise)[1]
+    if observed.driven_by_force(model.nominal):
+        return DrivenWall(model, observed).kalman_filter(force_noise)[1]
+    return observed.position_noise

@@ -110,7 +110,7 @@ class Observed:
     jitter: float = 0.0
     between: str = 'straight'
 
-    @property
+    @cached_property
     def driving(self) -> Array:
         """The measured force whose straight lines move a wall without a robot, shape (N,) [N]."""
         return BETWEEN[self.between](self.force)
@@ -121,10 +121,14 @@ class Observed:
         columns = np.array([self.v, self.x, np.ones(len(self.t))])
         return np.linalg.solve(columns @ columns.T, columns)[:2]
 
+    def driven_by_force(self, nominal: PlantParameters) -> bool:
+        """Tell whether there is no robot, and a wall whose mass the measured force moves."""
+        wall = nominal.environment
+        return self.reference is None and not wall.unilateral and wall.inertia > 0.0
+
     def has_dynamics(self, nominal: PlantParameters) -> bool:
         """Tell whether a model can be run free: from a reference, or a wall from its force."""
-        wall = nominal.environment
-        return self.reference is not None or (not wall.unilateral and wall.inertia > 0.0)
+        return self.reference is not None or self.driven_by_force(nominal)
 
     def reference_at(self, delay: float) -> Array:
         """

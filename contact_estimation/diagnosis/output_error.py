@@ -27,7 +27,7 @@ from typing import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from .fitting import Fit, fit
+from .fitting import differentiate_by, Fit, fit
 from .free_run import free_run, Run
 from .model import Model
 from .ports import huber, Ports
@@ -81,17 +81,14 @@ def refine(ports: Sequence[Ports], found: Fit) -> Fit:
 
 def _better(ports: Sequence[Ports], model: Model, here: Array) -> Model:
     """Take a Gauss-Newton step from a model with the errors `here`."""
-    free, values = model.free, np.array(model.values)
-    low, high = (bound[free] for bound in model.bounds)
-    size = np.where(values != 0.0, np.abs(values), 1.0)
-    columns = []
-    for k in np.flatnonzero(free):
-        moved = values.copy()
-        moved[k] += _STEP * size[k]
-        columns.append((_errors_at(ports, model.at(moved)) - here) / _STEP)
-    change = np.linalg.lstsq(np.array(columns).T, -here, rcond=1e-9)[0] * size[free]
-    values[free] = np.clip(values[free] + change, low, high)
-    return model.at(values)
+    values, size = model.free_values, model.free_sizes
+
+    def errors(these: Array) -> Array:
+        return _errors_at(ports, model.with_free(these))
+
+    jacobian = differentiate_by(values, size, errors, here, _STEP)
+    change = np.linalg.lstsq(jacobian, -here, rcond=1e-9)[0] * size
+    return model.with_free(np.clip(values + change, *model.free_bounds))
 
 
 def runs_true(ports: Sequence[Ports], model: Model) -> bool:

@@ -24,16 +24,14 @@ alone, a robot effect on the second alone; the noise of the two is independent.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from math import sqrt
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .driven_wall import DrivenWall
 from .model import Laws, Model
-from .observed import Observed, START_S
+from .observed import Observed
 from .observer import discretise, innovations, run, SecondOrder
-from ..physics.physics import stretches
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -44,17 +42,7 @@ OBSERVER_CUTOFF = 50.0
 ROBUST = 5.0
 """Residuals count linearly beyond so many standard deviations (Huber 1964)."""
 
-NUISANCES = (
-    ('impedance_mismatch', (1.0, 1.0, 1.002)),
-    ('command_delay', (3e-5,)),
-    ('force_delay', (3e-5,)),
-)
-"""What no laboratory knows better of a right model: M_t to 0.2 %, stamps to 0.03 ms."""
-
 _DROP = 5.0  # standard deviations: the price of a sample at which the force vanished
-_DROP_S, _LEAST_DROPS = 0.5, 3
-_MOST_STEPS = 200
-_IMPACT_BEFORE, _IMPACT_AFTER = 2, 3  # samples around touch-down that no one can predict
 
 
 @dataclass
@@ -259,13 +247,12 @@ class Ports:
 
     def driven_by_force(self, model: Model) -> bool:
         """Tell whether there is no robot, and a wall whose mass the measured force moves."""
-        wall = model.nominal.environment
-        return self.observed.reference is None and not wall.unilateral and model.with_inertia
+        return self.observed.driven_by_force(model.nominal)
 
     def _wall_time(self, model: Model) -> float:
         """Tell in what time the nominal wall springs back [s]."""
         wall = model.nominal.environment
-        return 0.5 / max(OBSERVER_CUTOFF, sqrt(wall.stiffness / wall.inertia))
+        return 0.5 / max(OBSERVER_CUTOFF, np.sqrt(wall.stiffness / wall.inertia))
 
     def _whitener(self, system: SecondOrder) -> SecondOrder:
         """Weigh all models with the first one's dynamics, or they could not be compared."""
@@ -315,67 +302,55 @@ class Ports:
             residuals = residuals - directions @ (share * (directions.T @ residuals))
         return huber(residuals) if robust and laws.contact.unilateral else residuals
 
-    def doubt(self, model: Model) -> None:
+    def split(self, residuals: Array) -> Array:
         """
-        Discount from now on what `NUISANCES` could explain: whiten with their covariance.
-
-        So are the instant, within a sample, at which the reference steps, and whether the robot
-        holds the wanted acceleration between samples or follows straight lines.
+        Take stacked residuals apart again.
 
         Parameters
         ----------
-        model : Model
-            Fitted, at which the derivatives are taken.
+        residuals : ndarray, shape (R,)
+            Of `residuals`.
+
+        Returns
+        -------
+        parts : ndarray, shape (ports, blocks)
+            Of the force, where it does not drive the wall; of the motion, where there is one.
+
+        """
+        return residuals.reshape(-1, len(self.observed.t) // self.block)
+
+    def blocks(self, signal: Array) -> Array:
+        """
+        Average a signal over each block.
+
+        Parameters
+        ----------
+        signal : ndarray, shape (N,)
+            Any.
+
+        Returns
+        -------
+        mean : ndarray, shape (blocks,)
+            In its unit.
+
+        """
+        return self._sum(signal) / self.block
+
+    def discount(self, columns: Array | None) -> None:
+        """
+        Discount from now on what nobody can know better, see `nuisances.doubt`.
+
+        Parameters
+        ----------
+        columns : ndarray, shape (R, C), or None
+            What each such thing leaves in the residuals, in its standard deviation; the residuals
+            are whitened with the covariance of all. None: forget what was discounted.
 
         """
         self._doubt = None
-        if self.driven_by_force(model):
-            return  # a wall's whole motion tells when the force came, and how it went on
-        here = self.residuals(model, robust=False)
-        robot = self.observed.reference is not None
-        columns = [
-            self.residuals(model.with_effect(name, values), robust=False) - here
-            for name, values in NUISANCES
-            if name not in model.effects and (robot or name == 'force_delay')
-        ]
-        columns += self._held_acceleration(model) + self._steps_of_reference(model)
-        directions, sizes, _ = np.linalg.svd(np.array(columns).T, full_matrices=False)
-        self._doubt = directions, 1.0 - 1.0 / np.sqrt(1.0 + sizes**2)
-
-    def _held_acceleration(self, model: Model) -> list[Array]:
-        """Give the innovations of a robot that holds the wanted acceleration over each sample."""
-        o, mass = self.observed, model.laws().robot.mass
-        if o.reference is None:
-            return []
-        late = -0.5 * mass * np.gradient(o.reference[2])
-        answer = self.answer_to(late, model)
-        assert answer is not None
-        motion = self.average('motion', answer, self.motion_noise)
-        return [np.concatenate((np.zeros(len(motion)), motion))]
-
-    def _steps_of_reference(self, model: Model) -> list[Array]:
-        """Give the innovations that a step of x_r leaves when it comes a share of a sample off."""
-        o, robot = self.observed, model.laws().robot
-        if o.reference is None:
-            return []
-        x_r, v_r = o.reference[0], o.reference[1]
-        jumps = np.diff(x_r) - 0.5 * o.h * (v_r[1:] + v_r[:-1])
-        size = robot.stiffness * np.abs(jumps) * o.h  # impulse of a whole sample [N s]
-        least = 0.1 * self.motion_noise * OBSERVER_CUTOFF * robot.mass
-        steps = np.argsort(-size)[:_MOST_STEPS]
-        pulse = np.zeros(len(o.t))
-        pulse[0] = 1.0
-        answer = self.answer_to(pulse, model)
-        assert answer is not None
-        columns = []
-        for k in steps[size[steps] > least].tolist():
-            for first in (k, k + 1):  # how it is spread over the sample takes two pulses to tell
-                moved = np.zeros(len(o.t))
-                moved[first:] = (answer[:len(o.t) - first] * robot.stiffness * jumps[k]
-                                 / sqrt(12.0))
-                motion = self.average('motion', moved, self.motion_noise)
-                columns.append(np.concatenate((np.zeros(len(motion)), motion)))
-        return columns
+        if columns is not None:
+            directions, sizes, _ = np.linalg.svd(columns, full_matrices=False)
+            self._doubt = directions, 1.0 - 1.0 / np.sqrt(1.0 + sizes**2)
 
 
 def huber(residuals: Array) -> Array:
@@ -428,83 +403,3 @@ def at_touch_down(force: Array, d: Array) -> Array:
     # first sample is nearly all damper.
     changed[begins] = force[begins + 1] * (share - 0.5)
     return changed
-
-
-def usable(model: Model, observed: Observed) -> Flags:
-    """
-    Tell which samples a model can be held to.
-
-    Parameters
-    ----------
-    model : Model
-        Nominal.
-    observed : Observed
-        The recording.
-
-    Returns
-    -------
-    use : ndarray of bool, shape (N,)
-        False around touch-downs, whose instant within a sample nobody knows.
-
-    """
-    o = observed
-    use = np.ones(len(o.t), bool)
-    use[:5] = use[-5:] = False
-    law = model.laws().contact
-    if not law.unilateral:
-        use[:round(START_S / o.h)] = False  # its state at first is not known
-    else:
-        inside = law.contact(o.t, o.x, o.v)
-        for first in np.flatnonzero(np.diff(inside.astype(int)) > 0).tolist():
-            use[max(0, first + 1 - _IMPACT_BEFORE):first + 1 + _IMPACT_AFTER] = False
-    return use
-
-
-def force_drops(observed: Observed, noise: float) -> Flags | None:
-    """
-    Find where the force vanishes in the midst of a contact.
-
-    Parameters
-    ----------
-    observed : Observed
-        The recording.
-    noise : float
-        Of the force [N].
-
-    Returns
-    -------
-    dropped : ndarray of bool, shape (N,), or None
-        No force, between samples of much force less than half a second apart; None where there
-        are fewer than three such drops.
-
-    """
-    o = observed
-    strong = max(20.0 * noise, 0.05 * float(np.max(np.abs(o.force))))
-    little, much = np.abs(o.force) < 5.0 * noise, o.force < -strong
-    dropped, drops = np.zeros(len(o.t), bool), 0
-    for first, stop in stretches(little):
-        inside = little[first] and 0 < first and stop < len(o.t)
-        if inside and (stop - first) * o.h < _DROP_S and much[first - 1] and much[stop]:
-            dropped[first:stop] = True
-            drops += 1
-    return dropped if drops >= _LEAST_DROPS else None
-
-
-def default_block(observed: Observed) -> int:
-    """
-    Choose how many samples make one residual.
-
-    Parameters
-    ----------
-    observed : Observed
-        The recording.
-
-    Returns
-    -------
-    block : int
-        So that the motion is resolved: a hundred blocks a second, or every sample of a fast one.
-
-    """
-    if observed.reference is None and observed.cutoff > 15.0:
-        return 1
-    return max(1, round(0.01 / observed.h))

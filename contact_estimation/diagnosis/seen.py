@@ -24,7 +24,8 @@ from numpy.typing import NDArray
 
 from .finding import Diagnosis
 from .model import Model
-from .ports import Ports, usable
+from .ports import Ports
+from .usable_samples import usable
 
 Array = NDArray[np.float64]
 Span = tuple[float, float]
@@ -189,7 +190,7 @@ def _residuals(
     port: Ports, models: Mapping[str, Model], left: Mapping[str, Array], in_motion: bool
 ) -> list[Left]:
     noise = port.force_noise / sqrt(port.block)
-    rows = [Left('force left over [N]', {name: _blocks(port, e) for name, e in left.items()},
+    rows = [Left('force left over [N]', {name: port.blocks(e) for name, e in left.items()},
                  noise, not in_motion)] if not _only_motion(port, models) else []
     motion = {name: port.motion_residual(model) for name, model in models.items()}
     innovations = {name: e for name, e in motion.items() if e is not None}
@@ -197,15 +198,10 @@ def _residuals(
         # Innovations: what of the motion the model did not foresee at each instant.
         rows.append(Left(
             'motion left over [µm]',
-            {name: 1e6 * _blocks(port, e) for name, e in innovations.items()},
+            {name: 1e6 * port.blocks(e) for name, e in innovations.items()},
             1e6 * port.observed.position_noise / sqrt(port.block), in_motion,
         ))
     return rows
-
-
-def _blocks(port: Ports, signal: Array) -> Array:
-    count = len(signal) // port.block
-    return np.asarray(signal[:count * port.block].reshape(count, port.block).mean(axis=1))
 
 
 def _close_up(port: Ports, strongest: Array) -> slice:
@@ -223,15 +219,15 @@ def _close_up(port: Ports, strongest: Array) -> slice:
 
 def _plane(port: Ports, model: Model, row: Left, in_motion: bool) -> Plane:
     o, law = port.observed, model.laws().contact
-    x, v = (_blocks(port, signal) for signal in (o.x - model.nominal.environment.location, o.v))
+    x, v = (port.blocks(signal) for signal in (o.x - model.nominal.environment.location, o.v))
     use = np.ones(len(x), bool)
     label = 'position before and in the wall [mm]'
     if law.unilateral and not in_motion:
-        use = _blocks(port, law.contact(o.t, o.x, o.v).astype(float)) > 0.5
+        use = port.blocks(law.contact(o.t, o.x, o.v).astype(float)) > 0.5
         label = 'depth in the wall [mm]'
     if not law.unilateral:
         label = 'deflection [mm]'
-    use &= _blocks(port, port.use.astype(float)) + _unused(port, model) > 0.5
+    use &= port.blocks(port.use.astype(float)) + _unused(port, model) > 0.5
     some = np.flatnonzero(use)
     some = some[::max(1, len(some) // _MOST_DOTS)]
     left = {name: e[some] / row.noise for name, e in row.left.items()}
@@ -240,7 +236,7 @@ def _plane(port: Ports, model: Model, row: Left, in_motion: bool) -> Plane:
 
 def _unused(port: Ports, model: Model) -> Array:
     """Tell which blocks are held out, though any model could be held to them."""
-    return _blocks(port, (usable(model, port.observed) & ~port.use).astype(float))
+    return port.blocks((usable(model, port.observed) & ~port.use).astype(float))
 
 
 def held_out_spans(diagnosis: Diagnosis) -> list[Span]:

@@ -21,13 +21,12 @@ from typing import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from .fitting import Fit, residual_function
+from .fitting import differentiate_by, Fit, residual_function
 from .ports import Ports
 
 Array = NDArray[np.float64]
 
 _CLUSTER_S = 0.5
-_STEP = 1e-4
 
 
 def standard_deviations(ports: Sequence[Ports], found: Fit) -> Array:
@@ -50,17 +49,11 @@ def standard_deviations(ports: Sequence[Ports], found: Fit) -> Array:
         Of all values; NaN for those that were not fitted, or stand at the end of their range.
 
     """
-    model, free = found.model, found.model.free
+    model = found.model
     function = residual_function(ports, model)
-    values = np.array(model.values)[free]
-    size = np.where(values != 0.0, np.abs(values), 1.0)
+    values, size = model.free_values, model.free_sizes
     here = function(values)
-    columns = []
-    for k in range(len(values)):
-        moved = values.copy()
-        moved[k] += _STEP * size[k]
-        columns.append((function(moved) - here) / _STEP)
-    jacobian = np.array(columns).T
+    jacobian = differentiate_by(values, size, function, here)
     inverse = np.linalg.pinv(jacobian.T @ jacobian, rcond=1e-13)
     port = ports[0]
     span = max(1, round(_CLUSTER_S / (port.observed.h * port.block)))
@@ -68,9 +61,6 @@ def standard_deviations(ports: Sequence[Ports], found: Fit) -> Array:
     clustered = np.diag(inverse @ (scores.T @ scores) @ inverse)
     independent = np.diag(inverse) * max(1.0, float(np.mean(here**2)))
     std = np.full(len(model.values), np.nan)
-    std[free] = np.sqrt(np.maximum(clustered, independent)) * size
-    low, high = model.bounds
-    every = np.array(model.values)
-    little = 1e-6 * np.where(every != 0.0, np.abs(every), 1.0)
-    std[(every - low < little) | (high - every < little)] = np.nan
+    std[model.free] = np.sqrt(np.maximum(clustered, independent)) * size
+    std[model.at_end] = np.nan
     return std

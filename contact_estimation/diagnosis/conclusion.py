@@ -1,0 +1,322 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Everything after the search: what holds on held-out data, and how to say it."""
+
+from __future__ import annotations
+
+from math import exp
+from typing import Callable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .case import Case
+from .finding import Diagnosis, NamedEffect, Value
+from .fitting import cost_of, Fit, fit
+from .flexible import memory, predictable_share
+from .free_run import free_run
+from .held_out import as_good, by_part, errors_of, improvement_interval, measure_part, Part
+from .location import locate, Location
+from .model import Model, names_of
+from .nuisances import doubt
+from .output_error import refine, runs_true
+from .ports import Ports
+from .selection import enough, Finding, penalty, PRICE, scale_of, THRESHOLD
+from .uncertainty import standard_deviations
+from ..parameters import specifications
+from ..physics import EFFECTS
+
+Array = NDArray[np.float64]
+Progress = Callable[[str], None]
+
+LEFT = 0.5
+"""Mean square of the residuals beyond that of the noise, from which on something is missing."""
+
+EXPLAINED = 0.9
+"""Least share of the misfit that effects must explain to be named at all."""
+
+FULLY = 0.97
+"""Share of the misfit from which on what is left is the method's own error."""
+
+_PREDICTABLE = 0.1  # share of the residual that a smoother foretells: structure, not noise
+_SIGNIFICANT = 3.0  # standard deviations
+_UNSEEN = 2.0  # mean square on held-out data, in those of the noise, that no estimate explains
+_MEMORY = 0.25  # correlation of neighbouring residuals: structure that no smoother foretells
+_TEMPERATURE = 10.0  # serial correlation: costs are worth less than independent samples say
+_NEAREST, _MOST_RIVALS = 4, 2
+_NEAR = 3.0  # times the best cost: rivals beyond are out of the question
+
+
+class Conclusion:
+    """
+    What holds on held-out data, and how to say it.
+
+    Parameters
+    ----------
+    model : Model
+        Nominal.
+    at_nominal : float
+        Its cost.
+    finding : Finding
+        Of the search.
+    cases : list of Case
+        That were fitted.
+    others : list of Case
+        Held-out recordings.
+    seed : int
+        Of the bootstraps.
+    odd_robot : bool
+        Whether the motion was left out, because no effect explains it.
+
+    """
+
+    def __init__(
+        self, model: Model, at_nominal: float, finding: Finding, cases: list[Case],
+        others: list[Case], seed: int, odd_robot: bool,
+    ) -> None:
+        self._nominal, self._at_nominal = model, at_nominal
+        self._finding, self._cases, self._others = finding, cases, others
+        self._odd_robot = odd_robot
+        self._refitted: dict[str, list[Fit]] = {}
+        self._ports = [case.port for case in cases]
+        self._generator = np.random.default_rng(seed)
+
+    def draw(self, progress: Progress) -> Diagnosis:
+        """
+        Prove on held-out data, then say.
+
+        Parameters
+        ----------
+        progress : callable
+            Told in words what is being done.
+
+        Returns
+        -------
+        diagnosis : Diagnosis
+            Verdict, names, parameters, proof.
+
+        """
+        best, open_end, predictable = self._what_is_left(progress)
+        whole = self._with_held_out()
+        open_end = open_end or not best.model.effects and self._fails_held_out(whole, best.model)
+        verdict, base, count = self._verdict(best, open_end), self._finding.base, best.filled
+        if not open_end and all(
+                port.observed.has_dynamics(base.model.nominal) for port in self._ports):
+            progress('output error')
+            same = not best.model.effects
+            base = refine(self._ports, base) if same else base
+            best = base if same else self._without_idle(refine(self._ports, best))
+        progress('held-out parts')
+        models = [self._nominal, base.model, best.model]
+        parts, runs = self._held_out(models)
+        force, motion = errors_of(parts)
+        stds = standard_deviations(self._ports, best)
+        names = self._names(best, stds, whole[0])
+        location = self._where(verdict, names, base, best, whole[0])
+        rivals = {other: self._rival(effect.name, other)
+                  for effect in names for other in effect.indistinguishable_from}
+        return Diagnosis(
+            verdict, names, location, models[0], models[1], models[2],
+            Value(best.model.stiffness, stds[0], 'N/m'),
+            Value(best.model.damping, stds[1], 'N s/m'),
+            float(np.mean([case.port.force_noise for case in self._cases])), force, motion,
+            improvement_interval(parts, self._generator), by_part(parts),
+            _advice(names, verdict), rivals, self._finding.candidates, best.cost / count,
+            predictable, self._ports, runs,
+        )
+
+    def _what_is_left(self, progress: Progress) -> tuple[Fit, bool, float]:
+        """Tell what deserves to be named, whether more is missing, what can be foretold."""
+        best, base = self._finding.best, self._finding.base
+        excess, left = base.cost - base.filled, best.cost - base.filled
+        explained = 1.0 - left / excess if excess > 0.0 else 1.0
+        predictable, open_end = 0.0, False
+        if left > LEFT * base.filled:
+            progress('what is left')
+            predictable = max(predictable_share(port, best.model) for port in self._ports)
+            structured = predictable > _PREDICTABLE or _MEMORY < max(
+                memory(port, best.model) for port in self._ports)
+            open_end = structured and (explained < FULLY or not best.model.effects)
+        lets_go = self._lets_go(best.model)
+        if lets_go:
+            open_end = False  # what is left is when, within a sample, it let go
+        elif open_end and best.model.effects and self._ports[0].observed.reference is not None:
+            # Where a robot sticks, velocities are not known well enough for the ports.
+            open_end = not runs_true(self._ports, refine(self._ports, best).model)
+        if best.model.effects and open_end and explained < EXPLAINED:
+            best = base  # a false name is worse than no name
+        return self._significant(best), open_end or (self._odd_robot and not lets_go), predictable
+
+    def _where(
+        self, verdict: str, names: Sequence[NamedEffect], base: Fit, best: Fit, port: Ports
+    ) -> Location | None:
+        """Locate what is missing, or what is still missing beside the names."""
+        if verdict not in ('physics_missing', 'unexplained'):
+            return None
+        shown = best.model if verdict == 'unexplained' and best.model.effects else base.model
+        acting = names[0].port if names and shown is base.model else None
+        return locate(port, shown, 'robot' if self._odd_robot else acting)
+
+    def _with_held_out(self) -> list[Ports]:
+        """Look at the recordings with the held-out parts, which have served their purpose then."""
+        whole = [case.whole(self._finding.base.model) for case in self._cases]
+        for port in whole:
+            doubt(port, self._finding.base.model)
+        return whole
+
+    def _fails_held_out(self, whole: Sequence[Ports], model: Model) -> bool:
+        """Tell whether something that no fit has seen is not explained at all."""
+        for case, port in zip(self._cases, whole):
+            if case.held_out is None:
+                continue
+            there = port.blocks((case.held_out.samples & port.use).astype(float)) > 0.5
+            parts = port.split(port.residuals(model))[:, there]
+            if np.any(np.mean(parts**2, axis=1) > _UNSEEN):
+                return True
+        return False
+
+    def _lets_go(self, model: Model) -> bool:
+        """Tell whether the force vanishes amid contacts, and an effect is named that does so."""
+        named = [getattr(EFFECTS[name], 'lets_go', False) for name in model.effects]
+        return any(named) and all(port.dropped is not None for port in self._ports)
+
+    def _significant(self, best: Fit) -> Fit:
+        """Drop effects whose every parameter could as well be that of no effect."""
+        stds = standard_deviations(self._ports, best)
+        for name in best.model.effects:
+            place, neutral = best.model.place(name), EFFECTS[name].neutral
+            away = [abs(value - neutral.get(parameter, 0.0)) > _SIGNIFICANT * std
+                    for parameter, value, std in zip(
+                        names_of(name), best.model.values[place], stds[place])]
+            if not any(away):
+                return self._significant(fit(self._ports, best.model.without(name)))
+        return best
+
+    def _without_idle(self, best: Fit) -> Fit:
+        """Leave out an effect that the output error has made vanish, and fit the others anew."""
+        cost = cost_of(self._ports, best.model)
+        for name in best.model.effects:
+            rest = best.model.without(name)
+            price = penalty(best.model) - penalty(rest)
+            if rest.effects and cost_of(self._ports, rest) <= cost + price:
+                return self._without_idle(refine(self._ports, fit(self._ports, rest)))
+        return best
+
+    def _verdict(self, best: Fit, open_end: bool) -> str:
+        if open_end:
+            return 'unexplained'
+        if best.model.effects:
+            return 'physics_missing'
+        base, count = self._finding.base, self._finding.base.filled
+        gained = self._at_nominal - base.cost
+        return 'consistent' if gained < THRESHOLD * count * scale_of(base) else 'recalibrate'
+
+    def _held_out(self, models: Sequence[Model]) -> tuple[list[Part], dict[str, Array]]:
+        parts: list[Part] = []
+        first: dict[str, Array] = {}
+        for case in [*self._cases, *self._others]:
+            with_motion = case.port.observed.has_dynamics(models[0].nominal)
+            runs = None
+            if with_motion:
+                different = models if models[2] is not models[1] else models[:2]
+                runs = [free_run(model, case.port.observed).position for model in different]
+                runs = [*runs, runs[1]][:3]
+                first = first or dict(zip(('nominal', 'recalibrated', 'corrected'), runs))
+            if case in self._others:
+                everything = np.ones(len(case.port.observed.t), bool)
+                parts.append(measure_part(
+                    case.recording.name, case.port, everything, models, runs))
+            elif case.held_out is not None:
+                parts.append(measure_part(
+                    self._part_name(case), case.whole(models[1]), case.held_out.samples, models,
+                    runs))
+        return parts, first
+
+    def _part_name(self, case: Case) -> str:
+        assert case.held_out is not None
+        several = len(self._cases) > 1
+        return f'{case.recording.name}, {case.held_out.name}' if several else case.held_out.name
+
+    def _names(self, best: Fit, stds: Array, seen: Ports) -> list[NamedEffect]:
+        dropped = {name: fit(self._ports, best.model.without(name), steps=8)
+                   for name in best.model.effects}
+        order = sorted(best.model.effects, key=lambda name: -dropped[name].cost)
+        return [self._name(best, name, stds, locate(seen, dropped[name].model, EFFECTS[name].port))
+                for name in order]
+
+    def _name(self, best: Fit, name: str, stds: Array, location: Location) -> NamedEffect:
+        cls = EFFECTS[name]
+        place = best.model.place(name)
+        units = [spec.unit for spec in specifications(cls.Parameters)]
+        values = {
+            parameter: Value(value, float(std), unit) for parameter, value, std, unit in zip(
+                names_of(name), best.model.values[place], stds[place], units)
+        }
+        alike = self._alike(best, name)
+        return NamedEffect(
+            name, cls.port, cls.equation, self._probability(best, name), values, alike, location)
+
+    def _rivals_of(self, name: str) -> list[Fit]:
+        """Fit the nearest rivals to the motion as it is smoothed now; the rest are far behind."""
+        if name not in self._refitted:
+            near = _NEAR * self._finding.best.cost
+            rivals = [rival for rival in self._finding.rivals.get(name, [])[:_NEAREST]
+                      if rival.cost < near]
+            fits = [fit(self._ports, rival.model, steps=8) for rival in rivals]
+            plausible = [found for found in fits if found.model.plausible()]
+            self._refitted[name] = sorted(plausible, key=lambda found: found.cost)
+        return self._refitted[name]
+
+    def _rival(self, name: str, other: str) -> Model:
+        fits = self._rivals_of(name)
+        return next(found.model for found in fits if found.model.effects[-1] == other)
+
+    def _probability(self, best: Fit, name: str) -> float:
+        scale = _TEMPERATURE * scale_of(best)
+        weights = []
+        for rival in self._rivals_of(name):
+            more = PRICE * (len(rival.model.values) - len(best.model.values))
+            behind = max(rival.cost - best.cost + max(more, 0.0), 0.0)
+            weights.append(exp(-min(behind / (2.0 * scale), 700.0)))
+        return 1.0 / (1.0 + sum(weights))
+
+    def _alike(self, best: Fit, name: str) -> list[str]:
+        """Name the rivals that predict held-out data as well, with no more parameters."""
+        alike = []
+        own = len(best.model.values)
+        for rival in self._rivals_of(name):
+            if len(rival.model.values) > own or name == rival.model.effects[-1]:
+                continue
+            if rival.cost - best.cost > PRICE * scale_of(best):
+                continue
+            if enough(rival, best):
+                continue
+            if all(as_good(case.whole(best.model), case.held_out.samples, best.model,
+                           rival.model, self._generator)
+                   for case in self._cases if case.held_out is not None):
+                alike.append(rival.model.effects[-1])
+        return alike[:_MOST_RIVALS]
+
+
+def _advice(names: Sequence[NamedEffect], verdict: str) -> str:
+    open_names = [(effect.name, effect.indistinguishable_from) for effect in names
+                  if effect.indistinguishable_from]
+    if open_names:
+        pairs = '; '.join(f'{name} from {" and ".join(others)}' for name, others in open_names)
+        return f'To tell {pairs}, run an experiment in which their predictions differ most.'
+    if verdict == 'unexplained':
+        return ('No effect of the library explains this. Repeat the same contact at half and at '
+                'twice the speed and depth: what scales with which tells what is missing.')
+    return ''
