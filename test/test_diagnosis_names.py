@@ -145,10 +145,6 @@ def test_clean_world_is_consistent_and_has_no_names(seed: int) -> None:
     assert found.left == pytest.approx(1.0, abs=0.2)
 
 
-@pytest.mark.xfail(strict=True, reason=(
-    'where the rate of the reference steps too, the doubt of its instant (Ports.doubt) knows the '
-    'step of x_r alone: what is left in the motion counts as missing physics'
-))
 def test_clean_world_whose_excitation_jumps_is_consistent() -> None:
     assert diagnosed(recorded(JUMPING)).verdict == 'consistent'
 

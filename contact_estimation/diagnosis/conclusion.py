@@ -55,6 +55,7 @@ _SIGNIFICANT = 3.0  # standard deviations
 _UNSEEN = 2.0  # mean square on held-out data, in those of the noise, that no estimate explains
 _MEMORY = 0.25  # correlation of neighbouring residuals: structure that no smoother foretells
 _TEMPERATURE = 10.0  # serial correlation: costs are worth less than independent samples say
+_BY_CHANCE = 4.0  # cost that a parameter more gains
 _NEAREST, _MOST_RIVALS = 4, 2
 _NEAR = 3.0  # times the best cost: rivals beyond are out of the question
 
@@ -287,8 +288,10 @@ class Conclusion:
         scale = _TEMPERATURE * scale_of(best)
         weights = []
         for rival in self._rivals_of(name):
-            more = PRICE * (len(rival.model.values) - len(best.model.values))
-            behind = max(rival.cost - best.cost + max(more, 0.0), 0.0)
+            more = max(len(rival.model.values) - len(best.model.values), 0)
+            if more and rival.cost > best.cost - _BY_CHANCE * more:
+                continue  # a law that contains this one says nothing else
+            behind = max(rival.cost - best.cost + PRICE * more, 0.0)
             weights.append(exp(-min(behind / (2.0 * scale), 700.0)))
         return 1.0 / (1.0 + sum(weights))
 

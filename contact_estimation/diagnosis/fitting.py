@@ -28,6 +28,7 @@ from .ports import Ports
 Array = NDArray[np.float64]
 
 _STEP = 1e-4  # relative, of the finite differences
+_MOST_GOES, _SLOWLY = 4, 0.99  # times 25 steps; less gained than a hundredth is no gain
 _AT_END = 1e-6  # of its size: a value that has come to the end of its range
 _BEYOND_MEASURE = 1e6  # standard deviations: a model that has run away
 
@@ -46,6 +47,8 @@ class Fit(NamedTuple):
         At the best values.
     filled : int
         Number of residuals that are not empty.
+    ended : bool
+        False where the search ran out of steps while it still got better.
 
     """
 
@@ -53,6 +56,7 @@ class Fit(NamedTuple):
     cost: float
     residuals: Array
     filled: int
+    ended: bool = True
 
 
 def residual_function(
@@ -66,14 +70,14 @@ def residual_function(
     ports : sequence of Ports
         Recordings, fitted together.
     model : Model
-        Its free values are the unknowns.
+        Its `coordinates` are the unknowns.
     robust, briefly : bool
         As for `Ports.residuals`.
 
     Returns
     -------
     residuals : callable
-        Free values to stacked residuals.
+        Coordinates to stacked residuals.
 
     """
 
@@ -110,15 +114,42 @@ def fit(
 
     """
     function = residual_function(ports, model, briefly=briefly)
-    (low, high), size = model.free_bounds, model.free_sizes
+    (low, high), size = model.ranges, model.steps
     with np.errstate(all='ignore'):  # far off the truth costs are beyond all measure
         found = least_squares(
-            function, np.clip(model.free_values, low + 1e-9 * size, high), bounds=(low, high),
+            function, np.clip(model.coordinates, low + 1e-9 * size, high), bounds=(low, high),
             x_scale=size, diff_step=_STEP, max_nfev=steps, xtol=1e-6, gtol=1e-12,
             ftol=1e-3 if steps < 10 else 1e-6,
         )
     there = model.with_free(np.where(found.x - low < _AT_END * size, low, found.x))
-    return Fit(there, 2.0 * found.cost, found.fun, sum(p.count for p in ports))
+    filled = sum(port.count for port in ports)
+    return Fit(there, 2.0 * found.cost, found.fun, filled, bool(found.status > 0))
+
+
+def fit_to_end(ports: Sequence[Ports], found: Fit) -> Fit:
+    """
+    Go on with a search that ran out of steps.
+
+    Parameters
+    ----------
+    ports : sequence of Ports
+        Recordings, fitted together.
+    found : Fit
+        So far.
+
+    Returns
+    -------
+    fit : Fit
+        From where no step gains much.
+
+    """
+    for _ in range(_MOST_GOES):
+        if found.ended:
+            break
+        before, found = found.cost, fit(ports, found.model)
+        if found.cost > _SLOWLY * before:
+            break
+    return found
 
 
 def differentiate_by(
@@ -176,8 +207,8 @@ def step(ports: Sequence[Ports], model: Model) -> tuple[float, Model]:
     """
     # Bent residuals would hide from a first step how far it has to go.
     straight, bent = (residual_function(ports, model, robust, True) for robust in (False, True))
-    (low, high), size = model.free_bounds, model.free_sizes
-    start = np.clip(model.free_values, low, high)
+    (low, high), size = model.ranges, model.steps
+    start = np.clip(model.coordinates, low, high)
     at_start = straight(start)
     best_cost, best = _sum_of_squares(bent(start)), start
     columns = differentiate_by(start, size, straight, at_start)
@@ -208,7 +239,7 @@ def cost_of(ports: Sequence[Ports], model: Model) -> float:
         Sum of the squared residuals, in standard deviations.
 
     """
-    return _sum_of_squares(residual_function(ports, model)(model.free_values))
+    return _sum_of_squares(residual_function(ports, model)(model.coordinates))
 
 
 def _sum_of_squares(residuals: Array) -> float:

@@ -122,30 +122,47 @@ class Model:
             first += count
         raise KeyError(name)
 
-    def with_free(self, values: Array) -> 'Model':
-        """Take other values of what is free; the rest stays."""
+    def with_free(self, coordinates: Array) -> 'Model':
+        """Take other values of what is free, as of `coordinates`; the rest stays."""
         every = np.array(self.values)
-        every[self.free] = values
+        every[self.free] = coordinates
+        every[self._logarithmic] = np.exp(every[self._logarithmic])
         return self.at(every)
 
-    @property
-    def free_values(self) -> Array:
-        """The values that are fitted."""
-        return np.array(self.values)[self.free]
+    def _of_free(self, values: Array) -> Array:
+        """Take the free ones, in the coordinates of searches."""
+        with np.errstate(divide='ignore'):  # the logarithm's range has no lower end
+            return np.where(self._logarithmic, np.log(np.abs(values)), values)[self.free]
 
     @property
-    def free_bounds(self) -> tuple[Array, Array]:
-        """Their ranges."""
+    def coordinates(self) -> Array:
+        """What searches vary: the free values, some in their logarithm."""
+        return self._of_free(np.array(self.values))
+
+    @property
+    def ranges(self) -> tuple[Array, Array]:
+        """Ranges of the coordinates."""
         low, high = self.bounds
-        return low[self.free], high[self.free]
+        return self._of_free(low), self._of_free(high)
 
     @property
-    def free_sizes(self) -> Array:
-        """How large a change of each of them is: its own size, or a little where it is 0."""
+    def steps(self) -> Array:
+        """How large a change of each coordinate is: that by which its value changes by `sizes`."""
+        return np.where(self._logarithmic[self.free], 1.0, self.sizes[self.free])
+
+    @property
+    def sizes(self) -> Array:
+        """How large a change of each of all values is: its own size, or a little where it is 0."""
         values = np.abs(np.array(self.values))
         sizes = np.where(values > 0.0, values, 1.0)
         sizes[:2] = np.maximum(values[:2], _NO_WALL)
-        return sizes[self.free]
+        return sizes
+
+    @property
+    def _logarithmic(self) -> NDArray[np.bool_]:
+        names = [name in EFFECTS[effect].in_logarithm
+                 for effect in self.effects for name in names_of(effect)]
+        return np.array([False] * self.base_count + names)
 
     @property
     def at_end(self) -> NDArray[np.bool_]:

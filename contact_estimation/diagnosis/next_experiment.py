@@ -245,5 +245,5 @@ class Judge:
 def _sensitivities(ports: Sequence[Ports], model: Model) -> Array:
     """Differentiate the residuals by the relative change of each free value."""
     function = residual_function(ports, model, robust=False)
-    values = model.free_values
-    return differentiate_by(values, model.free_sizes, function, function(values))
+    values = model.coordinates
+    return differentiate_by(values, model.steps, function, function(values))

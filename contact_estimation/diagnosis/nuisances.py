@@ -20,6 +20,7 @@ from math import sqrt
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import median_filter
 
 from .model import Model
 from .ports import OBSERVER_CUTOFF, Ports
@@ -35,6 +36,8 @@ NUISANCES = (
 
 _MOST_STEPS = 200
 _LEAST_STEP = 0.1  # standard deviations of the motion
+_STANDS_OUT = 10.0  # times the median: else it is not a step
+_AROUND = 5  # samples among which it stands out
 _UNIFORM = 1.0 / sqrt(12.0)  # standard deviation of an instant within a sample
 
 
@@ -86,13 +89,15 @@ def _held_acceleration(port: Ports, model: Model) -> Array:
 
 
 def _steps_of_reference(port: Ports, model: Model) -> list[Array]:
-    """Give the innovations that a step of x_r leaves when it comes a share of a sample off."""
+    """Give the innovations that a step of the reference leaves when it comes a little off."""
     o, robot = port.observed, model.laws().robot
     assert o.reference is not None
-    x_r, v_r = o.reference[0], o.reference[1]
-    jumps = np.diff(x_r) - 0.5 * o.h * (v_r[1:] + v_r[:-1])
-    size = robot.stiffness * np.abs(jumps) * o.h  # impulse of a whole sample [N s]
-    least = _LEAST_STEP * port.motion_noise * OBSERVER_CUTOFF * robot.mass
+    x_r, v_r, a_r = o.reference[:3]
+    pushes = np.diff(robot.mass * a_r + robot.damping * v_r + robot.stiffness * x_r)
+    jumps = pushes - median_filter(pushes, _AROUND)
+    size = np.abs(jumps) * o.h  # impulse of a whole sample [N s]
+    least = max(_LEAST_STEP * port.motion_noise * OBSERVER_CUTOFF * robot.mass,
+                _STANDS_OUT * float(np.median(size)))
     steps = np.argsort(-size)[:_MOST_STEPS]
     pulse = np.zeros(len(o.t))
     pulse[0] = 1.0
@@ -102,6 +107,6 @@ def _steps_of_reference(port: Ports, model: Model) -> list[Array]:
     for k in steps[size[steps] > least].tolist():
         for first in (k, k + 1):  # how it is spread over the sample takes two pulses to tell
             moved = np.zeros(len(o.t))
-            moved[first:] = answer[:len(o.t) - first] * robot.stiffness * jumps[k] * _UNIFORM
+            moved[first:] = answer[:len(o.t) - first] * jumps[k] * _UNIFORM
             answers.append(moved)
     return answers

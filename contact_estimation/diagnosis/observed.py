@@ -22,6 +22,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import CubicHermiteSpline
 
 from .observer import discretise, run
 from .smoothing import differentiate, smooth_enough, white_noise_std
@@ -80,7 +81,7 @@ class Observed:
     measured : ndarray of bool, shape (N,)
         Where a force was measured.
     raw_position : ndarray, shape (N,)
-        Measured x [m]; straight over dropped samples.
+        Measured x [m]; smoothed at dropped samples.
     x, v, a : ndarray, shape (N,)
         Smoothed position [m] and its derivatives [m/s], [m/s^2].
     reference : ndarray, shape (4, N), or None
@@ -196,7 +197,7 @@ def observe(
     with_robot = len(signals.reference_t) > 1 and model.environment.unilateral
     reference = None
     if with_robot:
-        reference = np.array([np.interp(t, signals.reference_t, r) for r in signals.reference])
+        reference = _reference_on_grid(signals.reference_t, signals.reference, t)
         if not model.robot.force_tracking:
             reference[3] = 0.0
     if carried is None:
@@ -208,6 +209,8 @@ def observe(
     weight = np.where(seen, 1.0, 1e-3)
     left, cutoff = smooth_enough(position - carried, weight, h, noise)
     x, v, a = differentiate(carried + left, h)
+    # A straight line over a dropped sample cuts the bend, and innovations would ring from it.
+    position = np.where(seen, position, x)
     return Observed(t, h, force, measured, position, x, v, a, reference, noise, cutoff,
                     _jitter(signals.joint_t), between)
 
@@ -243,6 +246,23 @@ def _on_grid(stamps: Array, values: Array, t: Array, h: float) -> tuple[Array, F
     index = np.round(stamps / h).astype(int)
     there[index[(index >= 0) & (index < len(t))]] = True
     return np.interp(t, stamps, values), there
+
+
+def _reference_on_grid(stamps: Array, values: Array, t: Array) -> Array:
+    """
+    Interpolate a reference: straight between samples, as robots do, but bent where some dropped.
+
+    The robot has seen those; position and velocity are followed with their recorded rates.
+    """
+    reference = np.array([np.interp(t, stamps, row) for row in values])
+    after = np.clip(np.searchsorted(stamps, t), 1, len(stamps) - 1)
+    steps = np.diff(stamps)
+    in_gap = steps[after - 1] > 1.5 * np.median(steps)
+    for row in (0, 1):
+        if in_gap.any() and values[row + 1].any():  # rates of 0 throughout were not recorded
+            bent = CubicHermiteSpline(stamps, values[row], values[row + 1])
+            reference[row, in_gap] = bent(t[in_gap])
+    return reference
 
 
 def _check(signals: Signals) -> None:

@@ -27,7 +27,7 @@ from typing import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from .fitting import differentiate_by, Fit, fit
+from .fitting import differentiate_by, Fit, fit, fit_to_end
 from .free_run import free_run, Run
 from .model import Model
 from .ports import huber, Ports
@@ -81,14 +81,14 @@ def refine(ports: Sequence[Ports], found: Fit) -> Fit:
 
 def _better(ports: Sequence[Ports], model: Model, here: Array) -> Model:
     """Take a Gauss-Newton step from a model with the errors `here`."""
-    values, size = model.free_values, model.free_sizes
+    values, size = model.coordinates, model.steps
 
     def errors(these: Array) -> Array:
         return _errors_at(ports, model.with_free(these))
 
     jacobian = differentiate_by(values, size, errors, here, _STEP)
     change = np.linalg.lstsq(jacobian, -here, rcond=1e-9)[0] * size
-    return model.with_free(np.clip(values + change, *model.free_bounds))
+    return model.with_free(np.clip(values + change, *model.ranges))
 
 
 def runs_true(ports: Sequence[Ports], model: Model) -> bool:
@@ -125,11 +125,7 @@ def _close(port: Ports, run: Run, bound: float) -> bool:
 def _refine_wall(ports: Sequence[Ports], found: Fit) -> Fit:
     for port in ports:
         port.rounds = _PICARD
-    refined, before = fit(ports, found.model), np.inf
-    for _ in range(_AGAIN):
-        if refined.cost > _SLOWLY * before:
-            break
-        before, refined = refined.cost, fit(ports, refined.model)
+    refined = fit_to_end(ports, fit(ports, found.model))
     if refined.cost <= _WORSE * found.cost and refined.model.plausible():
         return refined
     for port in ports:  # the iteration does not converge where the wall is far from linear

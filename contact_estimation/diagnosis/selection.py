@@ -25,7 +25,7 @@ from typing import Callable, NamedTuple, Sequence
 
 import numpy as np
 
-from .fitting import cost_of, Fit, fit, step
+from .fitting import cost_of, Fit, fit, fit_to_end, step
 from .model import Model
 from .ports import Ports
 from .scales import measure_scales
@@ -42,7 +42,8 @@ SHARE = 0.3
 """Least share of the misfit above the noise that a further effect must explain."""
 
 _MOST_EFFECTS = 3
-_FOLLOWED = 6  # candidates that are fitted to the end in each round
+_FOLLOWED, _TO_END = 6, 2  # candidates that go on in each round, and to the end
+_FAR = 2.0  # times the noise: power of the residuals
 
 Progress = Callable[[str], None]
 
@@ -170,6 +171,8 @@ def search(
         started.append((found.cost, found.model))
     started.sort(key=lambda pair: pair[0] + penalty(pair[1]))
     fits = [fit(ports, model, steps=8) for _, model in started[:_FOLLOWED]]
+    fits.sort(key=lambda found: found.cost)
+    fits[:_TO_END] = [fit_to_end(ports, found) for found in fits[:_TO_END]]
     rest = [Fit(model, cost, base.residuals, base.filled)
             for cost, model in started[_FOLLOWED:]]
     fits = [found for found in fits + rest if found.model.plausible()]
@@ -182,7 +185,8 @@ def _approach(ports: Sequence[Ports], begun: Sequence[Model]) -> Model:
     steps = [step(ports, model) for model in begun]
     best = min(range(len(steps)), key=lambda k: steps[k][0])
     near = steps[best][1]
-    if not all(port.driven_by_force(near) for port in ports):
+    driven = all(port.driven_by_force(near) for port in ports)
+    if not driven or cost_of(ports, near) < _FAR * sum(port.count for port in ports):
         return near
     # Far off the truth a wall that resonates is led astray by its own memory, and one step is
     # too long where a law bends much.

@@ -51,7 +51,7 @@ def standard_deviations(ports: Sequence[Ports], found: Fit) -> Array:
     """
     model = found.model
     function = residual_function(ports, model)
-    values, size = model.free_values, model.free_sizes
+    values, size = model.coordinates, model.steps
     here = function(values)
     jacobian = differentiate_by(values, size, function, here)
     inverse = np.linalg.pinv(jacobian.T @ jacobian, rcond=1e-13)
@@ -61,6 +61,6 @@ def standard_deviations(ports: Sequence[Ports], found: Fit) -> Array:
     clustered = np.diag(inverse @ (scores.T @ scores) @ inverse)
     independent = np.diag(inverse) * max(1.0, float(np.mean(here**2)))
     std = np.full(len(model.values), np.nan)
-    std[model.free] = np.sqrt(np.maximum(clustered, independent)) * size
+    std[model.free] = np.sqrt(np.maximum(clustered, independent)) * model.sizes[model.free]
     std[model.at_end] = np.nan
     return std

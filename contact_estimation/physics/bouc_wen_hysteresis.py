@@ -19,7 +19,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import lru_cache
 from math import expm1, log1p, nan
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +28,8 @@ from .physics import Array, ContactEffect, Flags, Number, Scales, stretches
 from ..parameters import parameter, ParameterGroup
 
 _LARGEST = 50.0  # exponent; only a search far off the truth comes there
+_LITTLE = 1e-9  # exponent: the branch is straight
+_NEARLY_ONE = 1.0 - 1e-12  # of the way there; only a search far off the truth comes beyond
 
 
 @dataclass(frozen=True)
@@ -48,57 +50,98 @@ class BoucWenHysteresisParameters(ParameterGroup):
     )
 
 
-def _from_turn_to_turn(gone: Array, v: Array, h: float) -> tuple[Array, NDArray[np.int_]]:
-    """Split the steps in which the rate, straight between samples, changes its sign."""
-    turning = np.flatnonzero(v[:-1] * v[1:] < 0.0)
-    v_0, v_1, all_of_it = v[turning], v[turning + 1], gone[turning + 1]
+class _Path(NamedTuple):
+    """
+    A deflection, split into the legs between its turns.
+
+    Attributes
+    ----------
+    ways : ndarray, shape (L,)
+        Length of each leg, with its sign [m].
+    leg : ndarray of int, shape (N,)
+        In which leg each sample lies.
+    gone : ndarray, shape (N,)
+        Way from the beginning of that leg [m].
+
+    """
+
+    ways: Array
+    leg: NDArray[np.int_]
+    gone: Array
+
+
+@lru_cache(maxsize=4)
+def _path(depths: bytes, rates: bytes, before: float, h: float) -> _Path:
+    """Split a deflection where its rate, straight between samples, changes its sign."""
+    d, v = np.frombuffer(depths), np.frombuffer(rates)
+    steps = np.diff(d, prepend=before)
+    turns = v[:-1] * v[1:] < 0.0
+    turning = np.flatnonzero(turns)
+    v_0, v_1, all_of_it = v[turning], v[turning + 1], steps[turning + 1]
     share = v_0 / (v_0 - v_1)
     out, back = 0.5 * h * v_0 * share, 0.5 * h * v_1 * (1.0 - share)
     # What both halves leave of the measured step is shared.
     out = out + share * (all_of_it - out - back)
-    steps = gone.copy()
     steps[turning + 1] -= out
-    ends = np.arange(len(gone))
-    ends[1:] += np.cumsum(v[:-1] * v[1:] < 0.0)
-    return np.insert(steps, turning + 1, out), ends
+    steps = np.insert(steps, turning + 1, out)
+    samples = np.arange(len(d))
+    samples[1:] += np.cumsum(turns)
+    up = steps > 0.0
+    starts = np.flatnonzero(np.concatenate(([True], up[1:] != up[:-1])))
+    leg = np.zeros(len(steps), int)
+    leg[starts[1:]] = 1
+    leg = np.cumsum(leg)
+    gone = np.cumsum(steps)
+    gone -= np.concatenate(([0.0], gone[starts[1:] - 1]))[leg]
+    return _Path(np.add.reduceat(steps, starts), leg[samples], gone[samples])
 
 
 @lru_cache(maxsize=8)
-def _branch(beta: float, gamma: float, steps_as_bytes: bytes) -> Array:
-    """Give z after each step of the deflection, from 0; searches ask many times for the same."""
-    steps, z = np.frombuffer(steps_as_bytes), 0.0
-    along: list[float] = []
-    add = along.append
-    above, below = (_propagate(beta, gamma * sign, steps) for sign in (1.0, -1.0))
-    for kept, added, kept_below, added_below in zip(*above, *below):
-        if z > 0.0:
-            after = kept * z + added
-            if after < 0.0:
-                after = _through_zero(beta, gamma, z, float(steps[len(along)]))
+def _branch(
+    beta: float, gamma: float, depths: bytes, rates: bytes, before: float, h: float
+) -> Array:
+    """Give z at each sample, from 0; searches ask many times for the same."""
+    path, z = _path(depths, rates, before, h), 0.0
+    begins: list[float] = []
+    zeros: list[float] = []  # where on its leg z changes its sign
+    above, below = (_propagate(beta, gamma * sign, path.ways, path.ways) for sign in (1.0, -1.0))
+    legs = zip(path.ways.tolist(), *(factor.tolist() for factor in (*above, *below)))
+    for way, kept, added, kept_below, added_below in legs:
+        upper = z > 0.0 or z == 0.0 < way
+        after = kept * z + added if upper else kept_below * z + added_below
+        begins.append(z)
+        if after * z < 0.0:
+            turned, signed = beta if way > 0.0 else -beta, gamma if upper else -gamma
+            zeros.append(_to_zero(turned + signed, z))
+            after = _from_zero(turned - signed, way - zeros[-1])
         else:
-            after = kept_below * z + added_below
-            if after > 0.0 > z:
-                after = _through_zero(beta, -gamma, z, float(steps[len(along)]))
+            zeros.append(2.0 * way)  # beyond its end
         z = after
-        add(z)
-    return np.array(along)
+    z_0, way, zero = (np.array(each)[path.leg] for each in (begins, path.ways, zeros))
+    signed_all = gamma * np.where(z_0 == 0.0, np.sign(way), np.sign(z_0))
+    kept_all, added_all = _propagate(beta, signed_all, path.gone, way)
+    beyond = _propagate(beta, -signed_all, path.gone - zero, way)[1]
+    return np.where(np.abs(path.gone) > np.abs(zero), beyond, kept_all * z_0 + added_all)
 
 
-def _propagate(beta: float, gamma: float, steps: Array) -> tuple[list[float], list[float]]:
-    """Give the factors a and b of z -> a z + b over each step, gamma with the sign of z."""
-    c = beta * np.where(steps > 0.0, 1.0, -1.0) + gamma
-    x = np.maximum(c * steps, -_LARGEST)
-    little = np.abs(x) < 1e-9
-    added = np.where(little, steps, -np.expm1(-x) / np.where(little, 1.0, c))
-    return np.exp(-x).tolist(), added.tolist()
+def _propagate(
+    beta: float, gamma: float | Array, gone: Array, way: Array
+) -> tuple[Array, Array]:
+    """Give a and b of z -> a z + b over what is gone of a way, gamma with the sign of z."""
+    c = beta * np.where(way > 0.0, 1.0, -1.0) + gamma
+    x = np.clip(c * gone, -_LARGEST, None)
+    little = np.abs(x) < _LITTLE
+    return np.exp(-x), np.where(little, gone, -np.expm1(-x) / np.where(little, 1.0, c))
 
 
-def _through_zero(beta: float, gamma: float, z: float, step: float) -> float:
-    """Take a step in which z changes its sign, and so gamma: each branch as far as it reaches."""
-    way = beta if step > 0.0 else -beta
-    here, there = way + gamma, way - gamma
-    left = step - (log1p(-here * z) / here if here else -z)
-    return left if abs(there * left) < 1e-9 else -expm1(-there * left) / there
+def _to_zero(c: float, z: float) -> float:
+    """Give the way on which z comes to 0."""
+    return log1p(max(-c * z, -_NEARLY_ONE)) / c if c else -z
+
+
+def _from_zero(c: float, gone: float) -> float:
+    """Give z that far from 0, where `_propagate` would take many times as long."""
+    return gone if abs(c * gone) < _LITTLE else -expm1(min(-c * gone, _LARGEST)) / c
 
 
 class BoucWenHysteresis(ContactEffect):
@@ -141,8 +184,8 @@ class BoucWenHysteresis(ContactEffect):
             if first:  # touch-down falls between two samples: since then the tool has gone d
                 before = max(0.0, before - abs(float(rate[0])) * h)
             # Only where it turns does a path matter, and it turns beyond the samples.
-            steps, ends = _from_turn_to_turn(np.diff(inside, prepend=before), rate, h)
-            states[first:stop] = _branch(beta, gamma, steps.tobytes())[ends]
+            states[first:stop] = _branch(
+                beta, gamma, inside.tobytes(), rate.tobytes(), before, h)
         return states[None, :]
 
     @classmethod

@@ -132,6 +132,8 @@ class Effect(ABC):
         All fields floats with NaN as default: off.
     neutral : mapping
         Values of parameters at which the effect vanishes, where that is not 0.
+    in_logarithm : tuple of str
+        Parameters whose logarithm searches vary, since another's power weighs them.
     needs_touch : bool
         Whether it has no meaning of its own in a permanently attached environment.
 
@@ -147,6 +149,7 @@ class Effect(ABC):
     equation: ClassVar[str]
     Parameters: ClassVar[type[ParameterGroup]]
     neutral: ClassVar[Mapping[str, float]] = {}
+    in_logarithm: ClassVar[tuple[str, ...]] = ()
     needs_touch: ClassVar[bool] = False
 
     def __init__(self, values: ParameterGroup) -> None:

@@ -43,6 +43,7 @@ class PowerLawStiffness(ContactEffect):
     Parameters = PowerLawStiffnessParameters
     needs_touch = True
     neutral = {'n': 1.0}
+    in_logarithm = ('K_n',)
 
     replaces_stiffness = True
 
@@ -58,4 +59,4 @@ class PowerLawStiffness(ContactEffect):
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """Spread the exponent, with the force at half the depth unchanged."""
         half, K = 0.5 * scales.depth, scales.stiffness
-        return [(n, K * half ** (1.0 - n)) for n in (0.8, 0.95, 1.05, 1.2, 1.5)]
+        return [(n, K * half ** (1.0 - n)) for n in (0.8, 0.95, 1.0, 1.05, 1.2, 1.5)]
