@@ -76,7 +76,7 @@ def test_page_needs_nothing_but_itself(page: tuple[str, str]) -> None:
     tags = Page(text).tags
     assert not {'script', 'link', 'iframe', 'object'} & {tag for tag, _ in tags}
     sources = [attributes['src'] for _, attributes in tags if 'src' in attributes]
-    assert len(sources) == 4
+    assert len(sources) == 5
     assert all((source or '').startswith('data:image/png;base64,iVBOR') for source in sources)
 
 
@@ -144,7 +144,7 @@ def test_close_up_holds_the_greatest_difference() -> None:
 def test_pictures_are_png_of_moderate_size() -> None:
     pytest.importorskip('matplotlib')
     pictures = draw(diagnosed('friction'))
-    assert set(pictures) == {'overlay', 'residuals', 'plane', 'evidence'}
+    assert set(pictures) == {'overlay', 'residuals', 'plane', 'dependence', 'evidence'}
     assert all(data.startswith(b'\x89PNG') and len(data) < 4e5 for data in pictures.values())
 
 

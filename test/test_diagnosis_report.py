@@ -128,6 +128,18 @@ def test_improvement_is_that_of_corrected_over_recalibrated() -> None:
     assert low < 1.0 - errors['corrected'] / errors['recalibrated'] < high
 
 
+def test_text_says_on_what_the_rest_depends_before_and_after() -> None:
+    d = diagnosed('friction')
+    lines = [line for line in as_text(d).splitlines() if line.startswith('What the recali')]
+    assert len(lines) == 1
+    before, after = lines[0].split(';')
+    shares = [one['share'] for found in as_dict(d)['dependence'].values() for one in found
+              if (one['port'], one['on']) == ('force', 'velocity')]
+    assert f'velocity ({100.0 * shares[0]:.0f} %)' in before
+    assert after.startswith(' what the corrected one leaves, on ')
+    assert shares[1] < 0.2 * shares[0]
+
+
 @EVERY
 def test_text_says_verdict_effects_and_errors(name: str) -> None:
     d = diagnosed(name)

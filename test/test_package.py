@@ -14,9 +14,11 @@
 
 import ast
 from importlib import import_module, util
+import os
 from pathlib import Path
 import re
 import runpy
+import subprocess
 import sys
 from typing import Any
 from xml.etree import ElementTree
@@ -111,6 +113,15 @@ def test_package_xml_declares_every_import() -> None:
     imported -= {'__future__', PACKAGE.name, *sys.stdlib_module_names}
     assert imported <= set(ROSDEP_KEYS)
     assert {ROSDEP_KEYS[name] for name in imported} <= exec_depends()
+
+
+@pytest.mark.parametrize('given, expected', [({}, '1'), ({'OMP_NUM_THREADS': '3'}, '3')])
+def test_commands_compute_on_one_thread_unless_told(given: dict[str, str], expected: str) -> None:
+    outer = {key: value for key, value in os.environ.items() if key != 'OMP_NUM_THREADS'}
+    code = 'import contact_estimation.commands, os; print(os.environ["OMP_NUM_THREADS"])'
+    done = subprocess.run([sys.executable, '-c', code], env={**outer, **given}, check=True,
+                          capture_output=True, text=True)
+    assert done.stdout.strip() == expected
 
 
 def test_every_module_is_installed(setup_arguments: dict[str, Any]) -> None:

@@ -23,7 +23,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .case import Case
-from .finding import Diagnosis, NamedEffect, Value
+from .dependence import dependences
+from .finding import Diagnosis, NamedEffect, pair_of, Value
 from .fitting import cost_of, Fit, fit
 from .flexible import memory, predictable_share
 from .free_run import free_run
@@ -128,14 +129,19 @@ class Conclusion:
         location = self._where(verdict, names, base, best, whole[0])
         rivals = {other: self._rival(effect.name, other)
                   for effect in names for other in effect.indistinguishable_from}
+        improvement = improvement_interval(parts, self._generator)
+        progress('on what the rest depends')
+        shown = dict(zip(('nominal', 'recalibrated', 'corrected'), models))
+        left = {name: dependences(whole[0], shown[name], self._generator)
+                for name in pair_of(bool(names))}
         return Diagnosis(
             verdict, names, location, models[0], models[1], models[2],
             Value(best.model.stiffness, stds[0], 'N/m'),
             Value(best.model.damping, stds[1], 'N s/m'),
             float(np.mean([case.port.force_noise for case in self._cases])), force, motion,
-            improvement_interval(parts, self._generator), by_part(parts),
+            improvement, by_part(parts),
             _advice(names, verdict), rivals, self._finding.candidates, best.cost / count,
-            predictable, self._ports, runs,
+            predictable, left, self._ports, runs,
         )
 
     def _what_is_left(self, progress: Progress) -> tuple[Fit, bool, float]:

@@ -21,6 +21,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from .dependence import Dependence
 from .location import Location
 from .model import Model
 from .ports import Ports
@@ -147,6 +148,8 @@ class Diagnosis:
         Mean square of what the corrected model leaves, in those of the noise.
     predictable : float
         Share of it that a flexible smoother predicts in blocks it has not seen.
+    dependences : dict of str to list of Dependence
+        On what the residuals of the first recording depend, for each model of `pair`.
     ports : list of Ports
         The recordings, for pictures.
     free_runs : dict of str to ndarray
@@ -172,11 +175,41 @@ class Diagnosis:
     evidence: dict[str, float]
     left: float
     predictable: float
+    dependences: dict[str, list[Dependence]] = field(repr=False)
     ports: list[Ports] = field(repr=False)
     free_runs: dict[str, Array] = field(repr=False)
+
+    @property
+    def pair(self) -> tuple[str, str]:
+        """The models to be compared: before and after what the diagnosis changes."""
+        return pair_of(bool(self.effects))
+
+    @property
+    def located_port(self) -> str:
+        """The port that shows the mismatch: 'motion' or 'force'."""
+        in_motion = self.location is not None and self.location.port == 'robot'
+        return 'motion' if in_motion or self.ports[0].driven_by_force(self.nominal) else 'force'
 
     @property
     def between_samples(self) -> str | None:
         """How the force that drives a wall goes on between samples; None with a robot."""
         driven = self.ports[0].driven_by_force(self.nominal)
         return self.ports[0].observed.between if driven else None
+
+
+def pair_of(with_effects: bool) -> tuple[str, str]:
+    """
+    Tell which models a diagnosis compares.
+
+    Parameters
+    ----------
+    with_effects : bool
+        Whether effects are named.
+
+    Returns
+    -------
+    before, after : str
+        Attributes of `Diagnosis`.
+
+    """
+    return ('recalibrated', 'corrected') if with_effects else ('nominal', 'recalibrated')

@@ -94,10 +94,9 @@ def locate(port: Ports, model: Model, acting: str | None = None) -> Location:
     parts = port.split(port.residuals(model)) ** 2
     which = acting or guess_port(port, model)
     chosen = parts[-1] if which == 'robot' else parts[0]
-    phases = _phases(port, model, len(chosen))
     return Location(
-        which, intervals(port, chosen), _phase(chosen, phases), _region(port, model, chosen),
-        _band(port, model, which),
+        which, intervals(port, chosen), _phase(chosen, phases(port, model)),
+        _region(port, model, chosen), _band(port, model, which),
     )
 
 
@@ -170,14 +169,30 @@ def intervals(port: Ports, energy: Array) -> list[tuple[float, float]]:
     return sorted((a * step, b * step) for a, b in merged[:_MOST_INTERVALS])
 
 
-def _phases(port: Ports, model: Model, count: int) -> dict[str, Flags]:
+def phases(port: Ports, model: Model) -> dict[str, Flags]:
+    """
+    Divide a recording into the phases of its contacts.
+
+    Parameters
+    ----------
+    port : Ports
+        The recording.
+    model : Model
+        Fitted.
+
+    Returns
+    -------
+    phases : dict of str to ndarray of bool, shape (blocks,)
+        By name; those of a permanently attached wall are loading and unloading alone.
+
+    """
     o, law = port.observed, model.laws().contact
     v = port.blocks(o.v)
     if not law.unilateral:
         return {'loading': v > 0.0, 'unloading': v <= 0.0}
     inside = port.blocks(law.contact(o.t, o.x, o.v).astype(float)) > 0.5
-    since = np.zeros(count)
-    for k in range(1, count):
+    since = np.zeros(len(v))
+    for k in range(1, len(v)):
         since[k] = since[k - 1] + o.h * port.block if inside[k] else 0.0
     speed = np.percentile(np.abs(v[inside]), 95) if inside.any() else 1.0
     entry, slow = inside & (since < _ENTRY_S), np.abs(v) < _SLOW * speed
@@ -186,9 +201,9 @@ def _phases(port: Ports, model: Model, count: int) -> dict[str, Flags]:
             'loading': rest & ~slow & (v > 0.0), 'unloading': rest & ~slow & (v < 0.0)}
 
 
-def _phase(energy: Array, phases: dict[str, Flags]) -> str:
+def _phase(energy: Array, marks: dict[str, Flags]) -> str:
     """Name the phase in which the residual is strongest, where one stands out."""
-    mean = {name: float(np.mean(energy[where])) for name, where in phases.items() if where.any()}
+    mean = {name: float(np.mean(energy[where])) for name, where in marks.items() if where.any()}
     ranked = sorted(mean, key=lambda name: -mean[name])
     if len(ranked) > 1 and mean[ranked[0]] < 1.5 * mean[ranked[1]]:
         return 'all'

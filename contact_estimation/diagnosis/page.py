@@ -37,6 +37,10 @@ _CAPTIONS = {
                  'has seen it.',
     'plane': 'What is left over the motion, in standard deviations of the noise. A pattern on '
              'the left is physics; on the right there should be none.',
+    'dependence': 'What is left over, averaged where a quantity is alike, in standard deviations '
+                  'of the noise, with the 95 % bands of a block bootstrap. In the titles the '
+                  'share of its mean square that this explains, before and after. Its own past: '
+                  'the autocorrelation; noise has none.',
     'evidence': 'How much of the misfit each candidate alone would explain, refitted with K_e '
                 'and B_e; blue is what was taken.',
 }
@@ -76,7 +80,7 @@ def as_html(diagnosis: Diagnosis, title: str, experiment_file: str | None = None
         *(_effect(effect) for effect in d.effects),
         _located(d),
         '<h2>Before and after</h2>', pictures['overlay'], pictures['residuals'],
-        pictures['plane'],
+        pictures['plane'], pictures.get('dependence', ''),
         '<h2>Values</h2>', _values(d),
         '<h2>On what no fit has seen</h2>', _held_out(d),
         '<h2>Evidence</h2>', pictures['evidence'],

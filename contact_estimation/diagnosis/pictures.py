@@ -17,10 +17,11 @@
 from __future__ import annotations
 
 import io
-from typing import Any, Sequence
+from typing import Any, Mapping, Sequence
 
 import numpy as np
 
+from .dependence import Dependence
 from .finding import Diagnosis
 from .seen import Before, held_out_spans, Seen, seen, Span
 from ..commands.loop_picture import require_matplotlib
@@ -28,7 +29,8 @@ from ..commands.loop_picture import require_matplotlib
 _INK, _MUTED, _GRID = '#1f2933', '#9aa5b1', '#e4e7eb'
 _COLOURS = {'nominal': '#7b8794', 'recalibrated': '#c2410c', 'corrected': '#0b6e99'}
 _HELD_OUT, _LOCATED = '#eef1f4', '#b7791f'
-_MOST_BARS = 12
+_MOST_BARS, _PANELS = 12, 4
+_SMALL = 7
 _CLIPPED = 5.0  # standard deviations, of the colours
 _DPI = 110
 
@@ -45,7 +47,8 @@ def draw(diagnosis: Diagnosis) -> dict[str, bytes]:
     Returns
     -------
     pictures : dict of str to bytes
-        PNG files: 'overlay', 'residuals', 'plane' and 'evidence'.
+        PNG files: 'overlay', 'residuals', 'plane', 'dependence' (where the recording is long
+        enough to tell) and 'evidence'.
 
     Raises
     ------
@@ -61,6 +64,10 @@ def draw(diagnosis: Diagnosis) -> dict[str, bytes]:
         'plane': _plane(pyplot, data),
         'evidence': _evidence(pyplot, diagnosis),
     }
+    depends = {name: [one for one in found if one.port == diagnosis.located_port]
+               for name, found in diagnosis.dependences.items()}
+    if all(depends.values()):
+        figures['dependence'] = _dependence(pyplot, depends)
     pictures = {}
     for name, figure in figures.items():
         stream = io.BytesIO()
@@ -175,6 +182,44 @@ def _plane(pyplot: Any, data: Seen) -> Any:
     bar.set_label(f'{plane.of} left over\n[std of its noise]', fontsize=8, color=_INK)
     bar.ax.tick_params(labelsize=8)
     return figure
+
+
+def _dependence(pyplot: Any, depends: Mapping[str, Sequence[Dependence]]) -> Any:
+    """Draw the residual over all that it may depend on, before and after, with its bands."""
+    ons = [one.on for one in next(iter(depends.values()))]
+    rows = -(-len(ons) // _PANELS)
+    figure, axes = pyplot.subplots(rows, _PANELS, figsize=(9.5, 2.2 * rows), squeeze=False,
+                                   layout='constrained')
+    for axis in axes.flat[len(ons):]:
+        axis.set_visible(False)
+    for place, (axis, on) in enumerate(zip(axes.flat, ons)):
+        both = [found[place] for found in depends.values()]
+        _quiet(axis)
+        for name, one in zip(depends, both):
+            _draw_dependence(axis, one, _COLOURS[name])
+        axis.axhline(float(on == 'frequency'), color=_MUTED, linewidth=0.8)
+        shares = ' to '.join(f'{100.0 * max(one.share, 0.0):.0f}' for one in both)
+        axis.set_title(f'{on}: {shares} %', loc='left', fontsize=9, color=_INK)
+        axis.set_xlabel(f'[{both[0].unit}]' if both[0].unit else '', fontsize=8, color=_INK)
+    for name in depends:
+        axes[0, 0].plot([], [], color=_COLOURS[name], label=name)
+    figure.legend(*axes[0, 0].get_legend_handles_labels(), frameon=False, fontsize=8, ncols=2,
+                  loc='outside upper left')
+    return figure
+
+
+def _draw_dependence(axis: Any, one: Dependence, colour: str) -> None:
+    if one.names:
+        axis.errorbar(one.middle, one.mean, (one.mean - one.low, one.high - one.mean),
+                      color=colour, fmt='o', markersize=3, capsize=2, linewidth=1.0)
+        axis.set_xticks(one.middle, [name.replace(' ', '\n') for name in one.names])
+        axis.margins(x=0.15)
+        axis.tick_params(axis='x', labelsize=_SMALL, rotation=20)
+        return
+    if one.on == 'frequency':
+        axis.set(xscale='log', yscale='log')
+    axis.fill_between(one.middle, one.low, one.high, color=colour, alpha=0.25, linewidth=0)
+    axis.plot(one.middle, one.mean, color=colour, linewidth=1.0, marker='o', markersize=2)
 
 
 def _evidence(pyplot: Any, diagnosis: Diagnosis) -> Any:

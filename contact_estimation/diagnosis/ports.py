@@ -218,7 +218,7 @@ class Ports:
         motion = self.motion_residual(model)
         if motion is not None:
             left = self.average('motion', motion, self.motion_noise)
-            filled = self._weights['motion'] > 0.0
+            filled = self.filled('motion')
             self.motion_noise *= max(1.0, float(np.sqrt(np.mean(left[filled] ** 2))))
 
     def answer_to(self, push: Array, model: Model) -> Array | None:
@@ -301,6 +301,23 @@ class Ports:
             directions, share = self._doubt
             residuals = residuals - directions @ (share * (directions.T @ residuals))
         return huber(residuals) if robust and laws.contact.unilateral else residuals
+
+    def filled(self, port: str) -> Flags:
+        """
+        Tell which blocks have samples that count.
+
+        Parameters
+        ----------
+        port : str
+            'force' or 'motion'.
+
+        Returns
+        -------
+        filled : ndarray of bool, shape (blocks,)
+            False where the residual is 0 for want of any.
+
+        """
+        return self._weights[port] > 0.0
 
     def split(self, residuals: Array) -> Array:
         """

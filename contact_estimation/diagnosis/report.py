@@ -35,6 +35,7 @@ _PHASES = {
 }
 _BETWEEN = {'smooth': 'goes on smoothly: straight lines explain less',
             'held': 'is held: straight lines explain less'}
+_MOST_NAMED = 4
 PORTS = {'contact': 'in the contact', 'force_sensor': 'in the force sensor',
          'robot': 'in the robot'}
 
@@ -86,6 +87,11 @@ def as_dict(diagnosis: Diagnosis, experiment_file: str | None = None) -> dict[st
             'left_predictable': d.predictable,
         },
         'evidence': d.evidence,
+        'dependence': {
+            name: [{'port': one.port, 'on': one.on, 'share': one.share, 'chance': one.chance}
+                   for one in found]
+            for name, found in d.dependences.items()
+        },
         'next_experiment': {'text': d.next_experiment, 'file': experiment_file},
     })
 
@@ -143,10 +149,26 @@ def as_text(diagnosis: Diagnosis) -> str:
     if d.location is not None and (d.verdict == 'unexplained' or not d.effects):
         where = f'{PORTS[d.location.port]}, {place_of(d.location)}'
         lines += [f'What no effect explains sits {where}.']
+    if d.location is not None:
+        lines += _dependence_lines(d)
     lines += _fit_lines(d)
     if d.next_experiment:
         lines += ['', 'Next: ' + d.next_experiment]
     return '\n'.join(lines)
+
+
+def _dependence_lines(d: Diagnosis) -> list[str]:
+    """Say on what the rest depends before the correction, and after it."""
+    said = []
+    for name in d.pair:
+        found = sorted((one for one in d.dependences[name]
+                        if one.port == d.located_port and one.is_real),
+                       key=lambda one: -one.share)[:_MOST_NAMED]
+        said.append(', '.join(f'{one.on} ({100.0 * one.share:.0f} %)' for one in found)
+                    or 'nothing beyond chance')
+    before, after = d.pair
+    return [f'What the {before} model leaves in the {d.located_port} depends on {said[0]}; '
+            f'what the {after} one leaves, on {said[1]}.']
 
 
 def _headline(d: Diagnosis) -> str:

@@ -152,7 +152,7 @@ def seen(diagnosis: Diagnosis) -> Seen:
         Of its first recording.
 
     """
-    port, pair = diagnosis.ports[0], _pair(diagnosis)
+    port, pair = diagnosis.ports[0], diagnosis.pair
     names = tuple(dict.fromkeys(('nominal', *pair)))
     models: dict[str, Model] = {name: getattr(diagnosis, name) for name in names}
     o = port.observed
@@ -162,8 +162,7 @@ def seen(diagnosis: Diagnosis) -> Seen:
     if diagnosis.free_runs:
         runs = {name: 1e3 * diagnosis.free_runs[name] for name in names}
         position = Before('position, free run [mm]', 1e3 * o.raw_position, runs)
-    located = diagnosis.location
-    in_motion = (located is not None and located.port == 'robot') or _only_motion(port, models)
+    in_motion = diagnosis.located_port == 'motion'
     residuals = _residuals(port, models, left, in_motion)
     shown = residuals[-1 if in_motion else 0]
     close_up = _close_up(port, shown.left[pair[0]])
@@ -174,24 +173,12 @@ def seen(diagnosis: Diagnosis) -> Seen:
     return Seen(pair, o.t, force, position, block_t, residuals, plane, close_up, span)
 
 
-def _pair(diagnosis: Diagnosis) -> tuple[str, str]:
-    if diagnosis.effects:
-        return 'recalibrated', 'corrected'
-    return 'nominal', 'recalibrated'
-
-
-def _only_motion(port: Ports, models: Mapping[str, Model]) -> bool:
-    """Tell whether a wall without a robot is judged by how it moves under the measured force."""
-    law = models['nominal'].laws().contact
-    return port.observed.reference is None and not law.unilateral and law.inertia > 0.0
-
-
 def _residuals(
     port: Ports, models: Mapping[str, Model], left: Mapping[str, Array], in_motion: bool
 ) -> list[Left]:
     noise = port.force_noise / sqrt(port.block)
     rows = [Left('force left over [N]', {name: port.blocks(e) for name, e in left.items()},
-                 noise, not in_motion)] if not _only_motion(port, models) else []
+                 noise, not in_motion)] if not port.driven_by_force(models['nominal']) else []
     motion = {name: port.motion_residual(model) for name, model in models.items()}
     innovations = {name: e for name, e in motion.items() if e is not None}
     if len(innovations) == len(models):

@@ -1,0 +1,111 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""On what residuals depend, beyond what chance gives."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+from concealed_worlds import ATTACHED, attached, nominal, physics, ports_of, recorded
+from contact_estimation.diagnosis.dependence import Dependence, dependences
+from contact_estimation.diagnosis.fitting import fit
+from contact_estimation.diagnosis.model import Model
+from contact_estimation.diagnosis.nuisances import doubt
+from contact_estimation.diagnosis.ports import Ports
+import numpy as np
+import pytest
+
+EFFECTS = {
+    'coulomb_friction': (2.0,), 'cubic_stiffness': (3e6,), 'force_drift': (0.6,),
+    'tool_inertia': (1.0,), 'robot_friction': (3.0,),
+}
+
+
+@lru_cache(maxsize=None)
+def recalibrated(name: str = '') -> tuple[Ports, Model]:
+    """Fit stiffness and damping alone in the world of an effect, '' for none."""
+    port, model = ports_of(recorded(**physics(name, *EFFECTS[name]) if name else {}))
+    doubt(port, model)
+    return port, fit([port], model).model
+
+
+def found_in(name: str, port: str) -> dict[str, Dependence]:
+    """Test the residual of one port."""
+    every = dependences(*recalibrated(name), np.random.default_rng(0))
+    return {one.on: one for one in every if one.port == port}
+
+
+@pytest.mark.parametrize('name, port, on', [
+    ('coulomb_friction', 'force', 'velocity'), ('cubic_stiffness', 'force', 'depth'),
+    ('force_drift', 'force', 'time'), ('tool_inertia', 'force', 'acceleration'),
+    ('robot_friction', 'motion', 'its own past'),
+])
+def test_residual_depends_on_what_the_missing_law_does(name: str, port: str, on: str) -> None:
+    found = found_in(name, port)
+    assert found[on].is_real
+    others = [one.share for key, one in found.items() if key not in ('its own past', 'frequency')]
+    assert found[on].share >= max(others)
+
+
+def test_force_of_a_right_model_depends_on_nothing() -> None:
+    assert [one.on for one in found_in('', 'force').values() if one.is_real] == []
+
+
+def test_share_is_the_explained_part_of_the_mean_square() -> None:
+    port, model = recalibrated('coulomb_friction')
+    found = found_in('coulomb_friction', 'force')['direction']
+    force = port.split(port.residuals(model, robust=False))[0][port.filled('force')]
+    span = round(0.5 / (port.observed.h * port.block))
+    force = force[:len(force) // span * span]
+    o, law = port.observed, model.laws().contact
+    ways: dict[str, list[float]] = {name: [] for name in found.names}
+    inside = port.blocks(law.contact(o.t, o.x, o.v).astype(float))[port.filled('force')]
+    rate = port.blocks(o.v)[port.filled('force')]
+    for error, touching, v in zip(force, inside, rate):
+        way = 'pressing further' if v > 0.0 else 'letting go'
+        ways[way if touching > 0.5 else 'free'].append(error)
+    means = [np.mean(ways[name]) for name in found.names]
+    np.testing.assert_allclose(found.mean, means)
+    explained = sum(len(ways[name]) * mean**2 for name, mean in zip(found.names, means))
+    assert found.share == pytest.approx(explained / float(force @ force))
+    assert means[0] * means[1] < 0.0  # friction changes its sign
+
+
+@pytest.mark.parametrize('name', ['', *EFFECTS])
+def test_bands_hold_the_means(name: str) -> None:
+    for one in dependences(*recalibrated(name), np.random.default_rng(0)):
+        assert np.all(one.low <= one.mean) and np.all(one.mean <= one.high)
+        assert len(one.middle) == len(one.mean) == (len(one.names) or len(one.mean))
+        assert np.all(np.diff(one.middle) > 0.0)
+
+
+def test_past_and_spectrum_of_noise_are_white() -> None:
+    found = found_in('', 'force')
+    np.testing.assert_allclose(found['its own past'].mean, 0.0, atol=0.1)
+    assert found['frequency'].mean == pytest.approx(1.0, abs=0.5)
+
+
+def test_wall_driven_by_force_has_its_motion_alone() -> None:
+    port, model = ports_of(attached(), nominal(**ATTACHED))
+    every = dependences(port, model, np.random.default_rng(0))
+    assert {one.port for one in every} == {'motion'}
+
+
+def test_same_seed_gives_the_same_bands() -> None:
+    first, second = (dependences(*recalibrated('coulomb_friction'), np.random.default_rng(3))
+                     for _ in range(2))
+    for one, other in zip(first, second):
+        assert one.chance == other.chance
+        np.testing.assert_array_equal(one.low, other.low)
