@@ -19,25 +19,33 @@ from __future__ import annotations
 from dataclasses import replace
 
 from blind_setups import made_up_run, ROBOT, SETUP, short_trial, WALL
-from contact_estimation.blind_trials.concealment import (
-    conceal,
-    contact_residual,
-    degree,
-    impedance_residual,
+from contact_estimation.blind_trials.concealment import acting, conceal, degree, residual
+from contact_estimation.blind_trials.drawing import (
+    draw_trial,
+    LEAST,
+    MOST,
+    plan_effects,
+    port_of,
 )
-from contact_estimation.blind_trials.drawing import draw_trial, LEAST, MOST, plan_effects
 from contact_estimation.blind_trials.experiments import draw_experiment, Faded, Stage
 from contact_estimation.blind_trials.sensing import NOTED_HZ, record
-from contact_estimation.blind_trials.setups import draw_nominal, draw_setup, Sensing
+from contact_estimation.blind_trials.setups import draw_nominal, draw_setup, Sensing, Setup
 from contact_estimation.blind_trials.simulation import Run, simulate
 from contact_estimation.blind_trials.strengths import draw_strength, wall_alike
+from contact_estimation.blind_trials.unknown import UNKNOWN
 from contact_estimation.physics import EFFECTS
 from contact_estimation.physics.physics import Scales
 from contact_estimation.reference.excitation import Sine
 import numpy as np
 import pytest
 
+NOT_MAGNITUDES = {'frequency', 'damping_ratio', 'first', 'last', 'tau', 'wavelength'}
 SCALES = Scales(0.02, 0.1, 80.0, 150.0, 0.0, 15.0, 4000.0, 100.0, 20.0)
+
+
+def rms_of(port: str, setup: Setup, run: Run) -> float:
+    """Square, average and root what is left at a port."""
+    return float(np.sqrt(np.nanmean(residual(port, setup, run) ** 2)))
 
 
 def slow_press(count: int = 20000) -> Run:
@@ -129,7 +137,7 @@ def test_a_faded_sine_has_the_rates_of_its_values() -> None:
 
 
 def test_a_spring_damper_leaves_nothing_of_its_own_kind() -> None:
-    assert contact_residual(SETUP, made_up_run()) < 1e-9
+    assert rms_of('contact', SETUP, made_up_run()) < 1e-9
 
 
 def test_what_a_refitted_spring_damper_leaves_matches_the_normal_equations() -> None:
@@ -141,13 +149,13 @@ def test_what_a_refitted_spring_damper_leaves_matches_the_normal_equations() -> 
     K, B = np.linalg.solve(A.T @ A, -A.T @ (run.force + extra)[on])
     predicted = np.minimum(0.0, -K * run.x - B * run.v)[touching]
     left = float(np.sqrt(np.mean(((run.force + extra)[touching] - predicted) ** 2)))
-    assert contact_residual(SETUP, made_up_run(run.force + extra)) == pytest.approx(left)
+    assert rms_of('contact', SETUP, made_up_run(run.force + extra)) == pytest.approx(left)
 
 
 def test_an_effect_is_concealed_by_the_noise_of_its_own_recording() -> None:
     run = made_up_run()
     biased = made_up_run(run.force + 0.5 * np.sin(40.0 * run.t))
-    left = contact_residual(SETUP, biased)
+    left = rms_of('contact', SETUP, biased)
     r = degree('force_sensor', SETUP, biased, run)
     assert r == pytest.approx(np.hypot(1.0, left / SETUP.sensing.force_std), rel=1e-6)
     assert degree('contact', SETUP, run, run) == 1.0
@@ -158,7 +166,7 @@ def test_a_robot_effect_is_held_against_the_noise_of_its_impedance_equation() ->
     x = sensing.position_std * rng.standard_normal(len(run.t))
     still = 0.0 * run.x
     F = sensing.force_std * rng.standard_normal(len(run.t))
-    noise = impedance_residual(SETUP, Run(run.t, x, still, still, F, still, still, still))
+    noise = rms_of('robot', SETUP, Run(run.t, x, still, still, F, still, still, still))
     pushed = Run(run.t, still, still, still, still + 3.0, still, still, still)
     nothing = Run(run.t, *(still for _ in range(7)))
     r = degree('robot', SETUP, pushed, nothing)
@@ -168,11 +176,37 @@ def test_a_robot_effect_is_held_against_the_noise_of_its_impedance_equation() ->
 def test_the_impedance_equation_holds_of_its_own_robot_alone() -> None:
     own = simulate(SETUP, {}, 500.0)
     other = simulate(SETUP, {'robot_friction.F_c': 6.0}, 500.0)
-    assert impedance_residual(SETUP, own) < 0.4
-    assert impedance_residual(SETUP, other) > 2.0
+    assert rms_of('robot', SETUP, own) < 0.4
+    assert rms_of('robot', SETUP, other) > 2.0
     stiff = replace(SETUP, robot=replace(ROBOT, stiffness=5000.0))
     wrong = float(np.sqrt(np.mean((1000.0 * (own.x - own.x_r)) ** 2)))
-    assert impedance_residual(stiff, own) == pytest.approx(wrong, rel=0.02)
+    assert rms_of('robot', stiff, own) == pytest.approx(wrong, rel=0.02)
+
+
+def test_an_effect_shows_while_it_acts() -> None:
+    t = np.arange(4000) / 500.0
+    left = np.where((t > 2.0) & (t < 2.5) | (t > 2.7) & (t < 3.0) | (t > 6.0), 3.0, 0.02)
+    left[:100] = np.nan
+    (first, second), (third, fourth) = acting(left, t)
+    assert (first, second, third) == pytest.approx((2.0, 3.0, 6.0), abs=0.1)
+    assert fourth == pytest.approx(t[-1], abs=0.01)
+    assert acting(np.full(4000, np.nan), t) == []
+
+
+@pytest.mark.parametrize('name', UNKNOWN)
+def test_an_effect_outside_the_library_shows_at_its_port_and_is_in_no_parameter_file(
+    name: str,
+) -> None:
+    values = UNKNOWN[name].draw(SCALES._replace(duration=3.0), np.random.default_rng(2))(0.2)
+    physics = {f'{name}.{key}': value for key, value in values.items()}
+    without, run = simulate(SETUP, {}, 500.0), simulate(SETUP, physics, 500.0)
+    port = port_of(name)
+    assert name not in EFFECTS
+    assert rms_of(port, SETUP, run) > 3.0 * rms_of(port, SETUP, without) + 1e-3
+    nothing = {key: value if key in NOT_MAGNITUDES else 0.0 for key, value in values.items()}
+    if 'mass' not in nothing:  # a mass of 0 has no acceleration
+        again = simulate(SETUP, {f'{name}.{key}': v for key, v in nothing.items()}, 500.0)
+        np.testing.assert_allclose(again.force, without.force, atol=1e-9)
 
 
 def test_a_magnitude_is_found_that_conceals_as_asked() -> None:

@@ -96,6 +96,7 @@ def test_the_truth_tells_effect_wall_and_concealment(handed: Handed) -> None:
 def test_a_larger_study_holds_the_trials_of_a_smaller_one() -> None:
     assert set(plan(5, 3, 1)) < set(plan(40, 8, 1))
     assert not set(plan(5, 3, 1)) & set(plan(5, 3, 2))
+    assert set(plan(5, 3, 1, 4)) - set(plan(5, 3, 1)) == set(plan(0, 0, 1, 4))
 
 
 def test_a_trial_that_is_done_is_not_done_again(
@@ -160,7 +161,8 @@ def test_the_command_draws_diagnoses_and_scores(
 
 
 @pytest.mark.parametrize('words, complaint', [
-    (['--count', '0'], 'both 0'), (['--count', '-1'], '--count must be >= 0, got -1'),
+    (['--count', '0'], 'all 0'), (['--count', '-1'], '--count must be >= 0, got -1'),
+    (['--count', '0', '--unknown', '-1'], '--unknown must be >= 0'),
     (['--count', '1', '--jobs', '0'], '--jobs must be >= 1'),
 ])
 def test_the_command_refuses_what_makes_no_sense(

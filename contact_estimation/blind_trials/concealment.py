@@ -37,6 +37,7 @@ NEAR = 0.1
 """How far the degree of concealment may be from what is wanted."""
 
 _RUNS = 9
+_WINDOW_S, _GAP_S = 0.1, 0.3  # of the intervals in which an effect shows
 _CLOSE = 0.02  # to end the search
 _START = 0.03
 _LEAST_STRENGTH = 1e-4  # below, nobody would call it an effect
@@ -82,16 +83,59 @@ def degree(port: str, setup: Setup, run: Run, without: Run) -> float:
         Expected over the noise; 1 for no effect.
 
     """
-    if port == 'robot':
-        noise = _impedance_noise(setup)
-        left, before = impedance_residual(setup, run), impedance_residual(setup, without)
-    else:
-        noise = setup.sensing.force_std
-        left, before = contact_residual(setup, run), contact_residual(setup, without)
+    noise = _impedance_noise(setup) if port == 'robot' else setup.sensing.force_std
+    left, before = (_rms(residual(port, setup, each)) for each in (run, without))
     return hypot(noise, left) / hypot(noise, before)
 
 
-def contact_residual(setup: Setup, run: Run) -> float:
+def residual(port: str, setup: Setup, run: Run) -> Array:
+    """
+    Give what a refitted spring-damper, or the nominal robot, leaves.
+
+    Parameters
+    ----------
+    port, setup, run
+        As for `degree`.
+
+    Returns
+    -------
+    residual : ndarray, shape (N,)
+        [N]; NaN where none is asked for.
+
+    """
+    return impedance_residual(setup, run) if port == 'robot' else contact_residual(setup, run)
+
+
+def acting(left: Array, t: Array) -> list[tuple[float, float]]:
+    """
+    Tell when an effect shows.
+
+    Parameters
+    ----------
+    left : ndarray, shape (N,)
+        What it does, such as its `residual` [N]; NaN is as good as nothing.
+    t : ndarray, shape (N,)
+        Time, evenly spaced [s].
+
+    Returns
+    -------
+    intervals : list of (float, float)
+        In which that, root mean square over a tenth of a second, is more than half of
+        that of the whole run [s]; what is closer together than 0.3 s is one interval.
+
+    """
+    left, h = np.nan_to_num(left), float(t[1] - t[0])
+    if not left.any():
+        return []
+    width = max(1, round(_WINDOW_S / h))
+    power = np.convolve(left**2, np.ones(width) / width, mode='same')
+    strong = np.flatnonzero(power > 0.25 * float(np.mean(left[left != 0.0] ** 2)))
+    breaks = np.flatnonzero(np.diff(strong) * h > _GAP_S) + 1
+    return [(float(t[part[0]]), float(t[part[-1]]))
+            for part in np.split(strong, breaks) if len(part)]
+
+
+def contact_residual(setup: Setup, run: Run) -> Array:
     """
     Refit K_e and B_e to the force in contact and tell what they leave.
 
@@ -104,8 +148,8 @@ def contact_residual(setup: Setup, run: Run) -> float:
 
     Returns
     -------
-    rms : float
-        Over all samples at which the wall acts or its surface is reached [N].
+    left : ndarray, shape (N,)
+        [N]; NaN where the wall neither acts nor is reached.
 
     """
     d = run.x - setup.wall.location
@@ -115,10 +159,10 @@ def contact_residual(setup: Setup, run: Run) -> float:
     # Eq. (3): the refitted wall cannot pull.
     predicted = np.where(d > 0.0, np.minimum(0.0, phi @ theta), 0.0)
     touching = (d > 0.0) | (run.force != 0.0)
-    return _rms((run.sensed - predicted)[touching])
+    return np.where(touching, run.sensed - predicted, np.nan)
 
 
-def impedance_residual(setup: Setup, run: Run) -> float:
+def impedance_residual(setup: Setup, run: Run) -> Array:
     """
     Evaluate eq. (1) with the nominal robot.
 
@@ -131,8 +175,8 @@ def impedance_residual(setup: Setup, run: Run) -> float:
 
     Returns
     -------
-    rms : float
-        Of M_t (a - xdd_r) + B_t (v - xd_r) + K_t (x - x_r) - F_e over the whole run [N].
+    left : ndarray, shape (N,)
+        M_t (a - xdd_r) + B_t (v - xd_r) + K_t (x - x_r) - F_e [N]; NaN at both ends.
 
     """
     robot, h = setup.robot, float(run.t[1] - run.t[0])
@@ -140,7 +184,8 @@ def impedance_residual(setup: Setup, run: Run) -> float:
     a = np.gradient(v, h)
     left = (robot.mass * (a - run.a_r) + robot.damping * (v - run.v_r)
             + robot.stiffness * (run.x - run.x_r) - run.sensed)
-    return _rms(left[2:-2])
+    left[:2] = left[-2:] = np.nan
+    return np.asarray(left)
 
 
 def _impedance_noise(setup: Setup) -> float:
@@ -155,7 +200,7 @@ def _impedance_noise(setup: Setup) -> float:
 
 
 def _rms(values: Array) -> float:
-    return float(np.sqrt(np.mean(values**2)))
+    return float(np.sqrt(np.nanmean(values**2)))
 
 
 def conceal(degree_of: Callable[[float], float], wanted: float) -> Concealed:

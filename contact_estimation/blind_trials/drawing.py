@@ -17,7 +17,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from math import exp, log
+from typing import Iterable
 
 import numpy as np
 from numpy.random import Generator
@@ -26,6 +28,7 @@ from .concealment import conceal, Concealed, degree, NEAR
 from .setups import draw_nominal, draw_setup, Setup
 from .simulation import Run, scales_of, simulate
 from .strengths import draw_strength, Strength, Values, wall_alike
+from .unknown import UNKNOWN
 from ..physics import EFFECTS
 from ..plant.plant_parameters import WallParameters
 
@@ -49,7 +52,7 @@ class Trial:
     setup : Setup
         The true world without the effect.
     effect : str
-        Key of EFFECTS; '' where nothing is missing.
+        Key of EFFECTS or of UNKNOWN; '' where nothing is missing.
     values : mapping
         Parameters of the effect.
     nominal : WallParameters
@@ -70,6 +73,11 @@ class Trial:
         """Parameters of the effect by dotted name."""
         return {f'{self.effect}.{name}': value for name, value in self.values.items()}
 
+    @property
+    def port(self) -> str:
+        """Where the effect acts."""
+        return port_of(self.effect)
+
 
 def draw_trial(effect: str, rng: Generator) -> Trial:
     """
@@ -78,7 +86,7 @@ def draw_trial(effect: str, rng: Generator) -> Trial:
     Parameters
     ----------
     effect : str
-        Key of EFFECTS, or '' for a world in which nothing is missing.
+        Key of EFFECTS or of UNKNOWN, or '' for a world in which nothing is missing.
     rng : numpy.random.Generator
         Source of chance.
 
@@ -99,7 +107,8 @@ def draw_trial(effect: str, rng: Generator) -> Trial:
             continue
         if not effect:
             return Trial(setup, '', {}, draw_nominal(setup.wall, rng, exactly=0.4), wanted)
-        strength = draw_strength(effect, scales_of(setup, without), rng)
+        draw = UNKNOWN[effect].draw if effect in UNKNOWN else partial(draw_strength, effect)
+        strength = draw(scales_of(setup, without), rng)
         found = _conceal(effect, strength, setup, without, wanted)
         plain += found.plain
         if plain == _PLAIN_TRIES:
@@ -126,7 +135,7 @@ def _trial(
 def _conceal(
     effect: str, strength: Strength, setup: Setup, without: Run, wanted: float
 ) -> Concealed:
-    port, rate = EFFECTS[effect].port, setup.sensing.rate
+    port, rate = port_of(effect), setup.sensing.rate
 
     def degree_of(s: float) -> float:
         physics = {f'{effect}.{name}': value for name, value in strength(s).items()}
@@ -141,7 +150,25 @@ def _is_experiment(setup: Setup, run: Run) -> bool:
     return contact > _LEAST_CONTACT_S and float(-np.min(run.force)) < _GREATEST_FORCE
 
 
-def plan_effects(count: int, seed: int) -> list[str]:
+def port_of(effect: str) -> str:
+    """
+    Tell where an effect acts.
+
+    Parameters
+    ----------
+    effect : str
+        Key of EFFECTS or of UNKNOWN.
+
+    Returns
+    -------
+    port : str
+        'contact', 'force_sensor' or 'robot'.
+
+    """
+    return UNKNOWN[effect].effect.port if effect in UNKNOWN else EFFECTS[effect].port
+
+
+def plan_effects(count: int, seed: int, names: Iterable[str] = EFFECTS) -> list[str]:
     """
     Spread trials over the whole vocabulary.
 
@@ -151,6 +178,8 @@ def plan_effects(count: int, seed: int) -> list[str]:
         Of trials.
     seed : int
         Of the study.
+    names : iterable of str
+        The vocabulary.
 
     Returns
     -------
@@ -161,7 +190,7 @@ def plan_effects(count: int, seed: int) -> list[str]:
     effects: list[str] = []
     while len(effects) < count:
         rng = np.random.default_rng([seed, len(effects)])
-        effects += rng.permutation(list(EFFECTS)).tolist()
+        effects += rng.permutation(list(names)).tolist()
     return effects[:count]
 
 

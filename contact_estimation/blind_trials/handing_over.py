@@ -22,15 +22,18 @@ import os
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import numpy as np
 from numpy.random import Generator
 import yaml
 
-from .concealment import degree
+from .concealment import acting, degree, residual
 from .drawing import is_exact, Trial
 from .sensing import INTEGRATED_HZ, NOTED_HZ, record, Recorded
 from .simulation import Run, simulate
+from .unknown import made, UNKNOWN
 from ..messages import JointStateEncoder, RosbagsCodec, TrajectoryEncoder, WrenchEncoder
 from ..physics import EFFECTS
+from ..physics.physics import RobotEffect
 from ..recordings import RecordingWriter
 
 _EPOCH_NS = 1_760_000_000_000_000_000
@@ -167,13 +170,25 @@ def truth_of(trial: Trial, run: Run, recorded: Recorded) -> dict[str, Any]:
 
     """
     setup, cls = trial.setup, EFFECTS.get(trial.effect)
+    unknown = None
+    if trial.effect in UNKNOWN:
+        seen = _as_recorded(trial, run)
+        effect = made(trial.effect, trial.values)
+        # A robot's own drag is known; its residual shows blows rather than that.
+        shown = (np.asarray(effect.drag(seen.v, np)) if isinstance(effect, RobotEffect)
+                 else residual(trial.port, setup, seen))
+        span = trial.values.get('first', 0.0), trial.values.get('last', np.inf)
+        shown = np.where((seen.t >= span[0]) & (seen.t <= span[1]), shown, 0.0)
+        unknown = {'name': trial.effect, 'port': trial.port, 'parameters': dict(trial.values),
+                   'intervals_s': acting(shown, seen.t)}
     effects = [] if cls is None else [
         {'name': trial.effect, 'port': cls.port, 'parameters': dict(trial.values)}]
     replaced = [getattr(cls, f'replaces_{name}', False) for name in ('stiffness', 'damping')]
     verdict = 'consistent' if is_exact(trial) else 'recalibrate'
     return {
         'effects': effects,
-        'verdict': 'physics_missing' if effects else verdict,
+        'unknown': unknown,
+        'verdict': ('physics_missing' if effects else 'unexplained' if unknown else verdict),
         'stiffness': None if replaced[0] else setup.wall.stiffness,
         'damping': 0.0 if replaced[1] else setup.wall.damping,
         'concealed': _degree(trial, run),
@@ -188,10 +203,13 @@ def _degree(trial: Trial, run: Run) -> float:
     if not trial.effect:
         return 1.0
     setup = trial.setup
-    every = round(NOTED_HZ / setup.sensing.rate)
-    seen = Run(*(signal[::every] for signal in run))
     without = simulate(setup, {}, setup.sensing.rate)
-    return degree(EFFECTS[trial.effect].port, setup, seen, without)
+    return degree(trial.port, setup, _as_recorded(trial, run), without)
+
+
+def _as_recorded(trial: Trial, run: Run) -> Run:
+    every = round(NOTED_HZ / trial.setup.sensing.rate)
+    return Run(*(signal[::every] for signal in run))
 
 
 def _write_recording(path: Path, recorded: Recorded, trial: Trial) -> None:

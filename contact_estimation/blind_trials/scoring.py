@@ -17,7 +17,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Mapping
+from typing import Any, Mapping, Sequence
 
 from ..physics import EFFECTS
 
@@ -38,6 +38,8 @@ class Score:
         Name.
     effect : str
         True effect; '' for none.
+    outside : bool
+        Whether the library has no name for it.
     concealed : float
         How well.
     verdict : str
@@ -64,8 +66,13 @@ class Score:
         Of the noise floor [%], signed.
     stiffness_error, damping_error : float or None
         Of the corrected model [%], signed; None where the truth has none and none is given.
-    base_right : bool
+    base_right : bool or None
         Where the truth has no K_e (no B_e), the corrected model has none (0), and else it has.
+    unnamed, port_right : bool or None
+        Of what is outside the library: the verdict is `unexplained` and nothing is named; the
+        port is that of the truth.
+    overlap : float or None
+        Likewise: time that true and reported intervals share, over that of either.
     features : dict of str to str
         What else may matter, such as the experiment.
     error : str
@@ -77,6 +84,7 @@ class Score:
 
     trial: str
     effect: str
+    outside: bool
     concealed: float
     verdict: str
     verdict_right: bool
@@ -91,7 +99,10 @@ class Score:
     floor_error: float | None
     stiffness_error: float | None
     damping_error: float | None
-    base_right: bool
+    base_right: bool | None
+    unnamed: bool | None
+    port_right: bool | None
+    overlap: float | None
     features: dict[str, str]
     error: str
     seconds: float
@@ -122,24 +133,33 @@ def score(trial: str, truth: Mapping[str, Any], answer: Mapping[str, Any]) -> Sc
     said = [effect['name'] for effect in effects]
     rivals = list(effects[0]['indistinguishable_from']) if effects else []
     first = said[:1]
-    name = true['name'] if true else ''
+    unknown: Mapping[str, Any] = truth.get('unknown') or {}
+    inside = not unknown
+    name = true['name'] if true else unknown.get('name', '')
     verdict = str(report.get('verdict', ''))
     fit, corrected = report.get('fit', {}), report.get('corrected', {})
+    located = report.get('location') or {}
     floor = float(truth['force_floor_n'])
     held_out = fit.get('force_rmse_n', {}).get('corrected')
     return Score(
-        trial=trial, effect=name, concealed=float(truth['concealed']), verdict=verdict,
-        verdict_right=verdict == truth['verdict'], said=said, rivals=rivals,
+        trial=trial, effect=name, outside=not inside, concealed=float(truth['concealed']),
+        verdict=verdict, verdict_right=verdict == truth['verdict'], said=said, rivals=rivals,
         named=name in first + rivals if true else None,
         alone=(said == [name] and not rivals) if true else None,
         surplus=len(said) > 1 if true else None,
-        accused=None if true else bool(said) or verdict not in INNOCENT,
+        accused=None if name else bool(said) or verdict not in INNOCENT,
         parameter_errors=_parameter_errors(true, effects[0]) if first == [name] and true else {},
-        force_ratio=None if held_out is None else float(held_out) / floor,
+        force_ratio=None if held_out is None or not inside else float(held_out) / floor,
         floor_error=_percent(fit.get('noise_floor_n'), floor),
-        stiffness_error=_percent(_value(corrected, 'stiffness'), truth['stiffness']),
-        damping_error=_percent(_value(corrected, 'damping'), truth['damping']),
-        base_right=bool(report) and _base_right(corrected, truth),
+        stiffness_error=(
+            _percent(_value(corrected, 'stiffness'), truth['stiffness']) if inside else None),
+        damping_error=(
+            _percent(_value(corrected, 'damping'), truth['damping']) if inside else None),
+        base_right=bool(report) and _base_right(corrected, truth) if inside else None,
+        unnamed=None if inside else verdict == 'unexplained' and not said,
+        port_right=None if inside else located.get('port') == unknown['port'],
+        overlap=None if inside else _overlap(
+            located.get('intervals_s', []), unknown['intervals_s']),
         features=_features(truth), error=str(answer['error']), seconds=float(answer['seconds']),
     )
 
@@ -171,6 +191,13 @@ def _parameter_errors(true: Mapping[str, Any], found: Mapping[str, Any]) -> dict
             continue
         errors[name] = 100.0 * abs((estimate - value) / departure)
     return errors
+
+
+def _overlap(said: Sequence[Sequence[float]], true: Sequence[Sequence[float]]) -> float:
+    """Divide the time in both by the time in either; the intervals of each lie apart."""
+    both = sum(max(0.0, min(b, d) - max(a, c)) for a, b in said for c, d in true)
+    each = sum(b - a for intervals in (said, true) for a, b in intervals)
+    return both / max(each - both, 1e-12)
 
 
 def _features(truth: Mapping[str, Any]) -> dict[str, str]:

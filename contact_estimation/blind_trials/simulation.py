@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 
 from .setups import Setup
 from .strengths import Values
+from .unknown import made, UNKNOWN
 from ..parameter_values import build, flatten
 from ..physics.physics import Scales
 from ..plant.plant_parameters import PlantParameters
@@ -72,7 +73,8 @@ def simulate(
     setup : Setup
         The world.
     physics : mapping
-        Parameters of effects by dotted name, such as coulomb_friction.F_c; empty: none.
+        Parameters of effects by dotted name, such as coulomb_friction.F_c; those of UNKNOWN too;
+        empty: none.
     rate : float
         Of what is noted down [Hz].
     integration_rate : float
@@ -85,9 +87,17 @@ def simulate(
 
     """
     experiment = setup.experiment
+    known: dict[str, float] = {}
+    further: dict[str, dict[str, float]] = {}
+    for dotted, value in physics.items():
+        effect, name = dotted.split('.')
+        if effect in UNKNOWN:
+            further.setdefault(effect, {})[name] = value
+        else:
+            known[f'physics.{dotted}'] = value
     plant = build(PlantParameters, {
         **flatten(setup.wall, 'environment.'), **flatten(setup.robot, 'robot.'),
-        **{f'physics.{name}': value for name, value in physics.items()},
+        **known,
         'sample_rate': rate, 'integration_rate': integration_rate,
     })
 
@@ -95,7 +105,9 @@ def simulate(
         wanted = experiment.desired(t)
         return wanted.position, wanted.velocity, wanted.acceleration, 0.0
 
-    world, rows = World(plant, experiment.start), []
+    world = World(plant, experiment.start,
+                  further=[made(name, values) for name, values in further.items()])
+    rows = []
     for k in range(round(experiment.duration * rate) + 1):
         _, x, v, _, force, sensed = world.truth(reference)
         rows.append((k / rate, x, v, force, sensed, *reference(k / rate)[:3]))

@@ -30,6 +30,7 @@ from .drawing import draw_trial, plan_effects
 from .handing_over import hand_over, Handed
 from .scoring import Score, score
 from .totals import confusion, groups, totals
+from .unknown import UNKNOWN
 
 
 class Planned(NamedTuple):
@@ -52,7 +53,7 @@ class Planned(NamedTuple):
     seed: tuple[int, int, int]
 
 
-def plan(count: int, clean: int, seed: int) -> list[Planned]:
+def plan(count: int, clean: int, seed: int, unknown: int = 0) -> list[Planned]:
     """
     Plan a study.
 
@@ -64,6 +65,8 @@ def plan(count: int, clean: int, seed: int) -> list[Planned]:
         Of trials without.
     seed : int
         Of the study.
+    unknown : int
+        Of trials with an effect that the library has no name for.
 
     Returns
     -------
@@ -71,10 +74,9 @@ def plan(count: int, clean: int, seed: int) -> list[Planned]:
         A larger study of the same seed holds the trials of a smaller one, so that it can grow.
 
     """
-    effects = [*plan_effects(count, seed), *[''] * clean]
-    seeds = [(seed, int(not effect), k if effect else k - count)
-             for k, effect in enumerate(effects)]
-    return [Planned(_name(s), effect, s) for effect, s in zip(effects, seeds)]
+    kinds = (plan_effects(count, seed), [''] * clean, plan_effects(unknown, seed, UNKNOWN))
+    return [Planned(_name((seed, kind, k)), effect, (seed, kind, k))
+            for kind, effects in enumerate(kinds) for k, effect in enumerate(effects)]
 
 
 def _name(seed: tuple[int, int, int]) -> str:
@@ -177,8 +179,9 @@ def as_dict(scores: Sequence[Score], seed: int) -> dict[str, Any]:
 
     """
     return {
-        'count': sum(bool(s.effect) for s in scores),
+        'count': sum(bool(s.effect) and not s.outside for s in scores),
         'clean': sum(not s.effect for s in scores),
+        'unknown': sum(s.outside for s in scores),
         'seed': seed,
         'totals': _totals(scores),
         'groups': {kind: {label: _totals(part) for label, part in parts.items()}

@@ -42,8 +42,10 @@ def as_text(scores: Sequence[Score], where: str) -> str:
         Totals with their marks, groups, misses.
 
     """
-    lines = [f'{len(scores)} trials, {sum(not s.effect for s in scores)} of them clean', '']
-    lines += [_total_line(total) for total in totals(scores)]
+    clean, outside = (sum(map(bool, kind)) for kind in zip(
+        *((not s.effect, s.outside) for s in scores)))
+    lines = [f'{len(scores)} trials, {clean} of them clean, {outside} outside the library', '']
+    lines += [_total_line(total) for total in totals(scores) if total.told]
     for kind, parts in groups(scores).items():
         lines += ['', f'by {kind}'.ljust(26) + ''.join(f'{name:>9}' for name in _COLUMNS)]
         lines += [_group_line(label, part) for label, part in parts.items()]
@@ -71,6 +73,9 @@ def _miss_line(score: Score) -> str:
     if score.error:
         return f'  {score.trial}: {truth}; failed: {score.error}'
     said = ' + '.join(score.said) or answer_of(score)
+    if score.overlap is not None:
+        truth = f'{score.effect} (outside), {"right" if score.port_right else "wrong"} port, ' \
+                f'overlap {score.overlap:.2f}'
     rivals = f' (or {", ".join(score.rivals)})' if score.rivals else ''
     return f'  {score.trial}: {truth}, {score.features["experiment"]}; said {said}{rivals}, ' \
            f'{score.verdict}'

@@ -24,7 +24,7 @@ from .scoring import Score
 DEGREES = ((1.0, 1.6), (1.6, 2.1), (2.1, 2.9), (2.9, 4.2), (4.2, float('inf')))
 """Bins of concealment; the last holds what no magnitude conceals."""
 
-_FORCE_RATIO, _FLOOR_ERROR = 1.15, 10.0
+_FORCE_RATIO, _FLOOR_ERROR, _HALF = 1.15, 10.0, 0.5
 
 
 class Total(NamedTuple):
@@ -90,6 +90,25 @@ def _damping(score: Score) -> list[float]:
     return [abs(value) for value in _known(score.damping_error)]
 
 
+def is_recognised(score: Score) -> bool:
+    """
+    Tell whether what is outside the library was called so, in the right place.
+
+    Parameters
+    ----------
+    score : Score
+        Of a report.
+
+    Returns
+    -------
+    recognised : bool
+        Unexplained, without a name, at the right port, half of the time that was told or is true.
+
+    """
+    overlap = score.overlap
+    return bool(score.unnamed and score.port_right and overlap is not None and overlap >= _HALF)
+
+
 _QUESTIONS = (
     _Question('true name first or among its rivals [%]', lambda s: _known(s.named), _share,
               90.0, True),
@@ -105,8 +124,16 @@ _QUESTIONS = (
               100.0, True),
     _Question('median error of K_e [%]', _stiffness, median, 1.0, False),
     _Question('median error of B_e [%]', _damping, median, 5.0, False),
-    _Question('K_e, B_e given or withheld rightly [%]', lambda s: [s.base_right], _share,
+    _Question('K_e, B_e given or withheld rightly [%]', lambda s: _known(s.base_right), _share,
               100.0, True),
+    _Question('outside the library: unexplained, no name [%]', lambda s: _known(s.unnamed), _share,
+              None),
+    _Question('outside the library: right port [%]', lambda s: _known(s.port_right), _share,
+              None),
+    _Question('outside the library: intervals share half [%]',
+              lambda s: [value >= _HALF for value in _known(s.overlap)], _share, None),
+    _Question('outside the library: all three [%]',
+              lambda s: [is_recognised(s)] if s.outside else [], _share, 80.0, True),
     _Question('verdict right [%]', lambda s: [s.verdict_right], _share, None),
 )
 
@@ -230,4 +257,5 @@ def is_miss(score: Score) -> bool:
 
     """
     return (bool(score.error) or score.named is False or bool(score.surplus)
-            or bool(score.accused) or bool(score.effect and not score.verdict_right))
+            or bool(score.accused) or bool(score.effect and not score.verdict_right)
+            or (score.outside and not is_recognised(score)))

@@ -39,6 +39,8 @@ def make_parser() -> Parser:
     )
     parser.add_argument('--count', type=int, required=True, help='trials with an effect')
     parser.add_argument('--clean', type=int, default=0, help='trials without (0)')
+    parser.add_argument('--unknown', type=int, default=0,
+                        help='trials with an effect that the library has no name for (0)')
     parser.add_argument('--seed', type=int, default=0, help='of all chance (0)')
     parser.add_argument('--jobs', type=int, default=1, help='processes (1)')
     parser.add_argument('--output', metavar='DIR', default='blind_trials_output',
@@ -63,16 +65,17 @@ def run(options: Any) -> int:
         0.
 
     """
-    for name, least in (('count', 0), ('clean', 0), ('seed', 0), ('jobs', 1)):
+    for name, least in (('count', 0), ('clean', 0), ('unknown', 0), ('seed', 0), ('jobs', 1)):
         if getattr(options, name) < least:
             raise ParameterRangeError(f'--{name} must be >= {least}, got {getattr(options, name)}')
-    if options.count + options.clean == 0:
-        raise ParameterRangeError('--count and --clean are both 0; ask for one trial at least')
+    if options.count + options.clean + options.unknown == 0:
+        raise ParameterRangeError(
+            '--count, --clean and --unknown are all 0; ask for one trial at least')
     target = new_file(options.json) if options.json else None
     folder = Path(options.output)
     folder.mkdir(parents=True, exist_ok=True)
     progress = Progress('blind_trials')
-    trials = plan(options.count, options.clean, options.seed)
+    trials = plan(options.count, options.clean, options.seed, options.unknown)
     scores = run_study(folder, trials, options.jobs, progress.show)
     progress.done()
     text = as_text(scores, str(folder / 'handed_over'))

@@ -16,6 +16,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import exp
 from typing import Callable, Sequence
 
@@ -31,6 +32,7 @@ from .free_run import free_run
 from .held_out import as_good, by_part, errors_of, improvement_interval, measure_part, Part
 from .location import locate, Location
 from .model import Model, names_of
+from .noise import motion_noise
 from .nuisances import doubt
 from .output_error import refine, runs_true
 from .ports import Ports
@@ -54,6 +56,7 @@ FULLY = 0.97
 _PREDICTABLE = 0.1  # share of the residual that a smoother foretells: structure, not noise
 _SIGNIFICANT = 3.0  # standard deviations
 _UNSEEN = 2.0  # mean square on held-out data, in those of the noise, that no estimate explains
+_UNSEEN_EXPLAINED = 0.5  # least share of the misfit there that names must explain
 _MEMORY = 0.25  # correlation of neighbouring residuals: structure that no smoother foretells
 _TEMPERATURE = 10.0  # serial correlation: costs are worth less than independent samples say
 _BY_CHANCE = 4.0  # cost that a parameter more gains
@@ -110,9 +113,8 @@ class Conclusion:
             Verdict, names, parameters, proof.
 
         """
-        best, open_end, predictable = self._what_is_left(progress)
         whole = self._with_held_out()
-        open_end = open_end or not best.model.effects and self._fails_held_out(whole, best.model)
+        best, open_end, predictable = self._what_is_left(whole, progress)
         verdict, base, count = self._verdict(best, open_end), self._finding.base, best.filled
         if not open_end and all(
                 port.observed.has_dynamics(base.model.nominal) for port in self._ports):
@@ -144,27 +146,39 @@ class Conclusion:
             predictable, left, self._ports, runs,
         )
 
-    def _what_is_left(self, progress: Progress) -> tuple[Fit, bool, float]:
+    def _what_is_left(
+        self, whole: Sequence[Ports], progress: Progress
+    ) -> tuple[Fit, bool, float]:
         """Tell what deserves to be named, whether more is missing, what can be foretold."""
         best, base = self._finding.best, self._finding.base
-        excess, left = base.cost - base.filled, best.cost - base.filled
-        explained = 1.0 - left / excess if excess > 0.0 else 1.0
+        named, lets_go = bool(best.model.effects), self._lets_go(best.model)
+        with_robot = self._ports[0].observed.reference is not None
+        explained = _explained(base.cost, best.cost, base.filled)
         predictable, open_end = 0.0, False
-        if left > LEFT * base.filled:
+        if best.cost > (1.0 + LEFT) * base.filled:
             progress('what is left')
             predictable = max(predictable_share(port, best.model) for port in self._ports)
             structured = predictable > _PREDICTABLE or _MEMORY < max(
                 memory(port, best.model) for port in self._ports)
-            open_end = structured and (explained < FULLY or not best.model.effects)
-        lets_go = self._lets_go(best.model)
-        if lets_go:
+            # A real wall that a force drives is known to more digits than laws are.
+            open_end = structured and (with_robot or not named or explained < FULLY)
+        if named and lets_go:
             open_end = False  # what is left is when, within a sample, it let go
-        elif open_end and best.model.effects and self._ports[0].observed.reference is not None:
+        elif named and with_robot:
+            unseen = self._unseen(whole, best.model)
+            open_end = open_end or any(part > _UNSEEN for part in unseen)
             # Where a robot sticks, velocities are not known well enough for the ports.
-            open_end = not runs_true(self._ports, refine(self._ports, best).model)
-        if best.model.effects and open_end and explained < EXPLAINED:
+            open_end = open_end and not runs_true(whole, refine(self._ports, best).model)
+            if any(after > _UNSEEN and _explained(before, after, 1.0) < _UNSEEN_EXPLAINED
+                   for before, after in zip(self._unseen(whole, base.model), unseen)):
+                explained = 0.0
+        if named and open_end and explained < EXPLAINED:
             best = base  # a false name is worse than no name
-        return self._significant(best), open_end or (self._odd_robot and not lets_go), predictable
+        best = self._significant(best)
+        if not best.model.effects:
+            open_end = open_end or any(
+                part > _UNSEEN for part in self._unseen(whole, best.model))
+        return best, open_end or (self._odd_robot and not lets_go), predictable
 
     def _where(
         self, verdict: str, names: Sequence[NamedEffect], base: Fit, best: Fit, port: Ports
@@ -174,7 +188,11 @@ class Conclusion:
             return None
         shown = best.model if verdict == 'unexplained' and best.model.effects else base.model
         acting = names[0].port if names and shown is base.model else None
-        return locate(port, shown, 'robot' if self._odd_robot else acting)
+        if self._odd_robot:  # its motion was taken for noise: not here
+            o = port.observed
+            port = replace(port, motion_noise=motion_noise(self._nominal, o, port.force_noise))
+            acting = 'robot'
+        return locate(port, shown, acting)
 
     def _with_held_out(self) -> list[Ports]:
         """Look at the recordings with the held-out parts, which have served their purpose then."""
@@ -183,16 +201,16 @@ class Conclusion:
             doubt(port, self._finding.base.model)
         return whole
 
-    def _fails_held_out(self, whole: Sequence[Ports], model: Model) -> bool:
-        """Tell whether something that no fit has seen is not explained at all."""
+    def _unseen(self, whole: Sequence[Ports], model: Model) -> list[float]:
+        """Give the mean square, in that of the noise, at each port of each held-out part."""
+        unseen: list[float] = []
         for case, port in zip(self._cases, whole):
             if case.held_out is None:
                 continue
             there = port.blocks((case.held_out.samples & port.use).astype(float)) > 0.5
             parts = port.split(port.residuals(model))[:, there]
-            if np.any(np.mean(parts**2, axis=1) > _UNSEEN):
-                return True
-        return False
+            unseen += np.mean(parts**2, axis=1).tolist() if there.any() else []
+        return unseen
 
     def _lets_go(self, model: Model) -> bool:
         """Tell whether the force vanishes amid contacts, and an effect is named that does so."""
@@ -317,6 +335,11 @@ class Conclusion:
                    for case in self._cases if case.held_out is not None):
                 alike.append(rival.model.effects[-1])
         return alike[:_MOST_RIVALS]
+
+
+def _explained(before: float, after: float, noise: float) -> float:
+    """Give the share of the misfit above the noise that has gone; 1 where there was none."""
+    return 1.0 - (after - noise) / (before - noise) if before > noise else 1.0
 
 
 def _advice(names: Sequence[NamedEffect], verdict: str) -> str:

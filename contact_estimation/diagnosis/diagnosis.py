@@ -138,7 +138,7 @@ def _past_the_robot(
     for port in ports:
         port.distrust_motion(finding.best.model)
     base = _recalibrate(ports, finding.base.model)
-    return select(ports, base, progress)
+    return select(ports, base, progress, with_robot=False)
 
 
 def _refine(

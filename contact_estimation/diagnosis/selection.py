@@ -196,7 +196,7 @@ def _approach(ports: Sequence[Ports], begun: Sequence[Model]) -> Model:
 
 def select(
     ports: Sequence[Ports], base: Fit, progress: Progress = lambda name: None,
-    most: int = _MOST_EFFECTS,
+    most: int = _MOST_EFFECTS, with_robot: bool = True,
 ) -> Finding:
     """
     Search for the effects that a recording calls for.
@@ -211,6 +211,8 @@ def select(
         Told what is being tried.
     most : int
         Effects that may be taken.
+    with_robot : bool
+        Whether those of the robot may be among them, where there is one.
 
     Returns
     -------
@@ -218,7 +220,7 @@ def select(
         What was taken, and what else was tried.
 
     """
-    with_robot = any(port.observed.reference is not None for port in ports)
+    with_robot = with_robot and any(port.observed.reference is not None for port in ports)
     best, evidence = base, {}
     rivals: dict[str, list[Fit]] = {}
     for count in range(most):

@@ -19,12 +19,12 @@ from __future__ import annotations
 from enum import Enum
 import math
 from math import ceil
-from typing import Any, Callable, NamedTuple
+from typing import Any, Callable, NamedTuple, Sequence
 
 from .plant_parameters import PlantParameters
 from ..physics import effects_that_are_on
 from ..physics.contact_law import ContactLaw
-from ..physics.physics import ForceSensorEffect
+from ..physics.physics import Effect, ForceSensorEffect
 from ..physics.robot_law import RobotLaw
 
 State = tuple[float, ...]  # x, v, then the effects' internal states
@@ -97,13 +97,16 @@ class World:
         The world.
     position, velocity : float
         Of the robot at t = 0 [m], [m/s].
+    further : sequence of Effect
+        Physics that no parameter file knows, beside those of the parameters.
 
     """
 
     def __init__(
-        self, parameters: PlantParameters, position: float, velocity: float = 0.0
+        self, parameters: PlantParameters, position: float, velocity: float = 0.0,
+        further: Sequence[Effect] = (),
     ) -> None:
-        self.t = 0.0
+        self.t, self._further = 0.0, further
         self._physics: Any = None
         self.configure(parameters)
         self._state: State = (position, velocity) + (0.0,) * self._law.states
@@ -122,7 +125,7 @@ class World:
         """
         if parameters.physics != self._physics:  # else effects would forget their past
             self._physics = parameters.physics
-            self._effects = effects_that_are_on(parameters.physics)
+            self._effects = [*effects_that_are_on(parameters.physics), *self._further]
             self._chain = [e for e in self._effects if isinstance(e, ForceSensorEffect)]
         effects = self._effects
         wall, robot = parameters.environment, parameters.robot.law()
