@@ -16,11 +16,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import lru_cache
-from math import nan, pi
-from typing import Any
+from math import pi
+from typing import Any, Sequence
 
+from contact_estimation.blind_trials.unknown import made
 from contact_estimation.diagnosis.case import Recording
 from contact_estimation.diagnosis.diagnosis import diagnose
 from contact_estimation.diagnosis.finding import Diagnosis
@@ -30,9 +30,9 @@ from contact_estimation.diagnosis.observed import observe, Observed, Signals
 from contact_estimation.diagnosis.ports import Ports
 from contact_estimation.diagnosis.usable_samples import default_block, usable
 from contact_estimation.parameter_values import build
-from contact_estimation.parameters import parameter, ParameterGroup, specifications
+from contact_estimation.parameters import specifications
 from contact_estimation.physics import EFFECTS
-from contact_estimation.physics.physics import ContactEffect
+from contact_estimation.physics.physics import Effect
 from contact_estimation.plant.open_loop import run_open_loop
 from contact_estimation.plant.plant_parameters import PlantParameters
 from contact_estimation.plant.simulation import simulate_force
@@ -40,7 +40,6 @@ from contact_estimation.reference.excitation import Excitation, Multisine
 from contact_estimation.reference.experiment import Experiment, Segment
 from contact_estimation.reference.quintic import quintic
 import numpy as np
-from pytest import MonkeyPatch
 
 MODEL: dict[str, Any] = {
     'environment.stiffness': 5000.0, 'environment.damping': 120.0,
@@ -137,91 +136,30 @@ def _world(seed: int, changes: dict[str, Any]) -> PlantParameters:
     })
 
 
-def record(plant: PlantParameters, experiment: Experiment = TOUCHES) -> Signals:
+def record(
+    plant: PlantParameters, experiment: Experiment = TOUCHES, further: Sequence[Effect] = ()
+) -> Signals:
     """Record an experiment with a given plant."""
     def reference(t: float) -> tuple[float, float, float, float]:
         return (*experiment.desired(t)[:3], 0.0)
 
     start = experiment.desired(0.0).position
-    truths, samples = run_open_loop(plant, reference, start, experiment.duration)
+    truths, samples = run_open_loop(
+        plant, reference, start, experiment.duration, further)
     t = np.array([truth.t for truth in truths])
     return Signals(t, samples.force, t, samples.position, t,
                    np.array([reference(now) for now in t.tolist()]).T)
 
 
-@dataclass(frozen=True)
-class ResonanceParameters(ParameterGroup):
-    """Parameters of `Resonance`."""
-
-    mass: float = parameter(nan, 'Of what swings behind the surface', 'kg', nan_is_off=True)
-    stiffness: float = parameter(nan, 'Of its spring to the surface', 'N/m', nan_is_off=True)
-    damping: float = parameter(nan, 'Likewise', 'N s/m', nan_is_off=True)
-
-
-class Resonance(ContactEffect):
-    """A mass that swings behind the surface; the library has no such effect."""
-
-    name = 'resonance'
-    Parameters = ResonanceParameters
-    states = 2
-
-    def _pull(self, d: float, v: float, state: Any) -> float:
-        return self.values.stiffness * (d - state[0]) + self.values.damping * (v - state[1])
-
-    def resistance(self, t: Any, d: Any, v: Any, state: Any, m: Any) -> Any:
-        """Give the pull of the mass; see `ContactEffect.resistance`."""
-        return self._pull(d, v, state)
-
-    def state_rates(
-        self, t: float, d: float, v: float, contact: bool, state: tuple[float, ...]
-    ) -> tuple[float, ...]:
-        """Move the mass; out of contact the surface rests."""
-        pull = self._pull(d, v, state) if contact else self._pull(0.0, 0.0, state)
-        return state[1], pull / self.values.mass
-
-
 @lru_cache(maxsize=None)
-def resonant() -> Signals:
-    """Record a world with a resonance in the wall, at 9 Hz."""
-    mass, omega = 0.4, 2.0 * pi * 9.0
-    return _with_unknown(Resonance, ResonanceParameters(
-        mass, mass * omega**2, 2.0 * 0.05 * mass * omega))
+def with_unknown(name: str, *values: tuple[str, float]) -> Signals:
+    """Record a world with an effect outside the library."""
+    return record(_world(1, {}), further=(made(name, dict(values)),))
 
 
-@dataclass(frozen=True)
-class SpellParameters(ParameterGroup):
-    """Parameters of `Spell`."""
-
-    first: float = parameter(nan, 'When it begins', 's', nan_is_off=True)
-    last: float = parameter(nan, 'When it ends', 's', nan_is_off=True)
-    softer: float = parameter(nan, 'By which stiffness', 'N/m', nan_is_off=True)
-
-
-class Spell(ContactEffect):
-    """A wall that is softer for a while; the library has no such effect."""
-
-    name = 'spell'
-    Parameters = SpellParameters
-
-    def resistance(self, t: Any, d: Any, v: Any, state: Any, m: Any) -> Any:
-        """Take some of the spring's force off; see `ContactEffect.resistance`."""
-        return -self.values.softer * d if self.values.first < t < self.values.last else 0.0
-
-
-@lru_cache(maxsize=None)
 def softened(first: float, last: float) -> Signals:
     """Record a world whose wall is an eighth softer for a while."""
-    return _with_unknown(Spell, SpellParameters(first, last, 600.0))
-
-
-def _with_unknown(effect: type[ContactEffect], values: ParameterGroup) -> Signals:
-    plant = _world(1, {})
-    groups = {name: cls.Parameters() for name, cls in EFFECTS.items()}
-    object.__setattr__(
-        plant, 'physics', type('Physics', (), {**groups, effect.name: values})())
-    with MonkeyPatch.context() as patch:
-        patch.setitem(EFFECTS, effect.name, effect)
-        return record(plant)
+    return with_unknown('soft_spell', ('softer', 600.0), ('first', first), ('last', last))
 
 
 ATTACHED: dict[str, Any] = {

@@ -16,7 +16,15 @@
 
 from __future__ import annotations
 
-from concealed_worlds import ATTACHED, attached, nominal, physics, ports_of, recorded, resonant
+from concealed_worlds import (
+    ATTACHED,
+    attached,
+    nominal,
+    physics,
+    ports_of,
+    recorded,
+    with_unknown,
+)
 from contact_estimation.diagnosis.fitting import fit
 from contact_estimation.diagnosis.location import guess_port, intervals, locate, Location
 from contact_estimation.diagnosis.model import Model
@@ -89,7 +97,8 @@ def test_bias_is_seen_in_free_flight_too() -> None:
 
 
 def test_resonance_is_located_around_its_frequency() -> None:
-    place = locate(*recalibrated(resonant()))
+    place = locate(*recalibrated(with_unknown(
+        'wall_resonance', ('mass', 0.4), ('frequency', 9.0), ('damping_ratio', 0.05))))
     assert place.port == 'contact'
     assert place.band_hz[0] < 9.0 < place.band_hz[1] < 12.0
 

@@ -29,9 +29,11 @@ from concealed_worlds import (
     nominal,
     physics,
     recorded,
-    resonant,
     softened,
+    with_unknown,
 )
+from contact_estimation.blind_trials.drawing import port_of
+from contact_estimation.blind_trials.unknown import UNKNOWN
 from contact_estimation.diagnosis.case import Recording
 from contact_estimation.diagnosis.diagnosis import diagnose
 from contact_estimation.diagnosis.finding import Diagnosis
@@ -165,13 +167,35 @@ def test_two_effects_are_named_together() -> None:
     assert values['force_delay']['delay'].value == pytest.approx(0.006, rel=BOUND)
 
 
-def test_resonance_that_the_library_has_not_is_located_and_not_named() -> None:
-    found = diagnosed(resonant())
+OUTSIDE = {
+    'wall_resonance': {'mass': 0.4, 'frequency': 9.0, 'damping_ratio': 0.05},
+    'soft_spell': {'softer': 600.0, 'first': 1.3, 'last': 2.3},
+    'warming_wall': {'softening': 15000.0, 'tau': 1.0},
+    'ripple': {'amplitude': 3.0, 'wavelength': 0.004},
+    'bent_gauge': {'bend': 0.002},
+    'windage': {'c': 600.0},
+}
+
+
+@lru_cache(maxsize=None)
+def of_unknown(name: str) -> Diagnosis:
+    """Diagnose a world with an effect outside the library once."""
+    return diagnosed(with_unknown(name, *OUTSIDE[name].items()))
+
+
+@pytest.mark.parametrize('name', UNKNOWN)
+def test_what_the_library_has_not_is_located_and_not_named(name: str) -> None:
+    found = of_unknown(name)
     assert (found.verdict, named(found)) == ('unexplained', [])
     assert found.location is not None
-    assert found.location.port == 'contact'
-    assert found.location.band_hz[0] < 9.0 < found.location.band_hz[1]
+    assert found.location.port == port_of(name)
     assert found.next_experiment
+
+
+def test_resonance_is_located_around_its_frequency() -> None:
+    location = of_unknown('wall_resonance').location
+    assert location is not None
+    assert location.band_hz[0] < 9.0 < location.band_hz[1]
 
 
 @pytest.mark.parametrize('spell', [(1.3, 2.3), (3.5, 4.5)], ids=['fitted', 'held out'])

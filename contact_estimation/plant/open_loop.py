@@ -16,6 +16,8 @@
 
 from __future__ import annotations
 
+from typing import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -23,6 +25,7 @@ from .plant_parameters import PlantParameters
 from .sampled_reference import reference_through
 from .sensors import Sensors
 from .world import ReferenceAt, Truth, World
+from ..physics.physics import Effect
 from ..signals.contact_recording import ContactRecording
 from ..signals.contact_sample import ContactSample
 
@@ -30,7 +33,8 @@ Array = NDArray[np.float64]
 
 
 def run_open_loop(
-    plant: PlantParameters, reference: ReferenceAt, start: float, duration: float
+    plant: PlantParameters, reference: ReferenceAt, start: float, duration: float,
+    further: Sequence[Effect] = (),
 ) -> tuple[list[Truth], ContactRecording]:
     """
     Simulate.
@@ -45,6 +49,8 @@ def run_open_loop(
         Where the robot rests at t = 0 [m].
     duration : float
         Time to run [s].
+    further : sequence of Effect
+        As of `World`.
 
     Returns
     -------
@@ -55,7 +61,7 @@ def run_open_loop(
 
     """
     period = 1.0 / plant.sample_rate
-    world, sensors = World(plant, start), Sensors(plant)
+    world, sensors = World(plant, start, further=further), Sensors(plant)
     truths: list[Truth] = []
     samples: list[ContactSample] = []
     for k in range(round(duration * plant.sample_rate)):
