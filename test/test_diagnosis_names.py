@@ -38,6 +38,7 @@ from contact_estimation.diagnosis.case import Recording
 from contact_estimation.diagnosis.diagnosis import diagnose
 from contact_estimation.diagnosis.finding import Diagnosis
 from contact_estimation.diagnosis.model import names_of
+from contact_estimation.diagnosis.report import as_dict, as_text
 from contact_estimation.physics import EFFECTS
 import numpy as np
 import pytest
@@ -243,6 +244,18 @@ def test_recordings_are_fitted_together() -> None:
     found = diagnose(both, [Recording('clean', recorded(seed=3))], nominal())
     assert named(found) == ['coulomb_friction']
     assert [part.name for part in found.holdouts] == ['clean']
+
+
+def test_recording_that_is_explained_worst_is_the_one_that_is_located() -> None:
+    smooth = Recording('smooth', recorded(seed=4))
+    rough = Recording('rough', recorded(seed=1, **physics('coulomb_friction', 4.0)))
+    found = diagnose([smooth, rough], [], nominal())
+    assert found.shown == as_dict(found)['located_in'] == 'rough'
+    assert found.location is not None
+    assert 'Times are those of rough' in as_text(found)
+    np.testing.assert_array_equal(found.ports[0].observed.t, found.ports[1].observed.t)
+    assert found.ports[0].force_residual(found.recalibrated).std() > (
+        found.ports[1].force_residual(found.recalibrated).std())
 
 
 def test_same_seed_gives_the_same_diagnosis() -> None:

@@ -77,7 +77,7 @@ class Conclusion:
     finding : Finding
         Of the search.
     cases : list of Case
-        That were fitted.
+        That were fitted; the first is the one to be located and shown.
     others : list of Case
         Held-out recordings.
     seed : int
@@ -143,7 +143,7 @@ class Conclusion:
             float(np.mean([case.port.force_noise for case in self._cases])), force, motion,
             improvement, by_part(parts),
             _advice(names, verdict), rivals, self._finding.candidates, best.cost / count,
-            predictable, left, self._ports, runs,
+            predictable, left, self._cases[0].recording.name, self._ports, runs,
         )
 
     def _what_is_left(

@@ -95,6 +95,8 @@ def diagnose(
     if odd_robot:
         progress('looking past the robot')
         finding = _past_the_robot(finding, ports, progress)
+    # The worst first: it is the one to be located and shown.
+    cases.sort(key=lambda case: -cost_of([case.port], finding.base.model) / case.port.count)
     conclusion = Conclusion(model, at_nominal, finding, cases, others, seed, odd_robot)
     return conclusion.draw(progress)
 

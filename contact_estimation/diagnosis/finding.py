@@ -149,11 +149,13 @@ class Diagnosis:
     predictable : float
         Share of it that a flexible smoother predicts in blocks it has not seen.
     dependences : dict of str to list of Dependence
-        On what the residuals of the first recording depend, for each model of `pair`.
+        On what the residuals of the shown recording depend, for each model of `pair`.
+    shown : str
+        Name of the recording that is located and shown: the worst.
     ports : list of Ports
-        The recordings, for pictures.
+        The recordings, for pictures, the shown one first.
     free_runs : dict of str to ndarray
-        Positions of the first recording's free runs, by model.
+        Positions of its free runs, by model.
 
     """
 
@@ -176,6 +178,7 @@ class Diagnosis:
     left: float
     predictable: float
     dependences: dict[str, list[Dependence]] = field(repr=False)
+    shown: str
     ports: list[Ports] = field(repr=False)
     free_runs: dict[str, Array] = field(repr=False)
 

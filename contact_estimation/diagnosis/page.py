@@ -79,7 +79,7 @@ def as_html(diagnosis: Diagnosis, title: str, experiment_file: str | None = None
         f'<p class="lead">{escape(proof(d))}</p><p class="muted">{escape(title)}</p></header>',
         *(_effect(effect) for effect in d.effects),
         _located(d),
-        '<h2>Before and after</h2>', pictures['overlay'], pictures['residuals'],
+        '<h2>Before and after</h2>', _shown(d), pictures['overlay'], pictures['residuals'],
         pictures['plane'], pictures.get('dependence', ''),
         '<h2>Values</h2>', _values(d),
         '<h2>On what no fit has seen</h2>', _held_out(d),
@@ -237,6 +237,13 @@ def _located(d: Diagnosis) -> str:
     return (f'<p class="warning">What no effect explains sits '
             f'{PORTS[d.location.port]}, {escape(place_of(d.location))}. It is '
             f'{d.left:.3g} times the noise in mean square.</p>')
+
+
+def _shown(d: Diagnosis) -> str:
+    if len(d.ports) == 1:
+        return ''
+    return (f'<p class="muted">Shown is {escape(d.shown)}, the recording of '
+            f'{len(d.ports)} that the refitted model explains worst.</p>')
 
 
 def _values(d: Diagnosis) -> str:

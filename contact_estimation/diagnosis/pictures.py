@@ -37,7 +37,7 @@ _DPI = 110
 
 def draw(diagnosis: Diagnosis) -> dict[str, bytes]:
     """
-    Draw all pictures of the first recording.
+    Draw all pictures of the recording that is shown.
 
     Parameters
     ----------

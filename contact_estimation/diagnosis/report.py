@@ -69,6 +69,7 @@ def as_dict(diagnosis: Diagnosis, experiment_file: str | None = None) -> dict[st
         'verdict': d.verdict,
         'effects': effects,
         'location': None if d.location is None else d.location.as_dict(),
+        'located_in': d.shown,
         'nominal': _base(d.nominal),
         'recalibrated': _base(d.recalibrated),
         'corrected': {'stiffness': stiffness, 'damping': damping},
@@ -149,6 +150,8 @@ def as_text(diagnosis: Diagnosis) -> str:
     if d.location is not None and (d.verdict == 'unexplained' or not d.effects):
         where = f'{PORTS[d.location.port]}, {place_of(d.location)}'
         lines += [f'What no effect explains sits {where}.']
+    if d.location is not None and len(d.ports) > 1:
+        lines += [f'Times are those of {d.shown}, the recording that is explained worst.']
     if d.location is not None:
         lines += _dependence_lines(d)
     lines += _fit_lines(d)
@@ -161,8 +164,10 @@ def _dependence_lines(d: Diagnosis) -> list[str]:
     """Say on what the rest depends before the correction, and after it."""
     said = []
     for name in d.pair:
-        found = sorted((one for one in d.dependences[name]
-                        if one.port == d.located_port and one.is_real),
+        tested = [one for one in d.dependences[name] if one.port == d.located_port]
+        if not tested:
+            return []  # the recording is too short to tell
+        found = sorted((one for one in tested if one.is_real),
                        key=lambda one: -one.share)[:_MOST_NAMED]
         said.append(', '.join(f'{one.on} ({100.0 * one.share:.0f} %)' for one in found)
                     or 'nothing beyond chance')

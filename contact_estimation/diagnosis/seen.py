@@ -103,7 +103,7 @@ class Plane(NamedTuple):
 
 class Seen(NamedTuple):
     """
-    The first recording.
+    The recording that is shown.
 
     Attributes
     ----------
@@ -149,7 +149,7 @@ def seen(diagnosis: Diagnosis) -> Seen:
     Returns
     -------
     seen : Seen
-        Of its first recording.
+        Of the recording that is shown.
 
     """
     port, pair = diagnosis.ports[0], diagnosis.pair
@@ -228,7 +228,7 @@ def _unused(port: Ports, model: Model) -> Array:
 
 def held_out_spans(diagnosis: Diagnosis) -> list[Span]:
     """
-    Find which parts of the first recording no fit has seen.
+    Find which parts of the shown recording no fit has seen.
 
     Parameters
     ----------
