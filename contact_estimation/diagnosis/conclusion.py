@@ -17,7 +17,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import exp
 from typing import Callable, Sequence
 
 import numpy as np
@@ -29,16 +28,16 @@ from .finding import Diagnosis, NamedEffect, pair_of, Value
 from .fitting import cost_of, Fit, fit
 from .flexible import memory, predictable_share
 from .free_run import free_run
-from .held_out import as_good, by_part, errors_of, improvement_interval, measure_part, Part
+from .held_out import by_part, errors_of, improvement_interval, measure_part, Part
 from .location import locate, Location
 from .model import Model, names_of
+from .naming import advice, Naming
 from .noise import motion_noise
 from .nuisances import doubt
 from .output_error import refine, runs_true
 from .ports import Ports
-from .selection import enough, Finding, penalty, PRICE, scale_of, THRESHOLD
+from .selection import Finding, penalty, scale_of, THRESHOLD
 from .uncertainty import standard_deviations
-from ..parameters import specifications
 from ..physics import EFFECTS
 
 Array = NDArray[np.float64]
@@ -58,10 +57,6 @@ _SIGNIFICANT = 3.0  # standard deviations
 _UNSEEN = 2.0  # mean square on held-out data, in those of the noise, that no estimate explains
 _UNSEEN_EXPLAINED = 0.5  # least share of the misfit there that names must explain
 _MEMORY = 0.25  # correlation of neighbouring residuals: structure that no smoother foretells
-_TEMPERATURE = 10.0  # serial correlation: costs are worth less than independent samples say
-_BY_CHANCE = 4.0  # cost that a parameter more gains
-_NEAREST, _MOST_RIVALS = 4, 2
-_NEAR = 3.0  # times the best cost: rivals beyond are out of the question
 
 
 class Conclusion:
@@ -94,7 +89,6 @@ class Conclusion:
         self._nominal, self._at_nominal = model, at_nominal
         self._finding, self._cases, self._others = finding, cases, others
         self._odd_robot = odd_robot
-        self._refitted: dict[str, list[Fit]] = {}
         self._ports = [case.port for case in cases]
         self._generator = np.random.default_rng(seed)
 
@@ -115,7 +109,7 @@ class Conclusion:
         """
         whole = self._with_held_out()
         best, open_end, predictable = self._what_is_left(whole, progress)
-        verdict, base, count = self._verdict(best, open_end), self._finding.base, best.filled
+        verdict, base = self._verdict(best, open_end), self._finding.base
         if not open_end and all(
                 port.observed.has_dynamics(base.model.nominal) for port in self._ports):
             progress('output error')
@@ -127,9 +121,10 @@ class Conclusion:
         parts, runs = self._held_out(models)
         force, motion = errors_of(parts)
         stds = standard_deviations(self._ports, best)
-        names = self._names(best, stds, whole[0])
+        naming = Naming(self._finding, self._cases, self._generator)
+        names = naming.names(best, stds, whole[0])
         location = self._where(verdict, names, base, best, whole[0])
-        rivals = {other: self._rival(effect.name, other)
+        rivals = {other: naming.rival(effect.name, other)
                   for effect in names for other in effect.indistinguishable_from}
         improvement = improvement_interval(parts, self._generator)
         progress('on what the rest depends')
@@ -137,13 +132,16 @@ class Conclusion:
         left = {name: dependences(whole[0], shown[name], self._generator)
                 for name in pair_of(bool(names))}
         return Diagnosis(
-            verdict, names, location, models[0], models[1], models[2],
-            Value(best.model.stiffness, stds[0], 'N/m'),
-            Value(best.model.damping, stds[1], 'N s/m'),
-            float(np.mean([case.port.force_noise for case in self._cases])), force, motion,
-            improvement, by_part(parts),
-            _advice(names, verdict), rivals, self._finding.candidates, best.cost / count,
-            predictable, left, self._cases[0].recording.name, self._ports, runs,
+            verdict=verdict, effects=names, location=location, nominal=models[0],
+            recalibrated=models[1], corrected=models[2],
+            stiffness=Value(best.model.stiffness, stds[0], 'N/m'),
+            damping=Value(best.model.damping, stds[1], 'N s/m'),
+            noise_floor=float(np.mean([port.force_noise for port in self._ports])),
+            force=force, motion=motion, improvement=improvement, holdouts=by_part(parts),
+            next_experiment=advice(names, verdict), rivals=rivals,
+            evidence=self._finding.candidates, left=best.cost / best.filled,
+            predictable=predictable, dependences=left, shown=self._cases[0].recording.name,
+            ports=self._ports, free_runs=runs,
         )
 
     def _what_is_left(
@@ -274,81 +272,7 @@ class Conclusion:
         several = len(self._cases) > 1
         return f'{case.recording.name}, {case.held_out.name}' if several else case.held_out.name
 
-    def _names(self, best: Fit, stds: Array, seen: Ports) -> list[NamedEffect]:
-        dropped = {name: fit(self._ports, best.model.without(name), steps=8)
-                   for name in best.model.effects}
-        order = sorted(best.model.effects, key=lambda name: -dropped[name].cost)
-        return [self._name(best, name, stds, locate(seen, dropped[name].model, EFFECTS[name].port))
-                for name in order]
-
-    def _name(self, best: Fit, name: str, stds: Array, location: Location) -> NamedEffect:
-        cls = EFFECTS[name]
-        place = best.model.place(name)
-        units = [spec.unit for spec in specifications(cls.Parameters)]
-        values = {
-            parameter: Value(value, float(std), unit) for parameter, value, std, unit in zip(
-                names_of(name), best.model.values[place], stds[place], units)
-        }
-        alike = self._alike(best, name)
-        return NamedEffect(
-            name, cls.port, cls.equation, self._probability(best, name), values, alike, location)
-
-    def _rivals_of(self, name: str) -> list[Fit]:
-        """Fit the nearest rivals to the motion as it is smoothed now; the rest are far behind."""
-        if name not in self._refitted:
-            near = _NEAR * self._finding.best.cost
-            rivals = [rival for rival in self._finding.rivals.get(name, [])[:_NEAREST]
-                      if rival.cost < near]
-            fits = [fit(self._ports, rival.model, steps=8) for rival in rivals]
-            plausible = [found for found in fits if found.model.plausible()]
-            self._refitted[name] = sorted(plausible, key=lambda found: found.cost)
-        return self._refitted[name]
-
-    def _rival(self, name: str, other: str) -> Model:
-        fits = self._rivals_of(name)
-        return next(found.model for found in fits if found.model.effects[-1] == other)
-
-    def _probability(self, best: Fit, name: str) -> float:
-        scale = _TEMPERATURE * scale_of(best)
-        weights = []
-        for rival in self._rivals_of(name):
-            more = max(len(rival.model.values) - len(best.model.values), 0)
-            if more and rival.cost > best.cost - _BY_CHANCE * more:
-                continue  # a law that contains this one says nothing else
-            behind = max(rival.cost - best.cost + PRICE * more, 0.0)
-            weights.append(exp(-min(behind / (2.0 * scale), 700.0)))
-        return 1.0 / (1.0 + sum(weights))
-
-    def _alike(self, best: Fit, name: str) -> list[str]:
-        """Name the rivals that predict held-out data as well, with no more parameters."""
-        alike = []
-        own = len(best.model.values)
-        for rival in self._rivals_of(name):
-            if len(rival.model.values) > own or name == rival.model.effects[-1]:
-                continue
-            if rival.cost - best.cost > PRICE * scale_of(best):
-                continue
-            if enough(rival, best):
-                continue
-            if all(as_good(case.whole(best.model), case.held_out.samples, best.model,
-                           rival.model, self._generator)
-                   for case in self._cases if case.held_out is not None):
-                alike.append(rival.model.effects[-1])
-        return alike[:_MOST_RIVALS]
-
 
 def _explained(before: float, after: float, noise: float) -> float:
     """Give the share of the misfit above the noise that has gone; 1 where there was none."""
     return 1.0 - (after - noise) / (before - noise) if before > noise else 1.0
-
-
-def _advice(names: Sequence[NamedEffect], verdict: str) -> str:
-    open_names = [(effect.name, effect.indistinguishable_from) for effect in names
-                  if effect.indistinguishable_from]
-    if open_names:
-        pairs = '; '.join(f'{name} from {" and ".join(others)}' for name, others in open_names)
-        return f'To tell {pairs}, run an experiment in which their predictions differ most.'
-    if verdict == 'unexplained':
-        return ('No effect of the library explains this. Repeat the same contact at half and at '
-                'twice the speed and depth: what scales with which tells what is missing.')
-    return ''
