@@ -17,7 +17,7 @@
 from __future__ import annotations
 
 import difflib
-from typing import Iterable
+from typing import Iterable, Sequence
 
 
 class ContactEstimationError(Exception):
@@ -46,6 +46,8 @@ class UnknownNameError(ContactEstimationError, ValueError):
         """
         Build the error with the nearest known name and the list of all.
 
+        Of a dotted name, those in its group alone: the first that is not known is the wrong one.
+
         Parameters
         ----------
         kind : str
@@ -61,10 +63,28 @@ class UnknownNameError(ContactEstimationError, ValueError):
             Ready to be raised.
 
         """
-        names = sorted(known)
-        near = difflib.get_close_matches(str(name), names, n=1, cutoff=0.5)
+        names, group, where = sorted(known), '', ''
+        choices, wrong = names, str(name)
+        if '.' in wrong:
+            group = _known_group(wrong, names)
+            wrong = wrong[len(group):].split('.')[0]
+            choices = sorted({each[len(group):].split('.')[0] for each in names
+                              if each.startswith(group)})
+            where = f' in {group[:-1]}' if group else ''
+        near = difflib.get_close_matches(wrong, choices, n=1, cutoff=0.5)
+        if near:  # with what stands behind it
+            full = [each for each in names if (each + '.').startswith(f'{group}{near[0]}.')]
+            near = difflib.get_close_matches(str(name), full, n=1, cutoff=0.0)
         hint = f'did you mean {near[0]!r}? ' if near else ''
-        return cls(f'unknown {kind} {name!r}; {hint}known: {", ".join(names)}')
+        return cls(f'unknown {kind} {name!r}; {hint}known{where}: {", ".join(choices)}')
+
+
+def _known_group(name: str, known: Sequence[str]) -> str:
+    """Give the longest beginning of a dotted name that known names share, dot included."""
+    parts = name.split('.')
+    groups = ('.'.join(parts[:count]) + '.' for count in range(len(parts) - 1, 0, -1))
+    return next((group for group in groups
+                 if any(each.startswith(group) for each in known)), '')
 
 
 class SignalShapeError(ContactEstimationError, ValueError):

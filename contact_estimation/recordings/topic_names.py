@@ -22,6 +22,9 @@ from typing import Collection, Mapping
 from ..exceptions import RecordingError
 
 
+_ROLES = ('wrench', 'joint_states', 'reference_trajectory')
+
+
 def canonical(topic: str) -> str:
     """Write a topic name with its leading slash: 'wrench' and '/wrench' are the same."""
     return '/' + topic.strip('/')
@@ -51,10 +54,14 @@ def require_topics(asked: Collection[str], types: Mapping[str, str], where: str)
     if not missing:
         return
     there = ', '.join(f'{topic} ({types[topic]})' for topic in sorted(types)) or 'no topics'
+    role = missing[0].rsplit('/', 1)[-1]
+    likewise = ''
+    if role not in _ROLES:  # it was chosen with --topic already: for which role is not known here
+        role, likewise = _ROLES[0], f' (likewise {", ".join(_ROLES[1:])})'
     raise RecordingError(
         f'{where} has no topic {", ".join(canonical(topic) for topic in missing)}; it has: '
-        f'{there}; say which one to read with --topic {missing[0].rsplit("/", 1)[-1]}:='
-        f'{_nearest(missing[0], types)}'
+        f'{there}; say which one to read with --topic {role}:='
+        f'{_nearest(missing[0], types)}{likewise}'
     )
 
 
