@@ -42,8 +42,7 @@ def as_text(scores: Sequence[Score], where: str) -> str:
         Totals with their marks, groups, misses.
 
     """
-    clean, outside = (sum(map(bool, kind)) for kind in zip(
-        *((not s.effect, s.outside) for s in scores)))
+    clean, outside = sum(not s.effect for s in scores), sum(s.outside for s in scores)
     lines = [f'{len(scores)} trials, {clean} of them clean, {outside} outside the library', '']
     lines += [_total_line(total) for total in totals(scores) if total.told]
     for kind, parts in groups(scores).items():

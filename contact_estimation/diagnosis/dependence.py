@@ -137,7 +137,7 @@ def dependences(port: Ports, model: Model, generator: Generator) -> list[Depende
 
 
 def _quantities(port: Ports, model: Model, use: Places) -> list[_Binned]:
-    o, law = port.observed, model.laws().contact
+    o = port.observed
     depth = port.blocks(o.x - model.nominal.environment.location)[use]
     v = port.blocks(o.v)[use]
     found = [
@@ -145,10 +145,7 @@ def _quantities(port: Ports, model: Model, use: Places) -> list[_Binned]:
         _cut('acceleration', 'm/s^2', port.blocks(o.a)[use]),
         _cut('time', 's', port.blocks(o.t)[use]),
     ]
-    inside = np.ones(len(use), bool)
-    if law.unilateral:
-        inside = port.blocks(law.contact(o.t, o.x, o.v).astype(float))[use] > 0.5
-    way = np.where(inside, np.where(v > 0.0, 0, 1), 2)
+    way = np.where(port.touching(model)[use], np.where(v > 0.0, 0, 1), 2)
     found.append(_named('direction', ('pressing further', 'letting go', 'free'), way))
     marks = phases(port, model)
     phase = np.full(len(use), len(marks))
@@ -181,7 +178,7 @@ def _dependence(
     place = bins.reshape(count, -1) + size * np.arange(count)[:, None]
     sums = np.bincount(place.ravel(), residual, count * size).reshape(count, size)
     counts = np.bincount(place.ravel(), minlength=count * size).reshape(count, size)
-    drawn = generator.multinomial(count, np.full(count, 1.0 / count), _DRAWS).astype(float)
+    drawn = _drawn(count, generator)
     with np.errstate(invalid='ignore', divide='ignore'):  # a bin that was not drawn at all
         means = (drawn @ sums) / (drawn @ counts)
     low, high = np.nanpercentile(means, _BAND, axis=0)
@@ -197,6 +194,12 @@ def _dependence(
         float(np.percentile(by_chance, _BY_CHANCE)) / square, binned.names, binned.middle, mean,
         low, high,
     )
+
+
+def _drawn(count: int, generator: Generator) -> Array:
+    """Draw stretches with replacement: how often each comes, shape (draws, count)."""
+    drawn = generator.multinomial(count, np.full(count, 1.0 / count), _DRAWS)
+    return np.asarray(drawn, np.float64)
 
 
 def _on_frequency(
@@ -221,7 +224,7 @@ def _on_frequency(
         return float(1.0 - np.exp(weights @ np.log(mean + 1e-300)) / (weights @ mean + 1e-300))
 
     powers = octave_powers(residual)
-    drawn = generator.multinomial(segments, np.full(segments, 1.0 / segments), _DRAWS)
+    drawn = _drawn(segments, generator)
     low, high = np.percentile(drawn @ powers / segments, _BAND, axis=0)
     by_chance = [uneven(octave_powers(generator.permutation(residual)))
                  for _ in range(_DRAWS // 4)]
@@ -232,23 +235,28 @@ def _on_frequency(
     )
 
 
+def _past_of(series: Array) -> Array:
+    """Give what came before each block from the sixth on, a row for each lag."""
+    return np.array([series[_PAST - lag:-lag] for lag in range(1, _PAST + 1)])
+
+
 def _on_past(
     port: str, residual: Array, step: float, count: int, generator: Generator
 ) -> Dependence:
     """Tell how much of the residual its own past foretells: whether it is white."""
     here = residual[_PAST:]
     square = max(float(here @ here), 1e-300)
-    products = np.array([here * residual[_PAST - lag:-lag] for lag in range(1, _PAST + 1)])
+    products = here * _past_of(residual)
     rows = np.array_split(np.arange(len(here)), count)
     sums = np.array([[products[:, row].sum(axis=1), np.full(_PAST, here[row] @ here[row])]
                      for row in rows])
-    drawn = generator.multinomial(count, np.full(count, 1.0 / count), _DRAWS).astype(float)
+    drawn = _drawn(count, generator)
     drawn_sums = np.tensordot(drawn, sums, 1)
     ratios = drawn_sums[:, 0] / np.maximum(drawn_sums[:, 1], 1e-300)
     low, high = np.percentile(ratios, _BAND, axis=0)
 
     def foretold(series: Array) -> float:
-        past = np.array([series[_PAST - lag:-lag] for lag in range(1, _PAST + 1)]).T
+        past = _past_of(series).T
         left = series[_PAST:] - past @ np.linalg.lstsq(past, series[_PAST:], rcond=None)[0]
         return 1.0 - float(left @ left) / square
 

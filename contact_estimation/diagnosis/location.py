@@ -190,7 +190,7 @@ def phases(port: Ports, model: Model) -> dict[str, Flags]:
     v = port.blocks(o.v)
     if not law.unilateral:
         return {'loading': v > 0.0, 'unloading': v <= 0.0}
-    inside = port.blocks(law.contact(o.t, o.x, o.v).astype(float)) > 0.5
+    inside = port.touching(model)
     since = np.zeros(len(v))
     for k in range(1, len(v)):
         since[k] = since[k - 1] + o.h * port.block if inside[k] else 0.0

@@ -17,7 +17,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -158,7 +158,7 @@ class Model:
         sizes[:2] = np.maximum(values[:2], _NO_WALL)
         return sizes
 
-    @property
+    @cached_property
     def _logarithmic(self) -> NDArray[np.bool_]:
         names = [name in EFFECTS[effect].in_logarithm
                  for effect in self.effects for name in names_of(effect)]
@@ -213,7 +213,7 @@ class Model:
         contact = (EFFECTS[name] for name in self.effects)
         return any(issubclass(c, ContactEffect) and getattr(c, what) for c in contact)
 
-    @property
+    @cached_property
     def free(self) -> NDArray[np.bool_]:
         """Which values are fitted: not K_e or B_e where an effect takes their place."""
         free = np.ones(len(self.values), bool)

@@ -353,6 +353,26 @@ class Ports:
         """
         return self._sum(signal) / self.block
 
+    def touching(self, model: Model) -> Flags:
+        """
+        Tell in which blocks the surface is reached.
+
+        Parameters
+        ----------
+        model : Model
+            Tells where it is.
+
+        Returns
+        -------
+        touching : ndarray of bool, shape (blocks,)
+            For most of their samples; everywhere for a permanently attached wall.
+
+        """
+        o, law = self.observed, model.laws().contact
+        if not law.unilateral:
+            return np.ones(len(o.t) // self.block, bool)
+        return self.blocks(law.contact(o.t, o.x, o.v).astype(float)) > 0.5
+
     def discount(self, columns: Array | None) -> None:
         """
         Discount from now on what nobody can know better, see `nuisances.doubt`.

@@ -210,7 +210,7 @@ def _plane(port: Ports, model: Model, row: Left, in_motion: bool) -> Plane:
     use = np.ones(len(x), bool)
     label = 'position before and in the wall [mm]'
     if law.unilateral and not in_motion:
-        use = port.blocks(law.contact(o.t, o.x, o.v).astype(float)) > 0.5
+        use = port.touching(model)
         label = 'depth in the wall [mm]'
     if not law.unilateral:
         label = 'deflection [mm]'
