@@ -18,9 +18,9 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from contact_estimation.contact_session import ContactSession, Result
-from contact_estimation.estimation_parameters import EstimationParameters
-from contact_estimation.parameter_values import build
+from contact_estimation.estimation.parameters import EstimationParameters
+from contact_estimation.estimation.session import ContactSession, Result
+from contact_estimation.parameters.values import build
 from contact_estimation.signals.contact_sample import ContactSample
 from core_runs import contact_samples, PERIOD_NS
 

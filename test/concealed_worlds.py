@@ -21,16 +21,16 @@ from math import pi
 from typing import Any, Sequence
 
 from contact_estimation.blind_trials.unknown import made
-from contact_estimation.diagnosis.case import Recording
+from contact_estimation.diagnosis.conclude.finding import Diagnosis
 from contact_estimation.diagnosis.diagnosis import diagnose
-from contact_estimation.diagnosis.finding import Diagnosis
-from contact_estimation.diagnosis.model import Model
-from contact_estimation.diagnosis.noise import force_noise
-from contact_estimation.diagnosis.observed import observe, Observed, Signals
-from contact_estimation.diagnosis.ports import Ports
-from contact_estimation.diagnosis.usable_samples import default_block, usable
-from contact_estimation.parameter_values import build
-from contact_estimation.parameters import specifications
+from contact_estimation.diagnosis.observe.case import Recording
+from contact_estimation.diagnosis.observe.model import Model
+from contact_estimation.diagnosis.observe.noise import force_noise
+from contact_estimation.diagnosis.observe.observed import observe, Observed, Signals
+from contact_estimation.diagnosis.observe.ports import Ports
+from contact_estimation.diagnosis.observe.usable_samples import default_block, usable
+from contact_estimation.parameters.specification import specifications
+from contact_estimation.parameters.values import build
 from contact_estimation.physics import EFFECTS
 from contact_estimation.physics.physics import Effect
 from contact_estimation.plant.open_loop import run_open_loop

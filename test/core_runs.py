@@ -20,17 +20,17 @@ from functools import lru_cache
 from math import nan
 from typing import Any, Mapping, NamedTuple
 
-from contact_estimation.contact_model import kelvin_voigt_force
-from contact_estimation.contact_session import ContactSession, Result
-from contact_estimation.estimation_parameters import EstimationParameters
-from contact_estimation.estimation_pipeline import EstimationPipeline
+from contact_estimation.estimation.parameters import EstimationParameters
+from contact_estimation.estimation.pipeline import EstimationPipeline
+from contact_estimation.estimation.session import ContactSession, Result
 from contact_estimation.estimators.estimator import Estimate
-from contact_estimation.parameter_values import build
+from contact_estimation.parameters.values import build
 from contact_estimation.plant.closed_loop import run_closed_loop
 from contact_estimation.plant.plant_parameters import PlantParameters
 from contact_estimation.plant.world import Truth
 from contact_estimation.reference.experiments import experiment_named
 from contact_estimation.reference.quintic import quintic
+from contact_estimation.several_points.contact_model import kelvin_voigt_force
 from contact_estimation.signals.contact_sample import ContactSample
 from core_steps import estimate_after
 import numpy as np

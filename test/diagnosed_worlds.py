@@ -21,17 +21,17 @@ from math import pi
 from pathlib import Path
 from typing import Any
 
-from contact_estimation.diagnosis.case import Recording
+from contact_estimation.diagnosis.conclude.finding import Diagnosis
 from contact_estimation.diagnosis.diagnosis import diagnose
-from contact_estimation.diagnosis.finding import Diagnosis
-from contact_estimation.diagnosis.observed import Signals
+from contact_estimation.diagnosis.observe.case import Recording
+from contact_estimation.diagnosis.observe.observed import Signals
 from contact_estimation.messages import (
     JointStateEncoder,
     RosbagsCodec,
     TrajectoryEncoder,
     WrenchEncoder,
 )
-from contact_estimation.parameter_values import build
+from contact_estimation.parameters.values import build
 from contact_estimation.plant.open_loop import run_open_loop
 from contact_estimation.plant.plant_parameters import PlantParameters
 from contact_estimation.recordings import RecordingWriter

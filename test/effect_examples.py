@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from contact_estimation.parameters import specifications
+from contact_estimation.parameters.specification import specifications
 from contact_estimation.physics import EFFECTS
 from contact_estimation.physics.physics import Effect, Scales
 

@@ -34,9 +34,9 @@ import time
 from typing import Any, Callable, Iterable, Iterator, Mapping, NamedTuple, Sequence
 
 import contact_estimation
-from contact_estimation.contact_session import ContactSession, Result
-from contact_estimation.estimation_parameters import EstimationParameters
-from contact_estimation.parameter_values import build
+from contact_estimation.estimation.parameters import EstimationParameters
+from contact_estimation.estimation.session import ContactSession, Result
+from contact_estimation.parameters.values import build
 from contact_estimation.signals.contact_sample import ContactSample
 import pytest
 

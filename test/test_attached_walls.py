@@ -19,8 +19,8 @@ from __future__ import annotations
 from functools import lru_cache
 
 from concealed_worlds import ATTACHED, attached, diagnosed, named, nominal, physics
-from contact_estimation.diagnosis.finding import Diagnosis
-from contact_estimation.diagnosis.observed import Signals
+from contact_estimation.diagnosis.conclude.finding import Diagnosis
+from contact_estimation.diagnosis.observe.observed import Signals
 from contact_estimation.plant.between_samples import held, smooth, straight
 import numpy as np
 from numpy.typing import NDArray

@@ -20,13 +20,7 @@ from dataclasses import replace
 
 from blind_setups import made_up_run, ROBOT, SETUP, short_trial, WALL
 from contact_estimation.blind_trials.concealment import acting, conceal, degree, residual
-from contact_estimation.blind_trials.drawing import (
-    draw_trial,
-    LEAST,
-    MOST,
-    plan_effects,
-    port_of,
-)
+from contact_estimation.blind_trials.drawing import draw_trial, LEAST, MOST, plan_effects, port_of
 from contact_estimation.blind_trials.experiments import draw_experiment, Faded, Stage
 from contact_estimation.blind_trials.sensing import NOTED_HZ, record
 from contact_estimation.blind_trials.setups import draw_nominal, draw_setup, Sensing, Setup

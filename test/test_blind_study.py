@@ -26,12 +26,12 @@ from contact_estimation.blind_trials.blind_diagnosis import command_line, diagno
 from contact_estimation.blind_trials.handing_over import hand_over, Handed, write_json
 from contact_estimation.blind_trials.study import plan, Planned, run_study, run_trial
 from contact_estimation.commands.blind_trials import main
-from contact_estimation.diagnosis.reading import timed
-from contact_estimation.parameter_file import read_parameter_file
+from contact_estimation.diagnosis.observe.reading import timed
+from contact_estimation.parameters.file import read_parameter_file
 from contact_estimation.physics import EFFECTS
-from contact_estimation.recorded_signals import read_signals
-from contact_estimation.recording_replay import RecordingSource
 from contact_estimation.recordings import RecordingReader
+from contact_estimation.recordings.recorded_signals import read_signals
+from contact_estimation.recordings.source import RecordingSource
 import numpy as np
 import pytest
 

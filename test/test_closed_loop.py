@@ -16,12 +16,12 @@
 
 from __future__ import annotations
 
-from contact_estimation.contact_session import ContactSession
-from contact_estimation.estimation_parameters import EstimationParameters
+from contact_estimation.estimation.parameters import EstimationParameters
+from contact_estimation.estimation.session import ContactSession
 from contact_estimation.plant.closed_loop import extrapolate, run_closed_loop
 from contact_estimation.plant.plant_parameters import PlantParameters
 from contact_estimation.reference.experiments import experiment_named
-from contact_estimation.reference.reference_generator import ReferencePoint
+from contact_estimation.reference.setpoints import Reference
 from core_runs import closed_loop, PAPER_SENSORS, Run
 import numpy as np
 import pytest
@@ -76,7 +76,7 @@ def test_equal_seeds_give_equal_runs(paper_run: Run) -> None:
 
 
 def test_reference_is_followed_along_its_parabola() -> None:
-    follow = extrapolate(2.0, ReferencePoint(0.1, 0.2, 0.3, 50.0))
+    follow = extrapolate(2.0, Reference(0.1, 0.2, 0.3, 50.0))
     assert follow(2.5) == pytest.approx((0.1 + 0.1 + 0.0375, 0.2 + 0.15, 0.3, 50.0))
 
 

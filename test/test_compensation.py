@@ -20,11 +20,11 @@ from functools import lru_cache
 from math import nan
 from typing import Any
 
-from contact_estimation.contact_session import ContactSession
-from contact_estimation.estimation_parameters import EstimationParameters
-from contact_estimation.estimation_pipeline import EstimationPipeline
+from contact_estimation.estimation.parameters import EstimationParameters
+from contact_estimation.estimation.pipeline import EstimationPipeline
+from contact_estimation.estimation.session import ContactSession
 from contact_estimation.estimators.estimator import Estimate, EstimateStatus
-from contact_estimation.parameter_values import build
+from contact_estimation.parameters.values import build
 from contact_estimation.physics import EFFECTS
 from contact_estimation.plant.closed_loop import run_closed_loop
 from contact_estimation.plant.open_loop import run_open_loop

@@ -16,8 +16,8 @@
 
 from __future__ import annotations
 
-from contact_estimation.contact_model import kelvin_voigt_force, static_force_eq20
 from contact_estimation.exceptions import ParameterRangeError, SignalShapeError
+from contact_estimation.several_points.contact_model import kelvin_voigt_force, static_force_eq20
 import numpy as np
 import pytest
 

@@ -19,14 +19,13 @@ from __future__ import annotations
 from math import inf, isfinite, nan
 from typing import Any
 
-from contact_estimation.contact_session import ContactSession, Result
-from contact_estimation.estimation_parameters import EstimationParameters
+from contact_estimation.estimation.parameters import EstimationParameters
+from contact_estimation.estimation.session import ContactSession, Result
 from contact_estimation.estimators import ESTIMATORS
-from contact_estimation.estimators.estimator import Reference
 from contact_estimation.exceptions import ContactEstimationError
-from contact_estimation.parameter_values import build
-from contact_estimation.parameters import ParameterSpecification, specifications
-from contact_estimation.reference.experiment import Desired
+from contact_estimation.parameters.specification import ParameterSpecification, specifications
+from contact_estimation.parameters.values import build
+from contact_estimation.reference.setpoints import Desired, Reference
 from contact_estimation.signals.contact_sample import ContactSample
 from core_runs import closed_loop, contact_samples, PAPER_SENSORS, PERIOD_NS
 from effect_examples import switched_on

@@ -19,7 +19,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from contact_estimation.commands.demonstrate import CONCEALED, main, NOMINAL, WORLD
-from contact_estimation.parameter_values import build, flatten
+from contact_estimation.parameters.values import build, flatten
 from contact_estimation.physics import effects_that_are_on
 from contact_estimation.plant.plant_parameters import PlantParameters
 import pytest

@@ -19,9 +19,9 @@ from __future__ import annotations
 from typing import Any
 
 from concealed_worlds import diagnosed, nominal, physics, recorded, touches
-from contact_estimation.diagnosis.case import Recording
 from contact_estimation.diagnosis.diagnosis import diagnose
-from contact_estimation.diagnosis.observed import LEAST_DURATION_S, observe, Signals
+from contact_estimation.diagnosis.observe.case import Recording
+from contact_estimation.diagnosis.observe.observed import LEAST_DURATION_S, observe, Signals
 from contact_estimation.exceptions import ContactEstimationError, RecordingError
 import numpy as np
 from numpy.typing import NDArray

@@ -19,11 +19,11 @@ from __future__ import annotations
 from functools import lru_cache
 
 from concealed_worlds import ATTACHED, attached, nominal, physics, ports_of, recorded
-from contact_estimation.diagnosis.dependence import Dependence, dependences
-from contact_estimation.diagnosis.fitting import fit
-from contact_estimation.diagnosis.model import Model
-from contact_estimation.diagnosis.nuisances import doubt
-from contact_estimation.diagnosis.ports import Ports
+from contact_estimation.diagnosis.conclude.dependence import Dependence, dependences
+from contact_estimation.diagnosis.fit.fitting import fit
+from contact_estimation.diagnosis.fit.nuisances import doubt
+from contact_estimation.diagnosis.observe.model import Model
+from contact_estimation.diagnosis.observe.ports import Ports
 import numpy as np
 import pytest
 

@@ -19,10 +19,10 @@ from __future__ import annotations
 from typing import Any
 
 from concealed_worlds import FREE, MODEL, nominal, physics, ports_of, recorded
-from contact_estimation.diagnosis.fitting import fit, residual_function, step
-from contact_estimation.diagnosis.model import Model, names_of
-from contact_estimation.diagnosis.nuisances import doubt
-from contact_estimation.diagnosis.uncertainty import standard_deviations
+from contact_estimation.diagnosis.fit.fitting import fit, residual_function, step
+from contact_estimation.diagnosis.fit.nuisances import doubt
+from contact_estimation.diagnosis.fit.uncertainty import standard_deviations
+from contact_estimation.diagnosis.observe.model import Model, names_of
 from contact_estimation.physics import EFFECTS
 import numpy as np
 import pytest

@@ -27,9 +27,8 @@ from concealed_worlds import (
     Touch,
     touches,
 )
-from contact_estimation.diagnosis.episodes import episodes, hold_out, require_contact
-from contact_estimation.diagnosis.finding import Errors
-from contact_estimation.diagnosis.held_out import (
+from contact_estimation.diagnosis.conclude.finding import Errors
+from contact_estimation.diagnosis.conclude.held_out import (
     as_good,
     by_part,
     errors_of,
@@ -37,8 +36,9 @@ from contact_estimation.diagnosis.held_out import (
     measure_part,
     Part,
 )
-from contact_estimation.diagnosis.model import Model
-from contact_estimation.diagnosis.observed import Observed
+from contact_estimation.diagnosis.observe.episodes import episodes, hold_out, require_contact
+from contact_estimation.diagnosis.observe.model import Model
+from contact_estimation.diagnosis.observe.observed import Observed
 from contact_estimation.exceptions import RecordingError
 import numpy as np
 from numpy.typing import NDArray

@@ -16,21 +16,13 @@
 
 from __future__ import annotations
 
-from concealed_worlds import (
-    ATTACHED,
-    attached,
-    nominal,
-    physics,
-    ports_of,
-    recorded,
-    with_unknown,
-)
-from contact_estimation.diagnosis.fitting import fit
-from contact_estimation.diagnosis.location import guess_port, intervals, locate, Location
-from contact_estimation.diagnosis.model import Model
-from contact_estimation.diagnosis.nuisances import doubt
-from contact_estimation.diagnosis.observed import Signals
-from contact_estimation.diagnosis.ports import Ports
+from concealed_worlds import ATTACHED, attached, nominal, physics, ports_of, recorded, with_unknown
+from contact_estimation.diagnosis.conclude.location import guess_port, intervals, locate, Location
+from contact_estimation.diagnosis.fit.fitting import fit
+from contact_estimation.diagnosis.fit.nuisances import doubt
+from contact_estimation.diagnosis.observe.model import Model
+from contact_estimation.diagnosis.observe.observed import Signals
+from contact_estimation.diagnosis.observe.ports import Ports
 import numpy as np
 import pytest
 

@@ -34,11 +34,11 @@ from concealed_worlds import (
 )
 from contact_estimation.blind_trials.drawing import port_of
 from contact_estimation.blind_trials.unknown import UNKNOWN
-from contact_estimation.diagnosis.case import Recording
+from contact_estimation.diagnosis.conclude.finding import Diagnosis
 from contact_estimation.diagnosis.diagnosis import diagnose
-from contact_estimation.diagnosis.finding import Diagnosis
-from contact_estimation.diagnosis.model import names_of
-from contact_estimation.diagnosis.report import as_dict, as_text
+from contact_estimation.diagnosis.observe.case import Recording
+from contact_estimation.diagnosis.observe.model import names_of
+from contact_estimation.diagnosis.report.report import as_dict, as_text
 from contact_estimation.physics import EFFECTS
 import numpy as np
 import pytest

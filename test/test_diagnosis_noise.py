@@ -28,9 +28,9 @@ from concealed_worlds import (
     QUANTUM,
     recorded,
 )
-from contact_estimation.diagnosis.model import Model
-from contact_estimation.diagnosis.noise import force_noise
-from contact_estimation.diagnosis.observed import observe, Signals
+from contact_estimation.diagnosis.observe.model import Model
+from contact_estimation.diagnosis.observe.noise import force_noise
+from contact_estimation.diagnosis.observe.observed import observe, Signals
 import numpy as np
 import pytest
 

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from math import exp
 
-from contact_estimation.diagnosis.observer import (
+from contact_estimation.diagnosis.observe.observer import (
     coast,
     discretise,
     innovations,

@@ -20,10 +20,10 @@ from dataclasses import replace
 from html.parser import HTMLParser
 import sys
 
-from contact_estimation.diagnosis.page import as_html, headline, meaning
-from contact_estimation.diagnosis.pictures import draw
-from contact_estimation.diagnosis.seen import held_out_spans, seen
-from contact_estimation.diagnosis.written_numbers import plain, with_std
+from contact_estimation.diagnosis.report.page import as_html, headline, meaning
+from contact_estimation.diagnosis.report.pictures import draw
+from contact_estimation.diagnosis.report.seen import held_out_spans, seen
+from contact_estimation.diagnosis.report.written_numbers import plain, with_std
 from contact_estimation.exceptions import MissingPackageError
 from contact_estimation.physics import EFFECTS
 from diagnosed_worlds import diagnosed

@@ -18,25 +18,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from concealed_worlds import (
-    ATTACHED,
-    attached,
-    FORCE_NOISE,
-    nominal,
-    physics,
-    ports_of,
-    recorded,
-)
-from contact_estimation.diagnosis.model import Model
-from contact_estimation.diagnosis.nuisances import doubt
-from contact_estimation.diagnosis.observed import Observed, Signals
-from contact_estimation.diagnosis.ports import (
-    at_touch_down,
-    huber,
-    Ports,
-    ROBUST,
-)
-from contact_estimation.diagnosis.usable_samples import default_block, force_drops, usable
+from concealed_worlds import ATTACHED, attached, FORCE_NOISE, nominal, physics, ports_of, recorded
+from contact_estimation.diagnosis.fit.nuisances import doubt
+from contact_estimation.diagnosis.observe.model import Model
+from contact_estimation.diagnosis.observe.observed import Observed, Signals
+from contact_estimation.diagnosis.observe.ports import at_touch_down, huber, Ports, ROBUST
+from contact_estimation.diagnosis.observe.usable_samples import default_block, force_drops, usable
 import numpy as np
 from numpy.typing import NDArray
 import pytest

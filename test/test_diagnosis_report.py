@@ -22,11 +22,11 @@ from math import nan
 from pathlib import Path
 from typing import Any
 
-from contact_estimation.diagnosis.finding import Errors, Value
-from contact_estimation.diagnosis.report import as_dict, as_text, model_file
-from contact_estimation.estimation_parameters import EstimationParameters
-from contact_estimation.parameter_file import read_parameter_file
-from contact_estimation.parameter_values import build
+from contact_estimation.diagnosis.conclude.finding import Errors, Value
+from contact_estimation.diagnosis.report.report import as_dict, as_text, model_file
+from contact_estimation.estimation.parameters import EstimationParameters
+from contact_estimation.parameters.file import read_parameter_file
+from contact_estimation.parameters.values import build
 from contact_estimation.plant.plant_parameters import PlantParameters
 from diagnosed_worlds import diagnosed
 import pytest

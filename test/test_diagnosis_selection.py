@@ -20,12 +20,10 @@ from functools import lru_cache
 from typing import Any
 
 from concealed_worlds import ATTACHED, attached, nominal, physics, ports_of, recorded
-from contact_estimation.diagnosis.fitting import Fit, fit
-from contact_estimation.diagnosis.model import Model, names_of
-from contact_estimation.diagnosis.nuisances import doubt
-from contact_estimation.diagnosis.ports import Ports
-from contact_estimation.diagnosis.scales import measure_scales
-from contact_estimation.diagnosis.selection import (
+from contact_estimation.diagnosis.fit.fitting import Fit, fit
+from contact_estimation.diagnosis.fit.nuisances import doubt
+from contact_estimation.diagnosis.fit.scales import measure_scales
+from contact_estimation.diagnosis.fit.selection import (
     candidates_for,
     enough,
     penalty,
@@ -37,6 +35,8 @@ from contact_estimation.diagnosis.selection import (
     SHARE,
     THRESHOLD,
 )
+from contact_estimation.diagnosis.observe.model import Model, names_of
+from contact_estimation.diagnosis.observe.ports import Ports
 from contact_estimation.physics import EFFECTS
 import numpy as np
 import pytest

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from math import pi
 
-from contact_estimation.diagnosis.smoothing import (
+from contact_estimation.diagnosis.observe.smoothing import (
     CUTOFFS_HZ,
     differentiate,
     smooth,

@@ -16,8 +16,7 @@
 
 from __future__ import annotations
 
-from contact_estimation.contact_session import ContactSession, Moment
-from contact_estimation.estimation_events import (
+from contact_estimation.estimation.events import (
     apply_event,
     CHANGE,
     EstimationEvent,
@@ -26,9 +25,10 @@ from contact_estimation.estimation_events import (
     START,
     TARE,
 )
-from contact_estimation.estimation_parameters import EstimationParameters
+from contact_estimation.estimation.parameters import EstimationParameters
+from contact_estimation.estimation.session import ContactSession, Moment
 from contact_estimation.exceptions import RecordingError
-from contact_estimation.parameter_values import build, flatten
+from contact_estimation.parameters.values import build, flatten
 from core_runs import contact_samples
 import pytest
 

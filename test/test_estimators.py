@@ -26,7 +26,7 @@ from contact_estimation.estimators.estimator import (
     EstimateStatus,
     OnlineEstimator,
 )
-from contact_estimation.parameters import specifications
+from contact_estimation.parameters.specification import specifications
 from core_runs import closed_loop, contact_samples, estimates_of, PAPER_SENSORS, pipeline_with
 import numpy as np
 import pytest

@@ -33,19 +33,19 @@ from axes_runs import (
     session_of_axis,
     WALLS,
 )
-from contact_estimation.contact_session import ContactSession, Result
-from contact_estimation.estimation_events import (
+from contact_estimation.estimation.axes import estimated_axes
+from contact_estimation.estimation.events import (
     apply_event,
     biases,
     EstimationEvent,
     event_now,
     TARE,
 )
-from contact_estimation.estimation_parameters import EstimationParameters
+from contact_estimation.estimation.parameters import EstimationParameters
+from contact_estimation.estimation.session import ContactSession, Result
 from contact_estimation.estimators import ESTIMATORS
 from contact_estimation.exceptions import ContactEstimationError
-from contact_estimation.further_axes import estimated_axes
-from contact_estimation.parameter_values import build
+from contact_estimation.parameters.values import build
 import numpy as np
 import pytest
 

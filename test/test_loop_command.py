@@ -23,8 +23,9 @@ import signal
 from typing import Any, NamedTuple
 
 from contact_estimation.commands import loop
-from contact_estimation.recording_replay import RecordingReplay, RecordingSource
+from contact_estimation.estimation.replay import RecordingReplay
 from contact_estimation.recordings import RecordingReader
+from contact_estimation.recordings.source import RecordingSource
 import pytest
 from ros_processes import Finished, ModuleProcess, run_module, wait_until
 

@@ -19,12 +19,12 @@ from __future__ import annotations
 from math import exp
 from typing import Any, NamedTuple
 
-from contact_estimation.estimators.estimator import Reference
 from contact_estimation.estimators.model_following import (
     ModelFollowing,
     ModelFollowingParameters,
     ReferenceModel,
 )
+from contact_estimation.reference.setpoints import Reference
 import numpy as np
 from numpy.typing import NDArray
 import pytest
@@ -61,7 +61,7 @@ def model_error(dt: float) -> float:
     """Largest departure of the model from eq. (1), as a share of its greatest motion."""
     def rates(state: list[float], t: float) -> list[float]:
         x, v = state
-        x_r, v_r, a_r = reference_at(t)
+        x_r, v_r, a_r, _ = reference_at(t)
         return [v, a_r + (force_at(t) - B_t * (v - v_r) - K_t * (x - x_r)) / M_t]
 
     t = dt * np.arange(round(1.0 / dt) + 1)

@@ -19,9 +19,9 @@ from __future__ import annotations
 from math import nan
 from typing import Any
 
-from contact_estimation.contact_session import ContactSession
-from contact_estimation.estimation_parameters import EstimationParameters
-from contact_estimation.estimators.estimator import EnvironmentParameters, Held, Reference
+from contact_estimation.estimation.parameters import EstimationParameters
+from contact_estimation.estimation.session import ContactSession
+from contact_estimation.estimators.estimator import EnvironmentParameters, Held
 from contact_estimation.estimators.indirect_adaptive import (
     IndirectAdaptive,
     IndirectAdaptiveParameters,
@@ -29,10 +29,11 @@ from contact_estimation.estimators.indirect_adaptive import (
 from contact_estimation.estimators.model_following import ReferenceModel
 from contact_estimation.estimators.mrac import ModelReferenceAdaptive, ModelReferenceParameters
 from contact_estimation.exceptions import ParameterRangeError
-from contact_estimation.parameter_values import build
+from contact_estimation.parameters.values import build
 from contact_estimation.plant.closed_loop import run_closed_loop
 from contact_estimation.plant.plant_parameters import PlantParameters
 from contact_estimation.reference.experiments import experiment_named
+from contact_estimation.reference.setpoints import Reference
 from core_runs import closed_loop, PAPER_SENSORS, Run
 from core_steps import known, learn
 import numpy as np
@@ -66,7 +67,7 @@ def model_errors(run: Run, after_s: float = MOVING_S + 2.0) -> NDArray[np.float6
     for before, result, truth in zip(run.results, run.results[1:], run.truths[1:]):
         assert before.reference is not None
         _, x, _, F = result.sample  # the arm rests at first, so that the model starts at rest
-        motion = model.advance(0.002, x, 0.0, F, Reference(*before.reference[:3]))
+        motion = model.advance(0.002, x, 0.0, F, before.reference)
         errors.append(truth.position - motion.position if truth.t > after_s else 0.0)
     return np.array(errors)
 

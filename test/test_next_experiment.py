@@ -21,15 +21,20 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Sequence
 
-from contact_estimation.diagnosis.candidates import Candidate, candidates, Reach, scaling_test
-from contact_estimation.diagnosis.finding import Diagnosis
-from contact_estimation.diagnosis.fitting import fit, residual_function
-from contact_estimation.diagnosis.model import Model
-from contact_estimation.diagnosis.next_experiment import choose, Judge, reach_of
-from contact_estimation.diagnosis.nuisances import doubt
-from contact_estimation.diagnosis.observed import observe
-from contact_estimation.diagnosis.ports import Ports
-from contact_estimation.diagnosis.usable_samples import default_block, usable
+from contact_estimation.diagnosis.conclude.candidates import (
+    Candidate,
+    candidates,
+    Reach,
+    scaling_test,
+)
+from contact_estimation.diagnosis.conclude.finding import Diagnosis
+from contact_estimation.diagnosis.conclude.next_experiment import choose, Judge, reach_of
+from contact_estimation.diagnosis.fit.fitting import fit, residual_function
+from contact_estimation.diagnosis.fit.nuisances import doubt
+from contact_estimation.diagnosis.observe.model import Model
+from contact_estimation.diagnosis.observe.observed import observe
+from contact_estimation.diagnosis.observe.ports import Ports
+from contact_estimation.diagnosis.observe.usable_samples import default_block, usable
 from contact_estimation.plant.plant_parameters import PlantParameters, WallParameters
 from contact_estimation.reference.experiment import Experiment
 from contact_estimation.reference.experiments import (

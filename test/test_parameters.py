@@ -20,14 +20,19 @@ from dataclasses import dataclass, FrozenInstanceError
 from math import inf, isnan, nan
 from typing import Any
 
-from contact_estimation.estimation_parameters import EstimationParameters
+from contact_estimation.estimation.parameters import EstimationParameters
 from contact_estimation.exceptions import (
     ParameterRangeError,
     ParameterReadOnlyError,
     UnknownNameError,
 )
-from contact_estimation.parameter_values import build, changed, flatten, flatten_mapping
-from contact_estimation.parameters import group, parameter, ParameterGroup, specifications
+from contact_estimation.parameters.specification import (
+    group,
+    parameter,
+    ParameterGroup,
+    specifications,
+)
+from contact_estimation.parameters.values import build, changed, flatten, flatten_mapping
 from contact_estimation.plant.plant_parameters import PlantParameters
 import pytest
 

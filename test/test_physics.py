@@ -22,8 +22,8 @@ from math import isnan, nan
 from typing import Any
 
 from contact_estimation.exceptions import ParameterRangeError
-from contact_estimation.parameter_values import build, flatten
-from contact_estimation.parameters import parameter, ParameterGroup, specifications
+from contact_estimation.parameters.specification import parameter, ParameterGroup, specifications
+from contact_estimation.parameters.values import build, flatten
 from contact_estimation.physics import EFFECTS, effects_that_are_on, PhysicsParameters
 from contact_estimation.physics.physics import (
     ContactEffect,

@@ -18,9 +18,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from contact_estimation.testbed.constants import ArmConstants, Triple
-from contact_estimation.testbed.planar_arm import PlanarArm
-from contact_estimation.testbed.symmetric import solve, times
+from contact_estimation.reproduction.planar_arm import PlanarArm
+from contact_estimation.reproduction.symmetric import solve, times
+from contact_estimation.reproduction.testbed_constants import ArmConstants, Triple
 import numpy as np
 from numpy.typing import NDArray
 import pytest

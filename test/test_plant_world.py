@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from math import nan
 from typing import Any
 
-from contact_estimation.parameters import parameter, ParameterGroup
+from contact_estimation.parameters.specification import parameter, ParameterGroup
 from contact_estimation.physics.physics import ContactEffect, ForceSensorEffect, RobotEffect
 from contact_estimation.plant.closed_loop import push
 from contact_estimation.plant.world import World

@@ -21,12 +21,11 @@ from typing import Any, Callable
 
 from contact_estimation.exceptions import ParameterRangeError
 from contact_estimation.reference.excitation import PseudoRandomBinary
-from contact_estimation.reference.experiment import Desired
 from contact_estimation.reference.reference_generator import (
     ReferenceGenerator,
     ReferenceParameters,
-    ReferencePoint,
 )
+from contact_estimation.reference.setpoints import Desired, Reference
 from core_runs import closed_loop, PAPER_SENSORS
 import numpy as np
 import pytest
@@ -48,7 +47,7 @@ def play(
     contact: bool = True,
     K_hat: float = K,
     x_d: float = 0.0204,
-) -> list[ReferencePoint]:
+) -> list[Reference]:
     """Step a generator through samples `begin` to `end`, with a resting x_d."""
     return [
         of.step(T * k, T, Desired(x_d, 0.0, 0.0, force(T * k)), contact, 0.0, K_hat)
@@ -61,7 +60,7 @@ def generator(law: str = 'eq20', **parameters: float) -> ReferenceGenerator:
     return ReferenceGenerator(law, ReferenceParameters(**parameters))  # type: ignore[arg-type]
 
 
-def largest_rate(points: list[ReferencePoint]) -> float:
+def largest_rate(points: list[Reference]) -> float:
     """Largest rate of x_r between samples [m/s]."""
     return float(np.max(np.abs(np.diff([p.position for p in points]))) / T)
 

@@ -16,15 +16,15 @@
 
 from __future__ import annotations
 
-from contact_estimation.contact_model import static_force_eq20
-from contact_estimation.estimation_parameters import EstimationParameters
+from contact_estimation.estimation.parameters import EstimationParameters
 from contact_estimation.exceptions import ParameterRangeError
-from contact_estimation.parameter_values import build
+from contact_estimation.parameters.values import build
 from contact_estimation.reference.laws import eq20_compliance, LAWS, series_compliance
 from contact_estimation.reference.reference_generator import (
     ReferenceGenerator,
     ReferenceParameters,
 )
+from contact_estimation.several_points.contact_model import static_force_eq20
 from core_runs import closed_loop
 import numpy as np
 import pytest

@@ -23,8 +23,8 @@ import subprocess
 import sys
 
 from contact_estimation.commands import replay
-from contact_estimation.contact_session import ContactSession
-from contact_estimation.estimation_parameters import EstimationParameters
+from contact_estimation.estimation.parameters import EstimationParameters
+from contact_estimation.estimation.session import ContactSession
 from contact_estimation.estimators.estimator import Estimate
 from contact_estimation.messages import JointStateEncoder, RosbagsCodec, WrenchEncoder
 from contact_estimation.recordings import RecordingReader, RecordingWriter

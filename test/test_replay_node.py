@@ -21,10 +21,11 @@ from pathlib import Path
 import signal
 from typing import Any, Iterator
 
+from contact_estimation.estimation.replay import RecordingReplay
 from contact_estimation.exceptions import RecordingError
 from contact_estimation.messages import RosbagsCodec, Vector3StampedDecoder
-from contact_estimation.recording_replay import RecordingReplay, RecordingSource
 from contact_estimation.recordings import RecordingReader
+from contact_estimation.recordings.source import RecordingSource
 from contact_estimation.signals.contact_sample import ContactSample
 from core_runs import contact_samples
 import numpy as np

@@ -22,9 +22,9 @@ from typing import Any
 from contact_estimation.commands.simulate import main
 from contact_estimation.messages import RosbagsCodec, TrajectoryEncoder
 from contact_estimation.messages.encoding import JointStateEncoder, WrenchEncoder
-from contact_estimation.recorded_signals import read_signals, RecordedSignals
-from contact_estimation.recording_replay import RecordingSource
 from contact_estimation.recordings import RecordingReader
+from contact_estimation.recordings.recorded_signals import read_signals, RecordedSignals
+from contact_estimation.recordings.source import RecordingSource
 from contact_estimation.recordings.writing import RecordingWriter
 import numpy as np
 from numpy.typing import NDArray

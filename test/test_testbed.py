@@ -20,18 +20,29 @@ from dataclasses import replace
 from math import isnan
 
 from contact_estimation.estimators.offline_estimator import TargetImpedance
-from contact_estimation.parameter_values import build
+from contact_estimation.parameters.values import build
 from contact_estimation.plant.open_loop import run_open_loop
 from contact_estimation.plant.plant_parameters import PlantParameters
-from contact_estimation.reference.reference_generator import ReferencePoint
-from contact_estimation.testbed.acquisition import (
-    make_sensors, PaperAcquisition, RawAcquisition
+from contact_estimation.reference.setpoints import Reference
+from contact_estimation.reproduction.arm_identification import identify_arm
+from contact_estimation.reproduction.flexible_wall import (
+    free_rate,
+    moved,
+    pressing_force,
+    WallState,
 )
-from contact_estimation.testbed.arm_identification import identify_arm
-from contact_estimation.testbed.constants import FlexibleWallConstants, TESTBED, TestbedConstants
-from contact_estimation.testbed.flexible_wall import free_rate, moved, pressing_force, WallState
-from contact_estimation.testbed.running import TRACKING_TARGET
-from contact_estimation.testbed.testbed_world import TestbedWorld
+from contact_estimation.reproduction.testbed_acquisition import (
+    make_sensors,
+    PaperAcquisition,
+    RawAcquisition,
+)
+from contact_estimation.reproduction.testbed_constants import (
+    FlexibleWallConstants,
+    TESTBED,
+    TestbedConstants,
+)
+from contact_estimation.reproduction.testbed_running import TRACKING_TARGET
+from contact_estimation.reproduction.testbed_world import TestbedWorld
 import numpy as np
 import pytest
 
@@ -53,7 +64,7 @@ def press(constants: TestbedConstants, depth: float, duration: float) -> list[tu
     for _ in range(round(duration * constants.sample_rate)):
         truth = world.truth()
         seen.append((truth.force, truth.position))
-        world.advance(period, ReferencePoint(depth, 0.0, 0.0, 0.0), truth.force)
+        world.advance(period, Reference(depth, 0.0, 0.0, 0.0), truth.force)
     return seen
 
 
@@ -78,7 +89,7 @@ def test_real_impedance_differs_from_the_target() -> None:
 def test_identified_impedance_of_an_ideal_arm_is_the_target(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr('contact_estimation.testbed.running.TESTBED', IDEAL)
+    monkeypatch.setattr('contact_estimation.reproduction.testbed_running.TESTBED', IDEAL)
     arm = identify_arm(TargetImpedance(), 0)
     assert (arm.mass, arm.damping) == pytest.approx((20.0, 50.0), rel=0.06)
 
@@ -129,7 +140,7 @@ def test_wall_never_pulls() -> None:
     for k in range(1000):
         truth = world.truth()
         forces.append(truth.force)
-        world.advance(0.002, ReferencePoint(0.02 if k < 400 else -0.1, 0, 0, 0), truth.force)
+        world.advance(0.002, Reference(0.02 if k < 400 else -0.1, 0, 0, 0), truth.force)
     assert max(forces) <= 0.0
     assert forces[-1] == 0.0
     assert min(forces) < -40.0
@@ -138,7 +149,7 @@ def test_wall_never_pulls() -> None:
 def test_wall_rests_at_most_where_friction_holds_the_spring() -> None:
     world = TestbedWorld(TESTBED, TRACKING_TARGET, 0.0)
     for k in range(1500):
-        world.advance(0.002, ReferencePoint(0.02 if k < 400 else -0.1, 0, 0, 0), 0.0)
+        world.advance(0.002, Reference(0.02 if k < 400 else -0.1, 0, 0, 0), 0.0)
     held = WALL.static_friction / WALL.stiffness
     assert 0.0 < world.truth().position <= held
     assert world.truth().velocity == pytest.approx(0.0, abs=1e-4)

@@ -21,7 +21,9 @@ from contact_estimation.reproduction.paper_results import PAPER
 from contact_estimation.reproduction.runs import Errors
 from contact_estimation.reproduction.table import row_of
 from contact_estimation.reproduction.testbed_cases import (
-    TESTBED_CASES, TestbedCase, TestbedStepCase
+    TESTBED_CASES,
+    TestbedCase,
+    TestbedStepCase,
 )
 from contact_estimation.reproduction.testbed_runs import run_testbed_case
 import pytest

@@ -21,11 +21,11 @@ from pathlib import Path
 import subprocess
 import sys
 
-from contact_estimation.contact_points_estimator import ContactPointsEstimate
 from contact_estimation.estimators.estimator import EstimateStatus
-from contact_estimation.examples import three_contacts
-from contact_estimation.examples.three_contacts import ALL_TOUCH_S, errors_of, VARIANTS
-from contact_estimation.examples.three_contacts_world import Instant, RATE, simulate
+from contact_estimation.several_points import three_contacts
+from contact_estimation.several_points.contact_points_estimator import ContactPointsEstimate
+from contact_estimation.several_points.three_contacts import ALL_TOUCH_S, errors_of, VARIANTS
+from contact_estimation.several_points.three_contacts_world import Instant, RATE, simulate
 import numpy as np
 import pytest
 
@@ -94,7 +94,7 @@ def test_command_prints_the_estimates_and_draws_them(
 
 def test_example_runs_as_a_module_without_ros() -> None:
     code = (
-        'import sys, contact_estimation.examples.three_contacts as e; e.make_parser();'
+        'import sys, contact_estimation.several_points.three_contacts as e; e.make_parser();'
         'print("rclpy" in sys.modules)'
     )
     run = subprocess.run([sys.executable, '-c', code], capture_output=True, text=True)

@@ -18,8 +18,8 @@ from __future__ import annotations
 
 from typing import Any, Callable
 
-from contact_estimation.parameter_values import build
-from contact_estimation.parameters import ParameterGroup
+from contact_estimation.parameters.specification import ParameterGroup
+from contact_estimation.parameters.values import build
 from contact_estimation.physics import EFFECTS
 from contact_estimation.physics.physics import Effect
 from contact_estimation.plant.plant_parameters import PlantParameters

@@ -19,11 +19,12 @@ from __future__ import annotations
 from typing import Any, NamedTuple, Sequence
 
 from .simulated_samples import pressing, RATE
-from ..contact_session import Result
-from ..estimation_parameters import EstimationParameters
-from ..estimation_pipeline import EstimationPipeline
-from ..estimators.estimator import EstimateStatus, Held, Reference, TimedRow
-from ..parameter_values import build
+from ..estimation.parameters import EstimationParameters
+from ..estimation.pipeline import EstimationPipeline
+from ..estimation.session import Result
+from ..estimators.estimator import EstimateStatus, Held, TimedRow
+from ..parameters.values import build
+from ..reference.setpoints import Reference
 from ..signals.contact_sample import ContactSample
 
 
@@ -57,7 +58,7 @@ def contact_data(seconds: float) -> ContactData:
 
 def _followed(result: Result) -> Reference:
     assert result.reference is not None
-    return Reference(*result.reference[:3])
+    return result.reference
 
 
 def settled_pipeline(data: ContactData, name: str) -> EstimationPipeline:

@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import Iterator
 
 from .simulated_samples import pressing, RATE, sine_manoeuvre
-from ..contact_session import Result
+from ..estimation.session import Result
 from ..messages import JointStateEncoder, RosbagsCodec, WrenchEncoder
 from ..recordings import RecordingWriter
 

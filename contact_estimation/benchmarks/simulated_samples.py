@@ -18,9 +18,9 @@ from __future__ import annotations
 
 from math import pi
 
-from ..contact_session import ContactSession, Result
-from ..estimation_parameters import EstimationParameters
-from ..parameter_values import build
+from ..estimation.parameters import EstimationParameters
+from ..estimation.session import ContactSession, Result
+from ..parameters.values import build
 from ..plant.closed_loop import run_closed_loop
 from ..plant.plant_parameters import PAPER_NOISE, PlantParameters
 from ..reference.excitation import Sine

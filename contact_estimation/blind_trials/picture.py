@@ -23,7 +23,7 @@ import numpy as np
 
 from .scoring import Score
 from .totals import confusion
-from ..commands.loop_picture import require_matplotlib
+from ..optional_packages import require_matplotlib
 from ..physics import EFFECTS
 
 _NOT_NAMES = ('nothing', 'unexplained', 'failed')

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from .setups import Setup
 from .strengths import Values
 from .unknown import made, UNKNOWN
-from ..parameter_values import build, flatten
+from ..parameters.values import build, flatten
 from ..physics.physics import Scales
 from ..plant.plant_parameters import PlantParameters
 from ..plant.world import World

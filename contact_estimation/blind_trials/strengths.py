@@ -28,7 +28,7 @@ from typing import Callable, Mapping, NamedTuple
 from numpy.random import Generator
 
 from .setups import Setup
-from ..parameters import specifications
+from ..parameters.specification import specifications
 from ..physics import EFFECTS
 from ..physics.physics import Scales
 from ..plant.plant_parameters import WallParameters

@@ -22,7 +22,7 @@ import sys
 from typing import Any, Callable, Iterable, NoReturn, Sequence
 
 from ..exceptions import ContactEstimationError, RecordingError, UnknownNameError
-from ..recording_replay import RecordingSource
+from ..recordings.source import RecordingSource
 
 _MCAP_MAGIC = b'\x89MCAP0\r\n'
 TOPICS = ('wrench', 'joint_states', 'reference_trajectory')

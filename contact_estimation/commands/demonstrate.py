@@ -27,8 +27,8 @@ import yaml
 
 from .command_line import command, Parser
 from ..exceptions import ContactEstimationError, ParameterRangeError, RecordingError
-from ..parameter_file import read_parameter_file
-from ..parameter_values import build, flatten, without
+from ..parameters.file import read_parameter_file
+from ..parameters.values import build, flatten, without
 from ..plant.plant_parameters import PlantParameters
 from ..ros.plant_node_parameters import PlantNodeParameters
 

@@ -21,29 +21,22 @@ import json
 from pathlib import Path
 from typing import Any
 
-from .command_line import (
-    add_source_options,
-    command,
-    different_files,
-    new_file,
-    Parser,
-    source_of,
-)
-from .loop_picture import require_matplotlib
+from .command_line import add_source_options, command, different_files, new_file, Parser, source_of
 from .model_file import read_model
 from .progress import Progress
-from ..diagnosis.case import Recording
+from ..diagnosis.conclude.finding import Diagnosis
+from ..diagnosis.conclude.next_experiment import choose, Proposal
 from ..diagnosis.diagnosis import diagnose
-from ..diagnosis.finding import Diagnosis
-from ..diagnosis.next_experiment import choose, Proposal
-from ..diagnosis.page import as_html
-from ..diagnosis.reading import timed
-from ..diagnosis.report import as_dict, as_text, model_file
+from ..diagnosis.observe.case import Recording
+from ..diagnosis.observe.reading import timed
+from ..diagnosis.report.page import as_html
+from ..diagnosis.report.report import as_dict, as_text, model_file
 from ..exceptions import ModelFileError, ParameterRangeError
+from ..optional_packages import require_matplotlib
 from ..physics import effects_that_are_on
 from ..plant.plant_parameters import PlantParameters
-from ..recorded_signals import read_signals
 from ..recordings import RecordingReader
+from ..recordings.recorded_signals import read_signals
 from ..reference.experiments import experiment_text
 
 

@@ -25,16 +25,17 @@ from typing import Any, Mapping
 import yaml
 
 from .command_line import command, Parser
-from .loop_picture import draw_picture, require_matplotlib
+from .loop_picture import draw_picture
 from .loop_processes import LoopProcesses
 from .loop_run import read_run
 from .loop_summary import summarise
-from ..estimation_parameters import EstimationParameters
+from ..estimation.parameters import EstimationParameters
 from ..estimators import ESTIMATORS
 from ..exceptions import MissingPackageError, ParameterRangeError, RecordingError
 from ..messages.typestore import jazzy_typestore
-from ..parameter_file import read_parameter_file
-from ..parameter_values import build, without
+from ..optional_packages import require_matplotlib
+from ..parameters.file import read_parameter_file
+from ..parameters.values import build, without
 from ..plant.plant_parameters import PAPER_NOISE, PlantParameters
 from ..reference.experiment import Experiment
 from ..reference.experiments import experiment_named, EXPERIMENTS

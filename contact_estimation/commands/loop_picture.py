@@ -22,34 +22,9 @@ from typing import Any
 import numpy as np
 
 from .loop_run import LoopRun
-from ..exceptions import MissingPackageError
+from ..optional_packages import require_matplotlib
 
 _INK, _MUTED, _ESTIMATE, _TRUE = '#1f2933', '#9aa5b1', '#0b6e99', '#c2410c'
-
-
-def require_matplotlib() -> Any:
-    """
-    Import matplotlib for files, without a screen.
-
-    Returns
-    -------
-    pyplot : module
-        matplotlib.pyplot.
-
-    Raises
-    ------
-    MissingPackageError
-        If it is not installed.
-
-    """
-    try:
-        import matplotlib
-    except ImportError as error:
-        raise MissingPackageError.of('matplotlib', 'drawing pictures') from error
-    matplotlib.use('Agg')
-    from matplotlib import pyplot
-
-    return pyplot
 
 
 def draw_picture(

@@ -19,8 +19,8 @@ from __future__ import annotations
 import dataclasses
 
 from ..exceptions import ModelFileError
-from ..parameter_file import read_parameter_file
-from ..parameter_values import build, without
+from ..parameters.file import read_parameter_file
+from ..parameters.values import build, without
 from ..plant.plant_parameters import PlantParameters
 from ..ros.plant_node_parameters import PlantNodeParameters
 

@@ -24,24 +24,17 @@ import sys
 import time
 from typing import Any, Protocol, Sequence
 
-from .command_line import (
-    add_source_options,
-    command,
-    different_files,
-    new_file,
-    Parser,
-    source_of,
-)
+from .command_line import add_source_options, command, different_files, new_file, Parser, source_of
 from .progress import Progress
+from ..estimation.axes import estimated_axes
+from ..estimation.estimate_files import CsvEstimates, McapEstimates
+from ..estimation.replay import RecordingReplay
 from ..estimators import ESTIMATORS
 from ..estimators.estimator import Estimate
 from ..exceptions import ParameterRangeError, RecordingError, UnknownNameError
-from ..further_axes import estimated_axes
-from ..parameter_file import read_parameter_file
-from ..parameter_values import without
-from ..recording_replay import RecordingReplay
+from ..parameters.file import read_parameter_file
+from ..parameters.values import without
 from ..recordings import RecordingReader
-from ..recordings.estimate_files import CsvEstimates, McapEstimates
 from ..ros.estimator_node_parameters import EstimatorNodeParameters
 
 

@@ -26,15 +26,10 @@ from .model_file import read_model
 from ..exceptions import ParameterRangeError, RecordingError
 from ..plant.between_samples import BETWEEN
 from ..plant.plant_parameters import PlantParameters
-from ..plant.simulation import (
-    simulate_command,
-    simulate_experiment,
-    simulate_force,
-    Simulation,
-)
-from ..recorded_signals import read_signals, RecordedSignals
+from ..plant.simulation import simulate_command, simulate_experiment, simulate_force, Simulation
+from ..plant.simulation_file import write_simulation
 from ..recordings import RecordingReader
-from ..recordings.simulation_file import write_simulation
+from ..recordings.recorded_signals import read_signals, RecordedSignals
 from ..reference.experiments import experiment_named, EXPERIMENTS
 from ..ros.plant_node_parameters import PlantNodeParameters
 

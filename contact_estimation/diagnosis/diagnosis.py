@@ -20,17 +20,17 @@ from typing import Callable, Sequence
 
 import numpy as np
 
-from .case import Case, Recording
-from .conclusion import Conclusion, EXPLAINED, LEFT
-from .finding import Diagnosis
-from .fitting import cost_of, Fit, fit
-from .free_run import free_run
-from .location import guess_port
-from .model import Model
-from .nuisances import doubt
-from .observed import observe
-from .ports import Ports
-from .selection import Finding, penalty, select, SHARE, THRESHOLD
+from .conclude.conclusion import Conclusion, EXPLAINED, LEFT
+from .conclude.finding import Diagnosis
+from .conclude.location import guess_port
+from .fit.fitting import cost_of, Fit, fit
+from .fit.free_run import free_run
+from .fit.nuisances import doubt
+from .fit.selection import Finding, penalty, select, SHARE, THRESHOLD
+from .observe.case import Case, Recording
+from .observe.model import Model
+from .observe.observed import observe
+from .observe.ports import Ports
 from ..plant.between_samples import BETWEEN
 from ..plant.plant_parameters import PlantParameters
 

@@ -30,7 +30,7 @@ from .rls import RecursiveLeastSquares
 from .rls_adaptive import AdaptiveLeastSquares
 from .signal_processing import SignalProcessing
 from .signal_processing_refined import SignalProcessingRefined
-from ..parameters import group, ParameterGroup
+from ..parameters.specification import group, ParameterGroup
 
 ESTIMATORS: dict[str, type[OnlineEstimator]] = {
     'indirect_adaptive': IndirectAdaptive,

@@ -23,9 +23,9 @@ from math import nan
 from typing import Callable, ClassVar, Mapping, NamedTuple, Sequence
 
 from ..exceptions import ParameterRangeError
-from ..parameters import parameter, ParameterGroup
+from ..parameters.specification import parameter, ParameterGroup
+from ..reference.setpoints import Reference
 from ..signals.relations import Relation, Row, VelocityRelation
-
 
 TimedRow = tuple[float, Row]
 
@@ -105,14 +105,6 @@ class Held(NamedTuple):
 
     stiffness: bool
     damping: bool
-
-
-class Reference(NamedTuple):
-    """The reference that the robot follows at an instant: x_r [m], its rate and acceleration."""
-
-    position: float
-    velocity: float
-    acceleration: float
 
 
 @dataclass(frozen=True)

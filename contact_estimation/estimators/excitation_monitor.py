@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .estimator import Held
-from ..parameters import parameter, ParameterGroup
+from ..parameters.specification import parameter, ParameterGroup
 from ..signals.relations import COLUMNS, NoiseGain, Row
 
 _BLOCKS = 10  # of the window; judged a block at a time, since excitation changes slowly

@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .estimator import Held, OnlineEstimator, Snapshot, TimedRow
-from ..parameters import parameter, ParameterGroup
+from ..parameters.specification import parameter, ParameterGroup
 from ..signals.relations import Row
 
 _SETTLED = 0.01  # of the gate's step through the filter: after touch-down, laws do not commute

@@ -21,7 +21,7 @@ from math import expm1, nan, sqrt
 from typing import Sequence
 
 from .estimator import Held, OnlineEstimator, Snapshot, TimedRow, UNKNOWN_DAMPING_S
-from ..parameters import parameter, ParameterGroup
+from ..parameters.specification import parameter, ParameterGroup
 
 _SMALLEST = 1e-30
 _MEMORY_S = 1.0  # of the mean squares that normalise

@@ -22,7 +22,7 @@ from math import exp, nan, sqrt
 from typing import Sequence
 
 from .estimator import Held, OnlineEstimator, Snapshot, TimedRow
-from ..parameters import parameter, ParameterGroup
+from ..parameters.specification import parameter, ParameterGroup
 from ..signals.relations import Row
 
 _SMALLEST = 1e-18

@@ -23,7 +23,7 @@ from typing import Sequence
 import numpy as np
 
 from .estimator import Held, OnlineEstimator, Snapshot, TimedRow
-from ..parameters import parameter, ParameterGroup
+from ..parameters.specification import parameter, ParameterGroup
 from ..signals.relations import Row
 
 

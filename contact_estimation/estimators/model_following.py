@@ -19,8 +19,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from .estimator import Reference
-from ..parameters import parameter, ParameterGroup
+from ..parameters.specification import parameter, ParameterGroup
+from ..reference.setpoints import Reference
 
 
 @dataclass(frozen=True)
@@ -114,7 +114,7 @@ class ReferenceModel:
         """
         if self._last is None:
             return self._remember(position, velocity, force, reference)
-        (x_m, v_m, _), last_force, (x_r, v_r, a_r) = self._last
+        (x_m, v_m, _), last_force, (x_r, v_r, a_r, _) = self._last
         z, w = x_m - x_r, v_m - v_r  # M_t w' + B_t w + K_t z = F_e
         half = 0.5 * dt
         drag = half * (self._B + half * self._K)
@@ -126,7 +126,7 @@ class ReferenceModel:
         )
 
     def _remember(self, x_m: float, v_m: float, force: float, reference: Reference) -> Motion:
-        x_r, v_r, a_r = reference
+        x_r, v_r, a_r, _ = reference
         a_m = a_r + (force - self._B * (v_m - v_r) - self._K * (x_m - x_r)) / self._M
         motion = Motion(x_m, v_m, a_m)
         self._last = motion, force, reference

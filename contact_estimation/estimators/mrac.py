@@ -20,9 +20,10 @@ from dataclasses import dataclass
 from math import nan, sqrt
 from typing import Sequence
 
-from .estimator import EnvironmentParameters, Held, OnlineEstimator, Reference, Snapshot, TimedRow
+from .estimator import EnvironmentParameters, Held, OnlineEstimator, Snapshot, TimedRow
 from .model_following import ModelFollowing, ModelFollowingParameters
-from ..parameters import group, parameter, ParameterGroup
+from ..parameters.specification import group, parameter, ParameterGroup
+from ..reference.setpoints import Reference
 
 Matrix = tuple[float, float, float, float]  # 2 x 2 by rows: numpy is slow on so few numbers
 _GAP_PERIODS = 2.5

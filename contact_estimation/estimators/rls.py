@@ -21,7 +21,7 @@ from math import nan, sqrt
 from typing import Sequence
 
 from .estimator import Held, OnlineEstimator, Snapshot, TimedRow, UNKNOWN_DAMPING_S
-from ..parameters import parameter, ParameterGroup
+from ..parameters.specification import parameter, ParameterGroup
 from ..signals.relations import TustinRelation
 
 

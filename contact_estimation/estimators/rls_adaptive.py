@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .estimator import Held, OnlineEstimator, Snapshot, TimedRow
-from ..parameters import parameter, ParameterGroup
+from ..parameters.specification import parameter, ParameterGroup
 from ..signals.relations import Row, TustinRelation
 
 _SMALLEST = 1e-18

@@ -42,7 +42,7 @@ def jazzy_typestore() -> Any:
 
     """
     try:
-        from rosbags.typesys import Stores, get_typestore
+        from rosbags.typesys import get_typestore, Stores
     except ImportError as error:
         raise MissingPackageError.of(
             'rosbags', 'handling ROS 2 messages without a ROS installation'

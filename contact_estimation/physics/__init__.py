@@ -47,7 +47,7 @@ from .stiffness_drift import StiffnessDrift
 from .stribeck_friction import StribeckFriction
 from .tool_inertia import ToolInertia
 from .viscoelastic_relaxation import ViscoelasticRelaxation
-from ..parameters import group, ParameterGroup
+from ..parameters.specification import group, ParameterGroup
 
 EFFECTS: dict[str, type[Effect]] = {
     'coulomb_friction': CoulombFriction,

@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 
 from .physics import Array, ContactEffect, Flags, Number, Scales
-from ..parameters import parameter, ParameterGroup
+from ..parameters.specification import parameter, ParameterGroup
 
 NECK = 1.5e-3
 """Distance from the surface at which the wall lets go [m]."""

@@ -24,7 +24,7 @@ from typing import Any
 import numpy as np
 
 from .physics import Array, ContactEffect, Flags, Number, positive, Scales
-from ..parameters import parameter, ParameterGroup
+from ..parameters.specification import parameter, ParameterGroup
 
 POSITION_DOUBT = 1e-5
 """By how much a measured position may be off at the end of the play [m]."""

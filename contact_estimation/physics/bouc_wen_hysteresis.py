@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .physics import Array, ContactEffect, Flags, Number, Scales, stretches
-from ..parameters import parameter, ParameterGroup
+from ..parameters.specification import parameter, ParameterGroup
 
 _LARGEST = 50.0  # exponent; only a search far off the truth comes there
 _LITTLE = 1e-9  # exponent: the branch is straight

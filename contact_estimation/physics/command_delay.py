@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from math import nan
 
 from .physics import RobotEffect, Scales
-from ..parameters import parameter, ParameterGroup
+from ..parameters.specification import parameter, ParameterGroup
 
 
 @dataclass(frozen=True)

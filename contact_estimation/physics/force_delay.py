@@ -23,7 +23,7 @@ from math import nan
 import numpy as np
 
 from .physics import Array, ForceSensorEffect, Scales
-from ..parameters import parameter, ParameterGroup
+from ..parameters.specification import parameter, ParameterGroup
 
 
 @dataclass(frozen=True)

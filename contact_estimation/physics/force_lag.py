@@ -23,7 +23,7 @@ import numpy as np
 from scipy.signal import lfilter
 
 from .physics import Array, ForceSensorEffect, Scales
-from ..parameters import parameter, ParameterGroup
+from ..parameters.specification import parameter, ParameterGroup
 
 
 @dataclass(frozen=True)

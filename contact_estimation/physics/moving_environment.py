@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 
 from .physics import ContactEffect, Number, Scales
-from ..parameters import parameter, ParameterGroup
+from ..parameters.specification import parameter, ParameterGroup
 
 
 @dataclass(frozen=True)

@@ -32,7 +32,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..exceptions import ParameterRangeError
-from ..parameters import ParameterGroup
+from ..parameters.specification import ParameterGroup
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]

@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 
 from .physics import Array, ContactEffect, Flags, Number, positive, Scales
-from ..parameters import parameter, ParameterGroup
+from ..parameters.specification import parameter, ParameterGroup
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ from math import nan
 from typing import Any
 
 from .physics import ContactEffect, Number, Scales
-from ..parameters import parameter, ParameterGroup
+from ..parameters.specification import parameter, ParameterGroup
 
 
 @dataclass(frozen=True)

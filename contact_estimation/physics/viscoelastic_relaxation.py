@@ -24,7 +24,7 @@ import numpy as np
 from scipy.signal import lfilter
 
 from .physics import Array, ContactEffect, Flags, Number, Scales, stretches
-from ..parameters import parameter, ParameterGroup
+from ..parameters.specification import parameter, ParameterGroup
 
 
 @dataclass(frozen=True)

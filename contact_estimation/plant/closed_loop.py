@@ -22,10 +22,10 @@ from math import isnan
 from .plant_parameters import PlantParameters
 from .sensors import Sensors
 from .world import ReferenceAt, Truth, World
-from ..contact_session import ContactSession, Result
+from ..estimation.session import ContactSession, Result
 from ..exceptions import ParameterRangeError
 from ..reference.experiment import Experiment
-from ..reference.reference_generator import ReferencePoint
+from ..reference.setpoints import Reference
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ class ClosedLoopRun:
         return next(touching, None)
 
 
-def extrapolate(since: float, reference: ReferencePoint) -> ReferenceAt:
+def extrapolate(since: float, reference: Reference) -> ReferenceAt:
     """
     Follow a reference until the next comes: its parabola for two sample periods at most.
 
@@ -60,7 +60,7 @@ def extrapolate(since: float, reference: ReferencePoint) -> ReferenceAt:
     ----------
     since : float
         Time from which it holds [s].
-    reference : ReferencePoint
+    reference : Reference
         x_r with derivatives and F_r.
 
     Returns
@@ -135,7 +135,7 @@ def run_closed_loop(
     period_ns = round(1e9 * period)
     begin = experiment.desired(0.0)
     world, sensors = World(plant, begin.position), Sensors(plant)
-    reference = ReferencePoint(begin.position, 0.0, 0.0, 0.0)
+    reference = Reference(begin.position, 0.0, 0.0, 0.0)
     run, pushed = ClosedLoopRun([], []), push(0.0)
     for k in range(round(duration * plant.sample_rate)):
         follow = pushed if bare else extrapolate(k * period, reference)

@@ -19,7 +19,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Any
 
-from ..parameters import group, parameter, ParameterGroup
+from ..parameters.specification import group, parameter, ParameterGroup
 from ..physics import PhysicsParameters
 
 PAPER_NOISE = {'sensors.force_noise': 1.0, 'sensors.distribution': 'uniform'}

@@ -20,8 +20,15 @@ from typing import Mapping, NamedTuple
 import zlib
 
 from .decompression import decompress
-from .mcap_format import CHANNEL, MESSAGE, MESSAGE_HEAD, RECORD_HEAD, SCHEMA
-from .mcap_format import ChunkHead, ContentReader
+from .mcap_format import (
+    CHANNEL,
+    ChunkHead,
+    ContentReader,
+    MESSAGE,
+    MESSAGE_HEAD,
+    RECORD_HEAD,
+    SCHEMA,
+)
 from .topic_names import canonical
 
 

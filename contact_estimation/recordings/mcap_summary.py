@@ -21,8 +21,17 @@ from typing import BinaryIO
 import zlib
 
 from .chunk_reader import Channels
-from .mcap_format import CHANNEL, FOOTER, MAGIC, METADATA, METADATA_INDEX, RECORD_HEAD
-from .mcap_format import ContentReader, SCHEMA, STATISTICS
+from .mcap_format import (
+    CHANNEL,
+    ContentReader,
+    FOOTER,
+    MAGIC,
+    METADATA,
+    METADATA_INDEX,
+    RECORD_HEAD,
+    SCHEMA,
+    STATISTICS,
+)
 from .record_scanner import RecordScanner
 
 _FOOTER_CONTENT = 20

@@ -19,8 +19,16 @@ from __future__ import annotations
 import re
 from typing import BinaryIO, NamedTuple
 
-from .mcap_format import CHUNK, DATA_END, FOOTER, MAGIC, RECORD_HEAD, SHORTEST
-from .mcap_format import ChunkHead, parse_chunk_head
+from .mcap_format import (
+    CHUNK,
+    ChunkHead,
+    DATA_END,
+    FOOTER,
+    MAGIC,
+    parse_chunk_head,
+    RECORD_HEAD,
+    SHORTEST,
+)
 
 _WINDOW = 1 << 20
 _FIRST_PRIVATE_OPCODE = 0x80

@@ -21,7 +21,6 @@ from typing import Collection, Mapping
 
 from ..exceptions import RecordingError
 
-
 _ROLES = ('wrench', 'joint_states', 'reference_trajectory')
 
 

@@ -19,29 +19,10 @@ from __future__ import annotations
 import bisect
 from dataclasses import dataclass
 from math import nan
-from typing import NamedTuple
 
 from .excitation import Excitation
 from .quintic import quintic
-
-
-class Desired(NamedTuple):
-    """
-    What the planner wants at an instant.
-
-    Attributes
-    ----------
-    position, velocity, acceleration : float
-        x_d with derivatives [m], [m/s], [m/s^2].
-    force : float
-        F_r, positive while pressing [N]; NaN where no force is wanted.
-
-    """
-
-    position: float
-    velocity: float
-    acceleration: float
-    force: float
+from .setpoints import Desired
 
 
 @dataclass(frozen=True)

@@ -18,13 +18,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import isfinite
-from typing import NamedTuple
 
-from .experiment import Desired
 from .laws import LAWS
-from ..estimators.estimator import Reference
+from .setpoints import Desired, Reference
 from ..exceptions import ParameterRangeError
-from ..parameters import parameter, ParameterGroup
+from ..parameters.specification import parameter, ParameterGroup
 
 
 @dataclass(frozen=True)
@@ -52,25 +50,6 @@ class ReferenceParameters(ParameterGroup):
         2000.0, 'A faster change of F_r counts as a step, which has no feed-forward', 'N/s',
         minimum=0.0,
     )
-
-
-class ReferencePoint(NamedTuple):
-    """
-    What the node publishes as `reference_trajectory`.
-
-    Attributes
-    ----------
-    position, velocity, acceleration : float
-        x_r with derivatives [m], [m/s], [m/s^2].
-    force : float
-        F_r while a force law is active, else 0 [N].
-
-    """
-
-    position: float
-    velocity: float
-    acceleration: float
-    force: float
 
 
 class ReferenceGenerator:
@@ -102,7 +81,7 @@ class ReferenceGenerator:
     def reset(self) -> None:
         """Forget the past: the next reference is taken as it comes."""
         self._mode: str | None = None
-        self._last: ReferencePoint | None = None
+        self._last: Reference | None = None
         self._offset, self._faded_s = 0.0, 0.0
         self._lags = False  # behind what is wanted, because of the slew limit
         self._forces: list[tuple[float, float]] = []  # (time, F_r), at most three
@@ -129,7 +108,7 @@ class ReferenceGenerator:
 
     def step(
         self, t: float, dt: float, desired: Desired, contact: bool, x_e: float, K_hat: float
-    ) -> ReferencePoint:
+    ) -> Reference:
         """
         Make the reference of one instant.
 
@@ -150,7 +129,7 @@ class ReferenceGenerator:
 
         Returns
         -------
-        reference : ReferencePoint
+        reference : Reference
             Continuous in position.
 
         """
@@ -169,7 +148,7 @@ class ReferenceGenerator:
             # What the planner itself wants is never too fast.
             own = 0.0 if active else abs(desired.velocity)
             reference = self._limit(dt, faded, self._p.maximum_velocity + own)
-        self._last = ReferencePoint(*reference, desired.force if active else 0.0)
+        self._last = reference._replace(force=desired.force if active else 0.0)
         return self._last
 
     def _differentiate(self, t: float, F_r: float) -> tuple[float, float]:

@@ -24,8 +24,8 @@ import numpy as np
 from .cases import CASES, OnlineCase
 from .runs import B_E, K_E, simulate, step_recording
 from .testbed_figures import draw_testbed_figures
-from ..commands.loop_picture import require_matplotlib
 from ..estimators.signal_processing import FFT_POINTS, SETTLED, step_response
+from ..optional_packages import require_matplotlib
 
 _COLOURS = ('#0b6e99', '#c2410c', '#d4a017', '#4d7c0f', '#7c3aed')
 _TRUE = '#9aa5b1'

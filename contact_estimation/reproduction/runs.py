@@ -23,11 +23,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .cases import OnlineCase, StepCase
-from ..contact_session import ContactSession
-from ..estimation_parameters import EstimationParameters
+from ..estimation.parameters import EstimationParameters
+from ..estimation.session import ContactSession
 from ..estimators import OFFLINE_ESTIMATORS
 from ..estimators.offline_estimator import TargetImpedance
-from ..parameter_values import build
+from ..parameters.values import build
 from ..plant.closed_loop import ClosedLoopRun, run_closed_loop
 from ..plant.open_loop import run_open_loop
 from ..plant.plant_parameters import PAPER_NOISE, PlantParameters

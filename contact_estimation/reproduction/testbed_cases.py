@@ -21,10 +21,10 @@ from math import nan
 from typing import Any, Mapping
 
 from .cases import BEST, CASES, OnlineCase
+from .testbed_constants import TESTBED
 from ..reference.excitation import Excitation, PseudoRandomBinary, Sine
 from ..reference.experiment import Experiment
 from ..reference.experiments import FORCE_EXCITATION, manoeuvre
-from ..testbed.constants import TESTBED
 
 TESTBED_RUNS = 10
 """The paper's number of experiments of each kind."""

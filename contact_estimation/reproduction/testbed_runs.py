@@ -16,20 +16,20 @@
 
 from __future__ import annotations
 
+from .arm_identification import identify_arm
 from .runs import bounds, DESIRED_FORCE, Errors
+from .testbed_acquisition import PaperAcquisition, RawAcquisition
 from .testbed_cases import TestbedCase, TestbedStepCase
-from ..contact_session import ContactSession
-from ..estimation_parameters import EstimationParameters
+from .testbed_constants import TESTBED
+from .testbed_running import record_testbed, run_testbed
+from ..estimation.parameters import EstimationParameters
+from ..estimation.session import ContactSession
 from ..estimators import OFFLINE_ESTIMATORS
 from ..estimators.offline_estimator import TargetImpedance
-from ..parameter_values import build
+from ..parameters.values import build
 from ..plant.closed_loop import ClosedLoopRun
-from ..reference.reference_generator import ReferencePoint
+from ..reference.setpoints import Reference
 from ..signals.contact_recording import ContactRecording
-from ..testbed.acquisition import PaperAcquisition, RawAcquisition
-from ..testbed.arm_identification import identify_arm
-from ..testbed.constants import TESTBED
-from ..testbed.running import record_testbed, run_testbed
 
 K_E, B_E = TESTBED.wall.stiffness, TESTBED.wall.damping
 _STEP_AT_S, _STEP_RUN_S = 0.5, 4.5
@@ -105,8 +105,8 @@ def record_step(seed: int, as_paper: bool) -> ContactRecording:
     target = TargetImpedance()
     depth = DESIRED_FORCE * (target.stiffness + K_E) / (target.stiffness * K_E)
 
-    def step(t: float) -> ReferencePoint:
-        return ReferencePoint(depth if t >= _STEP_AT_S else 0.0, 0.0, 0.0, 0.0)
+    def step(t: float) -> Reference:
+        return Reference(depth if t >= _STEP_AT_S else 0.0, 0.0, 0.0, 0.0)
 
     acquisition = PaperAcquisition(TESTBED) if as_paper else RawAcquisition()
     return record_testbed(target, step, 0.0, _STEP_RUN_S, acquisition, seed).contact

@@ -24,7 +24,7 @@ from rclpy.node import Node
 
 from .rclpy_codec import message_class, RclpyCodec
 from .topics import OUTPUT_QOS, REFERENCE, STRING, TRAJECTORY, VECTOR3
-from ..contact_session import Result
+from ..estimation.session import Result
 from ..messages import StringEncoder, TrajectoryEncoder, Vector3StampedEncoder
 
 _ALWAYS: dict[str, Callable[[Any], float]] = {

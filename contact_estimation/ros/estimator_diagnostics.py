@@ -23,10 +23,10 @@ from typing import Any, Mapping
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
-from ..contact_session import ContactSession
-from ..estimation_pipeline import EstimationPipeline
+from .percentiles import percentiles
+from ..estimation.pipeline import EstimationPipeline
+from ..estimation.session import ContactSession
 from ..estimators.estimator import Estimate
-from ..percentiles import percentiles
 
 _LATENCIES_KEPT = 2000
 _TARE_DUE = 2.0  # force noises; the level is a mean over half a second

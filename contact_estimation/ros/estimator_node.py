@@ -32,16 +32,16 @@ from .estimator_node_parameters import EstimatorNodeParameters
 from .parameters import declare, serve_changes
 from .rclpy_codec import RclpyCodec
 from .running import run_node
-from ..contact_readings import ContactReadings
-from ..contact_session import ContactSession, Result
-from ..estimation_events import biases, CHANGE, EstimationEvent, event_now, RESET, START, TARE
-from ..estimation_parameters import EstimationParameters
+from ..estimation.axes import estimated_axes
+from ..estimation.events import biases, CHANGE, EstimationEvent, event_now, RESET, START, TARE
+from ..estimation.parameters import EstimationParameters
+from ..estimation.readings import ContactReadings
+from ..estimation.session import ContactSession, Result
 from ..exceptions import MessageError
-from ..further_axes import estimated_axes
 from ..messages import TrajectoryDecoder
-from ..parameter_values import build, changed, divided, flatten
-from ..parameters import ParameterSpecification, specifications
-from ..reference.experiment import Desired
+from ..parameters.specification import ParameterSpecification, specifications
+from ..parameters.values import build, changed, divided, flatten
+from ..reference.setpoints import Desired
 
 PURPOSE = 'estimator_node: estimate contact stiffness and damping, publish a reference trajectory'
 

@@ -34,14 +34,14 @@ from .rclpy_codec import message_class, RclpyCodec
 from .running import run_node
 from ..exceptions import MessageError, ParameterRangeError
 from ..messages import JointStateEncoder, TrajectoryDecoder, TrajectoryEncoder, WrenchEncoder
-from ..parameter_values import build, changed, divided
-from ..parameters import ParameterSpecification, specifications
+from ..parameters.specification import ParameterSpecification, specifications
+from ..parameters.values import build, changed, divided
 from ..plant.closed_loop import extrapolate
 from ..plant.plant_parameters import PlantParameters
 from ..plant.sensors import Sensors
 from ..plant.world import World
 from ..reference.experiments import experiment_named
-from ..reference.reference_generator import ReferencePoint
+from ..reference.setpoints import Reference
 
 PURPOSE = 'plant_node: simulate robot, wall and sensors, and play an experiment on them'
 _SETTLING_S = 0.5  # a match seen here may not yet be seen on the other side
@@ -76,9 +76,9 @@ class PlantNode(Node):
         self._experiment = experiment.cyclic() if self._own.repeat else experiment
         start = experiment.desired(0.0).position
         self._world, self._sensors = World(self._plant, start), Sensors(self._plant)
-        self._reference = ReferencePoint(start, 0.0, 0.0, 0.0)
+        self._reference = Reference(start, 0.0, 0.0, 0.0)
         self._followed_since = 0.0
-        self._waiting: deque[tuple[int, ReferencePoint]] = deque(maxlen=1000)
+        self._waiting: deque[tuple[int, Reference]] = deque(maxlen=1000)
         self._period_ns = round(1e9 / self._plant.sample_rate)
         self.statistics = PlantStatistics(self._period_ns)
         self._connect()
@@ -181,7 +181,7 @@ class PlantNode(Node):
             return
         self.statistics.answered(stamp_ns)
         x, v, a, effort = (0.0 if value != value else value for value in point)
-        self._waiting.append((stamp_ns, ReferencePoint(x, v, a, effort)))
+        self._waiting.append((stamp_ns, Reference(x, v, a, effort)))
 
     def _follow_newest(self, begin_ns: int, k: int) -> None:
         """Follow the newest reference whose instant has come."""

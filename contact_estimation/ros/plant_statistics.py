@@ -19,7 +19,7 @@ from __future__ import annotations
 import time
 from typing import Any
 
-from ..percentiles import percentiles
+from .percentiles import percentiles
 
 
 class PlantStatistics:

@@ -28,10 +28,10 @@ from .data_thread import DataThread, RawSubscriptions
 from .parameters import declare
 from .rclpy_codec import RclpyCodec
 from .running import run_node
-from ..estimation_events import EstimationEvent, START
+from ..estimation.events import EstimationEvent, START
 from ..exceptions import ContactEstimationError, ParameterRangeError
-from ..parameter_values import build
-from ..parameters import parameter, ParameterGroup, specifications
+from ..parameters.specification import parameter, ParameterGroup, specifications
+from ..parameters.values import build
 from ..recordings import OfferedQos, RecordingWriter
 from ..recordings.estimation_metadata import RECORD, to_metadata
 

@@ -29,7 +29,7 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
 from ..exceptions import ContactEstimationError
-from ..parameters import ParameterSpecification
+from ..parameters.specification import ParameterSpecification
 
 
 class RunnableNode(Protocol):

@@ -32,7 +32,7 @@ from .butterworth import ButterworthBank
 from .contact_detection import ContactDetector, ContactParameters
 from .contact_sample import ContactSample
 from .relations import COLUMNS, NO_GAIN, NoiseGain, Relation, Row
-from ..parameters import parameter, ParameterGroup
+from ..parameters.specification import parameter, ParameterGroup
 
 _ZEROS = (0.0,) * COLUMNS
 _TARE_S = 0.5

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from math import sqrt
 from typing import Sequence
 
-from ..parameters import parameter, ParameterGroup
+from ..parameters.specification import parameter, ParameterGroup
 
 _SETTLING_S = 0.5
 _OUTLIER = 4.0  # standard deviations beyond which a free-flight sample counts only this much

@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .contact_sample import ContactSample
-from ..parameters import parameter, ParameterGroup
+from ..parameters.specification import parameter, ParameterGroup
 
 Motion = tuple[int, float, float]  # stamp_ns, position, velocity
 _MOTIONS_KEPT = 10_000  # where no wrench comes

@@ -1,0 +1,226 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Experiments that could come next, all within what the recordings reached."""
+
+from __future__ import annotations
+
+from typing import NamedTuple, Sequence
+
+from ...reference.experiment import Experiment, Segment
+
+_PEAK = 1.875  # greatest over mean speed of a quintic
+_REST_S = 0.6  # in free flight, where the noise is measured, and after a swing
+_LEAST_GAP = 0.002  # [m]
+_SWUNG_S = 3.0
+_TOUCHES = 3  # so that one can be held out
+
+
+class Reach(NamedTuple):
+    """
+    How far the recordings went.
+
+    Attributes
+    ----------
+    location, gap : float
+        Surface of the wall, and how far before it the tool was [m].
+    depth : float
+        Penetration [m].
+    gain : float
+        x_d beyond the surface, a unit of penetration at rest: 1 + K_e / K_t.
+    speed, touch_down_speed : float
+        Greatest, and typical at touch-down [m/s].
+
+    """
+
+    location: float
+    gap: float
+    depth: float
+    gain: float
+    speed: float
+    touch_down_speed: float
+
+    @property
+    def start(self) -> float:
+        """Where a touch begins [m]: a quarter of the stroke before the wall, if it was there."""
+        gap = min(self.gap, 0.25 * self.gain * self.depth)
+        return self.location - max(_LEAST_GAP, gap)
+
+    def position(self, depth: float) -> float:
+        """Tell which x_d [m] presses to a depth [m]."""
+        return self.location + self.gain * depth
+
+    def way(self, depth: float, speed: float) -> float:
+        """Tell how long a quintic to a depth [m] takes that never exceeds a speed [m/s]."""
+        return _PEAK * (self.position(depth) - self.start) / speed
+
+
+class Candidate(NamedTuple):
+    """
+    An experiment that could come next.
+
+    Attributes
+    ----------
+    words : str
+        What to do, to be read after 'please', in a sentence.
+    experiment : Experiment
+        One touch.
+
+    """
+
+    words: str
+    experiment: Experiment
+
+    def repeated(self) -> Experiment:
+        """Touch several times: one of them can then be held out."""
+        once = self.experiment
+        return Experiment(once.name, once.start, once.segments * _TOUCHES)
+
+
+def candidates(reach: Reach) -> list[Candidate]:
+    """
+    List what could be run.
+
+    Parameters
+    ----------
+    reach : Reach
+        Limits.
+
+    Returns
+    -------
+    candidates : list of Candidate
+        Fast and slow, deep and shallow, short and long, swings at one frequency and at many.
+
+    """
+    made = [
+        press(reach, share, pace, dwell)
+        for share, pace, dwell in (
+            (1.0, 1.0, 1.0), (1.0, 0.3, 8.0), (0.4, 1.0, 1.0), (0.4, 0.1, 1.0),
+        )
+    ]
+    made += [swing(reach, (frequency,), 0.6, 0.35) for frequency in (1.0, 5.0, 12.0)]
+    made += [swing(reach, (2.0,), 0.35, 0.6), swing(reach, (1.0, 2.0, 4.0, 8.0, 14.0), 0.6, 0.35)]
+    return made
+
+
+def press(reach: Reach, share: float, pace: float, dwell: float) -> Candidate:
+    """
+    Press, hold, withdraw.
+
+    Parameters
+    ----------
+    reach : Reach
+        Limits.
+    share, pace : float
+        Of their depth and speed.
+    dwell : float
+        Time at depth [s].
+
+    Returns
+    -------
+    candidate : Candidate
+        One touch.
+
+    """
+    depth, speed = share * reach.depth, pace * reach.speed
+    words = (f'press {1e3 * depth:.2g} mm deep at up to {speed:.2g} m/s and hold for '
+             f'{dwell:g} s')
+    return Candidate(words, _touch(reach, 'press', depth, speed, [_hold(reach, depth, dwell)]))
+
+
+def _hold(reach: Reach, depth: float, dwell: float) -> Segment:
+    return Segment(dwell, reach.position(depth))
+
+
+def swing(reach: Reach, frequencies: Sequence[float], share: float, width: float) -> Candidate:
+    """
+    Swing about a depth, back and forth by quintics: a sine would begin with a jerk.
+
+    Parameters
+    ----------
+    reach : Reach
+        Limits; the swing is narrower where it would be faster than they allow.
+    frequencies : sequence of float
+        One after the other [Hz].
+    share, width : float
+        Of the depth: middle and amplitude.
+
+    Returns
+    -------
+    candidate : Candidate
+        One touch.
+
+    """
+    depth, swings, widest = share * reach.depth, [], 0.0
+    into = 0.5 / frequencies[0]  # from one swing to the next, which may be narrower, in its time
+    for frequency in frequencies:
+        half = 0.5 / frequency
+        amplitude = min(width * reach.depth, 0.5 * half * reach.speed / _PEAK)
+        widest = max(widest, amplitude)
+        count = 2 * max(2, round(frequency * _SWUNG_S / len(frequencies)))
+        ends = [reach.position(depth + amplitude * (-1.0) ** k) for k in range(count)]
+        swings += [Segment(into, ends[0]), *(Segment(half, end) for end in ends[1:])]
+        into = half
+    at = ' to '.join(f'{f:g}' for f in dict.fromkeys((frequencies[0], frequencies[-1])))
+    words = (f'press {1e3 * depth:.2g} mm deep and swing x_d about there by up to '
+             f'{1e3 * reach.gain * widest:.2g} mm at {at} Hz')
+    return Candidate(words, _touch(reach, 'swing', depth, 0.3 * reach.speed, swings))
+
+
+def _touch(
+    reach: Reach, name: str, depth: float, speed: float, held: Sequence[Segment]
+) -> Experiment:
+    """Approach, do what is asked for at depth, withdraw; at no time does x_d jump."""
+    way, deep = reach.way(depth, speed), reach.position(depth)
+    last = held[-1].position
+    back = [Segment(_REST_S, deep)] if last != deep else []
+    return Experiment(name, reach.start, (
+        Segment(_REST_S, reach.start),
+        Segment(way, deep),
+        *held,
+        *back,
+        Segment(way, reach.start),
+        Segment(_REST_S, reach.start),
+    ))
+
+
+def scaling_test(reach: Reach) -> Candidate:
+    """
+    Touch at two depths and two speeds: what the unknown scales with tells what it is.
+
+    Parameters
+    ----------
+    reach : Reach
+        Limits.
+
+    Returns
+    -------
+    candidate : Candidate
+        Four touches.
+
+    """
+    depths = (reach.depth, 0.5 * reach.depth)
+    speeds = (0.5 * reach.touch_down_speed, 2.0 * reach.touch_down_speed)
+    words = (
+        'No effect of the library explains this. Press '
+        f'{1e3 * depths[0]:.2g} and {1e3 * depths[1]:.2g} mm deep, each at up to '
+        f'{speeds[0]:.2g} and {speeds[1]:.2g} m/s (half and twice the speed of the touch-downs '
+        'here): what is left and grows with depth belongs to the spring, what grows with speed '
+        'to damping or to the timing of the sensors, what grows with neither to friction or to '
+        'an offset.'
+    )
+    touches = [_touch(reach, '', depth, speed, [_hold(reach, depth, 1.0)]).segments
+               for depth in depths for speed in speeds]
+    segments = tuple(segment for touch in touches for segment in touch)
+    return Candidate(words, Experiment('two depths at two speeds', reach.start, segments))

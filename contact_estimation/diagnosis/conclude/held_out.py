@@ -1,0 +1,225 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""How well models predict what no fit has seen."""
+
+from __future__ import annotations
+
+from typing import NamedTuple, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .finding import Errors, HeldOutErrors
+from ..observe.model import Model
+from ..observe.observed import START_S
+from ..observe.ports import Ports
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+_BLOCK_S = 0.25
+_DRAWS = 400
+_NOTHING = 1.0  # of cost: what no test could see
+
+
+class Part(NamedTuple):
+    """
+    A held-out part with the squared errors of the models on it.
+
+    Attributes
+    ----------
+    name : str
+        Of the part.
+    force : ndarray, shape (models, blocks)
+        Sums of squared force errors over blocks of a quarter second [N^2].
+    samples : ndarray, shape (blocks,)
+        Samples in them.
+    motion : ndarray, shape (models, blocks), or None
+        Sums of squared position errors [m^2], and samples.
+
+    """
+
+    name: str
+    force: Array
+    samples: Array
+    motion: Array | None
+    motion_samples: Array
+
+
+def measure_part(
+    name: str, port: Ports, samples: Flags, models: Sequence[Model],
+    runs: Sequence[Array] | None,
+) -> Part:
+    """
+    Measure the models' errors on one part.
+
+    Parameters
+    ----------
+    name : str
+        Of the part.
+    port : Ports
+        The recording.
+    samples : ndarray of bool, shape (N,)
+        The part.
+    models : sequence of Model
+        Nominal, recalibrated, corrected.
+    runs : sequence of ndarray or None
+        Their free-run positions [m].
+
+    Returns
+    -------
+    part : Part
+        Block sums.
+
+    """
+    o = port.observed
+    touching = samples & port.use & o.measured
+    law = models[-1].laws().contact
+    if law.unilateral:
+        inside = law.contact(o.t, o.x, o.v)
+        if (touching & inside).any():
+            touching &= inside
+    span = max(1, round(_BLOCK_S / o.h))
+    squares = [(port.force_residual(model) * touching) ** 2 for model in models]
+    moved = samples & (o.t >= START_S)
+    motion = None
+    if runs is not None:
+        motion = np.array([_sums((o.raw_position - x) ** 2 * moved, span) for x in runs])
+    return Part(name, np.array([_sums(s, span) for s in squares]),
+                _sums(touching.astype(float), span), motion, _sums(moved.astype(float), span))
+
+
+def _sums(signal: Array, span: int) -> Array:
+    return np.add.reduceat(signal, np.arange(0, len(signal), span))
+
+
+def errors_of(parts: Sequence[Part]) -> tuple[Errors, Errors]:
+    """
+    Pool parts.
+
+    Parameters
+    ----------
+    parts : sequence of Part
+        Held out.
+
+    Returns
+    -------
+    force, motion : Errors
+        Root-mean-square [N], [m].
+
+    """
+    force = sum(part.force.sum(axis=1) for part in parts)
+    count = sum(float(part.samples.sum()) for part in parts)
+    moved = [part for part in parts if part.motion is not None]
+    motion = sum(part.motion.sum(axis=1) for part in moved if part.motion is not None)
+    moved_count = sum(float(part.motion_samples.sum()) for part in moved)
+    return _errors(force, count), _errors(motion, moved_count)
+
+
+def _errors(sums: Array | int, count: float) -> Errors:
+    if isinstance(sums, int) or count == 0.0:
+        return Errors(None, None, None)
+    return Errors(*(float(np.sqrt(value / count)) for value in sums))
+
+
+def by_part(parts: Sequence[Part]) -> list[HeldOutErrors]:
+    """
+    List the errors part by part; parameters as `errors_of`.
+
+    Returns
+    -------
+    errors : list of HeldOutErrors
+        In order.
+
+    """
+    return [HeldOutErrors(part.name, *errors_of([part])) for part in parts]
+
+
+def improvement_interval(
+    parts: Sequence[Part], generator: np.random.Generator
+) -> tuple[float, float] | None:
+    """
+    Bootstrap 1 - corrected / recalibrated over blocks of time, paired.
+
+    Parameters
+    ----------
+    parts : sequence of Part
+        Held out.
+    generator : numpy.random.Generator
+        Draws the blocks.
+
+    Returns
+    -------
+    interval : (float, float) or None
+        95 %; None with fewer than two blocks.
+
+    """
+    force = np.concatenate([part.force for part in parts], axis=1)
+    count = np.concatenate([part.samples for part in parts])
+    use = np.flatnonzero(count > 0.0)
+    if len(use) < 2:
+        return None
+    drawn = generator.choice(use, (_DRAWS, len(use)))
+    recalibrated, corrected = (force[k][drawn].sum(axis=1) for k in (1, 2))
+    ratios = 1.0 - np.sqrt(corrected / np.maximum(recalibrated, 1e-300))
+    low, high = np.percentile(ratios, (2.5, 97.5))
+    return float(low), float(high)
+
+
+def as_good(
+    port: Ports, samples: Flags, best: Model, rival: Model, generator: np.random.Generator
+) -> bool:
+    """
+    Tell whether a rival predicts held-out data no worse than by the width of the interval.
+
+    Parameters
+    ----------
+    port : Ports
+        The recording.
+    samples : ndarray of bool, shape (N,)
+        The held-out part.
+    best, rival : Model
+        Fitted on the rest.
+    generator : numpy.random.Generator
+        Draws blocks of time.
+
+    Returns
+    -------
+    as_good : bool
+        By a paired bootstrap of 95 % over blocks of time.
+
+    """
+    o, span = port.observed, max(1, round(_BLOCK_S / port.observed.h))
+    use = samples & port.use
+    differences = np.zeros(len(_sums(use.astype(float), span)))
+    for noise, residual in (
+        (port.force_noise, Ports.force_residual), (port.motion_noise, Ports.motion_residual),
+    ):
+        here, there = residual(port, best), residual(port, rival)
+        if here is None or there is None:
+            continue
+        mask = use & o.measured
+        low = [_smoothed(part * mask / noise, port.block) ** 2 for part in (there, here)]
+        differences += _sums(low[0] - low[1], span)
+    blocks = np.flatnonzero(_sums(use.astype(float), span) > 0.0)
+    if len(blocks) < 2:
+        return False
+    drawn = generator.choice(blocks, (_DRAWS, len(blocks)))
+    low, high = np.percentile(differences[drawn].sum(axis=1), (2.5, 97.5))
+    return bool(differences.sum() <= max(high - low, _NOTHING))
+
+
+def _smoothed(signal: Array, block: int) -> Array:
+    return np.convolve(signal, np.ones(block) / np.sqrt(block), mode='same')

@@ -1,0 +1,246 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Fitting a model to the ports: several starts, Gauss-Newton steps, then a bounded search."""
+
+from __future__ import annotations
+
+from typing import Callable, NamedTuple, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+
+from ..observe.model import Model
+from ..observe.ports import Ports
+
+Array = NDArray[np.float64]
+
+_STEP = 1e-4  # relative, of the finite differences
+_MOST_GOES, _SLOWLY = 4, 0.99  # times 25 steps; less gained than a hundredth is no gain
+_AT_END = 1e-6  # of its size: a value that has come to the end of its range
+_BEYOND_MEASURE = 1e6  # standard deviations: a model that has run away
+
+
+class Fit(NamedTuple):
+    """
+    A fitted model.
+
+    Attributes
+    ----------
+    model : Model
+        With the best values.
+    cost : float
+        Sum of the squared residuals, in standard deviations.
+    residuals : ndarray, shape (R,)
+        At the best values.
+    filled : int
+        Number of residuals that are not empty.
+    ended : bool
+        False where the search ran out of steps while it still got better.
+
+    """
+
+    model: Model
+    cost: float
+    residuals: Array
+    filled: int
+    ended: bool = True
+
+
+def residual_function(
+    ports: Sequence[Ports], model: Model, robust: bool = True, briefly: bool = False
+) -> Callable[[Array], Array]:
+    """
+    Make the function that is minimised.
+
+    Parameters
+    ----------
+    ports : sequence of Ports
+        Recordings, fitted together.
+    model : Model
+        Its `coordinates` are the unknowns.
+    robust, briefly : bool
+        As for `Ports.residuals`.
+
+    Returns
+    -------
+    residuals : callable
+        Coordinates to stacked residuals.
+
+    """
+
+    def residuals(values: Array) -> Array:
+        there = model.with_free(values)
+        with np.errstate(all='ignore'):
+            stacked = np.concatenate([port.residuals(there, robust, briefly) for port in ports])
+        return np.where(np.abs(stacked) < _BEYOND_MEASURE, stacked, _BEYOND_MEASURE)
+
+    return residuals
+
+
+def fit(
+    ports: Sequence[Ports], model: Model, steps: int = 25, briefly: bool = False
+) -> Fit:
+    """
+    Search from the model's own values.
+
+    Parameters
+    ----------
+    ports : sequence of Ports
+        Recordings, fitted together.
+    model : Model
+        Start, and what is free.
+    steps : int
+        Most steps of the search; with few of them it also ends at a thousandth of the cost.
+    briefly : bool
+        As for `Ports.residuals`.
+
+    Returns
+    -------
+    fit : Fit
+        The best found.
+
+    """
+    function = residual_function(ports, model, briefly=briefly)
+    (low, high), size = model.ranges, model.steps
+    with np.errstate(all='ignore'):  # far off the truth costs are beyond all measure
+        found = least_squares(
+            function, np.clip(model.coordinates, low + 1e-9 * size, high), bounds=(low, high),
+            x_scale=size, diff_step=_STEP, max_nfev=steps, xtol=1e-6, gtol=1e-12,
+            ftol=1e-3 if steps < 10 else 1e-6,
+        )
+    there = model.with_free(np.where(found.x - low < _AT_END * size, low, found.x))
+    filled = sum(port.count for port in ports)
+    return Fit(there, 2.0 * found.cost, found.fun, filled, bool(found.status > 0))
+
+
+def fit_to_end(ports: Sequence[Ports], found: Fit) -> Fit:
+    """
+    Go on with a search that ran out of steps.
+
+    Parameters
+    ----------
+    ports : sequence of Ports
+        Recordings, fitted together.
+    found : Fit
+        So far.
+
+    Returns
+    -------
+    fit : Fit
+        From where no step gains much.
+
+    """
+    for _ in range(_MOST_GOES):
+        if found.ended:
+            break
+        before, found = found.cost, fit(ports, found.model)
+        if found.cost > _SLOWLY * before:
+            break
+    return found
+
+
+def differentiate_by(
+    values: Array, size: Array, function: Callable[[Array], Array], here: Array,
+    share: float = _STEP,
+) -> Array:
+    """
+    Differentiate a function of several values by forward differences.
+
+    Parameters
+    ----------
+    values : ndarray, shape (P,)
+        Where.
+    size : ndarray, shape (P,)
+        By the relative change of what.
+    function : callable
+        Values to residuals.
+    here : ndarray, shape (R,)
+        Its result at `values`.
+    share : float
+        Step, as a share of `size`.
+
+    Returns
+    -------
+    jacobian : ndarray, shape (R, P)
+        A column for each value, for a change by its size.
+
+    """
+    columns = np.empty((len(here), len(values)))
+    for k in range(len(values)):
+        moved = values.copy()
+        moved[k] += share * size[k]
+        columns[:, k] = (function(moved) - here) / share
+    return columns
+
+
+def step(ports: Sequence[Ports], model: Model) -> tuple[float, Model]:
+    """
+    Take one Gauss-Newton step, exact for what is linear.
+
+    Parameters
+    ----------
+    ports : sequence of Ports
+        Recordings.
+    model : Model
+        Start.
+
+    Returns
+    -------
+    cost : float
+        After the step, or before it where the step makes things worse.
+    model : Model
+        There.
+
+    """
+    # Bent residuals would hide from a first step how far it has to go.
+    straight, bent = (residual_function(ports, model, robust, True) for robust in (False, True))
+    (low, high), size = model.ranges, model.steps
+    start = np.clip(model.coordinates, low, high)
+    at_start = straight(start)
+    best_cost, best = _sum_of_squares(bent(start)), start
+    columns = differentiate_by(start, size, straight, at_start)
+    change = np.linalg.lstsq(columns, -at_start, rcond=1e-10)[0] * size
+    for share in (1.0, 0.3):
+        tried = np.clip(start + share * change, low, high)
+        cost = _sum_of_squares(bent(tried))
+        if cost < best_cost:
+            best_cost, best = cost, tried
+            break
+    return best_cost, model.with_free(best)
+
+
+def cost_of(ports: Sequence[Ports], model: Model) -> float:
+    """
+    Evaluate a model as it is.
+
+    Parameters
+    ----------
+    ports : sequence of Ports
+        Recordings.
+    model : Model
+        With its values.
+
+    Returns
+    -------
+    cost : float
+        Sum of the squared residuals, in standard deviations.
+
+    """
+    return _sum_of_squares(residual_function(ports, model)(model.coordinates))
+
+
+def _sum_of_squares(residuals: Array) -> float:
+    return float(residuals @ residuals)

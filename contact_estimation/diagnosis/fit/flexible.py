@@ -1,0 +1,116 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+Whether a flexible smoother still predicts what a model leaves: structure, or noise.
+
+Ridge regression on penetration, rate, acceleration, force and their products, present and past,
+learned on one part of the recording and judged on another.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..observe.model import Model
+from ..observe.ports import Ports
+
+Array = NDArray[np.float64]
+
+_LAGS_S = (0.0, 0.01, 0.03, 0.08, 0.2)
+_RIDGE = 1e-3
+_FOLDS = 4
+
+
+def predictable_share(port: Ports, model: Model) -> float:
+    """
+    Tell how much of the residuals a smoother predicts in blocks it has not seen.
+
+    Parameters
+    ----------
+    port : Ports
+        A recording.
+    model : Model
+        Fitted.
+
+    Returns
+    -------
+    share : float
+        Of the residuals' variance, the larger of both ports; below 0 where there is nothing.
+
+    """
+    features = _features(port, model)
+    return max(_cross_validated(features, part) for part in port.split(port.residuals(model)))
+
+
+def memory(port: Ports, model: Model) -> float:
+    """
+    Tell how much neighbouring residuals know of each other.
+
+    Parameters
+    ----------
+    port : Ports
+        A recording.
+    model : Model
+        Fitted.
+
+    Returns
+    -------
+    correlation : float
+        Largest size of the autocorrelation over the next five blocks, of the ports whose residual
+        is larger than its noise; 0 for noise, however loud.
+
+    """
+    largest = 0.0
+    for part in port.split(port.residuals(model)):
+        power = float(part @ part)
+        if power < 1.5 * len(part):
+            continue
+        for lag in range(1, 6):
+            largest = max(largest, abs(float(part[lag:] @ part[:-lag])) / power)
+    return largest
+
+
+def _features(port: Ports, model: Model) -> Array:
+    o, law = port.observed, model.laws().contact
+    force, d = law.force_and_depth(o.t, o.x, o.v, o.a)
+    inside = (force != 0.0).astype(float)
+    signals = [inside, inside * d, inside * o.v, inside * o.a, force, o.x, o.v, o.a,
+               inside * np.tanh(o.v / 2e-3), np.tanh(o.v / 2e-3)]
+    if o.reference is not None:
+        signals += list(o.reference[:3])
+    rows = [port.blocks(signal) for signal in signals]
+    count = len(rows[0])
+    unit = [(row - row.mean()) / (row.std() + 1e-12) for row in rows]
+    columns = []
+    for lag in _LAGS_S:
+        shift = round(lag / (o.h * port.block))
+        columns += [np.concatenate((np.full(shift, row[0]), row[:count - shift]))
+                    for row in unit]
+    products = [a * b for k, a in enumerate(unit[:5]) for b in unit[k:5]]
+    return np.array([np.ones(count), *columns, *products]).T
+
+
+def _cross_validated(features: Array, target: Array) -> float:
+    """Predict contiguous folds from the others; give 1 - error / variance."""
+    folds = np.array_split(np.arange(len(target)), _FOLDS)
+    error = 0.0
+    for fold in folds:
+        rest = np.setdiff1d(np.arange(len(target)), fold)
+        known, y = features[rest], target[rest]
+        gram = known.T @ known + _RIDGE * len(rest) * np.eye(features.shape[1])
+        error += float(np.sum((target[fold] - features[fold] @ np.linalg.solve(
+            gram, known.T @ y)) ** 2))
+    return 1.0 - error / max(float(np.sum(target**2)), 1e-300)

@@ -1,0 +1,138 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""A model run free: from its command, or a wall without a robot from the measured force."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..observe.driven_wall import DrivenWall
+from ..observe.model import Model
+from ..observe.observed import Observed
+from ...parameters.specification import specifications
+from ...parameters.values import build, flatten
+from ...physics import EFFECTS
+from ...physics.physics import SIGN_VELOCITY
+from ...plant.driven_wall import run_driven_wall
+from ...plant.open_loop import simulate_on
+from ...plant.plant_parameters import PlantParameters
+
+Array = NDArray[np.float64]
+
+_PICARD = 40  # rounds at most
+_CONVERGED = 1e-4  # of the motion
+_STABLE = 1.0  # rate of decay times step; Runge-Kutta is stable up to 2.8
+_WALL_STEPS = 2  # Runge-Kutta steps a sample of a wall without a robot
+
+
+def plant_of(model: Model) -> PlantParameters:
+    """
+    Write a fitted model as the parameters of a plant.
+
+    Parameters
+    ----------
+    model : Model
+        Fitted.
+
+    Returns
+    -------
+    parameters : PlantParameters
+        As in a model file.
+
+    """
+    values: dict[str, Any] = dict(flatten(model.nominal))
+    values['environment.stiffness'] = model.stiffness
+    values['environment.damping'] = model.damping
+    if model.with_inertia:
+        values['environment.inertia'] = model.values[2]
+    for name in model.effects:
+        names = (spec.name for spec in specifications(EFFECTS[name].Parameters))
+        for parameter, value in zip(names, model.values[model.place(name)]):
+            values[f'physics.{name}.{parameter}'] = value
+    return build(PlantParameters, values)
+
+
+class Run(NamedTuple):
+    """
+    A free run, sample by sample.
+
+    Attributes
+    ----------
+    position : ndarray, shape (N,)
+        x [m].
+    force : ndarray, shape (N,)
+        What the force sensor would read without noise [N].
+
+    """
+
+    position: Array
+    force: Array
+
+
+def _steps(model: Model, o: Observed) -> int:
+    """Choose Runge-Kutta steps a sample so that drag that is steep at standstill stays stable."""
+    laws, wall = model.laws(), model.nominal.environment
+    x, states = wall.location + 0.5 * max(float(np.max(o.x)) - wall.location, 1e-4), (0.0,) * 99
+    little = 0.1 * SIGN_VELOCITY
+    touch = [laws.contact.touch(0.0, x, v, states[:laws.contact.states], math).resistance
+             for v in (0.0, little)]
+    drag = [laws.robot.force(x, v, (x, v, 0.0, 0.0), math) for v in (0.0, little)]
+    steepness = (touch[1] - touch[0] + drag[0] - drag[1]) / little / laws.robot.mass
+    return max(1, math.ceil(o.h * steepness / _STABLE))
+
+
+def free_run(model: Model, observed: Observed) -> Run:
+    """
+    Simulate a recording from its command, or a wall without a robot from the measured force.
+
+    Parameters
+    ----------
+    model : Model
+        Fitted.
+    observed : Observed
+        Gives the reference trajectory (or the force), and where things are at first.
+
+    Returns
+    -------
+    run : Run
+        Free of noise.
+
+    """
+    o = observed
+    if o.reference is None:
+        return Run(_free_wall(model, o), o.force)
+    parameters = dataclasses.replace(
+        plant_of(model), sample_rate=1.0 / o.h, integration_rate=_steps(model, o) / o.h,
+    )
+    truths = simulate_on(parameters, o.t, o.reference, float(o.x[0]))
+    return Run(np.array([truth.position for truth in truths]),
+               np.array([truth.sensed for truth in truths]))
+
+
+def _free_wall(model: Model, o: Observed) -> Array:
+    """Iterate, or integrate step by step where a wall is too far from linear for that."""
+    with np.errstate(all='ignore'):
+        wall = DrivenWall(model, o)
+        run, further = (wall.free(_PICARD + more)[0] for more in (0, 1))
+    least = _CONVERGED * float(np.ptp(o.x))
+    if np.isfinite(further).all() and float(np.max(np.abs(further - run))) < least:
+        return run
+    plant = dataclasses.replace(plant_of(model), integration_rate=_WALL_STEPS / o.h)
+    return run_driven_wall(plant, o.t, o.driving, *wall.free(1)[:, 0].tolist())

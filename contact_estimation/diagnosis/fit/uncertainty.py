@@ -1,0 +1,66 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Standard deviations of fitted values from residuals that are correlated in time."""
+
+from __future__ import annotations
+
+from typing import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .fitting import differentiate_by, Fit, residual_function
+from ..observe.ports import Ports
+
+Array = NDArray[np.float64]
+
+_CLUSTER_S = 0.5
+
+
+def standard_deviations(ports: Sequence[Ports], found: Fit) -> Array:
+    """
+    Estimate the spread of fitted values, clustered in time (Liang and Zeger 1986).
+
+    Within half a second residuals may be correlated in any way, across they are taken for
+    independent; the result is never below that of independent residuals.
+
+    Parameters
+    ----------
+    ports : sequence of Ports
+        Recordings, as fitted.
+    found : Fit
+        The best.
+
+    Returns
+    -------
+    std : ndarray, shape (P,)
+        Of all values; NaN for those that were not fitted, or stand at the end of their range.
+
+    """
+    model = found.model
+    function = residual_function(ports, model)
+    values, size = model.coordinates, model.steps
+    here = function(values)
+    jacobian = differentiate_by(values, size, function, here)
+    inverse = np.linalg.pinv(jacobian.T @ jacobian, rcond=1e-13)
+    port = ports[0]
+    span = max(1, round(_CLUSTER_S / (port.observed.h * port.block)))
+    scores = np.add.reduceat(jacobian * here[:, None], np.arange(0, len(here), span), axis=0)
+    clustered = np.diag(inverse @ (scores.T @ scores) @ inverse)
+    independent = np.diag(inverse) * max(1.0, float(np.mean(here**2)))
+    std = np.full(len(model.values), np.nan)
+    std[model.free] = np.sqrt(np.maximum(clustered, independent)) * model.sizes[model.free]
+    std[model.at_end] = np.nan
+    return std

@@ -1,0 +1,193 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+A permanently attached wall that moves under the measured force.
+
+Run free, it adds up the force's noise for as long as it remembers, a drive without a spring for
+ever. Its innovations are those of the Kalman filter that trusts force and position as much as
+their noise allows; with a force that is known well they are the misfit of the free run.
+"""
+
+from __future__ import annotations
+
+from math import exp, isfinite
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import lfilter
+
+from .model import Model
+from .observed import Observed, START_S
+from .observer import coast, discretise, kalman_filter, run, run_velocity
+from ...plant.between_samples import NOISE, smooth
+
+Array = NDArray[np.float64]
+
+_WITHIN = np.linspace(-0.5, 0.5, 9)  # of a sample, where a jump is looked for
+_ENOUGH = 1e-9  # of the largest position: Picard's iteration has converged
+
+
+class DrivenWall:
+    """
+    The wall of a model under the force of a recording.
+
+    M_e x'' + B_e v + K_e delta = -F_e - effects is solved exactly for the line that comes nearest
+    to the restoring force over the measured motion. What the effects add to that line is taken at
+    the measured motion, then at the motion just predicted (Picard's iteration), which makes it a
+    free run. It begins with the state that fits the first half second best.
+
+    Parameters
+    ----------
+    model : Model
+        With M_e among its values.
+    observed : Observed
+        Measured force and motion.
+
+    """
+
+    def __init__(self, model: Model, observed: Observed) -> None:
+        laws, o = model.laws(), observed
+        self._observed, self._law = observed, laws.contact
+        self._push = -o.driving
+        for effect in reversed(laws.chain):
+            self._push = -effect.undo_along(o.t, -self._push)
+        self._mass = laws.contact.inertia + sum(effect.added_mass for effect in laws.chain)
+        self._damping, self._stiffness = model.damping, model.stiffness
+        self._at_measured = self._restoring(o.x, o.v, o.a)
+        if laws.contact.effects:
+            self._damping, self._stiffness = self._nearest_line()
+        self.system = discretise(self._mass, self._damping, self._stiffness, o.h)
+
+    def _restoring(self, x: Array, v: Array, a: Array) -> Array:
+        law = self._law
+        return -law.force(self._observed.t, x, v, a) - law.inertia * a
+
+    def _nearest_line(self) -> tuple[float, float]:
+        """Fit B v + K x + constant to the restoring force; neither drives the wall."""
+        damping, stiffness = (self._observed.nearest_line @ self._at_measured).tolist()
+        if not isfinite(damping + stiffness):
+            return self._damping, self._stiffness
+        return max(damping, 0.0), max(stiffness, 0.0)
+
+    def at_measured(self) -> Array:
+        """
+        Predict the position with the effects at the measured motion, from rest.
+
+        Returns
+        -------
+        x : ndarray, shape (N,)
+            [m].
+
+        """
+        o = self._observed
+        return self._driven(self._push_of(self._at_measured, o.x, o.v, o.a))
+
+    def free(self, rounds: int) -> Array:
+        """
+        Predict the motion with the effects where they come to be.
+
+        Parameters
+        ----------
+        rounds : int
+            Most of them; without effects one is enough.
+
+        Returns
+        -------
+        motion : ndarray, shape (2, N)
+            Position [m] and velocity [m/s].
+
+        """
+        o, free = self._observed, coast(self.system, len(self._observed.t))
+        x, v, a, restoring = o.x, o.v, o.a, self._at_measured
+        for left in range(rounds if self._law.effects else 1, 0, -1):
+            push = self._push_of(restoring, x, v, a)
+            before, x = x, self._driven(push)
+            v = run_velocity(self.system, push, float(o.x[0]), self._stiffness)
+            if not np.isfinite(x).all():
+                break
+            begin = o.t < START_S
+            misfit = (o.raw_position - x)[begin]
+            x, v = np.array([x, v]) + np.tensordot(
+                np.linalg.lstsq(free[:, 0, begin].T, misfit, rcond=1e-6)[0], free, 1)
+            if float(np.max(np.abs(x - before))) < _ENOUGH * float(np.max(np.abs(x))):
+                break
+            if left > 1:
+                a = (push - self._damping * v - self._stiffness * x) / self._mass
+                restoring = self._restoring(x, v, a)
+        return np.array([x, v])
+
+    def _push_of(self, restoring: Array, x: Array, v: Array, a: Array) -> Array:
+        """Give what drives the line: the force, less what the wall adds to the line."""
+        beyond = restoring - self._damping * v - self._stiffness * x
+        push = self._push
+        for effect in self._law.effects:
+            if effect.jumps:  # within the sample in which the motion turns
+                rates = v + np.multiply.outer(_WITHIN * self._observed.h, a)
+                push = push - np.mean(effect.resistance(0.0, 0.0, rates, (), np), axis=0)
+                beyond = beyond - effect.resistance(0.0, 0.0, v, (), np)
+        return push - smooth(beyond)
+
+    def _driven(self, push: Array) -> Array:
+        return run(self.system, push, float(self._observed.x[0]), self._stiffness)
+
+    def innovations(
+        self, rounds: int, force_noise: float, memory: float = np.inf
+    ) -> Array:
+        """
+        Compute what is not foretold of the position from all that came before.
+
+        Parameters
+        ----------
+        rounds : int
+            1: the effects at the measured motion; more: as of `free`.
+        force_noise : float
+            Standard deviation [N].
+        memory : float
+            Most that is remembered [s]. What a short memory leaves is nearly linear in K_e, B_e
+            and M_e, however the wall resonates.
+
+        Returns
+        -------
+        innovations : ndarray, shape (N,)
+            [m].
+
+        """
+        o = self._observed
+        x = self.at_measured() if rounds == 1 else self.free(rounds)[0]
+        if memory < np.inf:
+            denominator = np.poly([exp(-o.h / memory)] * 2)
+        else:
+            denominator, _ = self.kalman_filter(force_noise)
+        return np.asarray(lfilter(self.system.denominator, denominator, o.raw_position - x))
+
+    def kalman_filter(self, force_noise: float) -> tuple[Array, float]:
+        """
+        Design the filter that trusts force and position as their noise allows.
+
+        Parameters
+        ----------
+        force_noise : float
+            Standard deviation [N].
+
+        Returns
+        -------
+        denominator : ndarray
+            Of the innovations' filter.
+        std : float
+            Of the innovations [m].
+
+        """
+        o = self._observed
+        return kalman_filter(self.system, force_noise, o.position_noise, NOISE[o.between])

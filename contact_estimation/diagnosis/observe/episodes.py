@@ -1,0 +1,142 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Contact episodes, and which of them are held out."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .model import Model
+from .observed import Observed
+from ...exceptions import RecordingError
+
+Flags = NDArray[np.bool_]
+
+_LEAST_CONTACT_S = 0.2
+_BLOCKS = 5  # of a recording without episodes; the fourth is held out
+
+
+class HeldOut(NamedTuple):
+    """
+    A part of a recording that no fit sees.
+
+    Attributes
+    ----------
+    name : str
+        Such as 'episode 2'.
+    samples : ndarray of bool, shape (N,)
+        Where it is.
+
+    """
+
+    name: str
+    samples: Flags
+
+
+def episodes(model: Model, observed: Observed) -> list[tuple[int, int]]:
+    """
+    Find the stretches of contact, those too short to tell anything left out.
+
+    Parameters
+    ----------
+    model : Model
+        Tells where the surface is.
+    observed : Observed
+        The recording.
+
+    Returns
+    -------
+    episodes : list of (int, int)
+        First sample and the one after the last.
+
+    """
+    o = observed
+    law = model.laws().contact
+    if not law.unilateral:
+        return []
+    inside = law.contact(o.t, o.x, o.v).astype(int)
+    edges = np.flatnonzero(np.diff(inside, prepend=0, append=0))
+    pairs = list(zip(edges[::2].tolist(), edges[1::2].tolist()))
+    return [pair for pair in pairs if (pair[1] - pair[0]) * o.h >= _LEAST_CONTACT_S]
+
+
+def require_contact(model: Model, observed: Observed, name: str) -> None:
+    """
+    Check that there is something to explain.
+
+    Parameters
+    ----------
+    model : Model
+        Nominal.
+    observed : Observed
+        The recording.
+    name : str
+        For the error's text.
+
+    Raises
+    ------
+    RecordingError
+        If the tool never reaches the wall.
+
+    """
+    if model.nominal.environment.unilateral and not episodes(model, observed):
+        location = model.nominal.environment.location
+        raise RecordingError(
+            f'{name} has no contact of {_LEAST_CONTACT_S:g} s or more: expected x beyond '
+            f'{location:g} m (environment.location), got at most {np.max(observed.x):.6g} m; '
+            'record a contact, or correct the location in the model'
+        )
+
+
+def hold_out(model: Model, observed: Observed) -> HeldOut:
+    """
+    Choose the part of a recording that is held out: a whole episode, or a late block.
+
+    Neither the deepest episode, which would be extrapolation, nor one after it where that can be
+    helped. With one episode it is a block from its second half.
+
+    Parameters
+    ----------
+    model : Model
+        Tells where the surface is.
+    observed : Observed
+        The recording.
+
+    Returns
+    -------
+    part : HeldOut
+        Name and samples.
+
+    """
+    o = observed
+    found = episodes(model, o)
+    samples = np.zeros(len(o.t), bool)
+    if len(found) >= 2:
+        depth = [float(np.max(o.x[first:stop])) for first, stop in found]
+        deepest = int(np.argmax(depth))
+        middle = len(found) // 2
+        chosen = middle if middle != deepest else middle - 1
+        first = (found[chosen - 1][1] + found[chosen][0]) // 2 if chosen else 0
+        last = chosen + 1 == len(found)
+        stop = len(o.t) if last else (found[chosen][1] + found[chosen + 1][0]) // 2
+        samples[first:stop] = True
+        return HeldOut(f'episode {chosen + 1}', samples)
+    first, stop = found[0] if found else (0, len(o.t))
+    block = (stop - first) // _BLOCKS
+    samples[stop - 2 * block:stop - block] = True
+    return HeldOut(f'{o.t[stop - 2 * block]:.1f} to {o.t[stop - block - 1]:.1f} s', samples)

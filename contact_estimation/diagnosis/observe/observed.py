@@ -1,0 +1,289 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""A recording on an even time grid, with its motion smoothed and its noise known."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicHermiteSpline
+
+from .observer import discretise, run
+from .smoothing import differentiate, smooth_enough, white_noise_std
+from ...exceptions import RecordingError
+from ...physics.robot_law import RobotLaw
+from ...plant.between_samples import BETWEEN
+from ...plant.plant_parameters import PlantParameters
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+LEAST_DURATION_S = 2.0
+
+START_S = 0.5
+"""In which a free run forgets that its initial state was not known."""
+
+
+class Signals(NamedTuple):
+    """
+    What a recording holds, each signal with stamps of its own [s] from the first wrench.
+
+    Attributes
+    ----------
+    wrench_t, force : ndarray, shape (N,)
+        Measured F_e [N].
+    joint_t, position : ndarray, shape (J,)
+        x [m].
+    reference_t : ndarray, shape (R,)
+        Empty where there is no reference trajectory.
+    reference : ndarray, shape (4, R)
+        x_r [m], its rate [m/s] and acceleration [m/s^2], F_r [N]; no NaN.
+
+    """
+
+    wrench_t: Array
+    force: Array
+    joint_t: Array
+    position: Array
+    reference_t: Array
+    reference: Array
+
+
+@dataclass(frozen=True)
+class Observed:
+    """
+    A recording as the diagnosis sees it.
+
+    Attributes
+    ----------
+    t : ndarray, shape (N,)
+        Time from the first wrench stamp [s], evenly spaced.
+    h : float
+        Sample period [s].
+    force : ndarray, shape (N,)
+        Measured F_e [N]; straight over dropped samples.
+    measured : ndarray of bool, shape (N,)
+        Where a force was measured.
+    raw_position : ndarray, shape (N,)
+        Measured x [m]; smoothed at dropped samples.
+    x, v, a : ndarray, shape (N,)
+        Smoothed position [m] and its derivatives [m/s], [m/s^2].
+    reference : ndarray, shape (4, N), or None
+        x_r [m], its derivatives, F_r [N], straight between samples; None without a robot.
+    position_noise : float
+        Standard deviation [m].
+    jitter : float
+        By how much the stamps of the positions stray from an even beat, standard deviation [s].
+    cutoff : float
+        Of the smoothing [Hz].
+    between : str
+        How the force that drives a wall goes on between its samples, see `BETWEEN`.
+
+    """
+
+    t: Array
+    h: float
+    force: Array
+    measured: Flags
+    raw_position: Array
+    x: Array
+    v: Array
+    a: Array
+    reference: Array | None
+    position_noise: float
+    cutoff: float
+    jitter: float = 0.0
+    between: str = 'straight'
+
+    @cached_property
+    def driving(self) -> Array:
+        """The measured force whose straight lines move a wall without a robot, shape (N,) [N]."""
+        return BETWEEN[self.between](self.force)
+
+    @cached_property
+    def nearest_line(self) -> Array:
+        """What takes a force over the motion to its slopes over v and x, shape (2, N)."""
+        columns = np.array([self.v, self.x, np.ones(len(self.t))])
+        return np.linalg.solve(columns @ columns.T, columns)[:2]
+
+    def driven_by_force(self, nominal: PlantParameters) -> bool:
+        """Tell whether there is no robot, and a wall whose mass the measured force moves."""
+        wall = nominal.environment
+        return self.reference is None and not wall.unilateral and wall.inertia > 0.0
+
+    def has_dynamics(self, nominal: PlantParameters) -> bool:
+        """Tell whether a model can be run free: from a reference, or a wall from its force."""
+        return self.reference is not None or self.driven_by_force(nominal)
+
+    def reference_at(self, delay: float) -> Array:
+        """
+        Give the reference as a robot that hears it late sees it.
+
+        Parameters
+        ----------
+        delay : float
+            Time by which it is late [s].
+
+        Returns
+        -------
+        reference : ndarray, shape (4, N)
+            At t - delay.
+
+        """
+        assert self.reference is not None
+        if delay == 0.0:
+            return self.reference
+        return np.array([np.interp(self.t - delay, self.t, row) for row in self.reference])
+
+
+def observe(
+    signals: Signals, model: PlantParameters, carried: Array | None = None,
+    between: str = 'straight',
+) -> Observed:
+    """
+    Put a recording on the grid of its wrenches and smooth its motion.
+
+    What the model's robot (or, without one, its wall) does under the measured force is taken out
+    before smoothing and put back after: it has the sharp bends of impacts, what is left has not.
+
+    Parameters
+    ----------
+    signals : Signals
+        The recording.
+    model : PlantParameters
+        The nominal model.
+    carried : ndarray, shape (N,), optional
+        The position that a better model predicts on the grid [m]; that of the nominal one by
+        default.
+    between : str
+        As of `Observed`.
+
+    Returns
+    -------
+    observed : Observed
+        On an even grid.
+
+    Raises
+    ------
+    RecordingError
+        If there is too little of a signal, or one does not move.
+
+    """
+    _check(signals)
+    span = float(signals.wrench_t[-1])
+    # Step by step: the median of rounded or jittered stamps drifts off by whole samples.
+    steps = np.diff(signals.wrench_t)
+    count = int(np.sum(np.round(steps / np.median(steps)))) + 1
+    h = span / (count - 1)
+    t: Array = np.asarray(h * np.arange(count), np.float64)
+    force, measured = _on_grid(signals.wrench_t, signals.force, t, h)
+    position, seen = _on_grid(signals.joint_t, signals.position, t, h)
+    with_robot = len(signals.reference_t) > 1 and model.environment.unilateral
+    reference = None
+    if with_robot:
+        reference = _reference_on_grid(signals.reference_t, signals.reference, t)
+        if not model.robot.force_tracking:
+            reference[3] = 0.0
+    if carried is None:
+        carried = _carried(model, reference, force, position, h)
+    # From the samples as they came: on the grid they may be means of two. No model follows a
+    # motion to better than a hundred thousandth, even without noise.
+    left_raw = signals.position - np.interp(signals.joint_t, t, carried)
+    noise = max(white_noise_std(left_raw), 1e-5 * float(np.ptp(position)))
+    weight = np.where(seen, 1.0, 1e-3)
+    left, cutoff = smooth_enough(position - carried, weight, h, noise)
+    x, v, a = differentiate(carried + left, h)
+    # A straight line over a dropped sample cuts the bend, and innovations would ring from it.
+    position = np.where(seen, position, x)
+    return Observed(t, h, force, measured, position, x, v, a, reference, noise, cutoff,
+                    _jitter(signals.joint_t), between)
+
+
+def _carried(
+    model: PlantParameters, reference: Array | None, force: Array, position: Array, h: float
+) -> Array:
+    """Let the nominal robot, or the permanently attached wall, follow the measured force."""
+    wall, robot = model.environment, model.robot
+    if reference is not None:
+        law = RobotLaw(robot.mass, robot.damping, robot.stiffness, ())
+        push = law.wanted(0.0, 0.0, reference) + force
+        system = discretise(law.mass, law.damping, law.stiffness, h)
+        return run(system, push, float(position[0]), law.stiffness)
+    if not wall.unilateral and wall.inertia > 0.0:
+        system = discretise(wall.inertia, wall.damping, wall.stiffness, h)
+        return run(system, wall.stiffness * wall.location - force, float(position[0]),
+                   wall.stiffness)
+    return np.zeros(len(position))
+
+
+def _jitter(stamps: Array) -> float:
+    """Measure how far stamps stray from their neighbours' middle; gaps do not count."""
+    strays = 0.5 * (stamps[2:] + stamps[:-2]) - stamps[1:-1]
+    even = np.abs(np.diff(stamps, 2)) < 0.5 * float(np.median(np.diff(stamps)))
+    # A middle of two strays too: three independent ones have the variance 1 + 1/4 + 1/4.
+    return float(np.std(strays[even]) / np.sqrt(1.5)) if even.any() else 0.0
+
+
+def _on_grid(stamps: Array, values: Array, t: Array, h: float) -> tuple[Array, Flags]:
+    """Interpolate, and tell which grid points have a sample of their own."""
+    there = np.zeros(len(t), bool)
+    index = np.round(stamps / h).astype(int)
+    there[index[(index >= 0) & (index < len(t))]] = True
+    return np.interp(t, stamps, values), there
+
+
+def _reference_on_grid(stamps: Array, values: Array, t: Array) -> Array:
+    """
+    Interpolate a reference: straight between samples, as robots do, but bent where some dropped.
+
+    The robot has seen those; position and velocity are followed with their recorded rates.
+    """
+    reference = np.array([np.interp(t, stamps, row) for row in values])
+    after = np.clip(np.searchsorted(stamps, t), 1, len(stamps) - 1)
+    steps = np.diff(stamps)
+    in_gap = steps[after - 1] > 1.5 * np.median(steps)
+    for row in (0, 1):
+        if in_gap.any() and values[row + 1].any():  # rates of 0 throughout were not recorded
+            bent = CubicHermiteSpline(stamps, values[row], values[row + 1])
+            reference[row, in_gap] = bent(t[in_gap])
+    return reference
+
+
+def _check(signals: Signals) -> None:
+    for name, stamps in (('wrench', signals.wrench_t), ('joint_states', signals.joint_t)):
+        span = float(stamps[-1] - stamps[0]) if len(stamps) > 1 else 0.0
+        if span < LEAST_DURATION_S:
+            raise RecordingError(
+                f'{name} spans {span:.2f} s, expected at least {LEAST_DURATION_S:g} s; '
+                'record longer'
+            )
+    for name, values in (
+        ('wrench', signals.force), ('joint_states', signals.position),
+        ('reference_trajectory', signals.reference),
+    ):
+        if not np.isfinite(values).all():
+            raise RecordingError(
+                f'{name} must have finite values only, got NaN or infinity; leave such samples out'
+            )
+    for name, values in (('wrench', signals.force), ('joint_states', signals.position)):
+        if float(np.ptp(values)) == 0.0:
+            raise RecordingError(
+                f'{name} is constant at {values[0]:g}, expected a signal that changes; check '
+                'topic, axis and joint'
+            )

@@ -1,0 +1,109 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Which samples of a recording a model can be held to, and how many make one residual."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .model import Model
+from .observed import Observed, START_S
+from ...physics.physics import stretches
+
+Flags = NDArray[np.bool_]
+
+_DROP_S, _LEAST_DROPS = 0.5, 3
+_IMPACT_BEFORE, _IMPACT_AFTER = 2, 3  # samples around touch-down that no one can predict
+
+
+def usable(model: Model, observed: Observed) -> Flags:
+    """
+    Tell which samples a model can be held to.
+
+    Parameters
+    ----------
+    model : Model
+        Nominal.
+    observed : Observed
+        The recording.
+
+    Returns
+    -------
+    use : ndarray of bool, shape (N,)
+        False around touch-downs, whose instant within a sample nobody knows.
+
+    """
+    o = observed
+    use = np.ones(len(o.t), bool)
+    use[:5] = use[-5:] = False
+    law = model.laws().contact
+    if not law.unilateral:
+        use[:round(START_S / o.h)] = False  # its state at first is not known
+    else:
+        inside = law.contact(o.t, o.x, o.v)
+        for first in np.flatnonzero(np.diff(inside.astype(int)) > 0).tolist():
+            use[max(0, first + 1 - _IMPACT_BEFORE):first + 1 + _IMPACT_AFTER] = False
+    return use
+
+
+def force_drops(observed: Observed, noise: float) -> Flags | None:
+    """
+    Find where the force vanishes in the midst of a contact.
+
+    Parameters
+    ----------
+    observed : Observed
+        The recording.
+    noise : float
+        Of the force [N].
+
+    Returns
+    -------
+    dropped : ndarray of bool, shape (N,), or None
+        No force, between samples of much force less than half a second apart; None where there
+        are fewer than three such drops.
+
+    """
+    o = observed
+    strong = max(20.0 * noise, 0.05 * float(np.max(np.abs(o.force))))
+    little, much = np.abs(o.force) < 5.0 * noise, o.force < -strong
+    dropped, drops = np.zeros(len(o.t), bool), 0
+    for first, stop in stretches(little):
+        inside = little[first] and 0 < first and stop < len(o.t)
+        if inside and (stop - first) * o.h < _DROP_S and much[first - 1] and much[stop]:
+            dropped[first:stop] = True
+            drops += 1
+    return dropped if drops >= _LEAST_DROPS else None
+
+
+def default_block(observed: Observed) -> int:
+    """
+    Choose how many samples make one residual.
+
+    Parameters
+    ----------
+    observed : Observed
+        The recording.
+
+    Returns
+    -------
+    block : int
+        So that the motion is resolved: a hundred blocks a second, or every sample of a fast one.
+
+    """
+    if observed.reference is None and observed.cutoff > 15.0:
+        return 1
+    return max(1, round(0.01 / observed.h))

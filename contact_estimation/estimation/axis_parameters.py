@@ -1,0 +1,90 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Which force axes are estimated, beside the contact axis too, and where their walls are."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ..exceptions import ParameterRangeError
+from ..parameters.specification import group, parameter, ParameterGroup
+
+
+@dataclass(frozen=True)
+class FurtherAxisParameters(ParameterGroup):
+    """One axis that is estimated beside the contact axis."""
+
+    joint: str = parameter(
+        '', 'Joint whose position is this axis; empty: not estimated', read_only=True
+    )
+    location: float = parameter(0.0, 'Surface of the untouched wall along this axis', 'm')
+
+
+@dataclass(frozen=True)
+class FurtherAxesParameters(ParameterGroup):
+    """Axes estimated beside the contact axis, each with an eq. (3) of its own; none by default."""
+
+    x: FurtherAxisParameters = group(FurtherAxisParameters)
+    y: FurtherAxisParameters = group(FurtherAxisParameters)
+    z: FurtherAxisParameters = group(FurtherAxisParameters)
+
+    def named(self) -> dict[str, FurtherAxisParameters]:
+        """
+        List those that are estimated.
+
+        Returns
+        -------
+        axes : dict
+            'x', 'y' or 'z' to its parameters, in this order.
+
+        """
+        every = {'x': self.x, 'y': self.y, 'z': self.z}
+        return {axis: own for axis, own in every.items() if own.joint}
+
+
+def check_axes(axis: str, joint: str, further: FurtherAxesParameters) -> None:
+    """
+    Check that every axis is estimated once and from a joint of its own.
+
+    Parameters
+    ----------
+    axis, joint : str
+        The contact axis.
+    further : FurtherAxesParameters
+        The others.
+
+    Raises
+    ------
+    ParameterRangeError
+        If the contact axis is named twice, has no joint beside others, or two share a joint.
+
+    """
+    others = further.named()
+    if axis in others:
+        raise ParameterRangeError(
+            f'further_axes.{axis}.joint must be empty, since {axis} is the contact axis, got '
+            f'{others[axis].joint!r}; name it in joint, or choose another axis'
+        )
+    if others and not joint:
+        raise ParameterRangeError(
+            f'joint must name the joint of axis {axis} where further axes are estimated '
+            f'({", ".join(others)}), got an empty text'
+        )
+    joints = [joint, *(own.joint for own in others.values())]
+    if len(set(joints)) < len(joints):
+        raise ParameterRangeError(
+            f'joint and further_axes.*.joint must name different joints, got {joints}; each axis '
+            'has a position of its own'
+        )

@@ -1,0 +1,148 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Estimates of a replay as CSV and as MCAP."""
+
+from __future__ import annotations
+
+from itertools import repeat
+from pathlib import Path
+from types import TracebackType
+from typing import Sequence
+
+from ..estimators.estimator import Estimate
+from ..messages import RosbagsCodec, StringEncoder, Vector3StampedEncoder
+from ..recordings.writing import RecordingWriter
+
+_NAN = float('nan')
+_VECTORS = ('stiffness', 'damping', 'stiffness_std', 'damping_std', 'location', 'inertia')
+_VECTOR_TYPE = 'geometry_msgs/msg/Vector3Stamped'
+_COLUMNS = ('stiffness', 'damping', 'stiffness_std', 'damping_std', 'status')
+Further = Sequence[tuple[Estimate, ...]]
+
+
+def stamp_text(stamp_ns: int) -> str:
+    """
+    Write a stamp in seconds without losing a nanosecond.
+
+    Parameters
+    ----------
+    stamp_ns : int
+        Stamp [ns].
+
+    Returns
+    -------
+    text : str
+        Seconds with nine digits.
+
+    """
+    sign, rest = ('-', -stamp_ns) if stamp_ns < 0 else ('', stamp_ns)
+    return f'{sign}{rest // 10**9}.{rest % 10**9:09d}'
+
+
+class CsvEstimates:
+    """
+    One row a sample: t, stiffness, damping, stiffness_std, damping_std, status.
+
+    Numbers are written such that reading them gives the same bits. Axes beside the contact axis
+    follow as further columns, stiffness_y and so on.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    axes : str
+        Axes that are estimated, the contact axis first.
+
+    """
+
+    def __init__(self, path: Path, axes: str = 'x') -> None:
+        self._file = open(path, 'w', encoding='utf-8')
+        names = [*_COLUMNS, *(f'{name}_{axis}' for axis in axes[1:] for name in _COLUMNS)]
+        self._file.write(','.join(['t', *names]) + '\n')
+
+    def write(self, estimates: Sequence[Estimate], further: Further = ()) -> None:
+        """Append estimates of the contact axis and of the others."""
+        if further:
+            self._file.writelines(
+                f'{stamp_text(e.stamp_ns)},' + ','.join(map(_fields, (e, *others))) + '\n'
+                for e, others in zip(estimates, further)
+            )
+            return
+        self._file.writelines(f'{stamp_text(e.stamp_ns)},{_fields(e)}\n' for e in estimates)
+
+    def __enter__(self) -> 'CsvEstimates':
+        """Return itself."""
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, value: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Close the file."""
+        self._file.close()
+
+
+class McapEstimates:
+    """
+    One message a sample on each topic of the estimator node.
+
+    Parameters
+    ----------
+    path : Path
+        The file, which must not exist.
+    axes : str
+        Of 'x', 'y' and 'z' those that are estimated, the contact axis first: where the estimates
+        stand in the vectors.
+
+    """
+
+    def __init__(self, path: Path, axes: str) -> None:
+        self._writer = RecordingWriter.file(path)
+        codec = RosbagsCodec()
+        self._vectors = Vector3StampedEncoder(codec, '')
+        self._strings = StringEncoder(codec)
+        self._place, *self._further_places = ('xyz'.index(axis) for axis in axes)
+
+    def write(self, estimates: Sequence[Estimate], further: Further = ()) -> None:
+        """Append estimates of the contact axis and of the others."""
+        for estimate, others in zip(estimates, further or repeat(())):
+            stamp_ns = estimate.stamp_ns
+            for name in _VECTORS:
+                vector = [_NAN, _NAN, _NAN]
+                vector[self._place] = getattr(estimate, name)
+                for place, other in zip(self._further_places, others):
+                    vector[place] = getattr(other, name)
+                self._writer.write(
+                    f'/estimator_node/{name}', _VECTOR_TYPE,
+                    self._vectors.encode(stamp_ns, *vector), stamp_ns,
+                )
+            status = self._strings.encode(estimate.status.value)  # of the contact axis
+            self._writer.write('/estimator_node/status', 'std_msgs/msg/String', status, stamp_ns)
+
+    def __enter__(self) -> 'McapEstimates':
+        """Return itself."""
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, value: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Finish the file."""
+        self._writer.close()
+
+
+def _fields(e: Estimate) -> str:
+    """Write what a row says of one axis."""
+    return f'{e.stiffness!r},{e.damping!r},{e.stiffness_std!r},{e.damping_std!r},{e.status.value}'

@@ -1,0 +1,167 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""What was done to a running estimation, as text that a recording keeps and replay repeats."""
+
+from __future__ import annotations
+
+import json
+from typing import Any, Mapping, NamedTuple
+
+from .session import ContactSession, Moment
+from ..exceptions import ContactEstimationError, RecordingError
+
+START, CHANGE, RESET, TARE = 'start', 'set_parameters', 'reset', 'tare'
+
+
+class EstimationEvent(NamedTuple):
+    """
+    One event.
+
+    Attributes
+    ----------
+    kind : str
+        'start', 'set_parameters', 'reset' or 'tare'.
+    after_stamp_ns : int
+        It took effect after the sample with this stamp and before the next [ns].
+    parameters : mapping
+        All parameters at start, the changed ones of a change, those of `biases` of a tare.
+    jumps : int
+        How often time had been set back before.
+
+    """
+
+    kind: str
+    after_stamp_ns: int
+    parameters: Mapping[str, Any]
+    jumps: int = 0
+
+    @property
+    def moment(self) -> Moment:
+        """The sample after which it took effect."""
+        return Moment(self.jumps, self.after_stamp_ns)
+
+    def to_text(self) -> str:
+        """Write the event as one line of JSON."""
+        return json.dumps(
+            {'event': self.kind, 'after_stamp_ns': self.after_stamp_ns,
+             'time_jumps': self.jumps, 'parameters': dict(self.parameters)}
+        )
+
+    @classmethod
+    def from_text(cls, text: str) -> 'EstimationEvent':
+        """
+        Read what `to_text` has written.
+
+        Parameters
+        ----------
+        text : str
+            One event.
+
+        Returns
+        -------
+        event : EstimationEvent
+            The event.
+
+        Raises
+        ------
+        RecordingError
+            If the text is none.
+
+        """
+        try:
+            content = json.loads(text)
+            return cls(
+                content['event'], int(content['after_stamp_ns']), dict(content['parameters']),
+                int(content['time_jumps']),
+            )
+        except (ValueError, KeyError, TypeError) as error:
+            raise RecordingError(
+                f'expected an estimation event as JSON, got {text[:80]!r}'
+            ) from error
+
+
+def event_now(
+    session: ContactSession, kind: str, parameters: Mapping[str, Any]
+) -> EstimationEvent:
+    """
+    Describe what has just been done to a session.
+
+    Parameters
+    ----------
+    session : ContactSession
+        It.
+    kind : str
+        'start', 'set_parameters', 'reset' or 'tare'.
+    parameters : mapping
+        As in `EstimationEvent`.
+
+    Returns
+    -------
+    event : EstimationEvent
+        After the last sample processed.
+
+    """
+    jumps, stamp_ns = session.moment
+    return EstimationEvent(kind, stamp_ns, parameters, jumps)
+
+
+def biases(session: ContactSession) -> dict[str, float]:
+    """
+    Describe the tare of a session.
+
+    Parameters
+    ----------
+    session : ContactSession
+        It.
+
+    Returns
+    -------
+    parameters : dict
+        force_bias of the contact axis [N]; where there are several, force_bias.AXIS of each too.
+
+    """
+    by_axis = {f'force_bias.{axis}': p.bias for axis, p in session.pipelines.items()}
+    own = {'force_bias': session.pipeline.bias}
+    return {**own, **by_axis} if len(by_axis) > 1 else own
+
+
+def apply_event(session: ContactSession, event: EstimationEvent) -> None:
+    """
+    Repeat an event on a session.
+
+    Parameters
+    ----------
+    session : ContactSession
+        It.
+    event : EstimationEvent
+        What was done; 'start' does nothing here.
+
+    """
+    if event.kind == CHANGE:
+        try:
+            session.change_parameters(event.parameters)
+        except ContactEstimationError:
+            # Recorded changes were accepted once; with other parameters chosen for replay they
+            # may no longer fit, and the choice of the user stands.
+            return
+    elif event.kind == RESET:
+        session.reset()
+    elif event.kind == TARE:
+        own, *others = session.pipelines
+        told = event.parameters
+        # By name where there are names: replay may have chosen another contact axis.
+        further = {axis: told[f'force_bias.{axis}'] for axis in others
+                   if f'force_bias.{axis}' in told}
+        session.set_bias(told.get(f'force_bias.{own}', told['force_bias']), further)

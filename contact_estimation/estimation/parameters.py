@@ -1,0 +1,80 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Everything that decides estimates and reference, each parameter declared once."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import nan
+from typing import Any
+
+from .axis_parameters import check_axes, FurtherAxesParameters
+from ..estimators import ESTIMATORS, EstimatorsTuning
+from ..estimators.estimator import EnvironmentParameters
+from ..estimators.excitation_monitor import ExcitationParameters
+from ..parameters.specification import group, parameter, ParameterGroup
+from ..physics import PhysicsParameters
+from ..reference.laws import LAWS
+from ..reference.reference_generator import ReferenceParameters, refuse_double_tracking
+from ..signals.butterworth import check_cutoff
+from ..signals.conditioning import ConditioningParameters
+from ..signals.contact_detection import ContactParameters
+from ..signals.synchronisation import SynchronisationParameters
+
+
+@dataclass(frozen=True)
+class EstimationParameters(ParameterGroup):
+    """All parameters of on-line estimation, the same for node and replay."""
+
+    estimator: str = parameter(
+        'indirect_adaptive', 'Which estimator runs', choices=tuple(ESTIMATORS)
+    )
+    reference_law: str = parameter(
+        'eq20', 'How a wanted force becomes a reference position', choices=tuple(LAWS)
+    )
+    force_reference: float = parameter(
+        nan, 'F_r while nothing comes on desired_trajectory; NaN: no force wanted', 'N',
+        minimum=0.0, nan_is_off=True,
+    )
+    sample_rate: float = parameter(
+        500.0, 'Nominal rate of the wrench; filters and relations are built for it', 'Hz',
+        minimum=1.0, maximum=1e5,
+    )
+    axis: str = parameter(
+        'x', 'Force axis of the contact', choices=('x', 'y', 'z'), read_only=True
+    )
+    joint: str = parameter(
+        '', 'Joint whose position is the contact axis; empty: the only one', read_only=True
+    )
+    frame_id: str = parameter(
+        '', 'Expected frame of the wrench; empty: that of the first one. Others are rejected',
+        read_only=True,
+    )
+    further_axes: FurtherAxesParameters = group(FurtherAxesParameters)
+    environment: EnvironmentParameters = group(EnvironmentParameters)
+    conditioning: ConditioningParameters = group(ConditioningParameters)
+    contact: ContactParameters = group(ContactParameters)
+    excitation: ExcitationParameters = group(ExcitationParameters)
+    synchronisation: SynchronisationParameters = group(SynchronisationParameters)
+    reference: ReferenceParameters = group(ReferenceParameters)
+    physics: Any = group(PhysicsParameters)
+    tuning: Any = group(EstimatorsTuning)
+
+    def __post_init__(self) -> None:
+        """Check what single ranges cannot: parameters that must fit together."""
+        super().__post_init__()
+        check_cutoff(self.conditioning.cutoff_frequency, self.sample_rate)
+        check_axes(self.axis, self.joint, self.further_axes)
+        refuse_double_tracking(self.reference_law, self.reference.robot_force_tracking)

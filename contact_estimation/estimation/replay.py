@@ -1,0 +1,256 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Off-line re-estimation: a recording through the session that the node runs."""
+
+from __future__ import annotations
+
+from collections import deque
+from functools import partial
+from typing import Any, Iterator, Mapping
+
+from .events import apply_event, EstimationEvent
+from .parameters import EstimationParameters
+from .readings import ContactReadings, Estimates
+from .session import ContactSession, Result
+from ..estimators import ESTIMATORS
+from ..estimators.estimator import Estimate
+from ..exceptions import MessageError
+from ..messages import Codec, RosbagsCodec, TrajectoryDecoder
+from ..parameters.specification import specifications
+from ..parameters.values import build
+from ..recordings import RecordedMessage, RecordingReader
+from ..recordings.estimation_metadata import from_metadata
+from ..recordings.source import RecordingSource
+from ..recordings.topic_names import canonical
+from ..reference.setpoints import Reference
+
+_AHEAD = 6000  # messages; an event may be recorded so much later than the sample it follows
+_MOST_UNPAIRED = 200  # messages; more of one topic than of the other is no chunk's end
+
+
+class RecordingReplay:
+    """
+    Feed a recording to a fresh session, events included.
+
+    Parameters
+    ----------
+    reader : RecordingReader
+        The recording.
+    source : RecordingSource
+        Its topics.
+    chosen : mapping
+        Parameters that the user has chosen; they win over the recorded ones and over recorded
+        changes of them.
+
+    Raises
+    ------
+    RecordingError
+        If a topic is missing.
+    ContactEstimationError
+        If a parameter is not valid.
+
+    """
+
+    def __init__(
+        self, reader: RecordingReader, source: RecordingSource, chosen: Mapping[str, Any]
+    ) -> None:
+        self._reader, self._source, self._chosen = reader, source, dict(chosen)
+        recorded = _still_known(from_metadata(reader.metadata()))
+        if 'axis' in chosen:  # of the user's choice alone, not of one that the node has made
+            recorded = {k: v for k, v in recorded.items() if not k.startswith('further_axes.')}
+        parameters = build(EstimationParameters, {**recorded, **chosen})
+        self.session = ContactSession(parameters, generate_reference=False)
+        codec: Codec = RosbagsCodec()
+        self._codec = codec
+        self._readings = ContactReadings(self.session, codec)
+        self._references = TrajectoryDecoder(codec)
+        self._left_over: list[RecordedMessage] = []
+        self._last_reference_ns, self._reference_jumps = -(2**63), 0
+
+    def estimates(self) -> Iterator[list[Estimate]]:
+        """
+        Run the recording through the session.
+
+        Yields
+        ------
+        estimates : list of Estimate
+            Of a stretch of the recording, in order, one for each wrench used.
+
+        Raises
+        ------
+        RecordingError
+            If a topic is missing or has another type than expected.
+
+        """
+        for batch in self.estimates_of_axes():
+            yield batch.contact
+
+    def estimates_of_axes(self) -> Iterator[Estimates]:
+        """
+        Run the recording through the session, for the axes beside the contact axis too.
+
+        Yields
+        ------
+        estimates : Estimates
+            Of a stretch of the recording, in order, one for each wrench used.
+
+        Raises
+        ------
+        RecordingError
+            If a topic is missing or has another type than expected.
+
+        """
+        for batch in self._ahead(self._reader.batches(self._topics())):
+            yield self._process(batch)
+        yield self._process_one_by_one(self._left_over)
+
+    def _topics(self) -> list[str]:
+        source = self._source
+        asked = [source.wrench, source.joint_states]
+        there = {canonical(name) for name in self._reader.topics()}
+        asked += [name for name in (source.events,) if canonical(name) in there]
+        if canonical(source.reference_trajectory) in there and self._may_follow():
+            asked.append(source.reference_trajectory)
+        return asked
+
+    def _may_follow(self) -> bool:
+        """Tell whether the estimator, or one that a recorded event switches to, needs x_r."""
+        fixed = 'estimator' in self._chosen
+        used = [self.session.parameters.estimator] if fixed else list(ESTIMATORS)
+        return any(ESTIMATORS[name].follows_reference for name in used)
+
+    def _ahead(
+        self, batches: Iterator[list[RecordedMessage]]
+    ) -> Iterator[list[RecordedMessage]]:
+        """Read ahead, so that events and references are known before the samples they act on."""
+        waiting: deque[list[RecordedMessage]] = deque()
+        count = 0
+        for batch in batches:
+            data = self._sort_out(batch)
+            waiting.append(data)
+            count += len(data)
+            while count - len(waiting[0]) >= _AHEAD:
+                count -= len(waiting[0])
+                yield waiting.popleft()
+        yield from waiting
+
+    def _sort_out(self, batch: list[RecordedMessage]) -> list[RecordedMessage]:
+        source = self._source
+        aside = (source.events, source.reference_trajectory)
+        data = [message for message in batch if message[0] not in aside]
+        if len(data) != len(batch):
+            for message in batch:
+                if message.topic == source.events:
+                    self._add_event(message.data)
+                elif message.topic == source.reference_trajectory:
+                    self._add_reference(message.data)
+        return data
+
+    def _add_event(self, raw: bytes) -> None:
+        text = self._codec.deserialize(raw, 'std_msgs/msg/String').data
+        event = EstimationEvent.from_text(text)
+        kept = {k: v for k, v in event.parameters.items() if k not in self._chosen}
+        event = event._replace(parameters=kept)
+        self.session.schedule(event.moment, partial(apply_event, self.session, event))
+
+    def _add_reference(self, raw: bytes) -> None:
+        try:
+            stamp_ns, x, v, a, _ = self._references.decode(raw)
+        except MessageError as error:
+            self.session.count_rejected(f'reference_{error.reason}')
+            return
+        rates = (0.0 if rate != rate else rate for rate in (v, a))
+        jump_ns = self.session.parameters.synchronisation.time_jump_s * 1e9
+        if stamp_ns < self._last_reference_ns - jump_ns:
+            self._reference_jumps += 1
+        self._last_reference_ns = stamp_ns
+        self.session.add_reference(stamp_ns, Reference(x, *rates), self._reference_jumps)
+
+    def _process(self, batch: list[RecordedMessage]) -> Estimates:
+        """Take a batch at once where it is regular, else message by message."""
+        messages = self._left_over + batch if self._left_over else batch
+        self._left_over = []
+        estimates, messages = self._finish_waiting(messages)  # few, or none
+        wrench = self._source.wrench
+        wrenches = [data for topic, _, data in messages if topic == wrench]
+        motions = [data for topic, _, data in messages if topic != wrench]
+        count = min(len(wrenches), len(motions))
+        if count and len(messages) - 2 * count < _MOST_UNPAIRED:
+            paired = self._readings.add_pairs(wrenches[:count], motions[:count])
+            if paired is not None:
+                self._left_over = self._unpaired(messages, count)
+                return _joined(estimates, paired)
+        return _joined(estimates, self._process_one_by_one(messages))
+
+    def _finish_waiting(
+        self, messages: list[RecordedMessage]
+    ) -> tuple[Estimates, list[RecordedMessage]]:
+        """Take messages until no wrench waits for its joint sample any more."""
+        estimates = Estimates([], [])
+        taken = 0
+        while taken < len(messages) and self.session.waits:
+            one = self._process_one_by_one(messages[taken:taken + 1])
+            estimates = _joined(estimates, one)
+            taken += 1
+        return estimates, messages[taken:]
+
+    def _unpaired(
+        self, messages: list[RecordedMessage], count: int
+    ) -> list[RecordedMessage]:
+        """Keep for the next batch what a chunk's end has cut off from its partner."""
+        left: list[RecordedMessage] = []
+        taken = {True: 0, False: 0}
+        for message in messages:
+            is_wrench = message.topic == self._source.wrench
+            taken[is_wrench] += 1
+            if taken[is_wrench] > count:
+                left.append(message)
+        return left
+
+    def _process_one_by_one(self, messages: list[RecordedMessage]) -> Estimates:
+        results: list[Result] = []
+        session, wrench_topic = self.session, self._source.wrench
+        readings = self._readings
+        force_of, add_wrench, add_motion = (
+            readings.force_of, readings.add_wrench, readings.add_motion
+        )
+        decode_wrench, decode_joints = readings.wrench.decode, readings.joints.decode
+        for topic, _, data in messages:
+            try:
+                if topic == wrench_topic:
+                    reading = decode_wrench(data)
+                    if not session.accepts_frame(reading.frame_id):
+                        continue
+                    results += add_wrench(reading[0], force_of(reading))
+                else:
+                    results += add_motion(*decode_joints(data))
+            except MessageError as error:
+                kind = 'wrench' if topic == wrench_topic else 'joint_states'
+                session.count_rejected(f'{kind}_{error.reason}')
+        further = [result.further for result in results if result.further]
+        return Estimates([result.estimate for result in results], further)
+
+
+def _joined(first: Estimates, second: Estimates) -> Estimates:
+    """Put two stretches together; the first is seldom more than nothing."""
+    if not first.contact:
+        return second
+    return Estimates(first.contact + second.contact, first.further + second.further)
+
+
+def _still_known(recorded: Mapping[str, Any]) -> dict[str, Any]:
+    """Leave out what the present version does not know; a recording may be years old."""
+    known = {spec.name for spec in specifications(EstimationParameters)}
+    return {name: value for name, value in recorded.items() if name in known}

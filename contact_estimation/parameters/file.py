@@ -1,0 +1,94 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""ROS 2 parameter files, read without ROS."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, Mapping
+
+import yaml
+
+from .values import flatten_mapping
+from ..exceptions import ModelFileError, UnknownNameError
+
+ANY_NODE = '/**'
+KNOWN_NODES = ('estimator_node', 'plant_node', 'recorder_node')
+
+
+def read_parameter_file(path: Path | str, node: str) -> dict[str, Any]:
+    """
+    Read the parameters of one node.
+
+    Parameters
+    ----------
+    path : Path or str
+        A YAML file with `NODE: {ros__parameters: {...}}`.
+    node : str
+        Name of the node; the section `/**` holds for every node.
+
+    Returns
+    -------
+    parameters : dict
+        Dotted name to value; empty where the file has no section for the node.
+
+    Raises
+    ------
+    ModelFileError
+        If the file is missing or not of that shape.
+    UnknownNameError
+        If it has a section for an unknown node, which nobody would read.
+
+    """
+    content = _load(Path(path))
+    for section in content:
+        if str(section).strip('/') not in KNOWN_NODES and section != ANY_NODE:
+            raise UnknownNameError.among(
+                f'node in parameter file {path}', section, (*KNOWN_NODES, ANY_NODE)
+            )
+    parameters: dict[str, Any] = {}
+    for section in (ANY_NODE, node, f'/{node}'):
+        if section in content:
+            parameters.update(_section(content[section], path, section))
+    return parameters
+
+
+def _load(path: Path) -> Mapping[str, Any]:
+    try:
+        content = yaml.safe_load(path.read_text())
+    except OSError as error:
+        raise ModelFileError(f'parameter file {path} cannot be read: {error.strerror}') from error
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        reason = ' '.join(str(error).split())
+        raise ModelFileError(f'parameter file {path} is not YAML: {reason}') from error
+    if not isinstance(content, Mapping):
+        raise ModelFileError(
+            f'parameter file {path} must hold `NODE: {{ros__parameters: ...}}`, got '
+            f'{type(content).__name__}'
+        )
+    return content
+
+
+def _section(content: Any, path: Path | str, section: str) -> dict[str, Any]:
+    inner = content.get('ros__parameters') if isinstance(content, Mapping) else None
+    if not isinstance(inner, Mapping):
+        raise ModelFileError(
+            f'section {section!r} of parameter file {path} must hold `ros__parameters` with a '
+            f'mapping, got {content!r}'
+        )
+    try:
+        return flatten_mapping(inner)
+    except RecursionError as error:
+        raise ModelFileError(f'parameter file {path} contains itself by an alias') from error

@@ -1,0 +1,242 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Parameters declared once: default, unit, range and meaning live in the dataclass field."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from typing import Any, Iterator
+
+from ..exceptions import ParameterRangeError, UnknownNameError
+
+Value = bool | int | float | str
+
+
+@dataclasses.dataclass(frozen=True)
+class ParameterSpecification:
+    """
+    Everything known about one parameter.
+
+    Attributes
+    ----------
+    name : str
+        Dotted name, such as 'conditioning.cutoff_frequency'.
+    default : bool, int, float or str
+        Value without configuration; its type is the parameter's type.
+    description : str
+        Meaning, and what changing it does.
+    unit : str
+        SI unit, '' where there is none.
+    minimum, maximum : float or None
+        Inclusive range.
+    choices : tuple of str
+        Valid values of a text parameter; empty where any text is valid.
+    read_only : bool
+        Fixed at start.
+    nan_is_off : bool
+        NaN is valid and means that the feature is off.
+
+    """
+
+    name: str
+    default: Value
+    description: str
+    unit: str = ''
+    minimum: float | None = None
+    maximum: float | None = None
+    choices: tuple[str, ...] = ()
+    read_only: bool = False
+    nan_is_off: bool = False
+
+    @property
+    def expectation(self) -> str:
+        """Say in words which values are valid."""
+        if self.choices:
+            return 'one of ' + ', '.join(self.choices)
+        kind = {bool: 'true or false', int: 'an integer', float: 'a number', str: 'a text'}[
+            type(self.default)
+        ]
+        low = '' if self.minimum is None else f' >= {self.minimum:g}'
+        high = '' if self.maximum is None else f' <= {self.maximum:g}'
+        off = ' or NaN (off)' if self.nan_is_off else ''
+        unit = f' {self.unit}' if self.unit else ''
+        return f'{kind}{low}{" and" if low and high else ""}{high}{unit}{off}'
+
+    def check(self, value: Any) -> Value:
+        """
+        Return the value in the parameter's type, or say why it is not valid.
+
+        Parameters
+        ----------
+        value : any
+            The value received; an integer is taken for a float.
+
+        Returns
+        -------
+        value : bool, int, float or str
+            Of the type of the default.
+
+        Raises
+        ------
+        UnknownNameError
+            If a text is not among the choices.
+        ParameterRangeError
+            If the type is wrong or the value is out of range.
+
+        """
+        value = self._as_meant(value)
+        if type(value) is not type(self.default):
+            raise self._error(value)
+        if self.choices and value not in self.choices:
+            raise UnknownNameError.among(self.name, value, self.choices)
+        if isinstance(value, (int, float)) and not isinstance(value, bool):
+            self._check_range(value)
+        return value  # type: ignore[no-any-return]
+
+    def _as_meant(self, value: Any) -> Any:
+        """Undo what YAML makes of some values: 1e5 is a text to PyYAML, y is true to rcl."""
+        if isinstance(self.default, float) and type(value) in (int, str):
+            try:
+                return float(value)
+            except (ValueError, OverflowError):
+                return value
+        return 'y' if value is True and 'y' in self.choices else value
+
+    def _check_range(self, value: float) -> None:
+        if self.nan_is_off and math.isnan(value):
+            return
+        too_low = self.minimum is not None and value < self.minimum
+        too_high = self.maximum is not None and value > self.maximum
+        if not math.isfinite(value) or too_low or too_high:
+            raise self._error(value)
+
+    def _error(self, value: Any) -> ParameterRangeError:
+        return ParameterRangeError(
+            f'{self.name} must be {self.expectation}, got {value!r}; default {self.default!r}'
+        )
+
+
+def parameter(
+    default: Value,
+    description: str,
+    unit: str = '',
+    minimum: float | None = None,
+    maximum: float | None = None,
+    choices: tuple[str, ...] = (),
+    read_only: bool = False,
+    nan_is_off: bool = False,
+) -> Any:
+    """
+    Declare one parameter as a dataclass field.
+
+    Parameters
+    ----------
+    default, description, unit, minimum, maximum, choices, read_only, nan_is_off
+        As in `ParameterSpecification`.
+
+    Returns
+    -------
+    field : dataclasses.Field
+        To be assigned in the body of a `ParameterGroup`.
+
+    """
+    facts = {
+        'description': description,
+        'unit': unit,
+        'minimum': minimum,
+        'maximum': maximum,
+        'choices': choices,
+        'read_only': read_only,
+        'nan_is_off': nan_is_off,
+    }
+    return dataclasses.field(default=default, metadata=facts)
+
+
+def group(cls: type[ParameterGroup]) -> Any:
+    """
+    Declare a nested group of parameters as a dataclass field.
+
+    Parameters
+    ----------
+    cls : type of ParameterGroup
+        The group's class; its defaults are the field's default.
+
+    Returns
+    -------
+    field : dataclasses.Field
+        To be assigned in the body of a `ParameterGroup`.
+
+    """
+    return dataclasses.field(default_factory=cls, metadata={'group': cls})
+
+
+@dataclasses.dataclass(frozen=True)
+class ParameterGroup:
+    """Base of all parameter dataclasses: checks every value when it is made."""
+
+    def __post_init__(self) -> None:
+        """Check types, ranges and choices of all fields."""
+        for field in dataclasses.fields(self):
+            if 'group' not in field.metadata:
+                value = specification(field, field.name).check(getattr(self, field.name))
+                object.__setattr__(self, field.name, value)
+
+
+def specification(field: dataclasses.Field[Any], name: str) -> ParameterSpecification:
+    """
+    Read the specification out of a dataclass field.
+
+    Parameters
+    ----------
+    field : dataclasses.Field
+        Made by `parameter`.
+    name : str
+        The full dotted name.
+
+    Returns
+    -------
+    specification : ParameterSpecification
+        What the field declares.
+
+    """
+    return ParameterSpecification(name, field.default, **field.metadata)  # type: ignore[arg-type]
+
+
+def specifications(
+    cls: type[ParameterGroup], prefix: str = ''
+) -> Iterator[ParameterSpecification]:
+    """
+    Walk over all parameters of a group and of the groups in it.
+
+    Parameters
+    ----------
+    cls : type of ParameterGroup
+        The outermost group.
+    prefix : str
+        Put before every name, with its dot.
+
+    Yields
+    ------
+    specification : ParameterSpecification
+        In the order of declaration.
+
+    """
+    for field in dataclasses.fields(cls):
+        name = prefix + field.name
+        if 'group' in field.metadata:
+            yield from specifications(field.metadata['group'], name + '.')
+        else:
+            yield specification(field, name)

@@ -1,0 +1,169 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The signals of a recording as arrays, each with its own stamps."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import isfinite
+from typing import Any, Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .source import RecordingSource
+from .topic_names import canonical
+from ..exceptions import MessageError, RecordingError
+from ..messages import (
+    FORCE_OF_AXIS,
+    JointStateDecoder,
+    RosbagsCodec,
+    TrajectoryDecoder,
+    WrenchDecoder,
+)
+from ..recordings import RecordingReader
+
+Row = tuple[int, tuple[float, ...]]
+
+
+@dataclass(frozen=True)
+class Signal:
+    """
+    One topic of the contact axis, in the order of its stamps and without what is not finite.
+
+    Attributes
+    ----------
+    stamp_ns : ndarray of int64, shape (N,)
+        Header stamps [ns], growing.
+    values : ndarray, shape (n, N)
+        wrench: F_e [N]; joint_states: x [m] and its rate [m/s], NaN where not recorded;
+        reference_trajectory: x_r [m], its rate [m/s] and acceleration [m/s^2], F_r [N].
+
+    """
+
+    stamp_ns: NDArray[np.int64]
+    values: NDArray[np.float64]
+
+    def __len__(self) -> int:
+        """Count the samples."""
+        return len(self.stamp_ns)
+
+
+@dataclass(frozen=True)
+class RecordedSignals:
+    """
+    What a recording tells of the contact axis.
+
+    Attributes
+    ----------
+    wrench, joint_states : Signal
+        Never empty.
+    reference_trajectory : Signal
+        Empty where none was recorded.
+    frame_id : str
+        Frame of the wrench.
+
+    """
+
+    wrench: Signal
+    joint_states: Signal
+    reference_trajectory: Signal
+    frame_id: str
+
+
+def read_signals(
+    reader: RecordingReader, source: RecordingSource, axis: str = 'x', joint: str = ''
+) -> RecordedSignals:
+    """
+    Read wrench, joint and reference of the contact axis.
+
+    Parameters
+    ----------
+    reader : RecordingReader
+        The recording.
+    source : RecordingSource
+        Its topics.
+    axis : str
+        Of the force: 'x', 'y' or 'z'.
+    joint : str
+        Name; '' is the only one.
+
+    Returns
+    -------
+    signals : RecordedSignals
+        Of equal stamps the first.
+
+    Raises
+    ------
+    RecordingError
+        If a topic is missing or has no usable message.
+
+    """
+    asked = [source.wrench, source.joint_states]
+    there = {canonical(name) for name in reader.topics()}
+    if canonical(source.reference_trajectory) in there:
+        asked.append(source.reference_trajectory)
+    codec = RosbagsCodec()
+    wrenches = WrenchDecoder(codec)
+    decode = _decoders(codec, wrenches, source, axis, joint)
+    rows: dict[str, list[Row]] = {name: [] for name in decode}
+    refused: dict[str, str] = {}
+    for topic, _, data in reader.messages(asked):
+        try:
+            rows[topic].append(decode[topic](data))
+        except MessageError as error:
+            refused[topic] = f': {error}'
+    wrench, joints, reference = (
+        _stacked(rows[name], width) for name, width in zip(decode, (1, 2, 4))
+    )
+    for name, signal in zip(asked, (wrench, joints)):
+        if not len(signal):
+            raise RecordingError(
+                f'no usable message on {name} in {reader.path}: expected finite values with '
+                f'stamps, got none{refused.get(name, "")}; check topic, axis and joint'
+            )
+    return RecordedSignals(wrench, joints, reference, wrenches.frame_id)
+
+
+def _decoders(
+    codec: RosbagsCodec, wrenches: WrenchDecoder, source: RecordingSource, axis: str, joint: str
+) -> dict[str, Callable[[bytes], Row]]:
+    joints, references = JointStateDecoder(codec, joint), TrajectoryDecoder(codec, joint)
+    force_of = FORCE_OF_AXIS[axis]
+
+    def force(data: bytes) -> Row:
+        reading = wrenches.decode(data)
+        return reading.stamp_ns, (force_of(reading),)
+
+    def motion(data: bytes) -> Row:
+        stamp_ns, *values = joints.decode(data)
+        return stamp_ns, tuple(values)
+
+    def reference(data: bytes) -> Row:
+        stamp_ns, x, *rest = references.decode(data)
+        # What a reference does not say is 0: no feed-forward, no force wanted.
+        return stamp_ns, (x, *(0.0 if value != value else value for value in rest))
+
+    return {source.wrench: force, source.joint_states: motion,
+            source.reference_trajectory: reference}
+
+
+def _stacked(rows: list[Row], width: int) -> Signal:
+    """Sort by stamp; of equal stamps the first stays, what has no finite value goes."""
+    finite = [row for row in rows if isfinite(row[1][0])]
+    stamps: Any = np.array([stamp for stamp, _ in finite], np.int64)
+    stamps, first = np.unique(stamps, return_index=True)
+    values = np.array([values for _, values in finite], np.float64).reshape(-1, width)
+    return Signal(stamps, values[first].T)

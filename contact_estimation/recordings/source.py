@@ -1,0 +1,39 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Which topics of a recording hold the contact signals."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class RecordingSource:
+    """
+    Where in a recording the contact signals are.
+
+    Attributes
+    ----------
+    wrench, joint_states, reference_trajectory : str
+        Topics.
+    events : str
+        Topic of the estimator node's events.
+
+    """
+
+    wrench: str = 'wrench'
+    joint_states: str = 'joint_states'
+    reference_trajectory: str = 'reference_trajectory'
+    events: str = 'estimator_node/events'

@@ -1,0 +1,144 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Experiments on the testbed: closed over an estimator, or with a given reference."""
+
+from __future__ import annotations
+
+from typing import Callable, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .testbed_acquisition import Acquisition, make_sensors
+from .testbed_constants import TESTBED
+from .testbed_world import TestbedWorld
+from ..estimation.session import ContactSession
+from ..estimators.offline_estimator import TargetImpedance
+from ..plant.closed_loop import ClosedLoopRun
+from ..plant.world import Truth
+from ..reference.experiment import Experiment
+from ..reference.setpoints import Reference
+from ..signals.contact_recording import ContactRecording
+from ..signals.contact_sample import ContactSample
+
+TRACKING_TARGET = TargetImpedance(50.0, 1000.0, 5000.0)
+"""Target impedance of the time-domain algorithms."""
+
+
+class ArmRecording(NamedTuple):
+    """
+    What the testbed tells of a run without an estimator.
+
+    Attributes
+    ----------
+    truths : list of Truth
+        The wall.
+    contact : ContactRecording
+        Force and deflection of the wall after acquisition.
+    tip : ndarray, shape (N,)
+        x of the tip from the wall's surface, by the joint encoders [m].
+
+    """
+
+    truths: list[Truth]
+    contact: ContactRecording
+    tip: NDArray[np.float64]
+
+
+def run_testbed(
+    session: ContactSession, experiment: Experiment, acquisition: Acquisition, seed: int
+) -> ClosedLoopRun:
+    """
+    Run an experiment; the reference made of sample k is followed from sample k + 1 on.
+
+    Parameters
+    ----------
+    session : ContactSession
+        Fresh.
+    experiment : Experiment
+        What is wanted.
+    acquisition : Acquisition
+        Fresh.
+    seed : int
+        Of the sensors.
+
+    Returns
+    -------
+    run : ClosedLoopRun
+        One entry a sample.
+
+    """
+    period = 1.0 / TESTBED.sample_rate
+    period_ns = round(1e9 * period)
+    begin = experiment.desired(0.0)
+    world = TestbedWorld(TESTBED, TRACKING_TARGET, begin.position)
+    sensors = make_sensors(TESTBED, seed)
+    reference = Reference(begin.position, 0.0, 0.0, 0.0)
+    run = ClosedLoopRun([], [])
+    for k in range(round(experiment.duration * TESTBED.sample_rate)):
+        truth = world.truth()
+        measured, deflection, _ = sensors.measure(truth)
+        force, position, velocity = acquisition.process(measured, deflection)
+        session.add_desired((k + 1) * period_ns, experiment.desired((k + 1) * period))
+        session.add_motion(k * period_ns, position, velocity)
+        (result,) = session.add_wrench(k * period_ns, force)
+        run.truths.append(truth)
+        run.results.append(result)
+        world.advance(period, reference, measured)
+        if result.reference is not None:
+            reference = result.reference
+    return run
+
+
+def record_testbed(
+    target: TargetImpedance, reference_at: Callable[[float], Reference], start: float,
+    duration: float, acquisition: Acquisition, seed: int,
+) -> ArmRecording:
+    """
+    Record a given reference.
+
+    Parameters
+    ----------
+    target : TargetImpedance
+        What the controller aims at.
+    reference_at : callable
+        Time [s] to x_r with derivatives.
+    start : float
+        Where the tip rests at t = 0, from the wall's surface [m].
+    duration : float
+        Time to run [s].
+    acquisition : Acquisition
+        Fresh.
+    seed : int
+        Of the sensors.
+
+    Returns
+    -------
+    recording : ArmRecording
+        One entry a sample.
+
+    """
+    period = 1.0 / TESTBED.sample_rate
+    world, sensors = TestbedWorld(TESTBED, target, start), make_sensors(TESTBED, seed)
+    truths, samples, tips = [], [], []
+    for k in range(round(duration * TESTBED.sample_rate)):
+        truth = world.truth()
+        measured, deflection, _ = sensors.measure(truth)
+        force, position, velocity = acquisition.process(measured, deflection)
+        truths.append(truth)
+        samples.append(ContactSample(round(1e9 * k * period), position, velocity, force))
+        tips.append(world.tip().x)
+        world.advance(period, reference_at(k * period), measured)
+    return ArmRecording(truths, ContactRecording.of(samples), np.array(tips))

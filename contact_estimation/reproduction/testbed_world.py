@@ -1,0 +1,139 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Arm and flexible wall, integrated at 2 kHz under a controller that acts at the sample rate."""
+
+from __future__ import annotations
+
+from .flexible_wall import free_rate, moved, pressing_force, WallState
+from .impedance_controller import ImpedanceController
+from .planar_arm import PlanarArm, Tip
+from .testbed_constants import TestbedConstants, Triple
+from ..estimators.offline_estimator import TargetImpedance
+from ..plant.world import Truth
+from ..reference.setpoints import Reference
+
+_CLOSED = 1e-12  # of the gap between tool and wall [m]
+
+
+class TestbedWorld:
+    """
+    The testbed before any sensor.
+
+    The wall has a deflection of its own: while the tool touches it they move together; when the
+    tool retreats faster than spring and damper push, the wall follows alone, and rests where the
+    friction of its bearings holds the spring.
+
+    Parameters
+    ----------
+    constants : TestbedConstants
+        Arm, controller and wall.
+    target : TargetImpedance
+        What the controller aims at.
+    position : float
+        Where the tip rests at t = 0, from the wall's surface [m].
+
+    """
+
+    __test__ = False  # not a test, whatever pytest makes of its name
+
+    def __init__(
+        self, constants: TestbedConstants, target: TargetImpedance, position: float
+    ) -> None:
+        self._p = constants
+        self._arm = PlanarArm(constants.arm)
+        self._controller = ImpedanceController(constants, target)
+        arm = constants.arm
+        self._angles = self._arm.angles_at(arm.surface_x + position, arm.tip_y, arm.tip_angle)
+        self._rates: Triple = (0.0, 0.0, 0.0)
+        self._torques: Triple = (0.0, 0.0, 0.0)
+        self._wall = WallState(max(0.0, position), 0.0)
+        self.t = 0.0
+
+    def tip(self) -> Tip:
+        """Tell where the tip is, x from the wall's surface, as the joint encoders have it."""
+        tip = self._arm.tip(self._angles, self._rates)
+        return tip._replace(x=tip.x - self._p.arm.surface_x)
+
+    def truth(self) -> Truth:
+        """
+        Look at the wall now.
+
+        Returns
+        -------
+        truth : Truth
+            Deflection of the wall and its rate as position and velocity, F_e as force.
+
+        """
+        force = self._force(self._angles, self._rates, self._wall)
+        touching = force > 0.0
+        rate = self.tip().x_dot if touching else free_rate(self._wall, self._p.wall)
+        acceleration = self._tip_acceleration(force) if touching else 0.0
+        return Truth(self.t, self._wall.deflection, rate, acceleration, -force, -force)
+
+    def advance(self, duration: float, reference: Reference, force: float) -> None:
+        """
+        Control once, then integrate.
+
+        Parameters
+        ----------
+        duration : float
+            Sample period [s].
+        reference : Reference
+            What the robot follows.
+        force : float
+            Measured F_e [N].
+
+        """
+        self._torques = self._controller.torques(self._angles, self._rates, force, reference)
+        steps = self._p.steps_per_sample
+        for _ in range(steps):
+            self._step(duration / steps)
+        self.t += duration
+
+    def _force(self, angles: Triple, rates: Triple, wall: WallState) -> float:
+        """Compute the pressing force, 0 out of contact."""
+        if self._arm.tip_x(angles) - self._p.arm.surface_x < wall.deflection - _CLOSED:
+            return 0.0
+        x1, x2, x3 = self._arm.jacobian(angles)[0]
+        rate = x1 * rates[0] + x2 * rates[1] + x3 * rates[2]
+        return max(0.0, pressing_force(wall, rate, self._p.wall))
+
+    def _tip_acceleration(self, force: float) -> float:
+        w1, w2, w3 = self._rates
+        b1, b2, b3 = self._arm.accelerations(self._angles, self._rates, self._torques, -force)
+        (x1, x2, x3), (y1, y2, y3) = self._arm.jacobian(self._angles)
+        return (x1 * b1 + x2 * b2 + x3 * b3
+                - y1 * w1 * w1 - y2 * w2 * w2 - y3 * w3 * w3)
+
+    def _step(self, h: float) -> None:
+        """Step by the midpoint rule."""
+        (a1, a2, a3), (w1, w2, w3), arm = self._angles, self._rates, self._arm
+        force, before = self._force(self._angles, self._rates, self._wall), self._wall
+        b1, b2, b3 = arm.accelerations(self._angles, self._rates, self._torques, -force)
+        half = 0.5 * h
+        angles = a1 + half * w1, a2 + half * w2, a3 + half * w3
+        rates = w1 + half * b1, w2 + half * b2, w3 + half * b3
+        middle = self._follow(before, angles, half)
+        force = self._force(angles, rates, middle)
+        b1, b2, b3 = arm.accelerations(angles, rates, self._torques, -force)
+        self._angles = a1 + h * rates[0], a2 + h * rates[1], a3 + h * rates[2]
+        self._rates = w1 + h * b1, w2 + h * b2, w3 + h * b3
+        self._wall = self._follow(before, self._angles, h)
+
+    def _follow(self, wall: WallState, angles: Triple, h: float) -> WallState:
+        """Move the wall alone, but never into the tool."""
+        tool = self._arm.tip_x(angles) - self._p.arm.surface_x
+        alone = wall.deflection + h * free_rate(wall, self._p.wall)
+        return moved(wall, max(alone, tool) - wall.deflection, self._p.wall)

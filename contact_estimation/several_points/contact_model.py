@@ -1,0 +1,95 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Environment equations as pure functions: scalar or array in, the same out."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..exceptions import ParameterRangeError, SignalShapeError
+
+
+def kelvin_voigt_force(
+    delta: ArrayLike, delta_dot: ArrayLike, K_e: float, B_e: float
+) -> NDArray[np.float64]:
+    """
+    Compute the force of a unilateral spring-damper environment on the tool.
+
+    Eq. (3): F_e = -(K_e delta + B_e delta_dot) in contact (delta > 0), at most 0; else 0.
+    The wall cannot pull, so the force is already 0 while withdrawing with delta > 0.
+
+    Parameters
+    ----------
+    delta : array_like, shape (N,)
+        Penetration [m], positive in contact.
+    delta_dot : array_like, shape (N,)
+        Penetration rate [m/s].
+    K_e : float
+        Stiffness [N/m], > 0.
+    B_e : float
+        Damping [N s/m], >= 0.
+
+    Returns
+    -------
+    F_e : ndarray, shape (N,)
+        Force on the end-effector [N], negative while pressing.
+
+    Raises
+    ------
+    SignalShapeError
+        If `delta` and `delta_dot` differ in shape.
+    ParameterRangeError
+        If `K_e` or `B_e` is out of range.
+
+    """
+    delta, delta_dot = np.asarray(delta, float), np.asarray(delta_dot, float)
+    if delta.shape != delta_dot.shape:
+        raise SignalShapeError(
+            f'delta and delta_dot must have one shape, got {delta.shape} and {delta_dot.shape}'
+        )
+    if not K_e > 0.0:
+        raise ParameterRangeError(f'K_e must be > 0 N/m, got {K_e!r}')
+    if not B_e >= 0.0:
+        raise ParameterRangeError(f'B_e must be >= 0 N s/m, got {B_e!r}')
+    return np.where(delta > 0.0, np.minimum(0.0, -(K_e * delta + B_e * delta_dot)), 0.0)
+
+
+def static_force_eq20(F_r: float, K_hat: float, K_e: float, K_t: float) -> float:
+    """
+    Compute the force that eq. (20) settles to under eq. (1).
+
+    K_t (x - x_r) = F_e with x_r = x_e + F_r / K_hat and F_e = -K_e (x - x_e) gives
+    F_r K_t K_e / (K_hat (K_t + K_e)): about half of F_r for equal stiffnesses, which is why the
+    `series` law and force tracking exist.
+
+    Parameters
+    ----------
+    F_r : float
+        Force wanted [N], positive while pressing.
+    K_hat : float
+        Estimated stiffness [N/m], > 0.
+    K_e : float
+        True stiffness [N/m], > 0.
+    K_t : float
+        Target stiffness of the robot [N/m], > 0.
+
+    Returns
+    -------
+    force : float
+        Static contact force [N], positive while pressing.
+
+    """
+    return F_r * K_t * K_e / (K_hat * (K_t + K_e))

@@ -1,0 +1,282 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+Eq. (6): the force of several contact points on one tool, as pure functions.
+
+The points share K_e and B_e. Each has a surface with a normal from wall to robot, presses on its
+own, and rubs against it: F_e = sum_i F_ni (n_i - mu s_i), F_ni = K_e delta_i + B_e deltadot_i.
+A robot that presses along +x against one point has n = (-1, 0, 0), which is eq. (3).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .contact_model import kelvin_voigt_force
+from ..exceptions import ParameterRangeError, SignalShapeError
+
+Array = NDArray[np.float64]
+SLIP_SPEED = 4e-4  # [m/s]; below it friction grows linearly, as in all effects of this package
+
+
+@dataclass(frozen=True)
+class ContactGeometry:
+    """
+    Points of the tool that may touch, and the plane that each of them may touch.
+
+    Attributes
+    ----------
+    points : ndarray, shape (N, 3)
+        In the frame of the tool [m].
+    surfaces : ndarray, shape (N, 3)
+        Any place on the surface of each point, in the frame of the force [m].
+    normals : ndarray, shape (N, 3)
+        Unit vectors n_i from wall to robot, in the frame of the force.
+
+    Raises
+    ------
+    SignalShapeError
+        If the arrays differ in shape or are not of N rows of 3.
+    ParameterRangeError
+        If a normal has not the length 1.
+
+    """
+
+    points: Array
+    surfaces: Array
+    normals: Array
+
+    def __post_init__(self) -> None:
+        """Check shapes and normals."""
+        for name in ('points', 'surfaces', 'normals'):
+            array = np.asarray(getattr(self, name), float)
+            object.__setattr__(self, name, array)
+            if array.ndim != 2 or array.shape[1] != 3 or array.shape != self.points.shape:
+                raise SignalShapeError(
+                    f'{name} must have a row of 3 numbers for each contact point, shape (N, 3) '
+                    f'as points {self.points.shape}, got {array.shape}'
+                )
+        lengths = np.linalg.norm(self.normals, axis=1)
+        if not np.allclose(lengths, 1.0, atol=1e-6):
+            raise ParameterRangeError(
+                f'normals must have length 1, got lengths {lengths.tolist()}; divide by them'
+            )
+
+
+class ToolMotion(NamedTuple):
+    """
+    Pose and twist of the tool in the frame of the force.
+
+    Attributes
+    ----------
+    position : ndarray, shape (3,)
+        Of the tool's origin [m].
+    rotation : ndarray, shape (3, 3)
+        From the frame of the tool to that of the force.
+    velocity : ndarray, shape (3,)
+        Of the tool's origin [m/s].
+    angular_velocity : ndarray, shape (3,)
+        In the frame of the force [rad/s].
+
+    """
+
+    position: Array
+    rotation: Array
+    velocity: Array
+    angular_velocity: Array
+
+
+class PointMotions(NamedTuple):
+    """
+    Motion of every contact point relative to its surface.
+
+    Attributes
+    ----------
+    delta : ndarray, shape (N,)
+        Penetration [m], positive in contact.
+    delta_dot : ndarray, shape (N,)
+        Its rate [m/s].
+    slip : ndarray, shape (N, 3)
+        Velocity along the surface [m/s].
+    arms : ndarray, shape (N, 3)
+        From the tool's origin to the point, in the frame of the force [m].
+
+    """
+
+    delta: Array
+    delta_dot: Array
+    slip: Array
+    arms: Array
+
+
+def point_motions(geometry: ContactGeometry, motion: ToolMotion) -> PointMotions:
+    """
+    Compute penetrations, their rates and the slip from pose and twist of a rigid tool.
+
+    delta_i = n_i . (surface_i - p_i), deltadot_i = -n_i . v_i, v_i = v + omega x (R r_i).
+
+    Parameters
+    ----------
+    geometry : ContactGeometry
+        Points and surfaces.
+    motion : ToolMotion
+        Pose and twist.
+
+    Returns
+    -------
+    motions : PointMotions
+        Of every point, whether it touches or not.
+
+    """
+    normals = geometry.normals
+    arms = geometry.points @ motion.rotation.T  # (N, 3) [m]
+    velocities = motion.velocity + np.cross(motion.angular_velocity, arms)  # (N, 3) [m/s]
+    outward = np.sum(normals * velocities, axis=1)  # (N,) [m/s]
+    delta = np.sum(normals * (geometry.surfaces - motion.position - arms), axis=1)
+    return PointMotions(delta, -outward, velocities - outward[:, None] * normals, arms)
+
+
+def slip_directions(slip: Array) -> Array:
+    """
+    Compute the smoothed direction s_i of sliding: tanh(|v| / 4e-4 m/s) v / |v|.
+
+    Parameters
+    ----------
+    slip : ndarray, shape (N, 3)
+        Velocity along the surface [m/s].
+
+    Returns
+    -------
+    directions : ndarray, shape (N, 3)
+        Of length 1 while sliding, 0 at rest.
+
+    """
+    speed = np.linalg.norm(slip, axis=1, keepdims=True)  # (N, 1) [m/s]
+    share = np.tanh(speed / SLIP_SPEED) / np.where(speed > 0.0, speed, 1.0)
+    return slip * share
+
+
+def contact_forces(
+    geometry: ContactGeometry, motions: PointMotions, K_e: float, B_e: float, mu: float
+) -> Array:
+    """
+    Compute the force at every point, normal and tangential.
+
+    Eq. (5) with each point unilateral by itself, and Coulomb friction against the sliding:
+    F_i = F_ni (n_i - mu s_i).
+
+    Parameters
+    ----------
+    geometry : ContactGeometry
+        Points and surfaces.
+    motions : PointMotions
+        Of the points.
+    K_e : float
+        Stiffness [N/m], > 0.
+    B_e : float
+        Damping [N s/m], >= 0.
+    mu : float
+        Coefficient of friction, >= 0.
+
+    Returns
+    -------
+    forces : ndarray, shape (N, 3)
+        On the tool [N].
+
+    Raises
+    ------
+    ParameterRangeError
+        If K_e, B_e or mu is out of range.
+
+    """
+    if not mu >= 0.0:
+        raise ParameterRangeError(f'mu must be >= 0, got {mu!r}')
+    F_n = -kelvin_voigt_force(motions.delta, motions.delta_dot, K_e, B_e)  # (N,) [N]
+    return F_n[:, None] * (geometry.normals - mu * slip_directions(motions.slip))
+
+
+def total_wrench(arms: Array, forces: Array) -> tuple[Array, Array]:
+    """
+    Add the forces of all points up, eq. (6), and their moments about the tool's origin.
+
+    Parameters
+    ----------
+    arms, forces : ndarray, shape (N, 3)
+        From the origin to each point [m], and the force there [N].
+
+    Returns
+    -------
+    force, torque : ndarray, shape (3,)
+        On the tool [N], [N m].
+
+    """
+    return forces.sum(axis=0), np.cross(arms, forces).sum(axis=0)
+
+
+def rubless_directions(geometry: ContactGeometry, sticking: NDArray[np.bool_]) -> Array:
+    """
+    Find the directions into which no sticking point can push by friction.
+
+    At rest friction is any force up to mu F_n along the surface, which no motion tells. One point
+    leaves its normal, two of one surface the same, two of different surfaces nothing at all.
+
+    Parameters
+    ----------
+    geometry : ContactGeometry
+        Points and surfaces.
+    sticking : ndarray of bool, shape (N,)
+        Points that press without sliding.
+
+    Returns
+    -------
+    directions : ndarray, shape (M, 3)
+        Orthonormal rows, M from 0 to 3.
+
+    """
+    normals = geometry.normals[sticking]  # (S, 3)
+    along = len(normals) * np.eye(3) - normals.T @ normals  # sum of projectors on the surfaces
+    shares, directions = np.linalg.eigh(along)
+    return directions.T[shares < 1e-9]
+
+
+def force_regressor(
+    geometry: ContactGeometry, motions: PointMotions, touching: NDArray[np.bool_]
+) -> Array:
+    """
+    Write eq. (6) as F_e = Phi (K_e, B_e, mu K_e, mu B_e)^T, linear in the four.
+
+    Parameters
+    ----------
+    geometry : ContactGeometry
+        Points and surfaces.
+    motions : PointMotions
+        Of the points.
+    touching : ndarray of bool, shape (N,)
+        Points that press; the others contribute nothing.
+
+    Returns
+    -------
+    Phi : ndarray, shape (3, 4)
+        [sum delta_i n_i, sum deltadot_i n_i, -sum delta_i s_i, -sum deltadot_i s_i].
+
+    """
+    pressing = np.stack([motions.delta, motions.delta_dot]) * touching  # (2, N) [m], [m/s]
+    along = pressing @ geometry.normals  # (2, 3)
+    rubbing = pressing @ slip_directions(motions.slip)  # (2, 3)
+    return np.concatenate([along, -rubbing]).T

@@ -1,0 +1,277 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""On-line estimation of K_e, B_e and friction from the force vector of several contact points."""
+
+from __future__ import annotations
+
+from math import sqrt
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .contact_points import (
+    Array,
+    ContactGeometry,
+    force_regressor,
+    point_motions,
+    PointMotions,
+    rubless_directions,
+    ToolMotion,
+)
+from .contact_points_parameters import ContactPointsParameters
+from ..estimators.estimator import EstimateStatus
+from ..exceptions import SignalShapeError
+
+_STEPS = 2  # of Gauss and Newton a sample; the last sample's result is a near start
+_SURE = 3.0  # standard deviations
+_UNSURE = 'a point may touch or not'
+_STICKING = 'points stick: their friction is unknown'
+
+
+class ContactPointsSample(NamedTuple):
+    """
+    Force and motion at one instant.
+
+    Attributes
+    ----------
+    stamp_ns : int
+        Header stamp of the wrench [ns].
+    force : ndarray, shape (3,)
+        Measured F_e on the tool [N].
+    motion : ToolMotion
+        Pose and twist, in the frame of the force.
+
+    """
+
+    stamp_ns: int
+    force: Array
+    motion: ToolMotion
+
+
+class ContactPointsEstimate(NamedTuple):
+    """
+    What is known after one sample.
+
+    Attributes
+    ----------
+    stamp_ns : int
+        Stamp of the sample [ns].
+    stiffness, damping, friction : float
+        K_hat [N/m], B_hat [N s/m] and mu_hat.
+    stiffness_std, damping_std, friction_std : float
+        Their standard deviations; 0 for a friction that is known.
+    touching : tuple of bool
+        Which points press, as far as is known.
+    status : EstimateStatus
+        Free, estimating or frozen.
+    reason : str
+        Why it is frozen or held; '' where there is nothing to say.
+
+    """
+
+    stamp_ns: int
+    stiffness: float
+    damping: float
+    friction: float
+    stiffness_std: float
+    damping_std: float
+    friction_std: float
+    touching: tuple[bool, ...]
+    status: EstimateStatus
+    reason: str
+
+
+class ContactPointsEstimator:
+    """
+    Recursive least squares on eq. (6), three rows a sample.
+
+    The force is linear in (K_e, B_e, mu K_e, mu B_e). Their information Lambda = P^-1 gathers as
+    in eqs. (36) to (38), written for P^-1, which does not wind up where nothing slides; the three
+    parameters then are the best point on theta = (K, B, mu K, mu B), found by Gauss and Newton:
+    least squares over all samples, whatever the order in which friction and contact came.
+
+    Which points press follows from geometry: a point that is inside and goes deeper presses
+    whatever K_e and B_e are; one that withdraws, if K_hat delta + B_hat deltadot says so beyond
+    its uncertainty. While one point is in doubt nothing is learned.
+
+    A sticking point rubs with a force that its motion does not tell; a measured velocity near 0
+    would stand in for its direction as mere noise, which biases mu and K_hat towards 0. So of
+    the three rows only those remain that no sticking point can push along.
+
+    Parameters
+    ----------
+    geometry : ContactGeometry
+        Points and surfaces.
+    parameters : ContactPointsParameters, optional
+        Prior, noise and memory.
+
+    """
+
+    def __init__(
+        self, geometry: ContactGeometry, parameters: ContactPointsParameters | None = None
+    ) -> None:
+        self.geometry = geometry
+        self.parameters = parameters or ContactPointsParameters()
+        self.reset()
+
+    def reset(self) -> None:
+        """Go back to the first guess."""
+        p = self.parameters
+        self._prior = np.array([p.initial_stiffness, p.initial_damping, p.initial_friction])
+        spread = np.array([p.stiffness_std, p.damping_std, p.friction_std or 1.0])
+        self._free = np.array([True, True, p.friction_std > 0.0])
+        self._prior_information = np.diag(spread**-2.0)
+        self._covariance = np.diag(np.where(self._free, spread, 0.0) ** 2)
+        self._theta = self._prior.copy()
+        self._information, self._squared = np.zeros((4, 4)), np.zeros((4, 4))
+        self._projected_force = np.zeros(4)
+        self._stiffness, self._damping = p.initial_stiffness, p.initial_damping
+        self._reason = 'weak excitation'
+
+    def update(self, sample: ContactPointsSample) -> ContactPointsEstimate:
+        """
+        Take one sample.
+
+        Parameters
+        ----------
+        sample : ContactPointsSample
+            Finite.
+
+        Returns
+        -------
+        estimate : ContactPointsEstimate
+            What is known now.
+
+        Raises
+        ------
+        SignalShapeError
+            If the force has not three components.
+
+        """
+        force = np.asarray(sample.force, float)
+        if force.shape != (3,):
+            raise SignalShapeError(f'force must have shape (3,), got {force.shape}')
+        motions = point_motions(self.geometry, sample.motion)
+        touching, unsure = self._judge(motions)
+        if unsure.any():
+            return self._estimate(sample, touching, EstimateStatus.FROZEN, _UNSURE)
+        if not touching.any():
+            return self._estimate(sample, touching, EstimateStatus.FREE, '')
+        rows = self._rows(motions, touching)
+        if not len(rows):
+            return self._estimate(sample, touching, EstimateStatus.FROZEN, _STICKING)
+        Phi = force_regressor(self.geometry, motions, touching)
+        self._learn(rows @ Phi, rows @ force)
+        held = self._reason == 'weak excitation'
+        status = EstimateStatus.FROZEN if held else EstimateStatus.ESTIMATING
+        return self._estimate(sample, touching, status, self._reason)
+
+    def _judge(self, motions: PointMotions) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+        """Tell which points press, and of which this is unsure."""
+        delta, rate = motions.delta, motions.delta_dot
+        margin = _SURE * self.parameters.position_noise
+        K, B, _ = self._theta
+        KK, KB, BB = self._covariance[0, 0], self._covariance[0, 1], self._covariance[1, 1]
+        spread = np.sqrt(np.maximum(KK * delta**2 + 2.0 * KB * delta * rate + BB * rate**2, 0.0))
+        pressing = K * delta + B * rate  # (N,) [N]
+        sure = _SURE * spread + K * margin
+        presses = (delta > margin) & ((rate >= 0.0) | (pressing > sure))
+        let_go = (rate < 0.0) & (pressing < -sure)
+        return presses, ~presses & ~let_go & (delta > -margin)
+
+    def _rows(self, motions: PointMotions, touching: NDArray[np.bool_]) -> Array:
+        """Choose the directions in which the force is known from the motion."""
+        if not self._free[2] and self._prior[2] == 0.0:
+            return np.eye(3)  # nothing rubs
+        sticks = np.linalg.norm(motions.slip, axis=1) < self.parameters.sliding_speed
+        return rubless_directions(self.geometry, touching & sticks)
+
+    def _learn(self, Phi: Array, force: Array) -> None:
+        """Add up to three rows to the information, and find the parameters that fit best."""
+        p = self.parameters
+        gain, forget = Phi.T / p.force_noise**2, p.forgetting_factor
+        rows = gain @ Phi  # (4, 4)
+        self._information = forget * self._information + rows
+        self._squared = forget**2 * self._squared + rows  # of the noise, weighted by lambda^2
+        self._projected_force = forget * self._projected_force + gain @ force
+        for _ in range(_STEPS):
+            self._theta = self._step(self._theta)
+        self._covariance = self._spread(self._theta)
+        self._hold()
+
+    def _step(self, theta: Array) -> Array:
+        """Go to the minimum of the linearised problem, along the limits where it is outside."""
+        free, low = self._free.copy(), np.array([1e-3, 0.0, 0.0])
+        for _ in theta:
+            J = _jacobian(theta)
+            residual = self._projected_force - self._information @ _products(theta)
+            slope = J.T @ residual + self._prior_information @ (self._prior - theta)
+            curvature = J.T @ self._information @ J + self._prior_information
+            moved = theta.copy()
+            moved[free] += np.linalg.solve(curvature[np.ix_(free, free)], slope[free])
+            outside = free & (moved < low)
+            if not outside.any():
+                return moved
+            theta = np.where(outside, low, theta)
+            free &= ~outside
+        return theta
+
+    def _spread(self, theta: Array) -> Array:
+        """Compute the covariance: with forgetting, H^-1 of weights times squared weights."""
+        J, free = _jacobian(theta), np.ix_(self._free, self._free)
+        weighted = (J.T @ self._information @ J + self._prior_information)[free]
+        squared = (J.T @ self._squared @ J + self._prior_information)[free]
+        inverse = np.linalg.inv(weighted)
+        covariance = np.zeros((3, 3))
+        covariance[free] = inverse @ squared @ inverse
+        return covariance
+
+    def _hold(self) -> None:
+        """Take over what the data tell well enough."""
+        limit = self.parameters.maximum_relative_std
+        K, B, _ = self._theta
+        known_K = sqrt(self._covariance[0, 0]) <= limit * K
+        known_B = sqrt(self._covariance[1, 1]) <= limit * B
+        if known_K:
+            self._stiffness = float(K)
+        if known_B:
+            self._damping = float(B)
+        self._reason = {
+            (True, True): '', (True, False): 'damping held: weak excitation',
+            (False, True): 'stiffness held: weak excitation', (False, False): 'weak excitation',
+        }[known_K, known_B]
+
+    def _estimate(
+        self, sample: ContactPointsSample, touching: NDArray[np.bool_], status: EstimateStatus,
+        reason: str,
+    ) -> ContactPointsEstimate:
+        K_std, B_std, mu_std = np.sqrt(np.maximum(np.diag(self._covariance), 0.0)).tolist()
+        return ContactPointsEstimate(
+            sample.stamp_ns, self._stiffness, self._damping, float(self._theta[2]),
+            K_std, B_std, mu_std, tuple(touching.tolist()), status, reason,
+        )
+
+
+def _products(theta: Array) -> Array:
+    """Write (K, B, mu) as the four parameters in which the force is linear."""
+    K, B, mu = theta
+    return np.array([K, B, mu * K, mu * B])
+
+
+def _jacobian(theta: Array) -> Array:
+    """Differentiate `_products`, shape (4, 3)."""
+    K, B, mu = theta
+    return np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [mu, 0.0, K], [0.0, mu, B]])

@@ -1,0 +1,60 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Tuning of the estimation from several contact points."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ..parameters.specification import parameter, ParameterGroup
+
+
+@dataclass(frozen=True)
+class ContactPointsParameters(ParameterGroup):
+    """First guess, limits, noise and memory of the estimation from several contact points."""
+
+    initial_stiffness: float = parameter(3000.0, 'First guess of K_e', 'N/m', minimum=1e-3)
+    initial_damping: float = parameter(50.0, 'First guess of B_e', 'N s/m', minimum=0.0)
+    initial_friction: float = parameter(
+        0.0, 'First guess of mu, or mu itself where friction_std is 0', minimum=0.0, maximum=10.0
+    )
+    stiffness_std: float = parameter(
+        1e5, 'Prior standard deviation of K_e', 'N/m', minimum=1e-3, maximum=1e12
+    )
+    damping_std: float = parameter(
+        1e4, 'Prior standard deviation of B_e', 'N s/m', minimum=1e-3, maximum=1e12
+    )
+    friction_std: float = parameter(
+        1.0, 'Prior standard deviation of mu; 0: known, not estimated', minimum=0.0, maximum=1e3
+    )
+    forgetting_factor: float = parameter(
+        0.999, 'lambda per sample in contact; nearer to 1: smoother, slower', minimum=0.5,
+        maximum=1.0,
+    )
+    force_noise: float = parameter(
+        0.6, 'Standard deviation of each force component', 'N', minimum=1e-9, maximum=1e6
+    )
+    position_noise: float = parameter(
+        1e-5, 'Standard deviation of the position of a point; nearer to its surface, nothing is '
+        'learned', 'm', minimum=0.0,
+    )
+    sliding_speed: float = parameter(
+        2e-3, 'Slower than this a point sticks, and directions into which its friction may push '
+        'are left out; well above the noise of the velocity', 'm/s', minimum=0.0,
+    )
+    maximum_relative_std: float = parameter(
+        0.2, 'K_hat and B_hat move only while their relative standard deviation is below this',
+        minimum=1e-4,
+    )

@@ -1,0 +1,62 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Data flow one way: a package imports only from packages listed before it."""
+
+from __future__ import annotations
+
+import ast
+from pathlib import Path
+from typing import Iterator
+
+import contact_estimation
+import pytest
+
+ROOT = Path(contact_estimation.__file__).parent
+LAYERS = [
+    'exceptions', 'optional_packages', 'parameters', 'messages', 'recordings', 'signals',
+    'physics', 'reference', 'estimators', 'estimation', 'plant',
+    'reproduction', 'diagnosis.observe', 'diagnosis.fit', 'diagnosis.conclude',
+    'diagnosis.report', 'diagnosis', 'blind_trials', 'ros', 'commands', 'benchmarks',
+    'several_points',
+]
+
+
+def package_of(module: str) -> str:
+    """Return the layer that a module, named below contact_estimation, belongs to."""
+    return max((p for p in LAYERS if f'{module}.'.startswith(f'{p}.')), key=len)
+
+
+def imported(file: Path) -> Iterator[str]:
+    """Yield the modules of this project that a file imports, below contact_estimation."""
+    parts = file.relative_to(ROOT).parts[:-1]
+    for node in ast.walk(ast.parse(file.read_text())):
+        if isinstance(node, ast.ImportFrom) and node.level:
+            above = parts[:len(parts) - node.level + 1]
+            yield '.'.join([*above, *([node.module] if node.module else [])])
+
+
+@pytest.mark.parametrize('package', LAYERS)
+def test_a_package_imports_only_packages_listed_before_it(package: str) -> None:
+    place = ROOT / package.replace('.', '/')
+    files = place.glob('*.py') if place.is_dir() else [place.with_suffix('.py')]
+    used = {package_of(module) for file in files for module in imported(file) if module}
+    below = LAYERS[:LAYERS.index(package) + 1]
+    assert not used - set(below)
+
+
+def test_every_module_belongs_to_a_listed_package() -> None:
+    modules = [f.relative_to(ROOT) for f in ROOT.rglob('*.py')]
+    named = {'.'.join(f.with_suffix('').parts) for f in modules if f.parts[0][:2] != '__'}
+    assert all(package_of(module) for module in named)
