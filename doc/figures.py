@@ -13,7 +13,7 @@
 # limitations under the License.
 
 """
-Make the pictures of README.md and of the quick start with the commands named beside them.
+Make the pictures and outputs in README.md and the quick start with the commands beside them.
 
 Run `python doc/figures.py` with the package and its extras `ros` and `tools` installed. The
 picture of the loop depends slightly on the timing of the machine, the other on the seed alone.
@@ -39,20 +39,25 @@ def main() -> None:
     """Run the commands in a temporary folder and keep their pictures."""
     with TemporaryDirectory() as name:
         folder = Path(name)
-        run(folder, 'loop', '--duration', '12', '--experiment', 'sine', '--output', 'my_first_run')
+        text = run(folder, 'loop', '--duration', '12', '--experiment', 'sine', '--output',
+                   'my_first_run')
+        (IMAGES / 'loop.txt').write_text(text)
         shutil.copyfile(folder / 'my_first_run' / 'summary.png', IMAGES / 'loop.png')
         run(folder, 'simulate', '--model', str(MODELS / 'dry_friction.yaml'), '--experiment',
             'rich', '--seed', '1', '--output', 'run.mcap')
-        run(folder, 'diagnose', 'run.mcap', '--nominal', str(MODELS / 'nominal.yaml'), '--html',
-            'report.html')
+        text = run(folder, 'diagnose', 'run.mcap', '--nominal', str(MODELS / 'nominal.yaml'),
+                   '--html', 'report.html')
+        (IMAGES / 'diagnosis.txt').write_text(text)
         page = (folder / 'report.html').read_text(encoding='utf-8')
         (IMAGES / 'diagnosis.png').write_bytes(first_picture(page))
 
 
-def run(folder: Path, command: str, *arguments: str) -> None:
-    """Run a command of this package in a folder."""
+def run(folder: Path, command: str, *arguments: str) -> str:
+    """Run a command of this package in a folder and return what it prints."""
     module = f'contact_estimation.commands.{command}'
-    subprocess.run([sys.executable, '-m', module, *arguments], cwd=folder, check=True)
+    done = subprocess.run([sys.executable, '-m', module, *arguments], cwd=folder, check=True,
+                          stdout=subprocess.PIPE, text=True)
+    return done.stdout
 
 
 def first_picture(page: str) -> bytes:

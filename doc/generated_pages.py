@@ -96,7 +96,9 @@ def parameter_table(group: Any) -> str:
 
 
 def _default(value: Any) -> str:
-    return 'off' if isinstance(value, float) and not isfinite(value) else f'{value}'
+    if isinstance(value, float):
+        return f'{value:g}' if isfinite(value) else 'off'
+    return f'{value}'
 
 
 def _first_line(cls: Any) -> str:
