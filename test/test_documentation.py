@@ -41,14 +41,14 @@ def example() -> str:
     return (DOC / 'example.py').read_text().partition('\n\n')[2]
 
 
-def console_scripts() -> list[str]:
+def setup_arguments() -> dict[str, Any]:
+    """Return what setup.py hands to setuptools."""
     arguments: dict[str, Any] = {}
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(pytest.importorskip('setuptools'), 'setup', arguments.update)
         patch.chdir(ROOT)
         runpy.run_path('setup.py')
-    scripts = arguments['entry_points']['console_scripts']
-    return [script.partition(' = ')[0] for script in scripts]
+    return arguments
 
 
 def test_readme_fits_on_two_screens() -> None:
@@ -92,7 +92,14 @@ def test_estimators_page_has_every_estimator(name: str) -> None:
 
 def test_commands_page_has_every_executable() -> None:
     text = (DOC / 'commands.md').read_text()
-    assert [name for name in console_scripts() if f'`{name}`' not in text] == []
+    scripts = setup_arguments()['entry_points']['console_scripts']
+    names = [script.partition(' = ')[0] for script in scripts]
+    assert [name for name in names if f'`{name}`' not in text] == []
+
+
+def test_documentation_is_not_installed_as_a_package() -> None:
+    packages = setup_arguments()['packages']
+    assert {name.partition('.')[0] for name in packages} == {'contact_estimation'}
 
 
 @pytest.mark.parametrize('model', sorted((DOC / 'models').iterdir()), ids=lambda p: p.stem)
