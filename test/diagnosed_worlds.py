@@ -21,10 +21,10 @@ from math import pi
 from pathlib import Path
 from typing import Any
 
-from contact_estimation.diagnosis.conclude.finding import Diagnosis
+from contact_estimation.diagnosis.conclude.result import Diagnosis
 from contact_estimation.diagnosis.diagnosis import diagnose
-from contact_estimation.diagnosis.observe.case import Recording
-from contact_estimation.diagnosis.observe.observed import Signals
+from contact_estimation.diagnosis.observe.prepared_recording import Recording
+from contact_estimation.diagnosis.observe.signals import Signals
 from contact_estimation.messages import (
     JointStateEncoder,
     RosbagsCodec,

@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import Any
 
 from contact_estimation.commands import diagnose
-from contact_estimation.diagnosis.observe.observed import Signals
+from contact_estimation.diagnosis.observe.signals import Signals
 from contact_estimation.reference.experiment import Experiment, Segment
 from contact_estimation.reference.experiments import experiment_named
 from diagnosed_worlds import (

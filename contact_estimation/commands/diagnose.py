@@ -24,11 +24,11 @@ from typing import Any
 from .command_line import add_source_options, command, different_files, new_file, Parser, source_of
 from .model_file import read_model
 from .progress import Progress
-from ..diagnosis.conclude.finding import Diagnosis
 from ..diagnosis.conclude.next_experiment import choose, Proposal
+from ..diagnosis.conclude.result import Diagnosis
 from ..diagnosis.diagnosis import diagnose
-from ..diagnosis.observe.case import Recording
-from ..diagnosis.observe.reading import timed
+from ..diagnosis.observe.prepared_recording import Recording
+from ..diagnosis.observe.signals import signals_of
 from ..diagnosis.report.page import as_html
 from ..diagnosis.report.report import as_dict, as_text, model_file
 from ..exceptions import ModelFileError, ParameterRangeError
@@ -120,7 +120,7 @@ def _without_physics(model: PlantParameters, path: str) -> PlantParameters:
 def _read(path: str, options: Any) -> Recording:
     recorded = read_signals(
         RecordingReader(path), source_of(options), options.axis or 'x', options.joint or '')
-    return Recording(str(Path(path).name), timed(recorded))
+    return Recording(str(Path(path).name), signals_of(recorded))
 
 
 def _write(diagnosis: Diagnosis, proposal: Proposal | None, options: Any) -> None:
