@@ -19,7 +19,7 @@ from __future__ import annotations
 from dataclasses import replace
 import json
 from pathlib import Path
-from typing import Any
+from typing import Any, Iterable
 
 from .command_line import add_source_options, command, different_files, new_file, Parser, source_of
 from .model_file import read_model
@@ -86,6 +86,7 @@ def run(options: Any) -> int:
     if options.html:
         require_matplotlib()
     nominal = _without_physics(read_model(options.nominal), options.nominal)
+    _keep(options.nominal, outputs)
     progress = Progress('diagnose')
     stages: list[str] = []
 
@@ -115,6 +116,16 @@ def _without_physics(model: PlantParameters, path: str) -> PlantParameters:
             'diagnose names what a model without them is missing'
         )
     return model
+
+
+def _keep(nominal: str, outputs: Iterable[str | None]) -> None:
+    """Refuse to replace the nominal model file by a result."""
+    for path in outputs:
+        if path and Path(path).exists() and Path(path).samefile(nominal):
+            raise ModelFileError(
+                f'cannot write {path}: it is the nominal model file, which would be lost; '
+                'name another file'
+            )
 
 
 def _read(path: str, options: Any) -> Recording:

@@ -39,7 +39,7 @@ from ..fit.model_uncertainty import discounted
 from ..observe.episodes import episodes
 from ..observe.model import Model
 from ..observe.observed import Observed
-from ..observe.prepared_recording import PreparedRecording
+from ..observe.prepared_recording import nominal_observer, PreparedRecording
 from ..observe.residuals import residuals
 from ..observe.usable_samples import default_block, usable
 from ...plant.open_loop import simulate_on
@@ -242,8 +242,8 @@ class Judge:
                             o.position_noise, o.cutoff)
         return PreparedRecording(
             experiment.name, observed, old.force_noise, old.motion_noise,
-            usable(self._model, observed), default_block(observed), observer=old.observer,
-            motion_misfit=old.motion_misfit)
+            usable(self._model, observed), default_block(observed),
+            observer=nominal_observer(self._model, observed), motion_misfit=old.motion_misfit)
 
 
 def _sensitivities(recordings: Sequence[PreparedRecording], model: Model) -> Array:

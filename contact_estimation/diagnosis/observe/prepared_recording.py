@@ -128,16 +128,14 @@ class PreparedRecording:
             Without a discount.
 
         """
-        o, robot = observed, model.laws().robot
-        use = usable(model, o)
+        o, use = observed, usable(model, observed)
         if held_out is not None:
             use = use & ~held_out.samples
         noise = force_noise(model, o)
         return cls(
             name, o, noise, motion_noise(model, o, noise), use, default_block(o), held_out,
             dropped=force_drops(o, noise) if model.nominal.environment.unilateral else None,
-            observer=None if o.reference is None else
-            discretise(robot.mass, robot.damping, robot.stiffness, o.h),
+            observer=nominal_observer(model, o),
         )
 
     @cached_property
@@ -280,6 +278,29 @@ def prepare(recording: Recording, model: Model, hold: bool) -> PreparedRecording
     require_contact(model, observed, recording.name)
     held_out = hold_out(model, observed) if hold else None
     return PreparedRecording.of(recording.name, observed, model, held_out)
+
+
+def nominal_observer(model: Model, observed: Observed) -> SecondOrder | None:
+    """
+    Discretise the robot of the nominal model, which whitens the motion for all models.
+
+    Parameters
+    ----------
+    model : Model
+        Its effects do not count.
+    observed : Observed
+        With the sample period.
+
+    Returns
+    -------
+    observer : SecondOrder or None
+        None without a reference trajectory.
+
+    """
+    robot = model.nominal.robot
+    if observed.reference is None:
+        return None
+    return discretise(robot.mass, robot.damping, robot.stiffness, observed.h)
 
 
 def _edges(flags: Flags) -> list[int]:
