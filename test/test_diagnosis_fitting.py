@@ -84,6 +84,16 @@ def test_what_is_no_number_is_beyond_all_cost() -> None:
     assert np.max(left) == 1e6
 
 
+@pytest.mark.filterwarnings('error')
+@pytest.mark.parametrize('logarithm', [-1e6, 1e3, 1e300])
+def test_value_searched_by_its_logarithm_stays_finite(logarithm: float) -> None:
+    recording, model = prepared_from(recorded())
+    bent = model.with_effect('power_law_stiffness', (1.5, 1e6))
+    coordinates = np.array([B_e, 1.5, logarithm])
+    assert np.isfinite(bent.with_free(coordinates).values).all()
+    assert np.isfinite(residual_function([recording], bent)(coordinates)).all()
+
+
 def test_standard_deviations_cover_the_errors() -> None:
     errors = []
     for seed in (1, 2, 3):
