@@ -23,8 +23,7 @@ from typing import Any
 
 from contact_estimation.diagnosis.conclude.result import Diagnosis
 from contact_estimation.diagnosis.diagnosis import diagnose
-from contact_estimation.diagnosis.observe.prepared_recording import Recording
-from contact_estimation.diagnosis.observe.signals import Signals
+from contact_estimation.diagnosis.observe.signals import Recording, Signals
 from contact_estimation.messages import (
     JointStateEncoder,
     RosbagsCodec,

@@ -21,8 +21,7 @@ from typing import Any
 from concealed_worlds import diagnosed, nominal, physics, recorded, touches
 from contact_estimation.diagnosis.diagnosis import diagnose
 from contact_estimation.diagnosis.observe.observed import observe
-from contact_estimation.diagnosis.observe.prepared_recording import Recording
-from contact_estimation.diagnosis.observe.signals import LEAST_DURATION_S, Signals
+from contact_estimation.diagnosis.observe.signals import LEAST_DURATION_S, Recording, Signals
 from contact_estimation.exceptions import ContactEstimationError, RecordingError
 import numpy as np
 from numpy.typing import NDArray

@@ -37,8 +37,8 @@ from contact_estimation.blind_trials.unknown import UNKNOWN
 from contact_estimation.diagnosis.conclude.result import Diagnosis
 from contact_estimation.diagnosis.diagnosis import diagnose
 from contact_estimation.diagnosis.observe.model import names_of
-from contact_estimation.diagnosis.observe.prepared_recording import Recording
 from contact_estimation.diagnosis.observe.residuals import force_residual
+from contact_estimation.diagnosis.observe.signals import Recording
 from contact_estimation.diagnosis.report.report import as_dict, as_text
 from contact_estimation.physics import EFFECTS
 import numpy as np

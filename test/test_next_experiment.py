@@ -158,7 +158,7 @@ def test_predicted_difference_is_about_what_fits_to_a_new_recording_leave(index:
     gained = least_cost(both, rival) - least_cost(both, d.corrected)
     already = least_cost(before, rival) - least_cost(before, d.corrected)
     # The prediction is linear, and knows the old recording by its curvature alone.
-    assert 0.5 < (gained - already) / new.count / predicted < 2.0
+    assert 0.5 < (gained - already) / new.residual_count / predicted < 2.0
 
 
 def test_best_proposal_differs_more_than_the_others() -> None:

@@ -27,8 +27,7 @@ from .progress import Progress
 from ..diagnosis.conclude.next_experiment import choose, Proposal
 from ..diagnosis.conclude.result import Diagnosis
 from ..diagnosis.diagnosis import diagnose
-from ..diagnosis.observe.prepared_recording import Recording
-from ..diagnosis.observe.signals import signals_of
+from ..diagnosis.observe.signals import Recording, signals_of
 from ..diagnosis.report.page import as_html
 from ..diagnosis.report.report import as_dict, as_text, model_file
 from ..exceptions import ModelFileError, ParameterRangeError

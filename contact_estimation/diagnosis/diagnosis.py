@@ -16,7 +16,7 @@
 
 from __future__ import annotations
 
-from typing import Callable, Sequence
+from typing import Sequence
 
 import numpy as np
 
@@ -28,16 +28,15 @@ from .fit.criteria import penalty, SHARE, THRESHOLD
 from .fit.fitting import cost_of, Fit, fit
 from .fit.free_run import free_run
 from .fit.model_uncertainty import discounted
+from .fit.search import Progress
 from .fit.selection import select, Selection
 from .observe.model import Model
 from .observe.observed import observe
-from .observe.prepared_recording import prepare, PreparedRecording, Recording
+from .observe.prepared_recording import prepare, PreparedRecording, Recordings
 from .observe.residuals import trust_motion_less
+from .observe.signals import Recording
 from ..plant.between_samples import BETWEEN
 from ..plant.plant_parameters import PlantParameters
-
-Progress = Callable[[str], None]
-Recordings = Sequence[PreparedRecording]
 
 _FIRST = 2  # effects selected before the course of a force between its samples is chosen
 _DIVERGED = 1e3  # times the range of the motion
@@ -139,7 +138,7 @@ def _robot_is_odd(recordings: Recordings, selection: Selection) -> bool:
 def _select_without_motion(
     recordings: Recordings, selection: Selection, progress: Progress
 ) -> tuple[Recordings, Selection]:
-    """Take the misfit of the motion for noise, and select effects by the force."""
+    """Treat the misfit of the motion as noise, and select effects by the force."""
     recordings = [trust_motion_less(one, selection.best.model) for one in recordings]
     recordings, base = _recalibrate(recordings, selection.base.model)
     return recordings, select(recordings, base, progress, with_robot=False)

@@ -215,10 +215,9 @@ def scaling_test(reach: Reach) -> Candidate:
     words = (
         'No effect of the library explains this. Press '
         f'{1e3 * depths[0]:.2g} and {1e3 * depths[1]:.2g} mm deep, each at up to '
-        f'{speeds[0]:.2g} and {speeds[1]:.2g} m/s (half and twice the speed of the touch-downs '
-        'here): what is left and grows with depth belongs to the spring, what grows with speed '
-        'to damping or to the timing of the sensors, what grows with neither to friction or to '
-        'an offset.'
+        f'{speeds[0]:.2g} and {speeds[1]:.2g} m/s (half and twice the speed of the present '
+        'touch-downs): residuals that grow with depth point to the spring, with speed to damping '
+        'or sensor timing, with neither to friction or an offset.'
     )
     touches = [_touch(reach, '', depth, speed, [_hold(reach, depth, 1.0)]).segments
                for depth in depths for speed in speeds]

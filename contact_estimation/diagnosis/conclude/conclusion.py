@@ -17,7 +17,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Callable, NamedTuple, Sequence
+from typing import NamedTuple, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,14 +32,13 @@ from ..fit.fitting import Fit
 from ..fit.free_run import free_run
 from ..fit.model_uncertainty import discounted
 from ..fit.output_error import refine, refine_and_prune
+from ..fit.search import Progress
 from ..fit.selection import Selection
 from ..fit.uncertainty import standard_deviations
 from ..observe.model import Model
-from ..observe.prepared_recording import PreparedRecording
+from ..observe.prepared_recording import PreparedRecording, Recordings
 
 Array = NDArray[np.float64]
-Recordings = Sequence[PreparedRecording]
-Progress = Callable[[str], None]
 
 MODELS = ('nominal', 'recalibrated', 'corrected')
 

@@ -16,7 +16,7 @@
 
 from __future__ import annotations
 
-from typing import Callable, NamedTuple, Sequence
+from typing import NamedTuple, Sequence
 
 import numpy as np
 
@@ -24,15 +24,13 @@ from ..fit.criteria import explained_share, noise_scale, THRESHOLD
 from ..fit.fitting import Fit, fit
 from ..fit.flexible import autocorrelation, predictable_share
 from ..fit.output_error import refine, runs_true
+from ..fit.search import Progress
 from ..fit.selection import Selection
 from ..fit.uncertainty import standard_deviations
 from ..observe.model import Model, names_of
-from ..observe.prepared_recording import PreparedRecording
+from ..observe.prepared_recording import Recordings
 from ..observe.residuals import residuals
 from ...physics import EFFECTS
-
-Recordings = Sequence[PreparedRecording]
-Progress = Callable[[str], None]
 
 LEFT = 0.5
 """Mean square of the residuals beyond that of the noise, from which on something is missing."""

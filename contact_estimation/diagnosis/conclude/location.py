@@ -73,9 +73,7 @@ class Location(NamedTuple):
         }
 
 
-def locate(
-    recording: PreparedRecording, model: Model, acting: str | None = None
-) -> Location:
+def locate(recording: PreparedRecording, model: Model, acting: str | None = None) -> Location:
     """
     Locate the misfit of a model.
 

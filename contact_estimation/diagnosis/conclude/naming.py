@@ -30,12 +30,11 @@ from ..fit.criteria import enough, noise_scale, PRICE
 from ..fit.fitting import Fit, fit
 from ..fit.selection import Selection
 from ..observe.model import Model, names_of
-from ..observe.prepared_recording import PreparedRecording
+from ..observe.prepared_recording import PreparedRecording, Recordings
 from ...parameters.specification import specifications
 from ...physics import EFFECTS
 
 Array = NDArray[np.float64]
-Recordings = Sequence[PreparedRecording]
 
 _TEMPERATURE = 10.0  # residuals are correlated: costs count less than those of independent ones
 _CHANCE_GAIN = 4.0  # of cost by a further parameter
@@ -176,7 +175,7 @@ def advice(names: Sequence[NamedEffect], verdict: str) -> str:
         return f'To tell {pairs}, run an experiment in which their predictions differ most.'
     if verdict == 'unexplained':
         return ('No effect of the library explains this. Repeat the same contact at half and at '
-                'twice the speed and depth: what scales with which tells what is missing.')
+                'twice the speed and depth: how the residuals scale shows what is missing.')
     return ''
 
 

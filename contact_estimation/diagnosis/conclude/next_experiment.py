@@ -24,7 +24,7 @@ from __future__ import annotations
 
 import dataclasses
 from math import isfinite, sqrt
-from typing import Mapping, NamedTuple, Sequence
+from typing import Mapping, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,7 +39,7 @@ from ..fit.model_uncertainty import discounted
 from ..observe.episodes import episodes
 from ..observe.model import Model
 from ..observe.observed import Observed
-from ..observe.prepared_recording import nominal_observer, PreparedRecording
+from ..observe.prepared_recording import nominal_observer, PreparedRecording, Recordings
 from ..observe.residuals import residuals
 from ..observe.usable_samples import default_block, usable
 from ...plant.open_loop import simulate_on
@@ -160,9 +160,9 @@ def _sentence(
             'motion')
     if difference.strength < THRESHOLD:
         return (
-            f'Within what this recording reached it is hard to tell {pairs}. Of {tried} '
-            f'experiments the best is to {best.words}: whatever the values, the predictions then '
-            f'differ by up to {size}. Deeper or faster than here would tell more.'
+            f'Within the reach of this recording it is hard to tell {pairs}. The best of {tried} '
+            f'experiments is to {best.words}: whatever the values, the predictions then '
+            f'differ by up to {size}. A deeper or faster contact would separate them better.'
         )
     return (f'To tell {pairs}, {best.words}: whatever the values, their predictions then differ '
             f'by up to {size}.')
@@ -246,7 +246,7 @@ class Judge:
             observer=nominal_observer(self._model, observed), motion_misfit=old.motion_misfit)
 
 
-def _sensitivities(recordings: Sequence[PreparedRecording], model: Model) -> Array:
+def _sensitivities(recordings: Recordings, model: Model) -> Array:
     """Differentiate the residuals by the relative change of each free value."""
     function = residual_function(recordings, model, robust=False)
     values = model.coordinates

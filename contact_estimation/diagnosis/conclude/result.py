@@ -17,7 +17,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,7 +24,7 @@ from numpy.typing import NDArray
 from .dependence import Dependence
 from .location import Location
 from ..observe.model import Model
-from ..observe.prepared_recording import PreparedRecording
+from ..observe.prepared_recording import Recordings
 
 Array = NDArray[np.float64]
 
@@ -177,7 +176,7 @@ class Diagnosis:
     residual_power: float
     predictable: float
     dependences: dict[str, list[Dependence]] = field(repr=False)
-    recordings: Sequence[PreparedRecording] = field(repr=False)
+    recordings: Recordings = field(repr=False)
     free_runs: dict[str, Array] = field(repr=False)
 
     @property

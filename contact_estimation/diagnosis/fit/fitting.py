@@ -16,14 +16,14 @@
 
 from __future__ import annotations
 
-from typing import Callable, NamedTuple, Sequence
+from typing import Callable, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from ..observe.model import Model
-from ..observe.prepared_recording import PreparedRecording
+from ..observe.prepared_recording import Recordings
 from ..observe.residuals import residuals
 
 Array = NDArray[np.float64]
@@ -61,7 +61,7 @@ class Fit(NamedTuple):
 
 
 def residual_function(
-    recordings: Sequence[PreparedRecording], model: Model, robust: bool = True,
+    recordings: Recordings, model: Model, robust: bool = True,
     briefly: bool = False,
 ) -> Callable[[Array], Array]:
     """
@@ -93,9 +93,7 @@ def residual_function(
     return stacked_residuals
 
 
-def fit(
-    recordings: Sequence[PreparedRecording], model: Model, steps: int = 25, briefly: bool = False
-) -> Fit:
+def fit(recordings: Recordings, model: Model, steps: int = 25, briefly: bool = False) -> Fit:
     """
     Search from the model's own values.
 
@@ -104,7 +102,7 @@ def fit(
     recordings : sequence of PreparedRecording
         Fitted together.
     model : Model
-        Start, and what is free.
+        Start; its free values are searched.
     steps : int
         Most steps of the search; with few of them it also ends at a thousandth of the cost.
     briefly : bool
@@ -129,7 +127,7 @@ def fit(
     return Fit(there, 2.0 * found.cost, found.fun, count, bool(found.status > 0))
 
 
-def fit_to_end(recordings: Sequence[PreparedRecording], found: Fit) -> Fit:
+def fit_to_end(recordings: Recordings, found: Fit) -> Fit:
     """
     Continue a search that ran out of steps.
 
@@ -189,7 +187,7 @@ def differentiate_by(
     return columns
 
 
-def step(recordings: Sequence[PreparedRecording], model: Model) -> tuple[float, Model]:
+def step(recordings: Recordings, model: Model) -> tuple[float, Model]:
     """
     Take one Gauss-Newton step, exact for what is linear.
 
@@ -226,7 +224,7 @@ def step(recordings: Sequence[PreparedRecording], model: Model) -> tuple[float, 
     return best_cost, model.with_free(best)
 
 
-def cost_of(recordings: Sequence[PreparedRecording], model: Model) -> float:
+def cost_of(recordings: Recordings, model: Model) -> float:
     """
     Return the cost of a model at its values.
 

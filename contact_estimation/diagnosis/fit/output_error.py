@@ -32,11 +32,10 @@ from .criteria import penalty
 from .fitting import cost_of, differentiate_by, Fit, fit, fit_to_end
 from .free_run import free_run, Run
 from ..observe.model import Model
-from ..observe.prepared_recording import PreparedRecording
+from ..observe.prepared_recording import PreparedRecording, Recordings
 from ..observe.residuals import huber
 
 Array = NDArray[np.float64]
-Recordings = Sequence[PreparedRecording]
 
 _STEP = 1e-3  # relative, of the finite differences
 _CLOSE = 4.0  # standard deviations of the position noise, within which a run is refined

@@ -16,19 +16,17 @@
 
 from __future__ import annotations
 
-from typing import Sequence
-
 import numpy as np
 
 from .fitting import Fit
-from ..observe.prepared_recording import PreparedRecording
+from ..observe.prepared_recording import PreparedRecording, Recordings
 from ..observe.residuals import force_residual
 from ...physics.physics import Scales
 
 _PEAKS, _HIGHEST_HZ = 3, 20.0
 
 
-def measure_scales(recordings: Sequence[PreparedRecording], base: Fit) -> Scales:
+def measure_scales(recordings: Recordings, base: Fit) -> Scales:
     """
     Measure depth, speed, forces and the periodic part of the contact residual.
 

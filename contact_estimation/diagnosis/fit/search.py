@@ -22,7 +22,7 @@ from .criteria import noise_scale, penalty
 from .fitting import cost_of, Fit, fit, fit_to_end, step
 from .scales import measure_scales
 from ..observe.model import Model
-from ..observe.prepared_recording import PreparedRecording
+from ..observe.prepared_recording import Recordings
 from ...physics import EFFECTS
 from ...physics.physics import RobotEffect
 
@@ -60,7 +60,7 @@ def candidates_for(model: Model, with_robot: bool) -> list[str]:
 
 
 def search(
-    recordings: Sequence[PreparedRecording], base: Fit, names: Sequence[str], progress: Progress
+    recordings: Recordings, base: Fit, names: Sequence[str], progress: Progress
 ) -> list[Fit]:
     """
     Fit each candidate beside the effects of a model.
@@ -97,7 +97,7 @@ def search(
     return sorted(fits, key=lambda found: found.cost + scale * penalty(found.model))
 
 
-def _best_start(recordings: Sequence[PreparedRecording], starts: Sequence[Model]) -> Model:
+def _best_start(recordings: Recordings, starts: Sequence[Model]) -> Model:
     """Return the best model one step from the starts."""
     steps = [step(recordings, model) for model in starts]
     best = min(range(len(steps)), key=lambda k: steps[k][0])

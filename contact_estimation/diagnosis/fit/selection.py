@@ -21,12 +21,12 @@ An effect is taken only if its gain is significant and a fair share of the unexp
 
 from __future__ import annotations
 
-from typing import NamedTuple, Sequence
+from typing import NamedTuple
 
 from .criteria import enough, noise_scale, penalty, THRESHOLD
 from .fitting import Fit, fit
 from .search import candidates_for, Progress, search
-from ..observe.prepared_recording import PreparedRecording
+from ..observe.prepared_recording import Recordings
 
 _MOST_EFFECTS = 3
 _EXCHANGE_GAIN = 10.0  # cost, in that of the noise
@@ -58,7 +58,7 @@ class Selection(NamedTuple):
 
 
 def select(
-    recordings: Sequence[PreparedRecording], base: Fit,
+    recordings: Recordings, base: Fit,
     progress: Progress = lambda name: None, most: int = _MOST_EFFECTS, with_robot: bool = True,
 ) -> Selection:
     """
@@ -105,7 +105,7 @@ def select(
 
 
 def exchange(
-    recordings: Sequence[PreparedRecording], best: Fit, rivals: Rivals, with_robot: bool,
+    recordings: Recordings, best: Fit, rivals: Rivals, with_robot: bool,
     progress: Progress,
 ) -> tuple[Fit, Rivals]:
     """
@@ -139,9 +139,7 @@ def exchange(
     return best, rivals
 
 
-def prune(
-    recordings: Sequence[PreparedRecording], best: Fit, rivals: Rivals
-) -> tuple[Fit, Rivals]:
+def prune(recordings: Recordings, best: Fit, rivals: Rivals) -> tuple[Fit, Rivals]:
     """
     Drop superfluous effects; parameters as `exchange`.
 

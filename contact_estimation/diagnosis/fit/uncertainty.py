@@ -16,20 +16,18 @@
 
 from __future__ import annotations
 
-from typing import Sequence
-
 import numpy as np
 from numpy.typing import NDArray
 
 from .fitting import differentiate_by, Fit, residual_function
-from ..observe.prepared_recording import PreparedRecording
+from ..observe.prepared_recording import Recordings
 
 Array = NDArray[np.float64]
 
 _CLUSTER_S = 0.5
 
 
-def standard_deviations(recordings: Sequence[PreparedRecording], found: Fit) -> Array:
+def standard_deviations(recordings: Recordings, found: Fit) -> Array:
     """
     Estimate standard deviations of fitted values, clustered in time (Liang and Zeger 1986).
 

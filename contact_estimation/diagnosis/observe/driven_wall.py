@@ -142,9 +142,7 @@ class DrivenWall:
     def _driven(self, push: Array) -> Array:
         return run(self.system, push, float(self._observed.x[0]), self._stiffness)
 
-    def innovations(
-        self, rounds: int, force_noise: float, memory: float = np.inf
-    ) -> Array:
+    def innovations(self, rounds: int, force_noise: float, memory: float = np.inf) -> Array:
         """
         Compute the one-step prediction errors of the position.
 

@@ -18,6 +18,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,7 +30,7 @@ from .model import Model
 from .noise import force_noise, motion_noise
 from .observed import observe, Observed
 from .observer import discretise, OBSERVER_CUTOFF, SecondOrder
-from .signals import Signals
+from .signals import Recording
 from .usable_samples import default_block, force_drops, usable
 
 Array = NDArray[np.float64]
@@ -37,24 +38,6 @@ Flags = NDArray[np.bool_]
 
 _SLOPE_S = 0.02  # over which the rate of the force is averaged
 _FORGOTTEN = 4.0  # times 1 / omega_o: the observer has forgotten an error
-
-
-@dataclass(frozen=True, eq=False)
-class Recording:
-    """
-    A recording to be diagnosed.
-
-    Attributes
-    ----------
-    name : str
-        For texts.
-    signals : Signals
-        As recorded.
-
-    """
-
-    name: str
-    signals: Signals
 
 
 @dataclass(frozen=True, eq=False)
@@ -248,6 +231,9 @@ class PreparedRecording:
         if not law.unilateral:
             return np.ones(self.block_count, bool)
         return self.blocks(law.contact(o.t, o.x, o.v).astype(float)) > 0.5
+
+
+Recordings = Sequence[PreparedRecording]
 
 
 def prepare(recording: Recording, model: Model, hold: bool) -> PreparedRecording:

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 """
-What a model leaves unexplained in the channels of a recording: pure functions of both.
+The residuals of a model in the channels of a recording: pure functions of both.
 
 Force: measured force less the sensor chain applied to the wall's force for the measured motion.
 Motion: innovations of the robot (or of a permanently attached wall) driven by its reference and
@@ -194,9 +194,7 @@ def _force_error(recording: PreparedRecording, laws: Laws, force: Array) -> Arra
     return o.force - force
 
 
-def _robot_innovations(
-    recording: PreparedRecording, laws: Laws, force: Array, d: Array
-) -> Array:
+def _robot_innovations(recording: PreparedRecording, laws: Laws, force: Array, d: Array) -> Array:
     """Run the robot free under its reference and the wall's force on the measured motion."""
     o, robot = recording.observed, laws.robot
     assert recording.observer is not None
@@ -212,9 +210,7 @@ def _robot_innovations(
     return innovations(misfit, recording.observer, OBSERVER_CUTOFF, o.h)
 
 
-def _wall_innovations(
-    recording: PreparedRecording, model: Model, memory: float = np.inf
-) -> Array:
+def _wall_innovations(recording: PreparedRecording, model: Model, memory: float = np.inf) -> Array:
     wall = DrivenWall(model, recording.observed)
     return wall.innovations(recording.picard_rounds, recording.force_noise, memory)
 

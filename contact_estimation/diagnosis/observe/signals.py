@@ -12,10 +12,11 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The signals of a recording, each with stamps of its own."""
+"""A recording and its signals, each with stamps of its own."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -52,6 +53,24 @@ class Signals(NamedTuple):
     position: Array
     reference_t: Array
     reference: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """
+    A recording to be diagnosed.
+
+    Attributes
+    ----------
+    name : str
+        For texts.
+    signals : Signals
+        As recorded.
+
+    """
+
+    name: str
+    signals: Signals
 
 
 def signals_of(recorded: RecordedSignals) -> Signals:

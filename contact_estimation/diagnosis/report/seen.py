@@ -206,9 +206,7 @@ def _close_up(recording: PreparedRecording, strongest: Array) -> slice:
     return slice(first, first + span)
 
 
-def _plane(
-    recording: PreparedRecording, model: Model, row: Left, in_motion: bool
-) -> Plane:
+def _plane(recording: PreparedRecording, model: Model, row: Left, in_motion: bool) -> Plane:
     o, law = recording.observed, model.laws().contact
     x, v = (recording.blocks(signal) for signal in (o.x - model.nominal.environment.location, o.v))
     use = np.ones(len(x), bool)
