@@ -22,7 +22,7 @@ from typing import Iterator
 
 from .simulated_samples import pressing, RATE, sine_manoeuvre
 from ..estimation.session import Result
-from ..messages import JointStateEncoder, RosbagsCodec, WrenchEncoder
+from ..messages import JointStateEncoder, WrenchEncoder
 from ..recordings import RecordingWriter
 
 CONTACTS = ('mixed', 'always')
@@ -47,9 +47,8 @@ def write_long_recording(folder: Path, hours: float, contact: str) -> None:
         one approach, then pressing under excitation to the end.
 
     """
-    codec = RosbagsCodec()
-    wrenches = WrenchEncoder(codec, 'contact_frame')
-    joints = JointStateEncoder(codec, 'contact_frame', 'contact_x', True)
+    wrenches = WrenchEncoder('contact_frame')
+    joints = JointStateEncoder('contact_frame', 'contact_x', True)
     with RecordingWriter.folder(folder) as writer:
         samples = islice(_endless(contact), round(hours * 3600.0 * RATE))
         for k, (_, position, velocity, force) in enumerate(r.sample for r in samples):

@@ -29,7 +29,6 @@ from ..exceptions import MessageError, RecordingError
 from ..messages import (
     FORCE_OF_AXIS,
     JointStateDecoder,
-    RosbagsCodec,
     TrajectoryDecoder,
     WrenchDecoder,
 )
@@ -115,9 +114,8 @@ def read_signals(
     there = {canonical(name) for name in reader.topics()}
     if canonical(source.reference_trajectory) in there:
         asked.append(source.reference_trajectory)
-    codec = RosbagsCodec()
-    wrenches = WrenchDecoder(codec)
-    decode = _decoders(codec, wrenches, source, axis, joint)
+    wrenches = WrenchDecoder()
+    decode = _decoders(wrenches, source, axis, joint)
     rows: dict[str, list[Row]] = {name: [] for name in decode}
     refused: dict[str, str] = {}
     for topic, _, data in reader.messages(asked):
@@ -138,9 +136,9 @@ def read_signals(
 
 
 def _decoders(
-    codec: RosbagsCodec, wrenches: WrenchDecoder, source: RecordingSource, axis: str, joint: str
+    wrenches: WrenchDecoder, source: RecordingSource, axis: str, joint: str
 ) -> dict[str, Callable[[bytes], Row]]:
-    joints, references = JointStateDecoder(codec, joint), TrajectoryDecoder(codec, joint)
+    joints, references = JointStateDecoder(joint), TrajectoryDecoder(joint)
     force_of = FORCE_OF_AXIS[axis]
 
     def force(data: bytes) -> Row:
