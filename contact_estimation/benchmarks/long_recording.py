@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""A long recording of two topics, made of one simulated stretch."""
+"""A long recording of two topics, repeated from one simulated run."""
 
 from __future__ import annotations
 
@@ -43,8 +43,8 @@ def write_long_recording(folder: Path, hours: float, contact: str) -> None:
     hours : float
         Length [h].
     contact : str
-        'mixed': the sine manoeuvre of 12 s again and again, a third of it in contact; 'always':
-        one approach, then pressing under excitation to the end.
+        'mixed': the sine manoeuvre of 12 s repeated, one third in contact; 'always': one
+        approach, then contact under excitation to the end.
 
     """
     wrenches = WrenchEncoder('contact_frame')

@@ -102,7 +102,7 @@ def bag_information(
 
 
 def write_bag_metadata(folder: Path, information: dict[str, Any]) -> None:
-    """Write metadata.yaml, whole or not at all."""
+    """Write metadata.yaml atomically."""
     temporary = folder / (FILE_NAME + '.tmp')
     temporary.write_text(
         yaml.safe_dump({'rosbag2_bagfile_information': information}, sort_keys=False),

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""One MCAP file, whole or not: its messages, topics and metadata."""
+"""Messages, topics and metadata of one MCAP file, complete or cut."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ _TIMES = Struct('<QQ')  # of the first and last message of a chunk
 
 class McapFile:
     """
-    Reads one file; it is opened anew for each pass.
+    Read one file, which is opened anew for each pass.
 
     Parameters
     ----------
@@ -51,7 +51,7 @@ class McapFile:
     size : int
         Bytes at the time of opening.
     position : int
-        How far the current or last pass over the messages came [bytes].
+        End of the bytes read in the current or last pass over the messages.
     damaged : int
         Chunks and records skipped in that pass.
 
@@ -203,7 +203,7 @@ def _loose_messages(
 
 
 def _require_magic(path: Path, start: bytes, size: int) -> None:
-    """Explain what a file is that is no MCAP file."""
+    """Raise an error that names the kind of a file that is not MCAP."""
     if start.startswith(MAGIC):
         return
     if size == 0:

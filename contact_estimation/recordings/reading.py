@@ -29,7 +29,7 @@ __all__ = ['RecordedMessage', 'RecordingReader']
 
 class RecordingReader:
     """
-    Reads an MCAP file or a rosbag2 folder chunk by chunk.
+    Read an MCAP file or a rosbag2 folder chunk by chunk.
 
     Memory is bounded by one chunk. Files that were cut short are read up to the cut; damaged
     chunks are skipped and counted.
@@ -65,19 +65,19 @@ class RecordingReader:
 
     @property
     def progress(self) -> float:
-        """Fraction of the bytes that the current pass over the messages has behind it."""
+        """Fraction of the bytes read in the current pass over the messages."""
         total = sum(file.size for file in self._files)
         return sum(file.position for file in self._files) / total
 
     @property
     def start_ns(self) -> int | None:
-        """Log time of the first message [ns], None where this is not known without reading."""
+        """Log time of the first message [ns], None if unknown without reading all."""
         spans = self._time_spans()
         return min(start for start, _ in spans) if spans else None
 
     @property
     def end_ns(self) -> int | None:
-        """Log time of the last message [ns], None where this is not known without reading."""
+        """Log time of the last message [ns], None if unknown without reading all."""
         spans = self._time_spans()
         return max(end for _, end in spans) if spans else None
 

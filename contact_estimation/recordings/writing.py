@@ -35,7 +35,7 @@ _DEFAULT_QOS = OfferedQos()
 
 class RecordingWriter:
     """
-    Writes messages as they come; made by `folder` or by `file`.
+    Write messages as they arrive; created by `folder` or `file`.
 
     Methods may be called from several threads: a timer flushes while another thread writes.
 
@@ -135,11 +135,11 @@ class RecordingWriter:
         data : bytes
             CDR with its encapsulation header.
         log_time_ns : int
-            When the message was received [ns].
+            Time of reception [ns].
         publish_time_ns : int, optional
-            When it was published [ns]; the log time by default.
+            Time of publication [ns]; the log time by default.
         qos : OfferedQos, optional
-            Of the publisher; counts at the first message of a topic.
+            Quality of service of the publisher; only that of the first message of a topic is used.
 
         Raises
         ------
@@ -206,11 +206,11 @@ class RecordingWriter:
         error: BaseException | None,
         traceback: TracebackType | None,
     ) -> None:
-        """Finish the recording, also after an error: what was recorded is worth keeping."""
+        """Finish the recording, also after an error, to keep what was recorded."""
         self.close()
 
     def _finish(self) -> None:
-        """Write what rosbag2 adds at the end and close the file."""
+        """Write the metadata that rosbag2 adds at the end and close the file."""
         if self._bag_folder is None:
             self._chunks.close()
             return
@@ -239,7 +239,7 @@ class RecordingWriter:
         return entry
 
     def _require_open(self) -> None:
-        """Refuse to write after the end."""
+        """Raise an error if the recording is closed."""
         if self._closed:
             raise RecordingError(f'recording {self.path} is closed; open a new one')
 
