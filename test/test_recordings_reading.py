@@ -20,8 +20,10 @@ import subprocess
 import sys
 from typing import Any
 
-from contact_estimation.exceptions import RecordingError
+from contact_estimation.exceptions import MissingPackageError, RecordingError
 from contact_estimation.recordings import RecordingReader, RecordingWriter
+import mcap.exceptions
+import mcap.stream_reader
 from mcap.writer import CompressionType, IndexType, Writer
 import numpy as np
 import pytest
@@ -344,3 +346,14 @@ def test_topics_leave_damage_and_progress_of_a_running_pass(tmp_path: Path) -> N
     progress = reader.progress
     reader.topics()
     assert reader.progress == progress > 0
+
+
+def test_missing_decompressor_is_named_and_not_taken_for_damage(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    if not hasattr(mcap.exceptions, 'UnsupportedCompressionError'):
+        pytest.skip('this mcap cannot be imported without its decompressors')
+    path = plain_file(tmp_path / 'a.mcap', compression=CompressionType.LZ4)
+    monkeypatch.setattr(mcap.stream_reader, 'lz4', None)
+    with pytest.raises(MissingPackageError, match='lz4'):
+        numbers(RecordingReader(path))

@@ -20,8 +20,8 @@ from io import BytesIO
 from struct import Struct
 from typing import Any, Mapping, NamedTuple
 
+from mcap import exceptions
 from mcap.data_stream import ReadDataStream
-from mcap.exceptions import UnsupportedCompressionError
 from mcap.opcode import Opcode
 from mcap.records import Channel, Chunk, Schema
 from mcap.stream_reader import get_chunk_data_stream
@@ -31,6 +31,8 @@ from ..exceptions import MissingPackageError
 
 _MESSAGE_HEAD = Struct('<BQH4xQ8x')  # opcode, length, channel, log time
 _MESSAGE = int(Opcode.MESSAGE)
+# Older versions of mcap without it cannot be imported unless both decompressors are installed.
+_NoDecompressor: Any = getattr(exceptions, 'UnsupportedCompressionError', ())
 _DESCRIPTIONS = {int(Opcode.SCHEMA): Schema, int(Opcode.CHANNEL): Channel}
 
 
@@ -179,7 +181,7 @@ def read_chunk(content: bytes, channels: Channels) -> list[RecordedMessage] | No
         return None
     try:
         stream, size = get_chunk_data_stream(chunk, validate_crc=True)
-    except UnsupportedCompressionError as error:
+    except _NoDecompressor as error:
         raise MissingPackageError.of(
             chunk.compression, 'reading this compressed recording'
         ) from error
