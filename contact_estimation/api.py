@@ -21,10 +21,9 @@ from os import PathLike
 from pathlib import Path
 from typing import Mapping, Sequence
 
-from .diagnosis.conclude.finding import Diagnosis
+from .diagnosis.conclude.result import Diagnosis
 from .diagnosis.diagnosis import diagnose as diagnose_recordings
-from .diagnosis.observe.case import Recording
-from .diagnosis.observe.reading import timed
+from .diagnosis.observe.signals import Recording, signals_of
 from .exceptions import ModelFileError, ParameterRangeError, UnknownNameError
 from .messages import FORCE_OF_AXIS
 from .parameters.file import read_parameter_file
@@ -78,7 +77,7 @@ def read_recording(
             raise UnknownNameError.among('topic', name, TOPICS)
     source = RecordingSource(**(topics or {}))
     signals = read_signals(RecordingReader(str(path)), source, axis, joint)
-    return Recording(Path(path).name, timed(signals))
+    return Recording(Path(path).name, signals_of(signals))
 
 
 def read_model(path: str | PathLike[str], seed: int | None = None) -> PlantParameters:
