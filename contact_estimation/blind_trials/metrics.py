@@ -35,8 +35,8 @@ class Metric(NamedTuple):
         Meaning and unit.
     value : float or None
         None where the metric applies to no trial.
-    count : int
-        Number of trials (or parameters) that it covers.
+    samples : int
+        Number of trials (or parameters) covered.
     limit : float or None
         Required value; None: for information.
     at_least : bool
@@ -46,7 +46,7 @@ class Metric(NamedTuple):
 
     name: str
     value: float | None
-    count: int
+    samples: int
     limit: float | None
     at_least: bool
 

@@ -32,7 +32,7 @@ _SCORE_KEYS = {
     'names': 'said', 'alternatives': 'rivals', 'found': 'named', 'found_alone': 'alone',
     'extra_names': 'surplus', 'false_alarm': 'accused', 'unexplained': 'unnamed',
 }
-_METRIC_KEYS = {'count': 'told', 'limit': 'mark'}
+_METRIC_KEYS = {'samples': 'told', 'limit': 'mark'}
 _COLUMNS = ('trials', 'found', 'alone', 'extra', 'alarms', 'param.', 'force', 'floor', 'K_e',
             'B_e')  # trials, then the first metrics
 
@@ -94,7 +94,7 @@ def as_text(scores: Sequence[Score], folder: str) -> str:
     """
     clean, outside = sum(not s.effect for s in scores), sum(s.outside for s in scores)
     lines = [f'{len(scores)} trials, {clean} of them clean, {outside} outside the library', '']
-    lines += [_metric_line(metric) for metric in metrics(scores) if metric.count]
+    lines += [_metric_line(metric) for metric in metrics(scores) if metric.samples]
     for kind, parts in groups(scores).items():
         lines += ['', f'by {kind}'.ljust(26) + ''.join(f'{name:>9}' for name in _COLUMNS)]
         lines += [_group_line(label, part) for label, part in parts.items()]
@@ -105,7 +105,7 @@ def as_text(scores: Sequence[Score], folder: str) -> str:
 
 
 def _metric_line(metric: Metric) -> str:
-    line = f'  {metric.name:<62}{_number(metric.value):>8}  of {metric.count:<5}'
+    line = f'  {metric.name:<62}{_number(metric.value):>8}  of {metric.samples:<5}'
     if metric.limit is None:
         return line.rstrip()
     outcome = {True: 'met', False: 'MISSED', None: ''}[metric.met]

@@ -155,7 +155,7 @@ def _write_recording(path: Path, measurement: Measurement, trial: Trial) -> None
         (measurement.joint, '/joint_states', 'sensor_msgs/msg/JointState',
          lambda stamp, motion: joint.encode(stamp, *motion)),
         (measurement.reference, '/reference_trajectory', 'trajectory_msgs/msg/JointTrajectory',
-         lambda stamp, point: reference.encode(stamp, *point, 0.0)),
+         lambda stamp, r: reference.encode(stamp, r[0], r[1], r[2], 0.0)),
     )
     messages = [
         (_EPOCH_NS + stamp, topic, type_name, encode(_EPOCH_NS + stamp, value))
