@@ -154,7 +154,9 @@ class PlanarArm:
             ),
         )
 
-    def joint_friction(self, rates: Triple) -> Triple:
+    def joint_friction(
+        self, rates: Triple, dry: float = 1.0, viscous: float = 1.0
+    ) -> Triple:
         """
         Compute the friction of the gears.
 
@@ -162,6 +164,8 @@ class PlanarArm:
         ----------
         rates : tuple of float
             Link rates [rad/s].
+        dry, viscous : float
+            Fractions of dry and viscous friction to include.
 
         Returns
         -------
@@ -169,14 +173,14 @@ class PlanarArm:
             Joint torques, positive against positive motion [N m].
 
         """
-        w1, w2, w3 = rates
-        dry, (b1, b2, b3) = self.dry_friction(rates), self._p.viscous_frictions
-        return dry[0] + b1 * w1, dry[1] + b2 * (w2 - w1), dry[2] + b3 * (w3 - w2)
-
-    def dry_friction(self, rates: Triple) -> Triple:
-        """Compute the dry part of `joint_friction`."""
-        (w1, w2, w3), (c1, c2, c3), s = rates, self._p.coulomb_frictions, self._p.friction_rate
-        return c1 * tanh(w1 / s), c2 * tanh((w2 - w1) / s), c3 * tanh((w3 - w2) / s)
+        (w1, w2, w3), s = rates, self._p.friction_rate
+        (c1, c2, c3), (b1, b2, b3) = self._p.coulomb_frictions, self._p.viscous_frictions
+        v2, v3 = w2 - w1, w3 - w2
+        return (
+            dry * (c1 * tanh(w1 / s)) + viscous * b1 * w1,
+            dry * (c2 * tanh(v2 / s)) + viscous * b2 * v2,
+            dry * (c3 * tanh(v3 / s)) + viscous * b3 * v3,
+        )
 
     def tip_x(self, angles: Triple) -> float:
         """

@@ -75,7 +75,8 @@ class ImpedanceController:
         tau3 = t3 + h3 - x3 * force
         tau2 = t2 + h2 - x2 * force + tau3
         tau1 = t1 + h1 - x1 * force + tau2
-        f1, f2, f3 = self._friction(rates)
+        f1, f2, f3 = self._model.joint_friction(
+            rates, self._p.coulomb_compensation, self._p.viscous_compensation)
         return tau1 + f1, tau2 + f2, tau3 + f3
 
     def _link_accelerations(
@@ -105,15 +106,4 @@ class ImpedanceController:
             (right_x * c2 - right_y * s2) / (l1 * bend),
             (right_y * s1 - right_x * c1) / (l2 * bend),
             a_3,
-        )
-
-    def _friction(self, rates: Triple) -> Triple:
-        """Compute the friction compensation."""
-        p, (b1, b2, b3) = self._p, self._arm.viscous_frictions
-        d1, d2, d3 = self._model.dry_friction(rates)
-        w1, w2, w3 = rates
-        dry, viscous = p.coulomb_compensation, p.viscous_compensation
-        return (
-            dry * d1 + viscous * b1 * w1, dry * d2 + viscous * b2 * (w2 - w1),
-            dry * d3 + viscous * b3 * (w3 - w2),
         )
