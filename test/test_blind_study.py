@@ -32,7 +32,7 @@ from contact_estimation.blind_trials.study import (
 )
 from contact_estimation.blind_trials.trial_files import TrialFiles, write_json, write_trial
 from contact_estimation.commands.blind_trials import main
-from contact_estimation.diagnosis.observe.reading import timed
+from contact_estimation.diagnosis.observe.signals import signals_of
 from contact_estimation.parameters.file import read_parameter_file
 from contact_estimation.physics import EFFECTS
 from contact_estimation.recordings import RecordingReader
@@ -81,7 +81,7 @@ def test_neither_name_nor_model_file_reveals_the_effect(files: TrialFiles) -> No
 
 
 def test_the_recording_holds_the_simulated_signals(files: TrialFiles) -> None:
-    signals = timed(read_signals(RecordingReader(files.recording), RecordingSource()))
+    signals = signals_of(read_signals(RecordingReader(files.recording), RecordingSource()))
     told = json.loads(files.truth.read_text())
     free = signals.wrench_t < 0.4
     assert float(np.mean(signals.force[free])) == pytest.approx(2.0, abs=0.1)

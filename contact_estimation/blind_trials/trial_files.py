@@ -28,7 +28,7 @@ from .ground_truth import ground_truth
 from .measurement import INTEGRATION_HZ, measure, Measurement, TRUTH_HZ
 from .simulation import simulate
 from .trial import Trial
-from ..messages import JointStateEncoder, RosbagsCodec, TrajectoryEncoder, WrenchEncoder
+from ..messages import JointStateEncoder, TrajectoryEncoder, WrenchEncoder
 from ..recordings import RecordingWriter
 
 _EPOCH_NS = 1_760_000_000_000_000_000
@@ -145,10 +145,10 @@ def nominal_model(trial: Trial) -> str:
 
 
 def _write_recording(path: Path, measurement: Measurement, trial: Trial) -> None:
-    codec, with_velocity = RosbagsCodec(), trial.world.sensors.velocity_noise is not None
-    wrench = WrenchEncoder(codec, 'tool')
-    joint = JointStateEncoder(codec, 'base', _JOINT, with_velocity)
-    reference = TrajectoryEncoder(codec, 'base', _JOINT)
+    with_velocity = trial.world.sensors.velocity_noise is not None
+    wrench = WrenchEncoder('tool')
+    joint = JointStateEncoder('base', _JOINT, with_velocity)
+    reference = TrajectoryEncoder('base', _JOINT)
     topics = (
         (measurement.force, '/wrench', 'geometry_msgs/msg/WrenchStamped',
          lambda stamp, force: wrench.encode(stamp, force, 0.0, 0.0)),
