@@ -24,7 +24,11 @@ from typing import Any
 from contact_estimation.diagnosis.conclude.result import Diagnosis
 from contact_estimation.diagnosis.diagnosis import diagnose
 from contact_estimation.diagnosis.observe.signals import Recording, Signals
-from contact_estimation.messages import JointStateEncoder, TrajectoryEncoder, WrenchEncoder
+from contact_estimation.messages import (
+    JointStateEncoder,
+    TrajectoryEncoder,
+    WrenchEncoder,
+)
 from contact_estimation.parameters.values import build
 from contact_estimation.plant.open_loop import run_open_loop
 from contact_estimation.plant.plant_parameters import PlantParameters

@@ -46,12 +46,8 @@ from builtin_interfaces.msg import Time  # noqa: E402,I100
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus  # noqa: E402,F401
 from geometry_msgs.msg import Vector3Stamped, WrenchStamped  # noqa: E402
 from rcl_interfaces.msg import SetParametersResult  # noqa: E402
-from rcl_interfaces.srv import (  # noqa: E402
-    DescribeParameters,
-    GetParameters,
-    ListParameters,
-    SetParameters,
-)
+from rcl_interfaces.srv import DescribeParameters, GetParameters  # noqa: E402
+from rcl_interfaces.srv import ListParameters, SetParameters  # noqa: E402
 from rcl_interfaces.srv import SetParametersAtomically  # noqa: E402
 from rclpy.executors import SingleThreadedExecutor  # noqa: E402
 from rclpy.parameter import Parameter  # noqa: E402

@@ -22,7 +22,15 @@ from typing import BinaryIO, Iterable, NamedTuple
 import zlib
 
 from mcap.opcode import Opcode
-from mcap.records import Channel, ChunkIndex, Footer, McapRecord, MetadataIndex, Schema, Statistics
+from mcap.records import (
+    Channel,
+    ChunkIndex,
+    Footer,
+    McapRecord,
+    MetadataIndex,
+    Schema,
+    Statistics,
+)
 from mcap.stream_reader import StreamReader
 
 from .chunk_reader import parsed
