@@ -60,13 +60,14 @@ setup(
         ],
     },
     python_requires='>=3.10',
-    # Lower bounds of numpy, scipy and PyYAML: Ubuntu 24.04, the platform of Jazzy.
+    # Lower bounds of numpy, scipy, PyYAML and tqdm: Ubuntu 24.04, the platform of Jazzy.
     install_requires=[
         'filterpy>=2.0',
         'mcap>=1.1',
         'numpy>=1.26',
         'pyyaml>=6.0',
         'scipy>=1.11',
+        'tqdm>=4.66',
     ],
     extras_require={
         'doc': [

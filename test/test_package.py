@@ -44,6 +44,7 @@ ROSDEP_KEYS = {
     'sensor_msgs': 'sensor_msgs',
     'std_msgs': 'std_msgs',
     'std_srvs': 'std_srvs',
+    'tqdm': 'python3-tqdm',
     'trajectory_msgs': 'trajectory_msgs',
     'yaml': 'python3-yaml',
 }

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""From the testbed's sensors to what estimators get: raw, or processed as the paper did."""
+"""Sensors of the testbed, and the acquisition of their samples: raw or as in the paper."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from ..signals.butterworth import ButterworthBank
 
 
 class Acquisition(ABC):
-    """What happens to the readings before estimation."""
+    """Processing of sensor samples before estimation."""
 
     @abstractmethod
     def process(self, force: float, position: float) -> tuple[float, float, float]:
@@ -44,16 +44,16 @@ class Acquisition(ABC):
         Returns
         -------
         force, position, velocity : float
-            As the estimator gets them [N], [m], [m/s]; NaN for a velocity that is not told.
+            Input of the estimator [N], [m], [m/s]; NaN without a velocity.
 
         """
 
 
 class RawAcquisition(Acquisition):
-    """The readings as they are, for estimators that filter and differentiate themselves."""
+    """Raw samples, for estimators that filter and differentiate themselves."""
 
     def process(self, force: float, position: float) -> tuple[float, float, float]:
-        """Pass everything through; see `Acquisition.process`."""
+        """Return force and position unchanged; see `Acquisition.process`."""
         return force, position, nan
 
 
@@ -61,9 +61,8 @@ class PaperAcquisition(Acquisition):
     """
     The paper's processing, section 5.1.
 
-    All data pass the Butterworth filter; the speed of the wall is the finite difference of its
-    deflection, filtered; the force that it takes to move the wall from rest is subtracted from
-    the force, whichever way the wall moves.
+    All signals are Butterworth-filtered; the velocity is the filtered finite difference of the
+    deflection; the static friction is subtracted from the force, whichever way the wall moves.
 
     Parameters
     ----------
@@ -88,19 +87,19 @@ class PaperAcquisition(Acquisition):
 
 def make_sensors(constants: TestbedConstants, seed: int) -> Sensors:
     """
-    Make force sensor and potentiometer.
+    Build force sensor and potentiometer.
 
     Parameters
     ----------
     constants : TestbedConstants
         Noise and resolution.
     seed : int
-        Of the noise.
+        Seed of the noise.
 
     Returns
     -------
     sensors : Sensors
-        Without velocity.
+        Sensors without velocity.
 
     """
     sensing = constants.sensing

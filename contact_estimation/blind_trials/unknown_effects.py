@@ -13,9 +13,9 @@
 # limitations under the License.
 
 """
-Physics that the library has no name for: what a diagnosis must not put another name to.
+Effects outside the library, which a diagnosis must report as unexplained.
 
-Some act all the time, one for a while. They exist for studies alone; no parameter file knows them.
+They exist in blind trials only and are no parameters of any file.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from ..physics.physics import ContactEffect, Effect, ForceSensorEffect, RobotEff
 
 
 class WallResonance(ContactEffect):
-    """A mass that swings behind the surface, on a spring of its own."""
+    """A mass behind the surface, attached by a spring and a damper."""
 
     name = 'wall_resonance'
     states = 2
@@ -42,71 +42,71 @@ class WallResonance(ContactEffect):
                                        + 2.0 * p.damping_ratio * (v - state[1])))
 
     def resistance(self, t: Any, d: Any, v: Any, state: Any, m: Any) -> Any:
-        """Give the pull of the mass; see `ContactEffect.resistance`."""
+        """Return the force of spring and damper; see `ContactEffect.resistance`."""
         return self._pull(d, v, state)
 
     def state_rates(
         self, t: float, d: float, v: float, contact: bool, state: tuple[float, ...]
     ) -> tuple[float, ...]:
-        """Move the mass; out of contact the surface rests."""
+        """Return the motion of the mass; out of contact the surface is at rest."""
         pull = self._pull(d, v, state) if contact else self._pull(0.0, 0.0, state)
         return state[1], pull / self.values.mass
 
 
 class SoftSpell(ContactEffect):
-    """A wall that is softer for a while."""
+    """A wall that is softer during an interval."""
 
     name = 'soft_spell'
 
     def resistance(self, t: Any, d: Any, v: Any, state: Any, m: Any) -> Any:
-        """Take some of the spring's force off; see `ContactEffect.resistance`."""
+        """Return the missing spring force; see `ContactEffect.resistance`."""
         return -self.values.softer * d if self.values.first < t < self.values.last else 0.0
 
 
 class WarmingWall(ContactEffect):
-    """A wall that is warmed by being moved, softens, and cools again."""
+    """A wall that softens as motion warms it, and recovers as it cools."""
 
     name = 'warming_wall'
-    states = 1  # how warm, in way that the contact has gone [m]
+    states = 1  # warmth, as distance travelled in contact [m]
 
     def resistance(self, t: Any, d: Any, v: Any, state: Any, m: Any) -> Any:
-        """Take the softening off; see `ContactEffect.resistance`."""
+        """Return the missing spring force; see `ContactEffect.resistance`."""
         return -self.values.softening * state[0] * d
 
     def state_rates(
         self, t: float, d: float, v: float, contact: bool, state: tuple[float, ...]
     ) -> tuple[float, ...]:
-        """Warm by motion in contact, cool always."""
+        """Return the rate of warmth: heating by motion in contact, exponential cooling."""
         return ((abs(v) if contact else 0.0) - state[0] / self.values.tau,)
 
 
 class Ripple(ContactEffect):
-    """A force that repeats with the depth, as of a thread or of magnets."""
+    """A force periodic in the depth, as of a thread or of magnets."""
 
     name = 'ripple'
 
     def resistance(self, t: Any, d: Any, v: Any, state: Any, m: Any) -> Any:
-        """Give the wave over depth; see `ContactEffect.resistance`."""
+        """Return the periodic force; see `ContactEffect.resistance`."""
         return self.values.amplitude * sin(2.0 * pi * d / self.values.wavelength)
 
 
 class BentGauge(ForceSensorEffect):
-    """A force sensor whose gain grows or falls with the load."""
+    """A force sensor whose gain depends on the load."""
 
     name = 'bent_gauge'
 
     def sense(self, t: float, dt: float, force: float, acceleration: float) -> float:
-        """Bend the reading; see `ForceSensorEffect.sense`."""
+        """Return the distorted force; see `ForceSensorEffect.sense`."""
         return force * (1.0 + float(self.values.bend) * force)
 
 
 class Windage(RobotEffect):
-    """A robot that is braked by the square of its speed."""
+    """A robot with drag proportional to the square of its speed."""
 
     name = 'windage'
 
     def drag(self, velocity: Any, m: Any) -> Any:
-        """Give c v abs(v); see `RobotEffect.drag`."""
+        """Return c v abs(v); see `RobotEffect.drag`."""
         return self.values.c * velocity * abs(velocity)
 
 
@@ -119,7 +119,7 @@ class Unknown(NamedTuple):
     effect : type of Effect
         Its law.
     draw : callable
-        Scales of the world and source of chance, to a strength as of `draw_strength`.
+        Scales of the world and random generator to parameters by strength, as `draw_strength`.
 
     """
 
@@ -168,22 +168,22 @@ UNKNOWN: dict[str, Unknown] = {
 }
 
 
-def made(name: str, values: Values) -> Effect:
+def make_unknown(name: str, values: Values) -> Effect:
     """
-    Make an effect outside the library.
+    Build an effect outside the library.
 
     Parameters
     ----------
     name : str
         Key of UNKNOWN.
     values : mapping
-        Its parameters.
+        Parameters of the effect.
 
     Returns
     -------
     effect : Effect
-        For `World`.
+        Effect to pass to `World`.
 
     """
-    given: Any = SimpleNamespace(**values)
-    return UNKNOWN[name].effect(given)
+    parameters: Any = SimpleNamespace(**values)
+    return UNKNOWN[name].effect(parameters)

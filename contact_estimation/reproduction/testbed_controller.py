@@ -18,8 +18,8 @@ from __future__ import annotations
 
 from math import cos, sin
 
-from .planar_arm import PlanarArm
-from .symmetric import times
+from .symmetric_matrix import times
+from .testbed_arm import PlanarArm
 from .testbed_constants import TestbedConstants, Triple
 from ..estimators.offline_estimator import TargetImpedance
 from ..reference.setpoints import Reference
@@ -27,15 +27,15 @@ from ..reference.setpoints import Reference
 
 class ImpedanceController:
     """
-    Torques that would make the tip obey eq. (1) along x, were the model right.
+    Joint torques that make the tip obey eq. (1) along x, given an exact model.
 
-    T = M_hat J^-1 (x''_wanted - J' a') + h_hat - J^T F: the model knows the links, but not the
-    rotors, and joint friction only in part. So the real impedance differs from the target.
+    T = M_hat J^-1 (x''_d - J' a') + h_hat - J^T F. The model lacks the
+    rotors and part of the joint friction: the actual impedance differs from the target.
 
     Parameters
     ----------
     constants : TestbedConstants
-        The arm, and how badly it is known.
+        Arm and errors of its model.
     target : TargetImpedance
         M_t, B_t and K_t along the contact axis.
 
@@ -50,38 +50,39 @@ class ImpedanceController:
         self, angles: Triple, rates: Triple, force: float, reference: Reference
     ) -> Triple:
         """
-        Compute the motors' torques for one sample period.
+        Compute the motor torques for one sample period.
 
         Parameters
         ----------
         angles, rates : tuple of float
-            Of the links [rad], [rad/s].
+            Link angles and rates [rad], [rad/s].
         force : float
             Measured F_e [N].
         reference : Reference
-            x_r with derivatives, from the wall's surface.
+            x_r with derivatives, relative to the wall's surface.
 
         Returns
         -------
         torques : tuple of float
-            Of the joints [N m].
+            Joint torques [N m].
 
         """
-        wanted = self._link_accelerations(angles, rates, force, reference)
-        t1, t2, t3 = times(self._model.mass_matrix(angles), wanted)
+        accelerations = self._link_accelerations(angles, rates, force, reference)
+        t1, t2, t3 = times(self._model.mass_matrix(angles), accelerations)
         h1, h2, h3 = self._model.centrifugal(angles, rates)
         x1, x2, x3 = self._model.jacobian(angles)[0]
         # Generalised forces of the link angles: T_i = tau_i - tau_(i+1).
         tau3 = t3 + h3 - x3 * force
         tau2 = t2 + h2 - x2 * force + tau3
         tau1 = t1 + h1 - x1 * force + tau2
-        f1, f2, f3 = self._friction(rates)
+        f1, f2, f3 = self._model.joint_friction(
+            rates, self._p.coulomb_compensation, self._p.viscous_compensation)
         return tau1 + f1, tau2 + f2, tau3 + f3
 
     def _link_accelerations(
         self, angles: Triple, rates: Triple, force: float, reference: Reference
     ) -> Triple:
-        """Solve J a'' = x''_wanted - J' a' for a''."""
+        """Solve J a'' = x''_d - J' a' for a''."""
         p, target, arm = self._p, self._target, self._arm
         tip = self._model.tip(angles, rates)
         x = tip.x - arm.surface_x
@@ -100,20 +101,9 @@ class ImpedanceController:
         # x'' = -sum l (s a'' + c w^2), y'' = sum l (c a'' - s w^2)
         right_x = -a_x - l1 * c1 * w1 * w1 - l2 * c2 * w2 * w2 - l3 * (s3 * a_3 + c3 * w3 * w3)
         right_y = a_y + l1 * s1 * w1 * w1 + l2 * s2 * w2 * w2 - l3 * (c3 * a_3 - s3 * w3 * w3)
-        bend = sin(a1 - a2)  # zero where the arm is stretched
+        bend = sin(a1 - a2)  # zero for a stretched arm
         return (
             (right_x * c2 - right_y * s2) / (l1 * bend),
             (right_y * s1 - right_x * c1) / (l2 * bend),
             a_3,
-        )
-
-    def _friction(self, rates: Triple) -> Triple:
-        """Feed the known part of the joint friction forward."""
-        p, (b1, b2, b3) = self._p, self._arm.viscous_frictions
-        d1, d2, d3 = self._model.dry_friction(rates)
-        w1, w2, w3 = rates
-        dry, viscous = p.coulomb_compensation, p.viscous_compensation
-        return (
-            dry * d1 + viscous * b1 * w1, dry * d2 + viscous * b2 * (w2 - w1),
-            dry * d3 + viscous * b3 * (w3 - w2),
         )

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The wall on its bearings: spring, damper and static friction, without mass."""
+"""The wall of the testbed: spring, damper and bearing friction, without mass."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from .testbed_constants import FlexibleWallConstants
 
 
 class WallState(NamedTuple):
-    """Deflection from the untouched wall [m], and the share of the friction that acts, -1 to 1."""
+    """Deflection [m] and friction as a fraction of its limit, -1 to 1."""
 
     deflection: float
     friction: float
@@ -31,14 +31,14 @@ class WallState(NamedTuple):
 
 def friction_limit(rate: float, wall: FlexibleWallConstants) -> float:
     """
-    Compute the most that the bearings resist at a speed: Stribeck's curve.
+    Compute the friction limit of the bearings at a rate: the Stribeck curve.
 
     Parameters
     ----------
     rate : float
-        Of the deflection [m/s].
+        Rate of the deflection [m/s].
     wall : FlexibleWallConstants
-        Its constants.
+        Constants of the wall.
 
     Returns
     -------
@@ -52,19 +52,19 @@ def friction_limit(rate: float, wall: FlexibleWallConstants) -> float:
 
 def free_rate(state: WallState, wall: FlexibleWallConstants) -> float:
     """
-    Compute how fast the wall moves while nothing touches it, rolling.
+    Compute the rate of the untouched wall with rolling bearings.
 
     Parameters
     ----------
     state : WallState
-        Its state.
+        State of the wall.
     wall : FlexibleWallConstants
-        Its constants.
+        Constants of the wall.
 
     Returns
     -------
     rate : float
-        Of the deflection, from 0 = K_e w + B_e w' + F_c z [m/s].
+        Rate of the deflection, from 0 = K_e w + B_e w' + F_c z [m/s].
 
     """
     friction = wall.sliding_friction * state.friction
@@ -73,24 +73,24 @@ def free_rate(state: WallState, wall: FlexibleWallConstants) -> float:
 
 def moved(state: WallState, step: float, wall: FlexibleWallConstants) -> WallState:
     """
-    Move the wall.
+    Compute the state after a change of the deflection.
 
-    Dahl's model, dz/dw = (1 - z sgn w') / s, integrated exactly over a step in one direction: the
-    share of friction depends on the way alone, sticks where the wall rests, and reaches 1 over s.
+    Dahl's model, dz/dw = (1 - z sgn w') / s, integrated exactly over a step in one direction:
+    friction depends on the travelled distance only and approaches its limit over s.
 
     Parameters
     ----------
     state : WallState
-        Before.
+        State before the step.
     step : float
         Change of the deflection [m].
     wall : FlexibleWallConstants
-        Its constants.
+        Constants of the wall.
 
     Returns
     -------
     state : WallState
-        After.
+        State after the step.
 
     """
     if step == 0.0:
@@ -102,16 +102,16 @@ def moved(state: WallState, step: float, wall: FlexibleWallConstants) -> WallSta
 
 def pressing_force(state: WallState, rate: float, wall: FlexibleWallConstants) -> float:
     """
-    Compute the force with which a tool presses that moves the wall.
+    Compute the force of a tool that moves with the wall.
 
     Parameters
     ----------
     state : WallState
-        Of the wall.
+        State of the wall.
     rate : float
-        Of the tool [m/s].
+        Rate of the tool [m/s].
     wall : FlexibleWallConstants
-        Its constants.
+        Constants of the wall.
 
     Returns
     -------

@@ -17,7 +17,8 @@ Kinematics and dynamics of a planar arm of three links, without gravity.
 
 Coordinates are the angles a_i of the links to the x axis, in which the kinetic energy is
 1/2 sum c_ij cos(a_i - a_j) w_i w_j with constant c_ij, plus the rotors; joint i turns by
-a_i - a_(i-1). Scalars throughout: arrays of three cost ten times as much.
+a_i - a_(i-1). Plain scalars: arrays of length three are ten times
+slower.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ from __future__ import annotations
 from math import acos, atan2, cos, hypot, sin, tanh
 from typing import NamedTuple
 
-from .symmetric import solve, Symmetric
+from .symmetric_matrix import solve, Symmetric
 from .testbed_constants import ArmConstants, Triple
 
 
@@ -49,7 +50,7 @@ class PlanarArm:
     constants : ArmConstants
         Links, rotors and friction.
     rotors : bool
-        Whether the rotors' inertia counts; the controller's model does not know it.
+        Whether the inertia of the rotors is included; the controller's model lacks it.
 
     """
 
@@ -73,7 +74,7 @@ class PlanarArm:
         Parameters
         ----------
         angles : tuple of float
-            Of the links [rad].
+            Link angles [rad].
 
         Returns
         -------
@@ -94,7 +95,7 @@ class PlanarArm:
         Parameters
         ----------
         angles, rates : tuple of float
-            Of the links [rad], [rad/s].
+            Link angles and rates [rad], [rad/s].
 
         Returns
         -------
@@ -120,21 +121,20 @@ class PlanarArm:
         Parameters
         ----------
         angles, rates : tuple of float
-            Of the links [rad], [rad/s].
+            Link angles and rates [rad], [rad/s].
         torques : tuple of float
-            Of the joint motors [N m].
+            Motor torques [N m].
         force_x : float
-            On the tip along x [N].
+            Force on the tip along x [N].
 
         Returns
         -------
         accelerations : tuple of float
-            Of the links [rad/s^2].
+            Link accelerations [rad/s^2].
 
         """
         (a1, a2, a3), (w1, w2, w3), (l1, l2, l3) = angles, rates, self._p.lengths
-        # Sines and cosines once, for `mass_matrix`, `centrifugal` and J alike: this is the
-        # innermost loop of the testbed.
+        # Innermost loop of the testbed: sines and cosines are computed once for M, h and J.
         c1, c2, c3, s1, s2, s3 = cos(a1), cos(a2), cos(a3), sin(a1), sin(a2), sin(a3)
         h12, h13 = self._c12 * (s1 * c2 - c1 * s2), self._c13 * (s1 * c3 - c1 * s3)
         h23 = self._c23 * (s2 * c3 - c2 * s3)
@@ -154,43 +154,47 @@ class PlanarArm:
             ),
         )
 
-    def joint_friction(self, rates: Triple) -> Triple:
+    def joint_friction(
+        self, rates: Triple, dry: float = 1.0, viscous: float = 1.0
+    ) -> Triple:
         """
-        Compute what the gears resist.
+        Compute the friction of the gears.
 
         Parameters
         ----------
         rates : tuple of float
-            Of the links [rad/s].
+            Link rates [rad/s].
+        dry, viscous : float
+            Fractions of dry and viscous friction to include.
 
         Returns
         -------
         torques : tuple of float
-            Of the joints, positive against positive motion [N m].
+            Joint torques, positive against positive motion [N m].
 
         """
-        w1, w2, w3 = rates
-        dry, (b1, b2, b3) = self.dry_friction(rates), self._p.viscous_frictions
-        return dry[0] + b1 * w1, dry[1] + b2 * (w2 - w1), dry[2] + b3 * (w3 - w2)
-
-    def dry_friction(self, rates: Triple) -> Triple:
-        """Compute the dry part of `joint_friction`."""
-        (w1, w2, w3), (c1, c2, c3), s = rates, self._p.coulomb_frictions, self._p.friction_rate
-        return c1 * tanh(w1 / s), c2 * tanh((w2 - w1) / s), c3 * tanh((w3 - w2) / s)
+        (w1, w2, w3), s = rates, self._p.friction_rate
+        (c1, c2, c3), (b1, b2, b3) = self._p.coulomb_frictions, self._p.viscous_frictions
+        v2, v3 = w2 - w1, w3 - w2
+        return (
+            dry * (c1 * tanh(w1 / s)) + viscous * b1 * w1,
+            dry * (c2 * tanh(v2 / s)) + viscous * b2 * v2,
+            dry * (c3 * tanh(v3 / s)) + viscous * b3 * v3,
+        )
 
     def tip_x(self, angles: Triple) -> float:
         """
-        Compute how far the tip reaches; the x of `tip`.
+        Compute x of the tip, as `tip` does.
 
         Parameters
         ----------
         angles : tuple of float
-            Of the links [rad].
+            Link angles [rad].
 
         Returns
         -------
         x : float
-            From the base [m].
+            Distance from the base [m].
 
         """
         (a1, a2, a3), (l1, l2, l3) = angles, self._p.lengths
@@ -203,12 +207,12 @@ class PlanarArm:
         Parameters
         ----------
         angles, rates : tuple of float
-            Of the links [rad], [rad/s].
+            Link angles and rates [rad], [rad/s].
 
         Returns
         -------
         tip : Tip
-            Direct kinematics.
+            Pose and rate.
 
         """
         (x1, x2, x3), (y1, y2, y3) = self.jacobian(angles)
@@ -220,12 +224,12 @@ class PlanarArm:
 
     def jacobian(self, angles: Triple) -> tuple[Triple, Triple]:
         """
-        Compute the rows of J that give the tip's x and y; the third is (0, 0, 1).
+        Compute the rows of J for x and y of the tip; the third is (0, 0, 1).
 
         Parameters
         ----------
         angles : tuple of float
-            Of the links [rad].
+            Link angles [rad].
 
         Returns
         -------
@@ -251,7 +255,7 @@ class PlanarArm:
         Returns
         -------
         angles : tuple of float
-            Of the links [rad].
+            Link angles [rad].
 
         """
         l1, l2, l3 = self._p.lengths

@@ -12,15 +12,15 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""A small world and a hand-made truth and report, for tests of blind_trials."""
+"""A small world, a truth and a report for the tests of blind_trials."""
 
 from __future__ import annotations
 
 from typing import Any
 
-from contact_estimation.blind_trials.drawing import Trial
-from contact_estimation.blind_trials.setups import Sensing, Setup
 from contact_estimation.blind_trials.simulation import Run
+from contact_estimation.blind_trials.trial import Trial
+from contact_estimation.blind_trials.worlds import RandomWorld, SensorModel
 from contact_estimation.plant.plant_parameters import RobotParameters, WallParameters
 from contact_estimation.reference.experiment import Experiment, Segment
 import numpy as np
@@ -34,16 +34,16 @@ EXPERIMENT = Experiment('short', -0.01, (
     Segment(0.3, -0.01), Segment(0.5, 0.03), Segment(0.6, 0.03), Segment(0.4, 0.02),
     Segment(0.5, 0.02), Segment(0.5, -0.01), Segment(0.3, -0.01),
 ))
-SETUP = Setup(WALL, ROBOT, Sensing(), EXPERIMENT, 0.015)
+WORLD = RandomWorld(WALL, ROBOT, SensorModel(), EXPERIMENT, 0.015)
 
 
 def short_trial(effect: str = '', **values: float) -> Trial:
-    """Make a trial of three seconds."""
-    return Trial(SETUP, effect, values, WallParameters(stiffness=4400.0, damping=80.0), 1.0)
+    """Return a trial of three seconds."""
+    return Trial(WORLD, effect, values, WallParameters(stiffness=4400.0, damping=80.0), 1.0)
 
 
-def made_up_run(sensed: Array | None = None, count: int = 4000) -> Run:
-    """Move in and out of the wall along sines; F_e is that of a spring-damper."""
+def synthetic_run(sensed: Array | None = None, count: int = 4000) -> Run:
+    """Return sines in and out of the wall, with the force of a spring-damper."""
     t = np.arange(count) / 500.0
     d = 0.01 * np.sin(3.0 * t) + 0.004 * np.sin(11.0 * t)
     v = 0.03 * np.cos(3.0 * t) + 0.044 * np.cos(11.0 * t)
@@ -53,7 +53,7 @@ def made_up_run(sensed: Array | None = None, count: int = 4000) -> Run:
 
 
 def truth(effect: str = '', port: str = 'contact', **changes: Any) -> dict[str, Any]:
-    """Tell a truth in the form of the sealed files."""
+    """Return the content of a truth file."""
     parameters = changes.pop('parameters', {})
     effects = [{'name': effect, 'port': port, 'parameters': parameters}] if effect else []
     return {
@@ -66,7 +66,7 @@ def truth(effect: str = '', port: str = 'contact', **changes: Any) -> dict[str, 
 
 
 def answer(*names: str, rivals: tuple[str, ...] = (), **changes: Any) -> dict[str, Any]:
-    """Give a report as it is kept."""
+    """Return the content of a report file."""
     parameters = changes.pop('parameters', {})
     effects = [{'name': name, 'indistinguishable_from': [],
                 'parameters': {key: {'value': value} for key, value in parameters.items()}}

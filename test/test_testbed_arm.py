@@ -12,14 +12,14 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The arm of the testbed: its equations against independent forms."""
+"""The arm of the testbed: equations against independent forms."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 
-from contact_estimation.reproduction.planar_arm import PlanarArm
-from contact_estimation.reproduction.symmetric import solve, times
+from contact_estimation.reproduction.symmetric_matrix import solve, times
+from contact_estimation.reproduction.testbed_arm import PlanarArm
 from contact_estimation.reproduction.testbed_constants import ArmConstants, Triple
 import numpy as np
 from numpy.typing import NDArray
@@ -33,13 +33,13 @@ FRICTIONLESS = replace(
 
 
 def full(arm: PlanarArm, angles: Triple) -> NDArray[np.float64]:
-    """Write the mass matrix out."""
+    """Return the full mass matrix."""
     m11, m12, m13, m22, m23, m33 = arm.mass_matrix(angles)
     return np.array([[m11, m12, m13], [m12, m22, m23], [m13, m23, m33]])
 
 
 def kinetic_energy(p: ArmConstants, angles: Triple, rates: Triple) -> float:
-    """Add up links and rotors one by one, from the velocity of each centre of mass."""
+    """Sum the energies of links and rotors from the velocity of each centre of mass."""
     energy = last = 0.0
     joint: NDArray[np.float64] = np.zeros(2)
     for i in range(3):
@@ -52,7 +52,7 @@ def kinetic_energy(p: ArmConstants, angles: Triple, rates: Triple) -> float:
 
 
 def moved(angles: Triple, index: int, by: float) -> Triple:
-    """Change one angle."""
+    """Return the angles with one changed."""
     changed = list(angles)
     changed[index] += by
     return changed[0], changed[1], changed[2]
@@ -114,12 +114,12 @@ def test_energy_is_conserved_without_friction_and_torque() -> None:
     assert end == pytest.approx(begin, rel=1e-7)
 
 
-def test_joint_friction_only_takes_energy_away() -> None:
+def test_joint_friction_dissipates_energy() -> None:
     friction = PlanarArm(ArmConstants()).joint_friction(RATES)
     assert friction @ np.diff([0.0, *RATES]) > 0.0
 
 
-def test_inverse_kinematics_undo_the_direct_ones() -> None:
+def test_inverse_kinematics_invert_the_direct_ones() -> None:
     p = ArmConstants()
     arm = PlanarArm(p)
     for x in (p.surface_x - 0.1, p.surface_x, p.surface_x + 0.03):
@@ -128,6 +128,6 @@ def test_inverse_kinematics_undo_the_direct_ones() -> None:
         assert arm.tip_x(arm.angles_at(x, p.tip_y, p.tip_angle)) == pytest.approx(x)
 
 
-def test_solve_undoes_times() -> None:
+def test_solve_inverts_times() -> None:
     matrix, vector = PlanarArm(ArmConstants()).mass_matrix(ANGLES), (1.0, -2.0, 3.0)
     assert solve(matrix, times(matrix, vector)) == pytest.approx(vector)

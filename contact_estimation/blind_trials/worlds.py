@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Worlds of chance: wall, robot, sensors and experiment; what is missing comes after."""
+"""Randomised worlds: wall, robot, sensors and experiment, still without a missing effect."""
 
 from __future__ import annotations
 
@@ -28,31 +28,31 @@ from ..reference.experiment import Experiment
 
 
 @dataclass(frozen=True)
-class Sensing:
+class SensorModel:
     """
-    What stands between the world and the recording.
+    Sampling, noise, quantisation, filtering and timing errors of the recording.
 
     Attributes
     ----------
     rate : float
-        Of all three signals [Hz].
+        Sample rate of all three signals [Hz].
     force_noise, position_noise : float
         Standard deviations [N], [m].
     distribution : str
-        Of the force noise: 'normal' or 'uniform'.
+        Force noise: 'normal' or 'uniform'.
     force_step, position_step : float
-        Of the quantisation [N], [m]; 0: none.
+        Quantisation steps [N], [m]; 0: none.
     velocity_noise : float or None
-        Standard deviation [m/s]; None: no velocity is sent.
+        Standard deviation [m/s]; None: velocity is not recorded.
     low_pass : float
-        Cut-off of the force sensor's anti-alias filter [Hz], the delay of which the driver takes
-        off its stamps; 0: none.
+        Cut-off of the force sensor's anti-alias filter [Hz]; the driver subtracts the filter's
+        delay from the stamps. 0: no filter.
     jitter : float
         Standard deviation of the stamps [s].
     joint_phase : float
-        How much later than the force the position is sampled, in sample periods.
+        Delay of the position samples after the force samples, in sample periods.
     dropped : float
-        Share of samples that are lost.
+        Fraction of dropped samples.
 
     """
 
@@ -70,19 +70,19 @@ class Sensing:
 
     @property
     def force_std(self) -> float:
-        """Of noise and rounding [N]."""
+        """Standard deviation of force noise and rounding [N]."""
         return sqrt(self.force_noise**2 + self.force_step**2 / 12.0)
 
     @property
     def position_std(self) -> float:
-        """Of noise and rounding [m]."""
+        """Standard deviation of position noise and rounding [m]."""
         return sqrt(self.position_noise**2 + self.position_step**2 / 12.0)
 
 
 @dataclass(frozen=True)
-class Setup:
+class RandomWorld:
     """
-    A world in which nothing is missing from the model but the right numbers.
+    A world in which the spring-damper model is complete.
 
     Attributes
     ----------
@@ -90,118 +90,101 @@ class Setup:
         True K_e, B_e and x_e.
     robot : RobotParameters
         True M_t, B_t and K_t.
-    sensing : Sensing
-        The sensors.
+    sensors : SensorModel
+        Sensors of the recording.
     experiment : Experiment
-        What is asked of the robot.
+        Commanded motion.
     depth : float
-        Greatest penetration that is aimed at [m].
+        Planned maximum penetration [m].
 
     """
 
     wall: WallParameters
     robot: RobotParameters
-    sensing: Sensing
+    sensors: SensorModel
     experiment: Experiment
     depth: float
 
 
-def draw_setup(rng: Generator) -> Setup:
+def draw_world(rng: Generator) -> RandomWorld:
     """
-    Draw everything but what will be missing.
+    Draw wall, robot, sensors and experiment.
 
     Parameters
     ----------
     rng : numpy.random.Generator
-        Source of chance.
+        Random generator.
 
     Returns
     -------
-    setup : Setup
-        Its numbers rounded as a model file has them.
+    world : RandomWorld
+        Numbers rounded to six digits, as in a model file.
 
     """
     wall = WallParameters(
-        stiffness=_digits(_log_uniform(rng, 1200.0, 16000.0)),
-        damping=_digits(_log_uniform(rng, 20.0, 280.0)),
-        location=0.0 if chance(rng, 0.5) else round(float(rng.uniform(-0.03, 0.03)), 6),
+        stiffness=_round(_log_uniform(rng, 1200.0, 16000.0)),
+        damping=_round(_log_uniform(rng, 20.0, 280.0)),
+        location=0.0 if _coin(rng, 0.5) else round(float(rng.uniform(-0.03, 0.03)), 6),
     )
     robot = _draw_robot(rng)
     depth = float(np.clip(_log_uniform(rng, 45.0, 160.0) / wall.stiffness, 0.006, 0.06))
     stage = Stage(wall.location, wall.location - float(rng.uniform(0.01, 0.025)),
                   depth * (1.0 + wall.stiffness / robot.stiffness))
-    return Setup(wall, robot, _draw_sensing(rng), draw_experiment(stage, rng), depth)
+    return RandomWorld(wall, robot, _draw_sensors(rng), draw_experiment(stage, rng), depth)
 
 
 def _draw_robot(rng: Generator) -> RobotParameters:
     mass = _log_uniform(rng, 9.0, 50.0)
     stiffness = _log_uniform(rng, 1200.0, 16000.0)
     damping = 2.0 * rng.uniform(0.8, 1.2) * sqrt(mass * stiffness)
-    return RobotParameters(
-        mass=_digits(mass), damping=_digits(damping), stiffness=_digits(stiffness))
+    return RobotParameters(mass=_round(mass), damping=_round(damping), stiffness=_round(stiffness))
 
 
-def _draw_sensing(rng: Generator) -> Sensing:
+def _draw_sensors(rng: Generator) -> SensorModel:
     noise = _log_uniform(rng, 0.16, 0.8)
-    return Sensing(
+    return SensorModel(
         rate=float(rng.choice([250.0, 500.0, 1000.0], p=[0.07, 0.86, 0.07])),
-        force_noise=_digits(noise),
-        position_noise=_digits(_log_uniform(rng, 1.5e-6, 6e-6)),
-        distribution='uniform' if chance(rng, 0.2) else 'normal',
-        force_step=_digits(rng.uniform(0.1, 0.6) * noise) if chance(rng, 0.4) else 0.0,
+        force_noise=_round(noise),
+        position_noise=_round(_log_uniform(rng, 1.5e-6, 6e-6)),
+        distribution='uniform' if _coin(rng, 0.2) else 'normal',
+        force_step=_round(rng.uniform(0.1, 0.6) * noise) if _coin(rng, 0.4) else 0.0,
         position_step=float(rng.choice([0.0, 1e-6, 2e-6, 5e-6])),
-        velocity_noise=None if chance(rng, 0.25) else _digits(_log_uniform(rng, 1e-4, 1e-3)),
-        low_pass=_digits(rng.uniform(100.0, 200.0)) if chance(rng, 0.25) else 0.0,
-        jitter=_digits(rng.uniform(1e-5, 5e-5)) if chance(rng, 0.5) else 0.0,
-        joint_phase=round(float(rng.uniform(0.0, 1.0)), 3) if chance(rng, 0.25) else 0.0,
-        dropped=0.003 if chance(rng, 0.2) else 0.0,
+        velocity_noise=None if _coin(rng, 0.25) else _round(_log_uniform(rng, 1e-4, 1e-3)),
+        low_pass=_round(rng.uniform(100.0, 200.0)) if _coin(rng, 0.25) else 0.0,
+        jitter=_round(rng.uniform(1e-5, 5e-5)) if _coin(rng, 0.5) else 0.0,
+        joint_phase=round(float(rng.uniform(0.0, 1.0)), 3) if _coin(rng, 0.25) else 0.0,
+        dropped=0.003 if _coin(rng, 0.2) else 0.0,
     )
 
 
-def draw_nominal(wall: WallParameters, rng: Generator, exactly: float) -> WallParameters:
+def draw_nominal_wall(wall: WallParameters, rng: Generator, exact: float) -> WallParameters:
     """
-    Draw what the model file says of the wall: K_e off by up to 25 %, B_e by up to 60 %.
+    Draw the wall of the nominal model: K_e off by up to 25 %, B_e by up to 60 %.
 
     Parameters
     ----------
     wall : WallParameters
-        What a spring-damper in the wall's place would have.
+        Spring-damper equivalent of the true wall.
     rng : numpy.random.Generator
-        Source of chance.
-    exactly : float
-        Chance that the model file is right.
+        Random generator.
+    exact : float
+        Probability that the nominal model equals `wall`.
 
     Returns
     -------
     nominal : WallParameters
-        For the model file.
+        Wall of the model file.
 
     """
-    if chance(rng, exactly):
+    if _coin(rng, exact):
         return wall
-    off_K, off_B = rng.uniform(-0.25, 0.25), rng.uniform(-0.6, 0.6)
+    error_K, error_B = rng.uniform(-0.25, 0.25), rng.uniform(-0.6, 0.6)
     return WallParameters(
-        stiffness=_digits(wall.stiffness * (1.0 + off_K)),
-        damping=_digits(wall.damping * (1.0 + off_B)), location=wall.location)
+        stiffness=_round(wall.stiffness * (1.0 + error_K)),
+        damping=_round(wall.damping * (1.0 + error_B)), location=wall.location)
 
 
-def chance(rng: Generator, probability: float) -> bool:
-    """
-    Throw a loaded coin.
-
-    Parameters
-    ----------
-    rng : numpy.random.Generator
-        Source of chance.
-    probability : float
-        Of True.
-
-    Returns
-    -------
-    outcome : bool
-        True or False.
-
-    """
+def _coin(rng: Generator, probability: float) -> bool:
     return bool(rng.uniform() < probability)
 
 
@@ -209,5 +192,5 @@ def _log_uniform(rng: Generator, low: float, high: float) -> float:
     return float(np.exp(rng.uniform(np.log(low), np.log(high))))
 
 
-def _digits(value: float) -> float:
+def _round(value: float) -> float:
     return float(f'{value:.6g}')

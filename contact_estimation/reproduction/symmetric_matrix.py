@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Symmetric matrices of three rows, in plain numbers."""
+"""Symmetric 3 x 3 matrices in plain scalars."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ Symmetric = tuple[float, float, float, float, float, float]
 
 def solve(matrix: Symmetric, right: Triple) -> Triple:
     """
-    Solve a symmetric positive definite system of three.
+    Solve a symmetric positive definite 3 x 3 system by Cramer's rule.
 
     Parameters
     ----------
@@ -36,7 +36,7 @@ def solve(matrix: Symmetric, right: Triple) -> Triple:
     Returns
     -------
     solution : tuple of float
-        By Cramer's rule.
+        Solution vector.
 
     """
     m11, m12, m13, m22, m23, m33 = matrix
@@ -53,19 +53,19 @@ def solve(matrix: Symmetric, right: Triple) -> Triple:
 
 def times(matrix: Symmetric, vector: Triple) -> Triple:
     """
-    Multiply a symmetric matrix with a vector.
+    Multiply a symmetric matrix by a vector.
 
     Parameters
     ----------
     matrix : tuple of float
         Upper triangle.
     vector : tuple of float
-        Of length three.
+        Vector of length three.
 
     Returns
     -------
     product : tuple of float
-        Of length three.
+        Vector of length three.
 
     """
     m11, m12, m13, m22, m23, m33 = matrix

@@ -12,15 +12,21 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Figures printed in Erickson, Weber and Sharf (2003), sections 4 and 5, zeros restored."""
+"""Values of Erickson, Weber and Sharf (2003), sections 4 and 5; omitted zeros restored."""
 
 from __future__ import annotations
 
 from typing import NamedTuple
 
+K_E, B_E = 4800.0, 200.0
+"""True stiffness [N/m] and damping [N s/m] of the wall."""
+
+NOISE_VARIANCE = 1.0 / 3.0
+"""Variance of the uniform force noise of +-1 N [N^2]."""
+
 
 class PaperError(NamedTuple):
-    """|Error| at the last instant of contact [%]; an upper bound where the paper gives one."""
+    """Printed |error| at the last instant of contact [%]; in places an upper bound."""
 
     stiffness: float
     damping: float
@@ -40,4 +46,4 @@ PAPER: dict[tuple[str, str], PaperError] = {
     ('testbed_none', 'indirect_adaptive'): PaperError(8.9, 60.0),
     ('testbed_none', 'rls'): PaperError(19.2, 85.0),
 }
-"""By case and estimator."""
+"""Printed errors by case and estimator."""

@@ -12,14 +12,14 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The real impedance of the arm, identified from a step in free flight."""
+"""Identification of the arm's actual impedance from a step in free flight."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from .testbed_acquisition import RawAcquisition
-from .testbed_running import ArmRecording, record_testbed
+from .testbed_runs import ArmRecording, record_testbed
+from .testbed_sensors import RawAcquisition
 from ..estimators.offline_estimator import TargetImpedance
 from ..estimators.signal_processing_refined import SignalProcessingRefined
 from ..reference.setpoints import Reference
@@ -27,10 +27,10 @@ from ..signals.contact_recording import ContactRecording
 
 FREE_STEP = 0.015
 """
-Step of x_r in free flight [m]: the tip is then as fast as after the step in contact, 0.1 m/s.
+Step of x_r in free flight [m]; the tip reaches 0.1 m/s, as after the step in contact.
 
-Dry friction of the joints acts as damping that depends on the speed, so that the speeds must be
-alike for the identified B_t to hold in contact.
+Dry friction of the joints acts as damping that depends on the speed, so that the identified B_t
+holds in contact only at similar speeds.
 """
 
 _START, _STEP_AT_S, _RUN_S = -0.10, 0.5, 4.5
@@ -39,27 +39,27 @@ _UNIT = TargetImpedance(1.0, 0.0, 0.0)
 
 def identify_arm(target: TargetImpedance, seed: int) -> TargetImpedance:
     """
-    Move the tip by a step in free flight and fit its decay.
+    Identify the impedance from the decay after a step in free flight.
 
-    The step gives w_n and zeta of M xdd + B xd + K (x - x_r) = 0. The scale comes from K_t: at
-    rest neither inertia nor damping acts, so it is what the controller says.
+    The step gives w_n and zeta of M xdd + B xd + K (x - x_r) = 0. The scale follows from
+    K_t, which the controller realises exactly: at rest neither inertia nor damping acts.
 
     Parameters
     ----------
     target : TargetImpedance
-        What the controller aims at.
+        Impedance commanded to the controller.
     seed : int
-        Of the sensors.
+        Seed of the sensors.
 
     Returns
     -------
     impedance : TargetImpedance
-        What the arm has.
+        Actual impedance of the arm.
 
     """
     recording = _free_step(target, seed)
     contact = recording.contact
-    # The tip in place of the force, [mm]: with M = 1, B = K = 0 eqs. (17) and (18) give
+    # The tip position replaces the force, in mm: with M = 1, B = K = 0 eqs. (17) and (18) give
     # w_n^2 and 2 zeta w_n.
     moved = ContactRecording(
         contact.stamp_ns, contact.position, contact.velocity,
