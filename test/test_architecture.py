@@ -25,10 +25,10 @@ import pytest
 
 ROOT = Path(contact_estimation.__file__).parent
 LAYERS = [
-    'exceptions', 'optional_packages', 'parameters', 'messages', 'recordings', 'signals',
-    'physics', 'reference', 'estimators', 'estimation', 'plant',
+    'exceptions', 'optional_packages', 'figure_style', 'parameters', 'messages', 'recordings',
+    'signals', 'physics', 'reference', 'estimators', 'estimation', 'plant',
     'reproduction', 'diagnosis.observe', 'diagnosis.fit', 'diagnosis.conclude',
-    'diagnosis.report', 'diagnosis', 'blind_trials', 'ros', 'commands', 'benchmarks',
+    'diagnosis.report', 'diagnosis', 'blind_trials', 'ros', 'loop', 'commands', 'benchmarks',
     'several_points',
 ]
 

@@ -38,7 +38,8 @@ from contact_estimation.diagnosis.conclude.finding import Diagnosis
 from contact_estimation.diagnosis.diagnosis import diagnose
 from contact_estimation.diagnosis.observe.case import Recording
 from contact_estimation.diagnosis.observe.model import names_of
-from contact_estimation.diagnosis.report.report import as_dict, as_text
+from contact_estimation.diagnosis.report.json_report import as_dict
+from contact_estimation.diagnosis.report.text_report import as_text
 from contact_estimation.physics import EFFECTS
 import numpy as np
 import pytest
@@ -252,7 +253,7 @@ def test_recording_that_is_explained_worst_is_the_one_that_is_located() -> None:
     found = diagnose([smooth, rough], [], nominal())
     assert found.shown == as_dict(found)['located_in'] == 'rough'
     assert found.location is not None
-    assert 'Times are those of rough' in as_text(found)
+    assert 'All times are those of rough' in as_text(found)
     np.testing.assert_array_equal(found.ports[0].observed.t, found.ports[1].observed.t)
     assert found.ports[0].force_residual(found.recalibrated).std() > (
         found.ports[1].force_residual(found.recalibrated).std())

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The model file, as the commands read it."""
+"""Model files as command-line arguments."""
 
 from __future__ import annotations
 
@@ -27,19 +27,19 @@ from ..ros.plant_node_parameters import PlantNodeParameters
 
 def read_model(path: str, seed: int | None = None) -> PlantParameters:
     """
-    Read a model.
+    Read a model file.
 
     Parameters
     ----------
     path : str
-        A parameter file with a section plant_node.
+        Parameter file with a section plant_node.
     seed : int, optional
-        Of all noise; that of the file by default.
+        Of all noise; the file's by default.
 
     Returns
     -------
     model : PlantParameters
-        What the file leaves out has its default.
+        Parameters missing in the file have their defaults.
 
     Raises
     ------
