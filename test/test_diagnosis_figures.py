@@ -47,7 +47,7 @@ def line(axis: Any, label: str) -> Any:
 
 @EVERY
 def test_held_out_spans_are_the_samples_excluded_from_fitting(name: str) -> None:
-    recording = diagnosed(name).ports[0]
+    recording = diagnosed(name).recordings[0]
     ((first, last),) = plot_data(diagnosed(name)).held_out_s
     inside = (recording.observed.t >= first) & (recording.observed.t <= last)
     assert not recording.use[inside].any()
@@ -79,7 +79,7 @@ def test_position_is_plotted_in_millimetres() -> None:
     whole, _ = plot_comparison(data, data.position).axes
     assert whole.get_ylabel() == 'position, free run [mm]'
     assert np.max(line(whole, 'recorded').get_ydata()) == pytest.approx(
-        1e3 * np.max(diagnosed('friction').ports[0].observed.raw_position), rel=1e-3)
+        1e3 * np.max(diagnosed('friction').recordings[0].observed.raw_position), rel=1e-3)
 
 
 def test_residuals_show_both_models_noise_and_held_out_part() -> None:

@@ -33,8 +33,8 @@ from ..loop.processes import LoopProcesses
 from ..loop.recorded_run import read_run
 from ..loop.summary import summarise
 from ..loop.summary_figure import plot_run
-from ..messages.typestore import jazzy_typestore
 from ..optional_packages import require_matplotlib
+from ..recordings.definitions import jazzy_typestore
 from ..reference.experiments import EXPERIMENTS
 
 _EQ20_NOTE = ' (eq. 20 alone reaches about half; see reference_law series or force tracking)'

@@ -28,7 +28,6 @@ from numpy.typing import NDArray
 from ..exceptions import RecordingError
 from ..messages import (
     JointStateDecoder,
-    RosbagsCodec,
     TrajectoryDecoder,
     Vector3StampedDecoder,
     WrenchDecoder,
@@ -125,10 +124,9 @@ def read_run(recording: Path, plant_summary: Path) -> RecordedRun:
 
 def _decoders(reader: RecordingReader) -> dict[str, Decode]:
     """Return for each recorded topic the function that decodes stamp and values."""
-    codec = RosbagsCodec()
-    wrench, joints = WrenchDecoder(codec), JointStateDecoder(codec)
-    setpoints, references = TrajectoryDecoder(codec), TrajectoryDecoder(codec)
-    vector = Vector3StampedDecoder(codec)
+    wrench, joints = WrenchDecoder(), JointStateDecoder()
+    setpoints, references = TrajectoryDecoder(), TrajectoryDecoder()
+    vector = Vector3StampedDecoder()
 
     def of_wrench(raw: bytes) -> tuple[int, dict[str, float]]:
         message = wrench.decode(raw)

@@ -21,7 +21,7 @@ from typing import Any
 
 import yaml
 
-from ..conclude.finding import Diagnosis
+from ..conclude.result import Diagnosis
 from ..fit.free_run import plant_of
 from ...parameters.values import flatten
 from ...plant.plant_parameters import PlantParameters

@@ -27,7 +27,7 @@ import numpy as np
 from .plot_data import Comparison, PlotData, Residuals
 from .wording import quantity
 from ..conclude.dependence import Dependence
-from ..conclude.finding import Diagnosis
+from ..conclude.result import Diagnosis
 from ...figure_style import BLUE, figure_style, GREY, INK, MUTED, new_figure, OCHRE, ORANGE
 
 COLOURS = {'nominal': GREY, 'recalibrated': ORANGE, 'corrected': BLUE}

@@ -19,7 +19,7 @@ from __future__ import annotations
 from math import isfinite
 from typing import Any
 
-from ..conclude.finding import Diagnosis, Errors, NamedEffect, Value
+from ..conclude.result import Diagnosis, Errors, NamedEffect, Value
 from ..observe.model import Model
 
 
@@ -56,12 +56,12 @@ def as_dict(diagnosis: Diagnosis, experiment_file: str | None = None) -> dict[st
             'holdouts': [{'name': part.name, **_errors(part.force, part.motion)}
                          for part in d.holdouts],
             'force_between_samples': d.between_samples,
-            'left_over_noise': d.left,
+            'left_over_noise': d.residual_power,
             'left_predictable': d.predictable,
         },
         'evidence': d.evidence,
         'dependence': {
-            name: [{'port': one.port, 'on': one.on, 'share': one.share, 'chance': one.chance}
+            name: [{'port': one.channel, 'on': one.on, 'share': one.share, 'chance': one.chance}
                    for one in found]
             for name, found in d.dependences.items()
         },

@@ -22,9 +22,10 @@ from typing import Mapping, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..conclude.finding import Diagnosis
+from ..conclude.result import Diagnosis
 from ..observe.model import Model
-from ..observe.ports import Ports
+from ..observe.prepared_recording import PreparedRecording
+from ..observe.residuals import force_residual, motion_residual
 from ..observe.usable_samples import usable
 
 Array = NDArray[np.float64]
@@ -152,16 +153,16 @@ def plot_data(diagnosis: Diagnosis) -> PlotData:
         Of the recording that the recalibrated model explains worst.
 
     """
-    recording, pair = diagnosis.ports[0], diagnosis.pair
+    recording, pair = diagnosis.recordings[0], diagnosis.pair
     names = tuple(dict.fromkeys(('nominal', *pair)))
     models: dict[str, Model] = {name: getattr(diagnosis, name) for name in names}
     o = recording.observed
-    force = {name: recording.force_residual(model) for name, model in models.items()}
+    force = {name: force_residual(recording, model) for name, model in models.items()}
     position = None
     if diagnosis.free_runs:
         runs = {name: 1e3 * diagnosis.free_runs[name] for name in names}
         position = Comparison('position, free run [mm]', 1e3 * o.raw_position, runs)
-    in_motion = diagnosis.located_port == 'motion'
+    in_motion = diagnosis.located_channel == 'motion'
     located = [] if diagnosis.location is None else diagnosis.location.intervals_s
     residuals = [
         *_force_residuals(recording, models, force, [] if in_motion else located),
@@ -179,7 +180,7 @@ def plot_data(diagnosis: Diagnosis) -> PlotData:
 
 
 def _force_residuals(
-    recording: Ports, models: Mapping[str, Model], force: Mapping[str, Array],
+    recording: PreparedRecording, models: Mapping[str, Model], force: Mapping[str, Array],
     located: list[Span],
 ) -> list[Residuals]:
     if recording.driven_by_force(models['nominal']):
@@ -190,10 +191,10 @@ def _force_residuals(
 
 
 def _motion_residuals(
-    recording: Ports, models: Mapping[str, Model], located: list[Span]
+    recording: PreparedRecording, models: Mapping[str, Model], located: list[Span]
 ) -> list[Residuals]:
     """Average the innovations: measured less one-step-ahead prediction of the motion."""
-    innovations = {name: recording.motion_residual(model) for name, model in models.items()}
+    innovations = {name: motion_residual(recording, model) for name, model in models.items()}
     means = {name: 1e6 * recording.blocks(e)
              for name, e in innovations.items() if e is not None}
     if len(means) < len(models):
@@ -202,7 +203,7 @@ def _motion_residuals(
     return [Residuals('motion residual [µm]', means, noise, located)]
 
 
-def _close_up(recording: Ports, residual: Array) -> slice:
+def _close_up(recording: PreparedRecording, residual: Array) -> slice:
     """Choose the stretch with the greatest residuals, short impacts clipped."""
     o = recording.observed
     swings = np.count_nonzero(np.diff(np.sign(o.x - np.median(o.x)))) / float(o.t[-1])  # [1/s]
@@ -216,7 +217,7 @@ def _close_up(recording: Ports, residual: Array) -> slice:
 
 
 def _plane(
-    recording: Ports, model: Model, residuals: Residuals, in_motion: bool
+    recording: PreparedRecording, model: Model, residuals: Residuals, in_motion: bool
 ) -> MotionPlane:
     o, law = recording.observed, model.laws().contact
     wall = model.nominal.environment.location
@@ -237,7 +238,7 @@ def _plane(
 
 def _held_out(diagnosis: Diagnosis) -> list[Span]:
     """Return the spans of the shown recording that were excluded from fitting."""
-    recording = diagnosis.ports[0]
+    recording = diagnosis.recordings[0]
     o = recording.observed
     held = usable(diagnosis.nominal, o) & ~recording.use
     spans: list[Span] = []

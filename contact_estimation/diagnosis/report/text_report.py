@@ -20,7 +20,7 @@ from __future__ import annotations
 from math import isfinite
 
 from .wording import headline, improvement, place_of, PORTS, significant, tested_dependences
-from ..conclude.finding import Diagnosis, Errors, NamedEffect, Value
+from ..conclude.result import Diagnosis, Errors, NamedEffect, Value
 
 _MODELS = ('nominal', 'recalibrated', 'corrected')
 _BETWEEN = {'smooth': 'smooth', 'held': 'held constant'}
@@ -122,11 +122,11 @@ def _location(d: Diagnosis) -> list[str]:
     lines = []
     if d.verdict == 'unexplained' or not d.effects:
         lines.append(f'Unexplained mismatch: {PORTS[d.location.port]}, {place_of(d.location)}')
-    if len(d.ports) > 1:
+    if len(d.recordings) > 1:
         lines.append(f'All times are those of {d.shown}, the recording explained worst.')
     tested = tested_dependences(d)
     if tested:
-        lines.append(f'Share of the {d.located_port} residuals explained by')
+        lines.append(f'Share of the {d.located_channel} residuals explained by')
         lines += [f'  {name + " model:":<20}{significant(found)}'
                   for name, found in tested.items()]
     if d.between_samples in _BETWEEN:

@@ -21,8 +21,8 @@ import inspect
 from typing import Sequence
 
 from ..conclude.dependence import Dependence
-from ..conclude.finding import Diagnosis
 from ..conclude.location import Location
+from ..conclude.result import Diagnosis
 from ...physics import EFFECTS
 
 PORTS = {'contact': 'in the contact', 'force_sensor': 'in the force sensor',
@@ -143,7 +143,7 @@ def tested_dependences(diagnosis: Diagnosis) -> dict[str, list[Dependence]]:
         By model, before and after; empty if the recording is too short to test.
 
     """
-    tested = {name: [one for one in found if one.port == diagnosis.located_port]
+    tested = {name: [one for one in found if one.channel == diagnosis.located_channel]
               for name, found in diagnosis.dependences.items()}
     return tested if all(tested.values()) else {}
 

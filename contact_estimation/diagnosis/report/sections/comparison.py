@@ -28,7 +28,7 @@ def prepare(inputs: Inputs) -> dict[str, Any]:
     d, data = inputs.diagnosis, inputs.plots
     return {
         'shown': d.shown,
-        'recordings': len(d.ports),
+        'recordings': len(d.recordings),
         'force': plot_comparison(data, data.force),
         'position': None if data.position is None else plot_comparison(data, data.position),
         'residuals': [(one.label, plot_residuals(data, one)) for one in data.residuals],

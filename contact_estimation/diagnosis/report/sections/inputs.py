@@ -20,7 +20,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from ..plot_data import PlotData
-from ...conclude.finding import Diagnosis
+from ...conclude.result import Diagnosis
 
 
 class Inputs(NamedTuple):

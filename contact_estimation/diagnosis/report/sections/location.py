@@ -31,8 +31,8 @@ def prepare(inputs: Inputs) -> dict[str, Any]:
     return {
         'location': d.location,
         'unexplained': d.verdict == 'unexplained',
-        'mean_square': d.left,
-        'channel': d.located_port,
+        'mean_square': d.residual_power,
+        'channel': d.located_channel,
         'significant': {name: significant(found) for name, found in tested.items()},
         'plane': plot_plane(inputs.plots),
         'dependences': plot_dependences(tested) if tested else None,
