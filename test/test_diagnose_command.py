@@ -231,7 +231,7 @@ def test_nominal_model_file_is_never_replaced(
     (tmp_path / 'link.yaml').symlink_to(model)
     for path in (model, tmp_path / 'link.yaml'):
         line = command.refusal(folder / 'clean.mcap', '--nominal', model, option, path)
-        assert 'it is the nominal model file' in line and 'name another file' in line
+        assert 'it is the nominal model file' in line and 'choose another file' in line
     assert model.read_bytes() == before
 
 
