@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The processes of the loop: started together, ended in order."""
+"""The processes of the loop: started together, stopped in order."""
 
 from __future__ import annotations
 
@@ -22,8 +22,7 @@ import signal
 import subprocess
 import sys
 import time
-
-from .progress import Progress
+from typing import Callable
 
 _POLL_S = 0.05
 _PATIENCE_S = 10.0
@@ -31,10 +30,10 @@ _PATIENCE_S = 10.0
 
 class LoopProcesses:
     """
-    Plant, estimator and recorder, each a process of its own.
+    Plant, estimator and recorder, each in its own process.
 
-    Each has a session of its own, so that Ctrl-C reaches only the loop, which then ends them in
-    the right order: the recorder last, when nothing comes any more.
+    Each process has its own session, so that Ctrl-C reaches only the loop, which then stops them
+    in order: the recorder last, when no more messages arrive.
 
     Parameters
     ----------
@@ -44,67 +43,64 @@ class LoopProcesses:
     """
 
     def __init__(self, parameters: Path) -> None:
-        arguments = {
-            'recorder_node': ['--params-file', str(parameters)],
-            'estimator_node': ['--params-file', str(parameters)],
-            'plant_node': ['--params-file', str(parameters)],
-        }
-        environment = {**os.environ, 'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST'}
+        # Their matrices are small: a second thread of the linear algebra would only wait.
+        environment = {'OMP_NUM_THREADS': '1', **os.environ,
+                       'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST'}
         self._processes = {
             name: subprocess.Popen(
-                [sys.executable, '-m', f'contact_estimation.ros.{name}', '--ros-args', *given],
+                [sys.executable, '-m', f'contact_estimation.ros.{name}', '--ros-args',
+                 '--params-file', str(parameters)],
                 env=environment, start_new_session=True, stdout=subprocess.DEVNULL,
             )
-            for name, given in arguments.items()
+            for name in ('recorder_node', 'estimator_node', 'plant_node')
         }
 
-    def run(self, duration: float) -> str:
+    def run(self, duration: float, report_progress: Callable[[float], None]) -> str:
         """
-        Wait until the plant has finished, then end the others.
+        Wait until the plant has finished, then stop the others.
 
         Parameters
         ----------
         duration : float
-            Expected time, for the progress [s].
+            Expected length of the run [s].
+        report_progress : callable
+            Called with the fraction done.
 
         Returns
         -------
         failure : str
-            What went wrong; '' where nothing did.
+            Description of what failed; '' on success.
 
         """
         signal.signal(signal.SIGTERM, signal.default_int_handler)
         try:
-            failure = self._wait(duration)
+            failure = self._wait(duration, report_progress)
         except KeyboardInterrupt:
-            failure = 'interrupted; the recording holds what was run until then'
+            failure = 'interrupted; the recording ends at the interruption'
         finally:
-            # Impatience must not orphan the nodes, which would answer the next run.
+            # A second Ctrl-C must not orphan the nodes, which would interfere with the next run.
             for number in (signal.SIGINT, signal.SIGTERM):
                 signal.signal(number, signal.SIG_IGN)
             stubborn = [name for name in ('plant_node', 'estimator_node', 'recorder_node')
                         if not self._end(name)]
         if stubborn and not failure:
-            failure = f'{", ".join(stubborn)} did not end by itself and was killed'
+            failure = f'{", ".join(stubborn)} did not stop when interrupted and was killed'
         return failure
 
-    def _wait(self, duration: float) -> str:
-        progress, begin = Progress('loop'), time.monotonic()
-        try:
-            while True:
-                for name, process in self._processes.items():
-                    code = process.poll()
-                    if name == 'plant_node' and code == 0:
-                        return ''
-                    if code is not None:
-                        return f'{name} ended with {_code_text(code)} before the experiment did'
-                time.sleep(_POLL_S)
-                progress.show(min((time.monotonic() - begin) / (duration + 2.0), 1.0))
-        finally:
-            progress.done()
+    def _wait(self, duration: float, report_progress: Callable[[float], None]) -> str:
+        begin = time.monotonic()
+        while True:
+            for name, process in self._processes.items():
+                code = process.poll()
+                if name == 'plant_node' and code == 0:
+                    return ''
+                if code is not None:
+                    return f'{name} ended with {_code_text(code)} before the experiment did'
+            time.sleep(_POLL_S)
+            report_progress(min((time.monotonic() - begin) / (duration + 2.0), 1.0))
 
     def _end(self, name: str) -> bool:
-        """Interrupt a process and wait; kill it where that does not help."""
+        """Interrupt a process and wait for its end; kill it if it does not stop."""
         process = self._processes[name]
         if process.poll() is None:
             process.send_signal(signal.SIGINT)

@@ -12,25 +12,30 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Numbers in HTML, with as many digits as their uncertainty leaves them."""
+
+"""Numbers in HTML, rounded to what their uncertainty justifies."""
 
 from __future__ import annotations
 
 from math import floor, isfinite, log10
 
+from markupsafe import Markup
 
-def with_std(value: float, std: float) -> str:
+DASH = Markup('&ndash;')
+
+
+def with_std(value: float, std: float) -> Markup:
     """
-    Write a value with its standard deviation, the latter with two digits.
+    Format a value with its standard deviation, the latter to two digits.
 
     Parameters
     ----------
     value, std : float
-        Any unit; a standard deviation that is not finite or 0 is left out.
+        Any unit; a standard deviation that is 0 or not finite is left out.
 
     Returns
     -------
-    html : str
+    html : Markup
         Such as '3.868 &plusmn; 0.053' or '(-7.202 &plusmn; 0.016) &times; 10<sup>6</sup>'.
 
     """
@@ -40,32 +45,34 @@ def with_std(value: float, std: float) -> str:
     value, std = value / 10.0**power, std / 10.0**power
     digits = max(0, 1 - floor(log10(std)))
     text = f'{value:.{digits}f} &plusmn; {std:.{digits}f}'
-    return f'({text}){_times(power)}' if power else text
+    return Markup(f'({text}){_times(power)}' if power else text)
 
 
-def plain(value: float) -> str:
+def plain(value: float | None, digits: int = 5) -> Markup:
     """
-    Write a value with five digits.
+    Format a value to a number of significant digits.
 
     Parameters
     ----------
-    value : float
+    value : float or None
         Any unit.
+    digits : int
+        Significant digits.
 
     Returns
     -------
-    html : str
-        '&ndash;' where it is not finite.
+    html : Markup
+        A dash for None and for a value that is not finite.
 
     """
-    if not isfinite(value):
-        return '&ndash;'
+    if value is None or not isfinite(value):
+        return DASH
     power = _power(abs(value))
-    return f'{value / 10.0**power:.5g}{_times(power)}'
+    return Markup(f'{value / 10.0**power:.{digits}g}{_times(power)}')
 
 
 def _power(size: float) -> int:
-    """Give the power of ten to be split off; 0 for what is read easily without."""
+    """Return the power of ten to split off; 0 for a number that is readable without."""
     if size == 0.0 or 1e-3 <= size < 1e5:
         return 0
     return floor(log10(size))

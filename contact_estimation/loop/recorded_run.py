@@ -12,7 +12,8 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What a run of the loop has recorded, as arrays."""
+
+"""The signals that a run of the loop recorded, as arrays."""
 
 from __future__ import annotations
 
@@ -34,22 +35,24 @@ from ..messages import (
 from ..recordings import RecordingReader
 
 Series = NDArray[np.float64]
+Decode = Callable[[bytes], tuple[int, dict[str, float]]]
 
 _ESTIMATES = ('stiffness', 'damping', 'stiffness_std', 'damping_std')
+_SIGNALS = ('position', 'desired', 'desired_force', 'reference', *_ESTIMATES)
 
 
 @dataclass(frozen=True)
-class LoopRun:
+class RecordedRun:
     """
     A run of the loop.
 
     Attributes
     ----------
-    series : dict
-        Name to array of shape (N, 2): time since the start [s] and value. Names are force,
-        position, desired, desired_force, reference and those of the estimates.
+    series : dict of str to ndarray, shape (N, 2)
+        Time since the start [s] and value of force, position, desired, desired_force, reference
+        and the estimates.
     plant : dict
-        What the plant has written at its end.
+        The plant node's own summary; empty after a crash.
 
     """
 
@@ -58,19 +61,19 @@ class LoopRun:
 
     def last_before(self, name: str, t: float) -> float:
         """
-        Take the last value of a series up to an instant.
+        Return the last value of a series up to an instant.
 
         Parameters
         ----------
         name : str
-            Of the series.
+            Key of `series`.
         t : float
             Time since the start [s].
 
         Returns
         -------
         value : float
-            NaN where there is none.
+            NaN if there is none.
 
         """
         series = self.series[name]
@@ -78,26 +81,26 @@ class LoopRun:
         return float(series[index, 1]) if index >= 0 else float('nan')
 
 
-def read_run(recording: Path, plant_summary: Path) -> LoopRun:
+def read_run(recording: Path, plant_summary: Path) -> RecordedRun:
     """
-    Read what a run has left.
+    Read a run.
 
     Parameters
     ----------
     recording : Path
         The recording.
     plant_summary : Path
-        What the plant has written; it may be missing after a crash.
+        JSON file that the plant node writes at its end; may be missing.
 
     Returns
     -------
-    run : LoopRun
-        All series.
+    run : RecordedRun
+        All series; empty ones for topics that were not recorded.
 
     Raises
     ------
     RecordingError
-        If nothing was recorded.
+        If the recording has no wrench.
 
     """
     reader = RecordingReader(recording)
@@ -108,54 +111,50 @@ def read_run(recording: Path, plant_summary: Path) -> LoopRun:
         for name, value in values.items():
             rows.setdefault(name, []).append((stamp_ns, value))
     if 'force' not in rows:
-        raise RecordingError(f'{recording} holds no wrench; did the plant start?')
+        raise RecordingError(f'{recording} has no wrench; expected messages on /wrench, check '
+                             'that the plant node started')
     plant = json.loads(plant_summary.read_text()) if plant_summary.exists() else {}
-    begin = plant.get('begin_stamp_ns') or rows['force'][0][0]
-    series = {name: _array(pairs, begin) for name, pairs in rows.items()}
-    for name in ('position', 'desired', 'desired_force', 'reference', *_ESTIMATES):
-        series.setdefault(name, np.empty((0, 2)))
-    return LoopRun(series, plant)
+    begin_ns = plant.get('begin_stamp_ns') or rows['force'][0][0]
+    series = {
+        name: np.array([((stamp - begin_ns) * 1e-9, value) for stamp, value in pairs])
+        for name, pairs in rows.items()
+    }
+    return RecordedRun({**{name: np.empty((0, 2)) for name in _SIGNALS}, **series}, plant)
 
 
-def _array(pairs: list[tuple[int, float]], begin_ns: int) -> Series:
-    return np.array([((stamp - begin_ns) * 1e-9, value) for stamp, value in pairs])
-
-
-def _decoders(
-    reader: RecordingReader,
-) -> dict[str, Callable[[bytes], tuple[int, dict[str, float]]]]:
-    """Say for each recorded topic what a message of it gives."""
+def _decoders(reader: RecordingReader) -> dict[str, Decode]:
+    """Return for each recorded topic the function that decodes stamp and values."""
     wrench, joints = WrenchDecoder(), JointStateDecoder()
-    wishes, references = TrajectoryDecoder(), TrajectoryDecoder()
+    setpoints, references = TrajectoryDecoder(), TrajectoryDecoder()
     vector = Vector3StampedDecoder()
 
     def of_wrench(raw: bytes) -> tuple[int, dict[str, float]]:
-        reading = wrench.decode(raw)
-        return reading.stamp_ns, {'force': reading.force_x}
+        message = wrench.decode(raw)
+        return message.stamp_ns, {'force': message.force_x}
 
     def of_joints(raw: bytes) -> tuple[int, dict[str, float]]:
-        reading = joints.decode(raw)
-        return reading.stamp_ns, {'position': reading.position}
+        message = joints.decode(raw)
+        return message.stamp_ns, {'position': message.position}
 
-    def of_wish(raw: bytes) -> tuple[int, dict[str, float]]:
-        reading = wishes.decode(raw)
-        return reading.stamp_ns, {'desired': reading.position, 'desired_force': reading.effort}
+    def of_setpoint(raw: bytes) -> tuple[int, dict[str, float]]:
+        message = setpoints.decode(raw)
+        return message.stamp_ns, {'desired': message.position, 'desired_force': message.effort}
 
     def of_reference(raw: bytes) -> tuple[int, dict[str, float]]:
-        reading = references.decode(raw)
-        return reading.stamp_ns, {'reference': reading.position}
+        message = references.decode(raw)
+        return message.stamp_ns, {'reference': message.position}
 
-    def of_vector(name: str) -> Callable[[bytes], tuple[int, dict[str, float]]]:
+    def of_vector(name: str) -> Decode:
         def decode(raw: bytes) -> tuple[int, dict[str, float]]:
             stamp_ns, x, _, _ = vector.decode(raw)
             return stamp_ns, {name: x}
 
         return decode
 
-    wanted = {
-        '/wrench': of_wrench, '/joint_states': of_joints, '/desired_trajectory': of_wish,
+    decoders: dict[str, Decode] = {
+        '/wrench': of_wrench, '/joint_states': of_joints, '/desired_trajectory': of_setpoint,
         '/reference_trajectory': of_reference,
         **{f'/estimator_node/{name}': of_vector(name) for name in _ESTIMATES},
     }
-    there = reader.topics()
-    return {topic: decode for topic, decode in wanted.items() if topic in there}
+    recorded = reader.topics()
+    return {topic: decode for topic, decode in decoders.items() if topic in recorded}
