@@ -25,7 +25,7 @@ import pytest
 
 ROOT = Path(contact_estimation.__file__).parent
 LAYERS = [
-    'exceptions', 'optional_packages', 'figure_style', 'parameters', 'messages', 'recordings',
+    'exceptions', 'figures', 'parameters', 'messages', 'recordings',
     'signals', 'physics', 'reference', 'estimators', 'estimation', 'plant',
     'reproduction', 'diagnosis.observe', 'diagnosis.fit', 'diagnosis.conclude',
     'diagnosis.report', 'diagnosis', 'blind_trials', 'ros', 'loop', 'api', 'commands',
