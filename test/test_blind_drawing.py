@@ -20,15 +20,22 @@ from dataclasses import replace
 
 from blind_setups import made_up_run, ROBOT, SETUP, short_trial, WALL
 from contact_estimation.blind_trials.concealment import acting, conceal, degree, residual
-from contact_estimation.blind_trials.drawing import draw_trial, LEAST, MOST, plan_effects, port_of
+from contact_estimation.blind_trials.drawing import (
+    draw_trial,
+    LEAST,
+    MOST,
+    plan_effects,
+    port_of,
+    wall_alike,
+)
 from contact_estimation.blind_trials.experiments import draw_experiment, Faded, Stage
 from contact_estimation.blind_trials.sensing import NOTED_HZ, record
 from contact_estimation.blind_trials.setups import draw_nominal, draw_setup, Sensing, Setup
 from contact_estimation.blind_trials.simulation import Run, simulate
-from contact_estimation.blind_trials.strengths import draw_strength, wall_alike
 from contact_estimation.blind_trials.unknown import UNKNOWN
 from contact_estimation.physics import EFFECTS
-from contact_estimation.physics.physics import Scales
+from contact_estimation.physics.contact_effect import ContactEffect
+from contact_estimation.physics.scales import Scales
 from contact_estimation.reference.excitation import Sine
 import numpy as np
 import pytest
@@ -61,7 +68,7 @@ def test_a_plan_has_every_effect_once_before_any_comes_twice() -> None:
 
 @pytest.mark.parametrize('name', EFFECTS)
 def test_a_stronger_effect_departs_further_and_none_is_neutral(name: str) -> None:
-    strength = draw_strength(name, SCALES, np.random.default_rng(1))
+    strength = EFFECTS[name].draw(SCALES, np.random.default_rng(1))
     neutral = EFFECTS[name].neutral
 
     def departure(s: float) -> float:
@@ -75,13 +82,20 @@ def test_a_stronger_effect_departs_further_and_none_is_neutral(name: str) -> Non
     assert cls(cls.Parameters(**strength(0.3))).plausible(cls.Parameters(**strength(0.3)))
 
 
-def test_an_effect_new_to_the_library_is_drawn_from_its_own_start(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setitem(EFFECTS, 'new', EFFECTS['viscoelastic_relaxation'])
-    K_1, tau = EFFECTS['new'].starts(SCALES)[0]
-    values = draw_strength('new', SCALES, np.random.default_rng(0))(0.5)
-    assert values == {'K_1': 15.0 * K_1, 'tau': tau}
+class Plain(ContactEffect):
+    """An effect that does not say how it is drawn."""
+
+    Parameters = EFFECTS['viscoelastic_relaxation'].Parameters
+
+    @classmethod
+    def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
+        """Two starts."""
+        return [(40.0, 0.01), (40.0, 0.03)]
+
+
+def test_an_effect_without_its_own_draw_grows_from_its_first_start() -> None:
+    values = Plain.draw(SCALES, np.random.default_rng(0))(0.5)
+    assert values == {'K_1': 0.5 * 30.0 * 40.0, 'tau': 0.01}
 
 
 def test_the_nominal_wall_is_off_by_what_the_study_allows() -> None:

@@ -19,8 +19,9 @@ from __future__ import annotations
 from typing import Any
 
 from contact_estimation.physics import EFFECTS
+from contact_estimation.physics.contact_effect import ContactEffect
 from contact_estimation.physics.contact_law import ContactLaw
-from contact_estimation.physics.physics import ContactEffect, ForceSensorEffect
+from contact_estimation.physics.force_sensor_effect import ForceSensorEffect
 from contact_estimation.physics.robot_law import RobotLaw
 from effect_examples import example, example_values
 from effect_formulas import Array, FORMULAS, SENSED

@@ -17,7 +17,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import partial
 from math import exp, log
 from typing import Iterable
 
@@ -27,9 +26,9 @@ from numpy.random import Generator
 from .concealment import conceal, Concealed, degree, NEAR
 from .setups import draw_nominal, draw_setup, Setup
 from .simulation import Run, scales_of, simulate
-from .strengths import draw_strength, Strength, Values, wall_alike
 from .unknown import UNKNOWN
 from ..physics import EFFECTS
+from ..physics.random_strength import Strength, Values
 from ..plant.plant_parameters import WallParameters
 
 LEAST, MOST = 1.3, 4.0
@@ -107,7 +106,7 @@ def draw_trial(effect: str, rng: Generator) -> Trial:
             continue
         if not effect:
             return Trial(setup, '', {}, draw_nominal(setup.wall, rng, exactly=0.4), wanted)
-        draw = UNKNOWN[effect].draw if effect in UNKNOWN else partial(draw_strength, effect)
+        draw = UNKNOWN[effect].draw if effect in UNKNOWN else EFFECTS[effect].draw
         strength = draw(scales_of(setup, without), rng)
         found = _conceal(effect, strength, setup, without, wanted)
         plain += found.plain
@@ -192,6 +191,33 @@ def plan_effects(count: int, seed: int, names: Iterable[str] = EFFECTS) -> list[
         rng = np.random.default_rng([seed, len(effects)])
         effects += rng.permutation(list(names)).tolist()
     return effects[:count]
+
+
+def wall_alike(effect: str, values: Values, setup: Setup) -> WallParameters:
+    """
+    Return the spring-damper that a model without the effect would contain.
+
+    Parameters
+    ----------
+    effect : str
+        Key of EFFECTS or of UNKNOWN, or ''.
+    values : mapping
+        Parameters of the effect.
+    setup : Setup
+        The world without the effect.
+
+    Returns
+    -------
+    wall : WallParameters
+        That of the setup, with the damping equivalent to an effect that replaces B_e.
+
+    """
+    wall = setup.wall
+    damping = wall.damping
+    if effect in EFFECTS:
+        damping = EFFECTS[effect].equivalent_damping(values, damping, setup.depth)
+    return WallParameters(
+        stiffness=wall.stiffness, damping=float(f'{damping:.6g}'), location=wall.location)
 
 
 def is_exact(trial: Trial) -> bool:

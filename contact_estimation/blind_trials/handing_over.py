@@ -33,7 +33,7 @@ from .simulation import Run, simulate
 from .unknown import made, UNKNOWN
 from ..messages import JointStateEncoder, RosbagsCodec, TrajectoryEncoder, WrenchEncoder
 from ..physics import EFFECTS
-from ..physics.physics import RobotEffect
+from ..physics.robot_effect import RobotEffect
 from ..recordings import RecordingWriter
 
 _EPOCH_NS = 1_760_000_000_000_000_000

@@ -22,10 +22,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .setups import Setup
-from .strengths import Values
 from .unknown import made, UNKNOWN
 from ..parameters.values import build, flatten
-from ..physics.physics import Scales
+from ..physics.random_strength import Values
+from ..physics.scales import Scales
 from ..plant.plant_parameters import PlantParameters
 from ..plant.world import World
 

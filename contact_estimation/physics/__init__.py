@@ -28,6 +28,7 @@ from .contact_offset import ContactOffset
 from .coulomb_friction import CoulombFriction
 from .cubic_stiffness import CubicStiffness
 from .dead_zone import DeadZone
+from .effect import Effect
 from .environment_inertia import EnvironmentInertia
 from .force_bias import ForceBias
 from .force_delay import ForceDelay
@@ -37,7 +38,6 @@ from .force_saturation import ForceSaturation
 from .hunt_crossley_damping import HuntCrossleyDamping
 from .impedance_mismatch import ImpedanceMismatch
 from .moving_environment import MovingEnvironment
-from .physics import Effect
 from .plastic_set import PlasticSet
 from .power_law_stiffness import PowerLawStiffness
 from .quadratic_damping import QuadraticDamping

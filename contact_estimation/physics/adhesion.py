@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""A wall that sticks to the tool and holds it back."""
+"""Adhesion between wall and tool."""
 
 from __future__ import annotations
 
@@ -22,7 +22,9 @@ from typing import Any
 
 import numpy as np
 
-from .physics import Array, ContactEffect, Flags, Number, Scales
+from .contact_effect import ContactEffect
+from .numeric import Array, Flags, Number
+from .scales import Scales
 from ..parameters.specification import parameter, ParameterGroup
 
 NECK = 1.5e-3
@@ -33,7 +35,7 @@ NECK = 1.5e-3
 class AdhesionParameters(ParameterGroup):
     """Parameters of `Adhesion`."""
 
-    F_a: float = parameter(nan, 'Greatest pull of the wall', 'N', minimum=0.0, nan_is_off=True)
+    F_a: float = parameter(nan, 'Largest pull of the wall', 'N', minimum=0.0, nan_is_off=True)
 
 
 class Adhesion(ContactEffect):
@@ -41,6 +43,8 @@ class Adhesion(ContactEffect):
 
     name = 'adhesion'
     equation = 'F_e <= F_a in contact; F_e = F_a (1 + d / 1.5 mm) on leaving'
+    family = 'adhesion'
+    description = 'The wall sticks to the tool and pulls it back on withdrawal.'
     Parameters = AdhesionParameters
     needs_touch = True
 
@@ -51,7 +55,7 @@ class Adhesion(ContactEffect):
         self.pull = values.F_a
 
     def tail(self, d: Number, v: Number, state: Any, m: Any) -> Number:
-        """Give the pull of the neck; see `ContactEffect.tail`."""
+        """Return the pull of the neck; see `ContactEffect.tail`."""
         holds = (state[0] > 0.5) * (v < 0.0) * (d > -NECK)
         return holds * self.values.F_a * (1.0 + d / NECK)
 
@@ -72,3 +76,8 @@ class Adhesion(ContactEffect):
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """Start from the greatest pull in the recording."""
         return [(max(scales.greatest_pull, 0.02 * scales.force),)]
+
+    @classmethod
+    def largest(cls, scales: Scales) -> float:
+        """Return 0.7 times the largest force."""
+        return 0.7 * scales.force

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Play between the tool and what touches the wall."""
+"""Backlash between tool and wall."""
 
 from __future__ import annotations
 
@@ -23,7 +23,9 @@ from typing import Any
 
 import numpy as np
 
-from .physics import Array, ContactEffect, Flags, Number, positive, Scales
+from .contact_effect import ContactEffect
+from .numeric import Array, Flags, Number, positive
+from .scales import Scales
 from ..parameters.specification import parameter, ParameterGroup
 
 POSITION_DOUBT = 1e-5
@@ -42,6 +44,8 @@ class Backlash(ContactEffect):
 
     name = 'backlash'
     equation = "F_e of (y, y'), y = play(x, gap)"
+    family = 'clearance'
+    description = 'Play between the tool and the part that touches the wall.'
     Parameters = BacklashParameters
     lets_go = True
     needs_touch = True
@@ -84,3 +88,8 @@ class Backlash(ContactEffect):
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """Spread the play."""
         return [(share * scales.depth,) for share in (0.0003, 0.003, 0.03, 0.15)]
+
+    @classmethod
+    def largest(cls, scales: Scales) -> float:
+        """Return half the largest depth."""
+        return 0.5 * scales.depth

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""A wall that presses harder going in than coming out, however slowly (Bouc 1967, Wen 1976)."""
+"""Bouc-Wen hysteresis of the wall (Bouc 1967, Wen 1976)."""
 
 from __future__ import annotations
 
@@ -22,9 +22,13 @@ from math import expm1, log1p, nan
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.random import Generator
 from numpy.typing import NDArray
 
-from .physics import Array, ContactEffect, Flags, Number, Scales, stretches
+from .contact_effect import ContactEffect
+from .numeric import Array, Flags, Number, stretches
+from .random_strength import log_uniform, Strength
+from .scales import Scales
 from ..parameters.specification import parameter, ParameterGroup
 
 _LARGEST = 50.0  # exponent; only a search far off the truth comes there
@@ -100,7 +104,7 @@ def _path(depths: bytes, rates: bytes, before: float, h: float) -> _Path:
 def _branch(
     beta: float, gamma: float, depths: bytes, rates: bytes, before: float, h: float
 ) -> Array:
-    """Give z at each sample, from 0; searches ask many times for the same."""
+    """Return z at each sample, from 0; searches ask many times for the same."""
     path, z = _path(depths, rates, before, h), 0.0
     begins: list[float] = []
     zeros: list[float] = []  # where on its leg z changes its sign
@@ -127,7 +131,7 @@ def _branch(
 def _propagate(
     beta: float, gamma: float | Array, gone: Array, way: Array
 ) -> tuple[Array, Array]:
-    """Give a and b of z -> a z + b over what is gone of a way, gamma with the sign of z."""
+    """Return a and b of z -> a z + b over what is gone of a way, gamma with the sign of z."""
     c = beta * np.where(way > 0.0, 1.0, -1.0) + gamma
     x = np.clip(c * gone, -_LARGEST, None)
     little = np.abs(x) < _LITTLE
@@ -135,12 +139,12 @@ def _propagate(
 
 
 def _to_zero(c: float, z: float) -> float:
-    """Give the way on which z comes to 0."""
+    """Return the way on which z comes to 0."""
     return log1p(max(-c * z, -_NEARLY_ONE)) / c if c else -z
 
 
 def _from_zero(c: float, gone: float) -> float:
-    """Give z that far from 0, where `_propagate` would take many times as long."""
+    """Return z that far from 0, where `_propagate` would take many times as long."""
     return gone if abs(c * gone) < _LITTLE else -expm1(min(-c * gone, _LARGEST)) / c
 
 
@@ -149,18 +153,20 @@ class BoucWenHysteresis(ContactEffect):
 
     name = 'bouc_wen_hysteresis'
     equation = "F_e -= alpha z, z' = v - beta |v| z - gamma v |z|"
+    family = 'hysteresis'
+    description = 'Hysteresis: the force differs between loading and unloading at any speed.'
     Parameters = BoucWenHysteresisParameters
 
     states = 1
 
     def resistance(self, t: Number, d: Number, v: Number, state: Any, m: Any) -> Number:
-        """Give alpha z; see `ContactEffect.resistance`."""
+        """Return alpha z; see `ContactEffect.resistance`."""
         return self.values.alpha * state[0]
 
     def state_rates(
         self, t: float, d: float, v: float, contact: bool, state: tuple[float, ...]
     ) -> tuple[float, ...]:
-        """Give z'; see `ContactEffect.state_rates`."""
+        """Return z'; see `ContactEffect.state_rates`."""
         if not contact:
             return (0.0,)
         z, p = state[0], self.values
@@ -198,3 +204,10 @@ class BoucWenHysteresis(ContactEffect):
         """Spread beta; alpha is large enough for beta and gamma to matter."""
         yields = (0.7, 2.0, 6.0, 20.0)
         return [(0.3 * scales.stiffness, share / scales.depth, 0.0) for share in yields]
+
+    @classmethod
+    def draw(cls, scales: Scales, rng: Generator) -> Strength:
+        """Draw beta and gamma."""
+        beta = log_uniform(rng, 0.8, 8.0) / scales.depth
+        gamma = float(rng.uniform(-0.4, 0.4)) * beta
+        return lambda s: {'alpha': 1.5 * s * scales.stiffness, 'beta': beta, 'gamma': gamma}

@@ -32,7 +32,8 @@ from math import nan
 from typing import Any, Callable, NamedTuple, Sequence
 
 from .contact_law import ContactLaw
-from .physics import Effect, ForceSensorEffect
+from .effect import Effect
+from .force_sensor_effect import ForceSensorEffect
 
 _STEPS = 4  # of integration of internal states, a sample
 _NEAR = 1e-7  # for the slope of phi_K [m]

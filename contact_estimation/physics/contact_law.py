@@ -22,7 +22,9 @@ from typing import Any, NamedTuple, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from .physics import Array, ContactEffect, Effect
+from .contact_effect import ContactEffect
+from .effect import Effect
+from .numeric import Array
 
 State = tuple[float, ...]
 _HOOKS = ('surface', 'transmit', 'deflection', 'spring', 'damper', 'resistance')

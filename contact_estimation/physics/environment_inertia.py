@@ -12,14 +12,15 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Mass of the wall that moves with the contact point."""
+"""Inertia of the wall."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from math import nan
 
-from .physics import ContactEffect, Scales
+from .contact_effect import ContactEffect
+from .scales import Scales
 from ..parameters.specification import parameter, ParameterGroup
 
 
@@ -38,7 +39,10 @@ class EnvironmentInertia(ContactEffect):
 
     name = 'environment_inertia'
     equation = 'F_e -= M_e a'
+    family = 'inertia'
+    description = 'Part of the wall moves with the tool, and its inertia adds to the force.'
     Parameters = EnvironmentInertiaParameters
+    base_parameter = 'inertia'
 
     def __init__(self, values: EnvironmentInertiaParameters) -> None:
         super().__init__(values)
@@ -48,3 +52,8 @@ class EnvironmentInertia(ContactEffect):
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """One start: the law is linear in M_e."""
         return [(0.02,)]
+
+    @classmethod
+    def largest(cls, scales: Scales) -> float:
+        """Return the target mass of the robot."""
+        return scales.mass

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""A force sensor whose samples come late."""
+"""Delay of the force signal."""
 
 from __future__ import annotations
 
@@ -22,7 +22,9 @@ from math import nan
 
 import numpy as np
 
-from .physics import Array, ForceSensorEffect, Scales
+from .force_sensor_effect import ForceSensorEffect
+from .numeric import Array
+from .scales import Scales
 from ..parameters.specification import parameter, ParameterGroup
 
 
@@ -31,7 +33,7 @@ class ForceDelayParameters(ParameterGroup):
     """Parameters of `ForceDelay`."""
 
     delay: float = parameter(
-        nan, 'Time by which the force is late', 's',
+        nan, 'Delay of the force', 's',
         minimum=0.0, nan_is_off=True,
     )
 
@@ -41,6 +43,8 @@ class ForceDelay(ForceSensorEffect):
 
     name = 'force_delay'
     equation = 'F_measured(t) = F_e(t - delay)'
+    family = 'timing'
+    description = 'The force signal is delayed relative to the motion.'
     Parameters = ForceDelayParameters
 
     memory = True
@@ -64,11 +68,16 @@ class ForceDelay(ForceSensorEffect):
         """Look back, straight between the samples; see `ForceSensorEffect.sense_along`."""
         return np.interp(t - self.values.delay, t, force)
 
-    def undo_along(self, t: Array, reading: Array) -> Array:
+    def undo_along(self, t: Array, measured: Array) -> Array:
         """Look ahead, straight between the samples; see `ForceSensorEffect.undo_along`."""
-        return np.interp(t + self.values.delay, t, reading)
+        return np.interp(t + self.values.delay, t, measured)
 
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """Spread the delay."""
         return [(0.001,), (0.004,), (0.012,), (0.03,)]
+
+    @classmethod
+    def largest(cls, scales: Scales) -> float:
+        """Return 0.1 s."""
+        return 0.1

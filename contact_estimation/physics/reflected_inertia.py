@@ -12,14 +12,15 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Inertia of rotors and gears that the feed-forward does not know."""
+"""Inertia of rotors and gears."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from math import nan
 
-from .physics import RobotEffect, Scales
+from .robot_effect import RobotEffect
+from .scales import Scales
 from ..parameters.specification import parameter, ParameterGroup
 
 
@@ -28,7 +29,7 @@ class ReflectedInertiaParameters(ParameterGroup):
     """Parameters of `ReflectedInertia`."""
 
     M_r: float = parameter(
-        nan, 'Inertia that the feed-forward does not know', 'kg',
+        nan, 'Inertia that the feed-forward does not compensate', 'kg',
         minimum=0.0, nan_is_off=True,
     )
 
@@ -38,6 +39,8 @@ class ReflectedInertia(RobotEffect):
 
     name = 'reflected_inertia'
     equation = "(M_t + M_r) x'' = u + F_e"
+    family = 'inertia'
+    description = 'Inertia of rotors and gears that the feed-forward does not compensate.'
     Parameters = ReflectedInertiaParameters
 
     def __init__(self, values: ReflectedInertiaParameters) -> None:
@@ -48,3 +51,8 @@ class ReflectedInertia(RobotEffect):
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """One start: nearly linear."""
         return [(0.002 * scales.mass,)]
+
+    @classmethod
+    def largest(cls, scales: Scales) -> float:
+        """Return the target mass of the robot."""
+        return scales.mass

@@ -19,7 +19,8 @@ from __future__ import annotations
 import math
 from typing import Any, Sequence
 
-from .physics import Effect, RobotEffect
+from .effect import Effect
+from .robot_effect import RobotEffect
 
 
 class RobotLaw:

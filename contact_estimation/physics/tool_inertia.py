@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Mass between the force sensor and the contact."""
+"""Inertia of the tool beyond the force sensor."""
 
 from __future__ import annotations
 
@@ -21,7 +21,9 @@ from math import nan
 
 import numpy as np
 
-from .physics import Array, ForceSensorEffect, Scales
+from .force_sensor_effect import ForceSensorEffect
+from .numeric import Array
+from .scales import Scales
 from ..parameters.specification import parameter, ParameterGroup
 
 
@@ -30,7 +32,7 @@ class ToolInertiaParameters(ParameterGroup):
     """Parameters of `ToolInertia`."""
 
     mass: float = parameter(
-        nan, 'Mass of the tool beyond the sensor', 'kg',
+        nan, 'Mass between sensor and contact', 'kg',
         minimum=0.0, nan_is_off=True,
     )
 
@@ -40,6 +42,8 @@ class ToolInertia(ForceSensorEffect):
 
     name = 'tool_inertia'
     equation = 'F_measured = F_e - mass a'
+    family = 'inertia'
+    description = 'The force sensor also measures the inertia of the tool mounted on it.'
     Parameters = ToolInertiaParameters
     needs_touch = True  # beside a wall that never lets go it is M_e
 
@@ -59,3 +63,8 @@ class ToolInertia(ForceSensorEffect):
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """One start: the law is linear in mass."""
         return [(0.02,)]
+
+    @classmethod
+    def largest(cls, scales: Scales) -> float:
+        """Return the target mass of the robot."""
+        return scales.mass

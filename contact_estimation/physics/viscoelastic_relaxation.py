@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""A wall that goes on yielding: a Maxwell branch beside spring and damper."""
+"""Viscoelastic relaxation of the wall: a Maxwell branch beside spring and damper."""
 
 from __future__ import annotations
 
@@ -21,9 +21,13 @@ from math import exp, nan
 from typing import Any
 
 import numpy as np
+from numpy.random import Generator
 from scipy.signal import lfilter
 
-from .physics import Array, ContactEffect, Flags, Number, Scales, stretches
+from .contact_effect import ContactEffect
+from .numeric import Array, Flags, Number, stretches
+from .random_strength import log_uniform, Strength
+from .scales import Scales
 from ..parameters.specification import parameter, ParameterGroup
 
 
@@ -31,8 +35,11 @@ from ..parameters.specification import parameter, ParameterGroup
 class ViscoelasticRelaxationParameters(ParameterGroup):
     """Parameters of `ViscoelasticRelaxation`."""
 
-    K_1: float = parameter(nan, 'Stiffness that relaxes', 'N/m', minimum=0.0, nan_is_off=True)
-    tau: float = parameter(nan, 'Time in which it relaxes', 's', minimum=0.0001, nan_is_off=True)
+    K_1: float = parameter(
+        nan, 'Stiffness of the relaxing branch', 'N/m',
+        minimum=0.0, nan_is_off=True,
+    )
+    tau: float = parameter(nan, 'Relaxation time constant', 's', minimum=0.0001, nan_is_off=True)
 
 
 class ViscoelasticRelaxation(ContactEffect):
@@ -40,18 +47,20 @@ class ViscoelasticRelaxation(ContactEffect):
 
     name = 'viscoelastic_relaxation'
     equation = "F_e -= s, s' = K_1 v - s / tau"
+    family = 'relaxation'
+    description = 'The force relaxes while the depth is held (Maxwell branch).'
     Parameters = ViscoelasticRelaxationParameters
 
     states = 1
 
     def resistance(self, t: Number, d: Number, v: Number, state: Any, m: Any) -> Number:
-        """Give s; see `ContactEffect.resistance`."""
+        """Return s; see `ContactEffect.resistance`."""
         return state[0]
 
     def state_rates(
         self, t: float, d: float, v: float, contact: bool, state: tuple[float, ...]
     ) -> tuple[float, ...]:
-        """Give s'; see `ContactEffect.state_rates`."""
+        """Return s'; see `ContactEffect.state_rates`."""
         driven = self.values.K_1 * v if contact else 0.0
         return (driven - state[0] / self.values.tau,)
 
@@ -85,3 +94,9 @@ class ViscoelasticRelaxation(ContactEffect):
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """Spread tau; the law is linear in K_1."""
         return [(0.01 * scales.stiffness, tau) for tau in (0.01, 0.03, 0.1, 0.3, 1.0)]
+
+    @classmethod
+    def draw(cls, scales: Scales, rng: Generator) -> Strength:
+        """Draw tau."""
+        tau = log_uniform(rng, 0.03, 0.6)
+        return lambda s: {'K_1': 2.0 * s * scales.stiffness, 'tau': tau}

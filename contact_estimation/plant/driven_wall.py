@@ -26,7 +26,8 @@ from .plant_parameters import PlantParameters
 from ..exceptions import ParameterRangeError, SignalShapeError
 from ..physics import effects_that_are_on
 from ..physics.contact_law import ContactLaw
-from ..physics.physics import Effect, ForceSensorEffect
+from ..physics.effect import Effect
+from ..physics.force_sensor_effect import ForceSensorEffect
 
 Array = NDArray[np.float64]
 State = tuple[float, ...]  # x, v, then the effects' internal states

@@ -25,7 +25,7 @@ from .plant_parameters import PlantParameters
 from .sampled_reference import reference_through
 from .sensors import Sensors
 from .world import ReferenceAt, Truth, World
-from ..physics.physics import Effect
+from ..physics.effect import Effect
 from ..signals.contact_recording import ContactRecording
 from ..signals.contact_sample import ContactSample
 

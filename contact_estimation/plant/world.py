@@ -24,7 +24,8 @@ from typing import Any, Callable, NamedTuple, Sequence
 from .plant_parameters import PlantParameters
 from ..physics import effects_that_are_on
 from ..physics.contact_law import ContactLaw
-from ..physics.physics import Effect, ForceSensorEffect
+from ..physics.effect import Effect
+from ..physics.force_sensor_effect import ForceSensorEffect
 from ..physics.robot_law import RobotLaw
 
 State = tuple[float, ...]  # x, v, then the effects' internal states

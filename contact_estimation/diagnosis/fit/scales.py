@@ -23,7 +23,7 @@ import numpy as np
 from .fitting import Fit
 from ..observe.observed import Observed
 from ..observe.ports import Ports
-from ...physics.physics import Scales
+from ...physics.scales import Scales
 
 _PEAKS, _HIGHEST_HZ = 3, 20.0
 

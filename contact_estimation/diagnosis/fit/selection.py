@@ -30,7 +30,7 @@ from .scales import measure_scales
 from ..observe.model import Model
 from ..observe.ports import Ports
 from ...physics import EFFECTS
-from ...physics.physics import RobotEffect
+from ...physics.robot_effect import RobotEffect
 
 THRESHOLD = 0.1
 """Least gain of an effect, as a share of the number of residuals: calibrated false alarms."""
@@ -133,7 +133,7 @@ def candidates_for(model: Model, with_robot: bool) -> list[str]:
             continue
         if not wall.unilateral and cls.needs_touch:
             continue
-        if name == 'environment_inertia' and model.with_inertia:
+        if cls.base_parameter == 'inertia' and model.with_inertia:
             continue
         names.append(name)
     return names

@@ -18,7 +18,6 @@ from __future__ import annotations
 
 from base64 import b64encode
 from html import escape
-import inspect
 from typing import Iterable, Sequence
 
 from .page_style import STYLE
@@ -186,11 +185,10 @@ def meaning(name: str) -> str:
     Returns
     -------
     meaning : str
-        The first line of its file.
+        Its description.
 
     """
-    module = inspect.getmodule(EFFECTS[name])
-    return inspect.cleandoc((module and module.__doc__) or '').split('\n')[0]
+    return EFFECTS[name].description
 
 
 def _picture(name: str, data: bytes) -> str:
