@@ -62,10 +62,21 @@ class ParameterSpecification:
     nan_is_off: bool = False
 
     @property
-    def expectation(self) -> str:
-        """Say in words which values are valid."""
+    def range(self) -> str:
+        """Valid values without type and unit; empty where the type says everything."""
         if self.choices:
             return 'one of ' + ', '.join(self.choices)
+        if self.minimum is not None and self.maximum is not None:
+            return f'{self.minimum:g} to {self.maximum:g}'
+        if self.minimum is not None:
+            return f'at least {self.minimum:g}'
+        return '' if self.maximum is None else f'at most {self.maximum:g}'
+
+    @property
+    def expectation(self) -> str:
+        """Valid values as error messages state them."""
+        if self.choices:
+            return self.range
         kind = {bool: 'true or false', int: 'an integer', float: 'a number', str: 'a text'}[
             type(self.default)
         ]
@@ -165,14 +176,16 @@ def parameter(
     return dataclasses.field(default=default, metadata=facts)
 
 
-def group(cls: type[ParameterGroup]) -> Any:
+def group(cls: type[ParameterGroup], description: str = '') -> Any:
     """
     Declare a nested group of parameters as a dataclass field.
 
     Parameters
     ----------
     cls : type of ParameterGroup
-        The group's class; its defaults are the field's default.
+        Class of the group; its defaults are the default of the field.
+    description : str
+        What the group is for, where its name does not say so.
 
     Returns
     -------
@@ -180,7 +193,8 @@ def group(cls: type[ParameterGroup]) -> Any:
         To be assigned in the body of a `ParameterGroup`.
 
     """
-    return dataclasses.field(default_factory=cls, metadata={'group': cls})
+    return dataclasses.field(
+        default_factory=cls, metadata={'group': cls, 'description': description})
 
 
 @dataclasses.dataclass(frozen=True)

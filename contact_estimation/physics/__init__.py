@@ -79,25 +79,26 @@ EFFECTS: dict[str, type[Effect]] = {
     'command_delay': CommandDelay,
     'actuator_saturation': ActuatorSaturation,
 }
-"""Of the contact, of the force sensor in the order of its chain, of the robot."""
+"""Contact, then force sensor in the order of its signal chain, then robot."""
 
 PhysicsParameters: type[ParameterGroup] = make_dataclass(
     'PhysicsParameters',
-    [(name, effect.Parameters, group(effect.Parameters)) for name, effect in EFFECTS.items()],
+    [(name, effect.Parameters, group(effect.Parameters, effect.description))
+     for name, effect in EFFECTS.items()],
     bases=(ParameterGroup,),
     frozen=True,
 )
-PhysicsParameters.__doc__ = 'Extra physics by name; all off by default.'
+PhysicsParameters.__doc__ = 'Effects by name; all off by default.'
 
 
 def effects_that_are_on(physics: ParameterGroup) -> list[Effect]:
     """
-    Make the effects whose parameters are given.
+    Return the effects whose parameters are given.
 
     Parameters
     ----------
     physics : PhysicsParameters
-        Values; NaN means off.
+        Parameters of all effects; NaN means off.
 
     Returns
     -------
