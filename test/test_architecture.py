@@ -26,10 +26,9 @@ import pytest
 ROOT = Path(contact_estimation.__file__).parent
 LAYERS = [
     'exceptions', 'optional_packages', 'parameters', 'messages', 'recordings', 'signals',
-    'physics', 'reference', 'estimators', 'estimation', 'plant',
+    'physics', 'reference', 'estimators', 'estimation', 'plant', 'several_points',
     'reproduction', 'diagnosis.observe', 'diagnosis.fit', 'diagnosis.conclude',
     'diagnosis.report', 'diagnosis', 'blind_trials', 'ros', 'commands', 'benchmarks',
-    'several_points',
 ]
 
 

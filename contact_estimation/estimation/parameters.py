@@ -63,8 +63,8 @@ class EstimationParameters(ParameterGroup):
         read_only=True,
     )
     further_axes: FurtherAxesParameters = group(
-        FurtherAxesParameters, 'Axes estimated beside the contact axis, each independently; all other '
-        'parameters are shared')
+        FurtherAxesParameters, 'Axes estimated beside the contact axis, each independently; '
+        'all other parameters are shared')
     environment: EnvironmentParameters = group(EnvironmentParameters)
     conditioning: ConditioningParameters = group(ConditioningParameters)
     contact: ContactParameters = group(ContactParameters)

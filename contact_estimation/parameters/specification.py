@@ -62,7 +62,7 @@ class ParameterSpecification:
     nan_is_off: bool = False
 
     @property
-    def range(self) -> str:
+    def valid_range(self) -> str:
         """Valid values without type and unit; empty where the type says everything."""
         if self.choices:
             return 'one of ' + ', '.join(self.choices)
@@ -76,7 +76,7 @@ class ParameterSpecification:
     def expectation(self) -> str:
         """Valid values as error messages state them."""
         if self.choices:
-            return self.range
+            return self.valid_range
         kind = {bool: 'true or false', int: 'an integer', float: 'a number', str: 'a text'}[
             type(self.default)
         ]

@@ -70,7 +70,7 @@ def _group_lines(values: ParameterGroup, indent: str) -> Iterator[str]:
 def _explanation(spec: ParameterSpecification) -> str:
     unit = f' [{spec.unit}]' if spec.unit not in ('', '1') else ''
     fixed = 'fixed at start' if spec.read_only else ''
-    return '; '.join(part for part in (spec.description + unit, spec.range, fixed) if part)
+    return '; '.join(part for part in (spec.description + unit, spec.valid_range, fixed) if part)
 
 
 def _comment(text: str, indent: str) -> list[str]:
