@@ -21,11 +21,11 @@ from math import isnan
 
 from .plant_parameters import PlantParameters
 from .sensors import Sensors
-from .world import ReferenceAt, Truth, World
+from .world import Truth, World
 from ..estimation.session import ContactSession, Result
 from ..exceptions import ParameterRangeError
 from ..reference.experiment import Experiment
-from ..reference.setpoints import Reference
+from ..reference.setpoints import Reference, ReferenceAt
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ def extrapolate(since: float, reference: Reference) -> ReferenceAt:
     Returns
     -------
     reference_at : callable
-        Time [s] to (x_r, its rate, its acceleration, F_r).
+        From time [s] to the reference.
 
     """
     x, v, a, F_r = reference
@@ -90,10 +90,11 @@ def push(force: float) -> ReferenceAt:
     Returns
     -------
     reference_at : callable
-        Time [s] to (x_r, its rate, its acceleration, F_r): at rest but for the force.
+        From time [s] to a reference at rest with this force.
 
     """
-    return lambda t: (0.0, 0.0, 0.0, force)
+    reference = Reference(0.0, 0.0, 0.0, force)
+    return lambda t: reference
 
 
 def run_closed_loop(
@@ -135,7 +136,7 @@ def run_closed_loop(
     period_ns = round(1e9 * period)
     begin = experiment.desired(0.0)
     world, sensors = World(plant, begin.position), Sensors(plant)
-    reference = Reference(begin.position, 0.0, 0.0, 0.0)
+    reference = Reference(begin.position, 0.0, 0.0)
     run, pushed = ClosedLoopRun([], []), push(0.0)
     for k in range(round(duration * plant.sample_rate)):
         follow = pushed if bare else extrapolate(k * period, reference)

@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .plant_parameters import PlantParameters
+from .runge_kutta import combine, shift, State
 from ..exceptions import ParameterRangeError, SignalShapeError
 from ..physics import effects_that_are_on
 from ..physics.contact_law import ContactLaw
@@ -30,7 +31,6 @@ from ..physics.effect import Effect
 from ..physics.force_sensor_effect import ForceSensorEffect
 
 Array = NDArray[np.float64]
-State = tuple[float, ...]  # x, v, then the effects' internal states
 
 
 def run_driven_wall(
@@ -178,12 +178,10 @@ class DrivenWall:
     def _step(self, t: float, state: State, h: float, force: float, slope: float) -> State:
         half, middle = 0.5 * h, force + 0.5 * slope
         k1 = self._rates(t, state, force)
-        k2 = self._rates(t + half, _moved(state, half, k1), middle)
-        k3 = self._rates(t + half, _moved(state, half, k2), middle)
-        k4 = self._rates(t + h, _moved(state, h, k3), force + slope)
-        sixth = h / 6.0
-        x, v, *states = [s + sixth * (a + 2.0 * b + 2.0 * c + d)
-                         for s, a, b, c, d in zip(state, k1, k2, k3, k4)]
+        k2 = self._rates(t + half, shift(state, half, k1), middle)
+        k3 = self._rates(t + half, shift(state, half, k2), middle)
+        k4 = self._rates(t + h, shift(state, h, k3), force + slope)
+        x, v, *states = combine(state, h, k1, k2, k3, k4)
         if not states:
             return x, v
         return (x, v, *self._law.settle(t + h, x, v, tuple(states)))
@@ -197,7 +195,3 @@ class DrivenWall:
     def _acceleration(self, t: float, state: State, force: float) -> float:
         resistance = self._law.resistance(t, state[0], state[1], state[2:], math)
         return float(-force - resistance) / self._mass
-
-
-def _moved(state: State, h: float, rates: State) -> State:
-    return tuple([s + h * rate for s, rate in zip(state, rates)])

@@ -24,8 +24,9 @@ from numpy.typing import NDArray
 from .plant_parameters import PlantParameters
 from .sampled_reference import reference_through
 from .sensors import Sensors
-from .world import ReferenceAt, Truth, World
+from .world import Truth, World
 from ..physics.effect import Effect
+from ..reference.setpoints import ReferenceAt
 from ..signals.contact_recording import ContactRecording
 from ..signals.contact_sample import ContactSample
 
@@ -44,7 +45,7 @@ def run_open_loop(
     plant : PlantParameters
         The world.
     reference : callable
-        Time [s] to (x_r, its rate, its acceleration, F_r).
+        From time [s] to the reference.
     start : float
         Where the robot rests at t = 0 [m].
     duration : float
@@ -114,7 +115,7 @@ def simulate_at(
     t : ndarray, shape (N,)
         Times to look at [s], growing from 0 on.
     reference : callable
-        Time [s] to (x_r, its rate, its acceleration, F_r).
+        From time [s] to the reference.
 
     Returns
     -------

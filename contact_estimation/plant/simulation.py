@@ -29,6 +29,7 @@ from .sampled_reference import reference_through
 from .sensors import Sensors
 from .world import Truth
 from ..reference.experiment import Experiment
+from ..reference.setpoints import Reference
 
 Array = NDArray[np.float64]
 Stamps = NDArray[np.int64]
@@ -108,7 +109,7 @@ def simulate_experiment(model: PlantParameters, experiment: Experiment) -> Simul
     count = round(experiment.duration * model.sample_rate) + 1
     stamp_ns = np.round(1e9 / model.sample_rate * np.arange(count)).astype(np.int64)
     wanted = [experiment.desired(t) for t in (stamp_ns * 1e-9).tolist()]
-    reference = np.array([(*desired[:3], 0.0) for desired in wanted]).T
+    reference = np.array([Reference(*desired[:3]) for desired in wanted]).T
     start = wanted[0].position, wanted[0].velocity
     return simulate_command(model, stamp_ns, stamp_ns, reference, start)
 

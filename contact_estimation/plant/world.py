@@ -19,17 +19,17 @@ from __future__ import annotations
 from enum import Enum
 import math
 from math import ceil
-from typing import Any, Callable, NamedTuple, Sequence
+from typing import Any, NamedTuple, Sequence
 
 from .plant_parameters import PlantParameters
+from .runge_kutta import combine, shift, State
 from ..physics import effects_that_are_on
 from ..physics.contact_law import ContactLaw
 from ..physics.effect import Effect
 from ..physics.force_sensor_effect import ForceSensorEffect
 from ..physics.robot_law import RobotLaw
+from ..reference.setpoints import ReferenceAt
 
-State = tuple[float, ...]  # x, v, then the effects' internal states
-ReferenceAt = Callable[[float], tuple[float, float, float, float]]
 _BISECTIONS = 30
 _MOST_SWITCHES = 4.0
 _CREDIT_A_STEP = 0.1  # a backlash at rest against its end switches for ever, at every step
@@ -151,7 +151,7 @@ class World:
         duration : float
             Time to integrate over [s].
         reference : callable
-            Time [s] to (x_r, its rate, its acceleration, F_r).
+            From time [s] to the reference.
 
         """
         self._reference = reference
@@ -249,12 +249,10 @@ class World:
         half, mode = 0.5 * h, now.mode
         x, v, *_ = state
         k1: State = (v, now.acceleration, *self._law.rates(t, x, v, state[2:]))
-        k2 = self._rates(t + half, _moved(state, half, k1), mode)
-        k3 = self._rates(t + half, _moved(state, half, k2), mode)
-        k4 = self._rates(t + h, _moved(state, h, k3), mode)
-        sixth = h / 6.0
-        x, v, *states = [s + sixth * (a + 2.0 * b + 2.0 * c + d)
-                         for s, a, b, c, d in zip(state, k1, k2, k3, k4)]
+        k2 = self._rates(t + half, shift(state, half, k1), mode)
+        k3 = self._rates(t + half, shift(state, half, k2), mode)
+        k4 = self._rates(t + h, shift(state, h, k3), mode)
+        x, v, *states = combine(state, h, k1, k2, k3, k4)
         return (x, v, *self._law.settle(t + h, x, v, tuple(states)))
 
     def _rates(self, t: float, state: State, mode: Mode) -> State:
@@ -294,7 +292,3 @@ class World:
             else:
                 high = middle
         return high
-
-
-def _moved(state: State, h: float, rates: State) -> State:
-    return tuple([s + h * rate for s, rate in zip(state, rates)])
