@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Optional packages, imported only where they are needed."""
+"""Import of optional packages."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from .exceptions import MissingPackageError
 
 def require_matplotlib() -> Any:
     """
-    Import matplotlib for files, without a screen.
+    Return matplotlib set up to write files without a display.
 
     Returns
     -------
@@ -33,13 +33,13 @@ def require_matplotlib() -> Any:
     Raises
     ------
     MissingPackageError
-        If it is not installed.
+        If matplotlib is not installed.
 
     """
     try:
         import matplotlib
     except ImportError as error:
-        raise MissingPackageError.of('matplotlib', 'drawing pictures') from error
+        raise MissingPackageError.of('matplotlib', 'plotting') from error
     matplotlib.use('Agg')
     from matplotlib import pyplot
 

@@ -28,7 +28,7 @@ from .scales import Scales
 from ..parameters.specification import parameter, ParameterGroup
 
 NECK = 1.5e-3
-"""Distance from the surface at which the wall lets go [m]."""
+"""Distance from the surface at which adhesion ends [m]."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ class Adhesion(ContactEffect):
         return (1.0,) if contact else (state[0] if d > -NECK else 0.0,)
 
     def states_along(self, t: Array, d: Array, v: Array, contact: Flags) -> Array:
-        """Tell at each sample what came last, contact or the end of the neck."""
+        """Return 1 where contact is more recent than the end of the neck, else 0."""
         index = np.arange(1, len(t) + 1)
         touched = np.maximum.accumulate(np.where(contact, index, 0))
         torn = np.maximum.accumulate(np.where(d <= -NECK, index, 0))

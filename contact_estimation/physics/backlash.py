@@ -28,8 +28,8 @@ from .numeric import Array, Flags, Number, positive
 from .scales import Scales
 from ..parameters.specification import parameter, ParameterGroup
 
-POSITION_DOUBT = 1e-5
-"""By how much a measured position may be off at the end of the play [m]."""
+POSITION_TOLERANCE = 1e-5
+"""Tolerance of measured positions at the end of the play [m]."""
 
 
 @dataclass(frozen=True)
@@ -50,22 +50,22 @@ class Backlash(ContactEffect):
     lets_go = True
     needs_touch = True
 
-    states = 1  # where the tool stands within the play, x - y
+    states = 1  # position of the tool within the play, x - y
 
     def transmit(self, d: Number, v: Number, state: Any, m: Any) -> tuple[Any, Any, Any]:
-        """Pass on what the play lets through; see `ContactEffect.transmit`."""
+        """Return the motion beyond the play; see `ContactEffect.transmit`."""
         half, place = 0.5 * self.values.gap, state[0]
-        # Within a step of integration the state runs on; the tool carries the wall along.
+        # Within an integration step the state may leave the play; the tool then moves the wall.
         beyond = positive(abs(place) - half, m)
         inside = place - beyond * (2.0 * (place > 0.0) - 1.0)
-        # Measured positions are off by their noise, and the play is not left by so little.
-        least = half * (1.0 - 1e-9) if m is math else half - POSITION_DOUBT
+        # Measured positions contain noise, which does not disengage the play.
+        least = half * (1.0 - 1e-9) if m is math else half - POSITION_TOLERANCE
         return d - inside, v, abs(place) >= least
 
     def state_rates(
         self, t: float, d: float, v: float, contact: bool, state: tuple[float, ...]
     ) -> tuple[float, ...]:
-        """Move within the play with the tool; `settle` stops at its ends."""
+        """Return the velocity of the tool; `settle` stops at the ends of the play."""
         return (v,)
 
     def settle(
@@ -76,7 +76,7 @@ class Backlash(ContactEffect):
         return (min(half, max(-half, state[0])),)
 
     def states_along(self, t: Array, d: Array, v: Array, contact: Flags) -> Array:
-        """Run the play operator over the measured positions."""
+        """Apply the play operator to the measured positions."""
         half, place = 0.5 * self.values.gap, 0.0
         places = [0.0]
         for step in np.diff(d).tolist():

@@ -57,7 +57,7 @@ class BilinearStiffness(ContactEffect):
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """Spread the depth; the law is linear in K_2."""
         shares = (0.2, 0.35, 0.5, 0.65, 0.8, 0.92)
-        # From far below K_2 a first step would go anywhere in depth, whose effect grows with K_2.
+        # Starts with a small K_2 leave the depth undetermined in the first step.
         return [(0.3 * scales.stiffness, share * scales.depth) for share in shares]
 
     @classmethod

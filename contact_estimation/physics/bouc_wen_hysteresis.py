@@ -104,7 +104,7 @@ def _path(depths: bytes, rates: bytes, before: float, h: float) -> _Path:
 def _branch(
     beta: float, gamma: float, depths: bytes, rates: bytes, before: float, h: float
 ) -> Array:
-    """Return z at each sample, from 0; searches ask many times for the same."""
+    """Return z at each sample, from 0; cached, because searches repeat arguments."""
     path, z = _path(depths, rates, before, h), 0.0
     begins: list[float] = []
     zeros: list[float] = []  # where on its leg z changes its sign
@@ -175,7 +175,7 @@ class BoucWenHysteresis(ContactEffect):
     def settle(
         self, d: float, v: float, contact: bool, state: tuple[float, ...]
     ) -> tuple[float, ...]:
-        """Forget the branch out of contact."""
+        """Reset the branch out of contact."""
         return state if contact else (0.0,)
 
     def states_along(self, t: Array, d: Array, v: Array, contact: Flags) -> Array:
@@ -187,16 +187,16 @@ class BoucWenHysteresis(ContactEffect):
                 continue
             inside, rate = d[first:stop], v[first:stop]
             before = float(inside[0])
-            if first:  # touch-down falls between two samples: since then the tool has gone d
+            if first:  # touch-down lies between two samples: since then the tool has moved by d
                 before = max(0.0, before - abs(float(rate[0])) * h)
-            # Only where it turns does a path matter, and it turns beyond the samples.
+            # Only the reversals of a path matter, and they lie between the samples.
             states[first:stop] = _branch(
                 beta, gamma, inside.tobytes(), rate.tobytes(), before, h)
         return states[None, :]
 
     @classmethod
     def plausible(cls, values: Any) -> bool:
-        """Tell whether the branch yields, however differently in loading and unloading."""
+        """Return whether the branch yields."""
         return bool(values.beta > 0.0)
 
     @classmethod

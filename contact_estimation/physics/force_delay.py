@@ -54,7 +54,7 @@ class ForceDelay(ForceSensorEffect):
         self._past: deque[tuple[float, float]] = deque()
 
     def sense(self, t: float, dt: float, force: float, acceleration: float) -> float:
-        """Look back, straight between the samples; see `ForceSensorEffect.sense`."""
+        """Interpolate past samples linearly; see `ForceSensorEffect.sense`."""
         past, then = self._past, t - self.values.delay
         past.append((t, force))
         while len(past) > 1 and past[1][0] <= then:
@@ -65,11 +65,11 @@ class ForceDelay(ForceSensorEffect):
         return f_0 + (f_1 - f_0) * (then - t_0) / (t_1 - t_0)
 
     def sense_along(self, t: Array, force: Array, acceleration: Array) -> Array:
-        """Look back, straight between the samples; see `ForceSensorEffect.sense_along`."""
+        """Interpolate past samples linearly; see `ForceSensorEffect.sense_along`."""
         return np.interp(t - self.values.delay, t, force)
 
     def undo_along(self, t: Array, measured: Array) -> Array:
-        """Look ahead, straight between the samples; see `ForceSensorEffect.undo_along`."""
+        """Interpolate future samples linearly; see `ForceSensorEffect.undo_along`."""
         return np.interp(t + self.values.delay, t, measured)
 
     @classmethod

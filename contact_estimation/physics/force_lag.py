@@ -55,14 +55,14 @@ class ForceLag(ForceSensorEffect):
         self._last = 0.0
 
     def sense(self, t: float, dt: float, force: float, acceleration: float) -> float:
-        """Filter with F straight between the samples; see `ForceSensorEffect.sense`."""
+        """Filter F, interpolated linearly; see `ForceSensorEffect.sense`."""
         decay, begin, end = self._weights(dt)
         y = force if self._y is None else decay * self._y + begin * self._last + end * force
         self._y, self._last = y, force
         return y
 
     def sense_along(self, t: Array, force: Array, acceleration: Array) -> Array:
-        """Filter with F straight between the samples; see `ForceSensorEffect.sense_along`."""
+        """Filter F, interpolated linearly; see `ForceSensorEffect.sense_along`."""
         decay, begin, end = self._weights(float(t[1] - t[0]))
         push = np.concatenate(([force[0]], begin * force[:-1] + end * force[1:]))
         return np.asarray(lfilter([1.0], [1.0, -decay], push))

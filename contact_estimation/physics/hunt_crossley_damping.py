@@ -27,7 +27,7 @@ from .scales import Scales
 from ..parameters.specification import parameter, ParameterGroup
 
 LARGEST_DAMPING = 300.0
-"""At half the depth [N s/m]."""
+"""Largest plausible damping at half the depth [N s/m]."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ class HuntCrossleyDamping(ContactEffect):
 
     @classmethod
     def largest(cls, scales: Scales) -> float:
-        """Return chi that damps like 300 N s/m at half the depth."""
+        """Return chi that corresponds to LARGEST_DAMPING at half the depth."""
         return 2.0 * LARGEST_DAMPING / scales.depth
 
     @classmethod

@@ -58,7 +58,7 @@ class MovingEnvironment(ContactEffect):
     Parameters = MovingEnvironmentParameters
 
     def surface(self, t: Number, state: Any, m: Any) -> tuple[Any, Any]:
-        """Return the swing; see `ContactEffect.surface`."""
+        """Return the oscillation; see `ContactEffect.surface`."""
         p = self.values
         omega = 2.0 * pi * p.frequency
         angle = omega * t + p.phase
@@ -66,7 +66,7 @@ class MovingEnvironment(ContactEffect):
 
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
-        """Take the peaks of the residual's spectrum: the error is a comb in the frequency."""
+        """Start at the peaks of the residual spectrum: the cost has many minima in frequency."""
         found = scales.peaks()
         return [(abs(peak) / scales.stiffness, frequency, float(np.angle(1j * peak)))
                 for frequency, peak in found]

@@ -59,7 +59,7 @@ class PlasticSet(ContactEffect):
     def settle(
         self, d: float, v: float, contact: bool, state: tuple[float, ...]
     ) -> tuple[float, ...]:
-        """Remember the greatest d; it counts from the untouched surface."""
+        """Store the largest d, counted from the untouched surface."""
         return (max(state[0], d),)
 
     def states_along(self, t: Array, d: Array, v: Array, contact: Flags) -> Array:

@@ -65,7 +65,7 @@ class StribeckFriction(ContactEffect):
 
     @classmethod
     def plausible(cls, values: Any) -> bool:
-        """Friction falls, F_s > F_c, and not within the smooth sign, where no one could see it."""
+        """Return whether friction falls with speed, F_s > F_c, outside the smooth sign."""
         return bool(values.F_s > values.F_c and values.v_s > SIGN_VELOCITY)
 
     @classmethod

@@ -45,7 +45,7 @@ class ToolInertia(ForceSensorEffect):
     family = 'inertia'
     description = 'The force sensor also measures the inertia of the tool mounted on it.'
     Parameters = ToolInertiaParameters
-    needs_touch = True  # beside a wall that never lets go it is M_e
+    needs_touch = True  # in an attached environment it is indistinguishable from M_e
 
     def __init__(self, values: ToolInertiaParameters) -> None:
         super().__init__(values)

@@ -67,7 +67,7 @@ class ViscoelasticRelaxation(ContactEffect):
     def settle(
         self, d: float, v: float, contact: bool, state: tuple[float, ...]
     ) -> tuple[float, ...]:
-        """Keep s >= 0 out of contact: the branch cannot pull the surface on."""
+        """Keep s >= 0 out of contact: the branch cannot pull the surface."""
         return state if contact else (max(state[0], 0.0),)
 
     def states_along(self, t: Array, d: Array, v: Array, contact: Flags) -> Array:
@@ -81,7 +81,7 @@ class ViscoelasticRelaxation(ContactEffect):
         s, last = np.empty(len(t)), 0.0
         for first, stop in stretches(contact):
             if contact[first]:
-                # Touch-down falls between two samples: since then the tool has gone d.
+                # Touch-down lies between two samples: since then the tool has moved by d.
                 entry = K_1 * min(float(d[first]), h * abs(float(v[first]))) if first else 0.0
                 steps = np.concatenate(([entry], push[first + 1:stop]))
                 s[first:stop] = lfilter([1.0], [1.0, -decay], steps, zi=[decay * last])[0]

@@ -37,17 +37,17 @@ def run_driven_wall(
     parameters: PlantParameters, t: Array, force: Array, x0: float, v0: float = 0.0
 ) -> Array:
     """
-    Run the environment free on a measured force.
+    Simulate the environment under a measured force.
 
-    M_e xdd = -F_e - (B_e v + K_e delta + physics), the force straight between its samples and
-    freed of what the model says of the sensor.
+    M_e xdd = -F_e - (B_e v + K_e delta + physics), the force interpolated linearly and
+    corrected for the effects of the sensor.
 
     Parameters
     ----------
     parameters : PlantParameters
-        The model; environment, physics and `integration_rate` count.
+        Model, of which environment, physics and `integration_rate` matter.
     t : ndarray, shape (N,)
-        Times of the samples [s], growing; N >= 2.
+        Times of the samples [s], increasing; N >= 2.
     force : ndarray, shape (N,)
         Measured F_e [N].
     x0, v0 : float
@@ -61,9 +61,9 @@ def run_driven_wall(
     Raises
     ------
     ParameterRangeError
-        If the wall has no mass, or can let go.
+        If the wall has no mass or is unilateral.
     SignalShapeError
-        If the arrays do not fit together.
+        If the arrays do not match.
 
     """
     return run_driven_wall_with_rates(parameters, t, force, x0, v0)[0]
@@ -73,7 +73,7 @@ def run_driven_wall_with_rates(
     parameters: PlantParameters, t: Array, force: Array, x0: float, v0: float = 0.0
 ) -> Array:
     """
-    Run the environment free; parameters as of `run_driven_wall`.
+    Simulate the environment with rates; parameters as `run_driven_wall`.
 
     Returns
     -------
@@ -93,17 +93,17 @@ def run_driven_wall_with_rates(
 
 class DrivenWall:
     """
-    The attached environment, by Runge-Kutta steps of fourth order.
+    The attached environment, integrated by fourth-order Runge-Kutta steps.
 
     Parameters
     ----------
     parameters : PlantParameters
-        The model.
+        Model.
 
     Raises
     ------
     ParameterRangeError
-        If the wall has no mass, or can let go.
+        If the wall has no mass or is unilateral.
 
     """
 
@@ -119,7 +119,7 @@ class DrivenWall:
         self._law = ContactLaw(
             wall.stiffness, wall.damping, wall.location, wall.inertia, False, effects
         )
-        # A mass beyond the sensor moves with the wall, and the sensor drives it too.
+        # A mass between sensor and wall moves with the wall, driven by the measured force.
         self._mass = self._law.inertia + sum(effect.added_mass for effect in self._sensor)
         if self._mass <= 0.0:
             raise ParameterRangeError(
@@ -130,7 +130,7 @@ class DrivenWall:
 
     def true_force(self, t: Array, reading: Array) -> Array:
         """
-        Free a measured force of what the sensor's physics have made of it, but for mass.
+        Remove the effects of the sensor from a measured force, except for its mass.
 
         Parameters
         ----------
@@ -140,7 +140,7 @@ class DrivenWall:
         Returns
         -------
         force : ndarray, shape (N,)
-            F_e, less mass times acceleration [N].
+            F_e less mass times acceleration [N].
 
         """
         for effect in reversed(self._sensor):
@@ -149,12 +149,12 @@ class DrivenWall:
 
     def run(self, t: Array, force: Array, start: tuple[float, float]) -> Array:
         """
-        Integrate.
+        Integrate the equation of motion.
 
         Parameters
         ----------
         t, force : ndarray, shape (N,)
-            Time since the first sample [s] and force without the sensor's physics [N].
+            Time since the first sample [s] and force without effects of the sensor [N].
         start : tuple of float
             Position [m] and velocity [m/s] at the first sample.
 

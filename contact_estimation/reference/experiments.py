@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The named experiments, and those of YAML files."""
+"""Experiments by name or from YAML files."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from .experiment import Experiment, Segment
 from ..exceptions import ModelFileError, UnknownNameError
 
 DEPTH = 0.0204
-"""End of x_d [m]: 50 N under eq. (1) with the nominal values."""
+"""Final x_d [m]: 50 N under eq. (1) with the nominal values."""
 START = -0.10
 DESIRED_FORCE = 50.0
 
@@ -47,25 +47,25 @@ def manoeuvre(
     force: float = DESIRED_FORCE,
 ) -> Experiment:
     """
-    Build the paper's manoeuvre: approach, press, withdraw.
+    Return the manoeuvre of the paper: approach, press, withdraw.
 
     Parameters
     ----------
     name : str
         Name of the experiment.
     force_excitation : Excitation or None
-        Added to F_d while force is wanted [N], eq. (40).
+        Added to F_d while a force is prescribed [N], eq. (40).
     position_excitation : Excitation or None
         Added to x_d from the approach to the end of the withdrawal [m], eq. (41).
     hold_s : float
-        Time at depth [s].
+        Duration of the hold [s].
     force : float
-        F_d [N]; NaN: no force wanted, eq. (1) alone.
+        F_d [N]; NaN: no force prescribed, eq. (1) alone.
 
     Returns
     -------
     experiment : Experiment
-        Of 10 s plus `hold_s`.
+        Lasts 10 s plus `hold_s`.
 
     """
     wanted: dict[str, Any] = {'force': force, 'position_excitation': position_excitation}
@@ -86,14 +86,14 @@ def manoeuvre(
 
 def rich() -> Experiment:
     """
-    Build three touches that differ in speed and depth, each with excitation of its own.
+    Return three episodes that differ in speed, depth and excitation.
 
-    No force is wanted, eq. (1) alone: for a recording that `diagnose` can learn from.
+    No force is prescribed, eq. (1) alone: suited to recordings for `diagnose`.
 
     Returns
     -------
     experiment : Experiment
-        Of 15.8 s.
+        Lasts 15.8 s.
 
     """
     away = -0.02
@@ -133,24 +133,24 @@ _EXCITATIONS: dict[str, tuple[Callable[..., Excitation], dict[str, str]]] = {
 
 def experiment_named(name: str) -> Experiment:
     """
-    Find an experiment by name, or read it from a YAML file.
+    Return an experiment by name, or read it from a YAML file.
 
     Parameters
     ----------
     name : str
-        A key of EXPERIMENTS or the path of a file ending in .yaml or .yml.
+        Key of EXPERIMENTS, or path of a file ending in .yaml or .yml.
 
     Returns
     -------
     experiment : Experiment
-        Ready to be played.
+        The experiment.
 
     Raises
     ------
     UnknownNameError
-        If there is no such name.
+        If the name is unknown.
     ModelFileError
-        If the file is missing or not of the schema.
+        If the file is missing or does not follow the schema.
 
     """
     if name in EXPERIMENTS:
@@ -172,12 +172,12 @@ def read_experiment(path: Path) -> Experiment:
     Returns
     -------
     experiment : Experiment
-        Ready to be played.
+        The experiment.
 
     Raises
     ------
     ModelFileError
-        If the file is missing or not of the schema.
+        If the file is missing or does not follow the schema.
 
     """
     try:
@@ -198,7 +198,7 @@ def read_experiment(path: Path) -> Experiment:
 
 def experiment_text(experiment: Experiment) -> str:
     """
-    Write an experiment as `read_experiment` reads it.
+    Return an experiment as YAML text that `read_experiment` reads.
 
     Parameters
     ----------
@@ -278,7 +278,7 @@ def _numbers(value: Any, path: Path, key: str) -> float | list[float]:
 
 
 def _number(value: Any, path: Path, key: str) -> float:
-    if isinstance(value, str):  # PyYAML takes 1e5 for a text
+    if isinstance(value, str):  # PyYAML reads 1e5 as text
         try:
             value = float(value)
         except ValueError:
