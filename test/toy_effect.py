@@ -17,10 +17,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import nan
 from typing import Any
 
-from contact_estimation.parameters.specification import parameter, ParameterGroup
+from contact_estimation.parameters.specification import optional_parameter, ParameterGroup
 from contact_estimation.physics.contact_effect import ContactEffect
 from contact_estimation.physics.numeric import Number
 from contact_estimation.physics.scales import Scales
@@ -30,7 +29,7 @@ from contact_estimation.physics.scales import Scales
 class ToyEffectParameters(ParameterGroup):
     """Parameters of `ToyEffect`."""
 
-    K_5: float = parameter(nan, 'Coefficient of the fifth power', 'N/m^5', nan_is_off=True)
+    K_5: float = optional_parameter('Coefficient of the fifth power', 'N/m^5')
 
 
 class ToyEffect(ContactEffect):

@@ -176,6 +176,26 @@ def parameter(
     return dataclasses.field(default=default, metadata=facts)
 
 
+def optional_parameter(
+    description: str, unit: str, minimum: float | None = None, maximum: float | None = None
+) -> Any:
+    """
+    Declare a number that is NaN by default, which switches its feature off.
+
+    Parameters
+    ----------
+    description, unit, minimum, maximum
+        As in `ParameterSpecification`.
+
+    Returns
+    -------
+    field : dataclasses.Field
+        To be assigned in the body of a `ParameterGroup`.
+
+    """
+    return parameter(math.nan, description, unit, minimum, maximum, nan_is_off=True)
+
+
 def group(cls: type[ParameterGroup], description: str = '') -> Any:
     """
     Declare a nested group of parameters as a dataclass field.

@@ -17,7 +17,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import nan
 from typing import Any
 
 from numpy.random import Generator
@@ -26,17 +25,14 @@ from .numeric import Number, positive
 from .random_strength import Strength
 from .robot_effect import RobotEffect
 from .scales import Scales
-from ..parameters.specification import parameter, ParameterGroup
+from ..parameters.specification import optional_parameter, ParameterGroup
 
 
 @dataclass(frozen=True)
 class ActuatorSaturationParameters(ParameterGroup):
     """Parameters of `ActuatorSaturation`."""
 
-    limit: float = parameter(
-        nan, 'Largest force of the drives', 'N',
-        minimum=0.0, nan_is_off=True,
-    )
+    limit: float = optional_parameter('Largest force of the drives', 'N', minimum=0.0)
 
 
 class ActuatorSaturation(RobotEffect):

@@ -17,7 +17,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import nan
 from typing import Any
 
 import numpy as np
@@ -25,7 +24,7 @@ import numpy as np
 from .contact_effect import ContactEffect
 from .numeric import Array, Flags, Number
 from .scales import Scales
-from ..parameters.specification import parameter, ParameterGroup
+from ..parameters.specification import optional_parameter, ParameterGroup
 
 NECK = 1.5e-3
 """Distance from the surface at which adhesion ends [m]."""
@@ -35,7 +34,7 @@ NECK = 1.5e-3
 class AdhesionParameters(ParameterGroup):
     """Parameters of `Adhesion`."""
 
-    F_a: float = parameter(nan, 'Largest pull of the wall', 'N', minimum=0.0, nan_is_off=True)
+    F_a: float = optional_parameter('Largest pull of the wall', 'N', minimum=0.0)
 
 
 class Adhesion(ContactEffect):

@@ -18,7 +18,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 import math
-from math import nan
 from typing import Any
 
 import numpy as np
@@ -26,7 +25,7 @@ import numpy as np
 from .contact_effect import ContactEffect
 from .numeric import Array, Flags, Number, positive
 from .scales import Scales
-from ..parameters.specification import parameter, ParameterGroup
+from ..parameters.specification import optional_parameter, ParameterGroup
 
 POSITION_TOLERANCE = 1e-5
 """Tolerance of measured positions at the end of the play [m]."""
@@ -36,7 +35,7 @@ POSITION_TOLERANCE = 1e-5
 class BacklashParameters(ParameterGroup):
     """Parameters of `Backlash`."""
 
-    gap: float = parameter(nan, 'Width of the play', 'm', minimum=0.0, nan_is_off=True)
+    gap: float = optional_parameter('Width of the play', 'm', minimum=0.0)
 
 
 class Backlash(ContactEffect):

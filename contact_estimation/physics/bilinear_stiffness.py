@@ -17,7 +17,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import nan
 from typing import Any
 
 from numpy.random import Generator
@@ -26,18 +25,15 @@ from .contact_effect import ContactEffect
 from .numeric import Number, positive
 from .random_strength import Strength
 from .scales import Scales
-from ..parameters.specification import parameter, ParameterGroup
+from ..parameters.specification import optional_parameter, ParameterGroup
 
 
 @dataclass(frozen=True)
 class BilinearStiffnessParameters(ParameterGroup):
     """Parameters of `BilinearStiffness`."""
 
-    K_2: float = parameter(nan, 'Additional stiffness beyond `depth`', 'N/m', nan_is_off=True)
-    depth: float = parameter(
-        nan, 'Depth at which the second spring starts', 'm',
-        minimum=0.0, nan_is_off=True,
-    )
+    K_2: float = optional_parameter('Additional stiffness beyond `depth`', 'N/m')
+    depth: float = optional_parameter('Depth at which the second spring starts', 'm', minimum=0.0)
 
 
 class BilinearStiffness(ContactEffect):

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from math import expm1, log1p, nan
+from math import expm1, log1p
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -29,7 +29,7 @@ from .contact_effect import ContactEffect
 from .numeric import Array, Flags, Number, stretches
 from .random_strength import log_uniform, Strength
 from .scales import Scales
-from ..parameters.specification import parameter, ParameterGroup
+from ..parameters.specification import optional_parameter, ParameterGroup
 
 _LARGEST = 50.0  # exponent; only a search far off the truth comes there
 _LITTLE = 1e-9  # exponent: the branch is straight
@@ -40,18 +40,9 @@ _NEARLY_ONE = 1.0 - 1e-12  # of the way there; only a search far off the truth c
 class BoucWenHysteresisParameters(ParameterGroup):
     """Parameters of `BoucWenHysteresis`."""
 
-    alpha: float = parameter(
-        nan, 'Stiffness of the hysteretic branch', 'N/m',
-        minimum=0.0, nan_is_off=True,
-    )
-    beta: float = parameter(
-        nan, 'Rate at which the branch yields', '1/m',
-        minimum=0.0, nan_is_off=True,
-    )
-    gamma: float = parameter(
-        nan, 'Difference between loading and unloading', '1/m',
-        nan_is_off=True,
-    )
+    alpha: float = optional_parameter('Stiffness of the hysteretic branch', 'N/m', minimum=0.0)
+    beta: float = optional_parameter('Rate at which the branch yields', '1/m', minimum=0.0)
+    gamma: float = optional_parameter('Difference between loading and unloading', '1/m')
 
 
 class _Path(NamedTuple):

@@ -17,21 +17,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import nan
 
 from .robot_effect import RobotEffect
 from .scales import Scales
-from ..parameters.specification import parameter, ParameterGroup
+from ..parameters.specification import optional_parameter, ParameterGroup
 
 
 @dataclass(frozen=True)
 class CommandDelayParameters(ParameterGroup):
     """Parameters of `CommandDelay`."""
 
-    delay: float = parameter(
-        nan, 'Delay of the reference', 's',
-        minimum=0.0, nan_is_off=True,
-    )
+    delay: float = optional_parameter('Delay of the reference', 's', minimum=0.0)
 
 
 class CommandDelay(RobotEffect):

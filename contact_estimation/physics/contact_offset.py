@@ -17,23 +17,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import nan
 from typing import Any
 
 from .contact_effect import ContactEffect
 from .numeric import Number
 from .scales import Scales
-from ..parameters.specification import parameter, ParameterGroup
+from ..parameters.specification import optional_parameter, ParameterGroup
 
 
 @dataclass(frozen=True)
 class ContactOffsetParameters(ParameterGroup):
     """Parameters of `ContactOffset`."""
 
-    offset: float = parameter(
-        nan, 'Position of the surface relative to the modelled one', 'm',
-        nan_is_off=True,
-    )
+    offset: float = optional_parameter('Position of the surface relative to the modelled one', 'm')
 
 
 class ContactOffset(ContactEffect):

@@ -17,7 +17,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import nan
 from typing import Any
 
 from numpy.random import Generator
@@ -26,17 +25,15 @@ from .contact_effect import ContactEffect
 from .numeric import Number
 from .random_strength import Strength
 from .scales import Scales
-from ..parameters.specification import parameter, ParameterGroup
+from ..parameters.specification import optional_parameter, ParameterGroup
 
 
 @dataclass(frozen=True)
 class CubicStiffnessParameters(ParameterGroup):
     """Parameters of `CubicStiffness`."""
 
-    K_3: float = parameter(
-        nan, 'Coefficient of the cubic force; negative: the wall softens with depth', 'N/m^3',
-        nan_is_off=True,
-    )
+    K_3: float = optional_parameter(
+        'Coefficient of the cubic force; negative: the wall softens with depth', 'N/m^3')
 
 
 class CubicStiffness(ContactEffect):

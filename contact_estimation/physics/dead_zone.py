@@ -17,23 +17,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import nan
 from typing import Any
 
 from .contact_effect import ContactEffect
 from .numeric import Number, positive
 from .scales import Scales
-from ..parameters.specification import parameter, ParameterGroup
+from ..parameters.specification import optional_parameter, ParameterGroup
 
 
 @dataclass(frozen=True)
 class DeadZoneParameters(ParameterGroup):
     """Parameters of `DeadZone`."""
 
-    gap: float = parameter(
-        nan, 'Depth at which the spring starts', 'm',
-        minimum=0.0, nan_is_off=True,
-    )
+    gap: float = optional_parameter('Depth at which the spring starts', 'm', minimum=0.0)
 
 
 class DeadZone(ContactEffect):

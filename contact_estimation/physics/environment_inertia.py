@@ -17,21 +17,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import nan
 
 from .contact_effect import ContactEffect
 from .scales import Scales
-from ..parameters.specification import parameter, ParameterGroup
+from ..parameters.specification import optional_parameter, ParameterGroup
 
 
 @dataclass(frozen=True)
 class EnvironmentInertiaParameters(ParameterGroup):
     """Parameters of `EnvironmentInertia`."""
 
-    M_e: float = parameter(
-        nan, 'Mass of the wall that moves with the tool', 'kg',
-        minimum=0.0, nan_is_off=True,
-    )
+    M_e: float = optional_parameter('Mass of the wall that moves with the tool', 'kg', minimum=0.0)
 
 
 class EnvironmentInertia(ContactEffect):

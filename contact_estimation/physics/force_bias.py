@@ -17,21 +17,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import nan
 
 import numpy as np
 
 from .force_sensor_effect import ForceSensorEffect
 from .numeric import Array, Number
 from .scales import Scales
-from ..parameters.specification import parameter, ParameterGroup
+from ..parameters.specification import optional_parameter, ParameterGroup
 
 
 @dataclass(frozen=True)
 class ForceBiasParameters(ParameterGroup):
     """Parameters of `ForceBias`."""
 
-    bias: float = parameter(nan, 'Measured force without load', 'N', nan_is_off=True)
+    bias: float = optional_parameter('Measured force without load', 'N')
 
 
 class ForceBias(ForceSensorEffect):

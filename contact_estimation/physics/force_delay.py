@@ -18,24 +18,20 @@ from __future__ import annotations
 
 from collections import deque
 from dataclasses import dataclass
-from math import nan
 
 import numpy as np
 
 from .force_sensor_effect import ForceSensorEffect
 from .numeric import Array
 from .scales import Scales
-from ..parameters.specification import parameter, ParameterGroup
+from ..parameters.specification import optional_parameter, ParameterGroup
 
 
 @dataclass(frozen=True)
 class ForceDelayParameters(ParameterGroup):
     """Parameters of `ForceDelay`."""
 
-    delay: float = parameter(
-        nan, 'Delay of the force', 's',
-        minimum=0.0, nan_is_off=True,
-    )
+    delay: float = optional_parameter('Delay of the force', 's', minimum=0.0)
 
 
 class ForceDelay(ForceSensorEffect):

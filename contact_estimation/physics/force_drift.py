@@ -17,24 +17,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import nan
 
 import numpy as np
 
 from .force_sensor_effect import ForceSensorEffect
 from .numeric import Array, Number
 from .scales import Scales
-from ..parameters.specification import parameter, ParameterGroup
+from ..parameters.specification import optional_parameter, ParameterGroup
 
 
 @dataclass(frozen=True)
 class ForceDriftParameters(ParameterGroup):
     """Parameters of `ForceDrift`."""
 
-    rate: float = parameter(
-        nan, 'Rate of change of the measured force without load', 'N/s',
-        nan_is_off=True,
-    )
+    rate: float = optional_parameter('Rate of change of the measured force without load', 'N/s')
 
 
 class ForceDrift(ForceSensorEffect):

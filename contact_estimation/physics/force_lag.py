@@ -17,7 +17,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import exp, nan
+from math import exp
 
 import numpy as np
 from scipy.signal import lfilter
@@ -25,17 +25,14 @@ from scipy.signal import lfilter
 from .force_sensor_effect import ForceSensorEffect
 from .numeric import Array
 from .scales import Scales
-from ..parameters.specification import parameter, ParameterGroup
+from ..parameters.specification import optional_parameter, ParameterGroup
 
 
 @dataclass(frozen=True)
 class ForceLagParameters(ParameterGroup):
     """Parameters of `ForceLag`."""
 
-    tau: float = parameter(
-        nan, 'Time constant of the low-pass filter', 's',
-        minimum=0.0, nan_is_off=True,
-    )
+    tau: float = optional_parameter('Time constant of the low-pass filter', 's', minimum=0.0)
 
 
 class ForceLag(ForceSensorEffect):

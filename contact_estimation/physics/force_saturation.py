@@ -17,7 +17,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import nan
 
 import numpy as np
 from numpy.random import Generator
@@ -26,14 +25,14 @@ from .force_sensor_effect import ForceSensorEffect
 from .numeric import Array
 from .random_strength import Strength
 from .scales import Scales
-from ..parameters.specification import parameter, ParameterGroup
+from ..parameters.specification import optional_parameter, ParameterGroup
 
 
 @dataclass(frozen=True)
 class ForceSaturationParameters(ParameterGroup):
     """Parameters of `ForceSaturation`."""
 
-    limit: float = parameter(nan, 'End of the measuring range', 'N', minimum=0.0, nan_is_off=True)
+    limit: float = optional_parameter('End of the measuring range', 'N', minimum=0.0)
 
 
 class ForceSaturation(ForceSensorEffect):

@@ -17,14 +17,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import nan
 from typing import Any
 
 from .contact_effect import ContactEffect
 from .numeric import Number, positive
 from .random_strength import Values
 from .scales import Scales
-from ..parameters.specification import parameter, ParameterGroup
+from ..parameters.specification import optional_parameter, ParameterGroup
 
 LARGEST_DAMPING = 300.0
 """Largest plausible damping at half the depth [N s/m]."""
@@ -34,7 +33,7 @@ LARGEST_DAMPING = 300.0
 class HuntCrossleyDampingParameters(ParameterGroup):
     """Parameters of `HuntCrossleyDamping`."""
 
-    chi: float = parameter(nan, 'Damping per unit depth', 'N s/m^2', minimum=0.0, nan_is_off=True)
+    chi: float = optional_parameter('Damping per unit depth', 'N s/m^2', minimum=0.0)
 
 
 class HuntCrossleyDamping(ContactEffect):

@@ -17,32 +17,23 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import nan
 
 from numpy.random import Generator
 
 from .random_strength import random_sign, Strength
 from .robot_effect import RobotEffect
 from .scales import Scales
-from ..parameters.specification import parameter, ParameterGroup
+from ..parameters.specification import optional_parameter, ParameterGroup
 
 
 @dataclass(frozen=True)
 class ImpedanceMismatchParameters(ParameterGroup):
     """Parameters of `ImpedanceMismatch`."""
 
-    K_t_scale: float = parameter(
-        nan, 'Stiffness of the robot divided by K_t', '1',
-        minimum=0.0, nan_is_off=True,
-    )
-    B_t_scale: float = parameter(
-        nan, 'Damping of the robot divided by B_t', '1',
-        minimum=0.0, nan_is_off=True,
-    )
-    M_t_scale: float = parameter(
-        nan, 'Mass of the robot divided by M_t', '1',
-        minimum=0.01, nan_is_off=True,
-    )
+    K_t_scale: float = optional_parameter(
+        'Stiffness of the robot divided by K_t', '1', minimum=0.0)
+    B_t_scale: float = optional_parameter('Damping of the robot divided by B_t', '1', minimum=0.0)
+    M_t_scale: float = optional_parameter('Mass of the robot divided by M_t', '1', minimum=0.01)
 
 
 class ImpedanceMismatch(RobotEffect):

@@ -17,7 +17,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import nan, pi
+from math import pi
 from typing import Any
 
 import numpy as np
@@ -27,25 +27,16 @@ from .contact_effect import ContactEffect
 from .numeric import Number
 from .random_strength import log_uniform, Strength
 from .scales import Scales
-from ..parameters.specification import parameter, ParameterGroup
+from ..parameters.specification import optional_parameter, ParameterGroup
 
 
 @dataclass(frozen=True)
 class MovingEnvironmentParameters(ParameterGroup):
     """Parameters of `MovingEnvironment`."""
 
-    amplitude: float = parameter(
-        nan, 'Amplitude of the surface oscillation', 'm',
-        minimum=0.0, nan_is_off=True,
-    )
-    frequency: float = parameter(
-        nan, 'Frequency of the oscillation', 'Hz',
-        minimum=0.0, nan_is_off=True,
-    )
-    phase: float = parameter(
-        nan, 'Phase of the oscillation at the first sample', 'rad',
-        nan_is_off=True,
-    )
+    amplitude: float = optional_parameter('Amplitude of the surface oscillation', 'm', minimum=0.0)
+    frequency: float = optional_parameter('Frequency of the oscillation', 'Hz', minimum=0.0)
+    phase: float = optional_parameter('Phase of the oscillation at the first sample', 'rad')
 
 
 class MovingEnvironment(ContactEffect):

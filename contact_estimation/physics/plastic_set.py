@@ -17,7 +17,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import nan
 from typing import Any
 
 import numpy as np
@@ -25,17 +24,15 @@ import numpy as np
 from .contact_effect import ContactEffect
 from .numeric import Array, Flags, Number, positive
 from .scales import Scales
-from ..parameters.specification import parameter, ParameterGroup
+from ..parameters.specification import optional_parameter, ParameterGroup
 
 
 @dataclass(frozen=True)
 class PlasticSetParameters(ParameterGroup):
     """Parameters of `PlasticSet`."""
 
-    residual: float = parameter(
-        nan, 'Fraction of the deepest indentation that remains', '1',
-        minimum=0.0, maximum=0.999, nan_is_off=True,
-    )
+    residual: float = optional_parameter(
+        'Fraction of the deepest indentation that remains', '1', minimum=0.0, maximum=0.999)
 
 
 class PlasticSet(ContactEffect):

@@ -17,7 +17,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import nan
 from typing import Any
 
 from numpy.random import Generator
@@ -26,18 +25,15 @@ from .contact_effect import ContactEffect
 from .numeric import Number, positive
 from .random_strength import Strength, Values
 from .scales import Scales
-from ..parameters.specification import parameter, ParameterGroup
+from ..parameters.specification import optional_parameter, ParameterGroup
 
 
 @dataclass(frozen=True)
 class PowerLawStiffnessParameters(ParameterGroup):
     """Parameters of `PowerLawStiffness`."""
 
-    n: float = parameter(
-        nan, 'Exponent of the depth', '1',
-        minimum=0.1, maximum=10.0, nan_is_off=True,
-    )
-    K_n: float = parameter(nan, 'Force at 1 m depth', 'N/m^n', minimum=0.0, nan_is_off=True)
+    n: float = optional_parameter('Exponent of the depth', '1', minimum=0.1, maximum=10.0)
+    K_n: float = optional_parameter('Force at 1 m depth', 'N/m^n', minimum=0.0)
 
 
 class PowerLawStiffness(ContactEffect):

@@ -17,20 +17,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import nan
 from typing import Any
 
 from .contact_effect import ContactEffect
 from .numeric import Number
 from .scales import Scales
-from ..parameters.specification import parameter, ParameterGroup
+from ..parameters.specification import optional_parameter, ParameterGroup
 
 
 @dataclass(frozen=True)
 class QuadraticDampingParameters(ParameterGroup):
     """Parameters of `QuadraticDamping`."""
 
-    B_2: float = parameter(nan, 'Drag at 1 m/s', 'N s^2/m^2', nan_is_off=True)
+    B_2: float = optional_parameter('Drag at 1 m/s', 'N s^2/m^2')
 
 
 class QuadraticDamping(ContactEffect):

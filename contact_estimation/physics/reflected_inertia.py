@@ -17,21 +17,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import nan
 
 from .robot_effect import RobotEffect
 from .scales import Scales
-from ..parameters.specification import parameter, ParameterGroup
+from ..parameters.specification import optional_parameter, ParameterGroup
 
 
 @dataclass(frozen=True)
 class ReflectedInertiaParameters(ParameterGroup):
     """Parameters of `ReflectedInertia`."""
 
-    M_r: float = parameter(
-        nan, 'Inertia that the feed-forward does not compensate', 'kg',
-        minimum=0.0, nan_is_off=True,
-    )
+    M_r: float = optional_parameter(
+        'Inertia that the feed-forward does not compensate', 'kg', minimum=0.0)
 
 
 class ReflectedInertia(RobotEffect):

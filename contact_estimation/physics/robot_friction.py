@@ -17,23 +17,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import nan
 from typing import Any
 
 from .numeric import Number, SIGN_VELOCITY
 from .robot_effect import RobotEffect
 from .scales import Scales
-from ..parameters.specification import parameter, ParameterGroup
+from ..parameters.specification import optional_parameter, ParameterGroup
 
 
 @dataclass(frozen=True)
 class RobotFrictionParameters(ParameterGroup):
     """Parameters of `RobotFriction`."""
 
-    F_c: float = parameter(
-        nan, 'Dry friction force of the robot', 'N',
-        minimum=0.0, nan_is_off=True,
-    )
+    F_c: float = optional_parameter('Dry friction force of the robot', 'N', minimum=0.0)
 
 
 class RobotFriction(RobotEffect):

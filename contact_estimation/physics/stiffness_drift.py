@@ -17,23 +17,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import nan
 from typing import Any
 
 from .contact_effect import ContactEffect
 from .numeric import Number
 from .scales import Scales
-from ..parameters.specification import parameter, ParameterGroup
+from ..parameters.specification import optional_parameter, ParameterGroup
 
 
 @dataclass(frozen=True)
 class StiffnessDriftParameters(ParameterGroup):
     """Parameters of `StiffnessDrift`."""
 
-    rate: float = parameter(
-        nan, 'Relative change of the stiffness per second', '1/s',
-        nan_is_off=True,
-    )
+    rate: float = optional_parameter('Relative change of the stiffness per second', '1/s')
 
 
 class StiffnessDrift(ContactEffect):

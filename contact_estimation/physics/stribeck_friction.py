@@ -17,7 +17,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import nan
 from typing import Any
 
 from numpy.random import Generator
@@ -26,25 +25,17 @@ from .contact_effect import ContactEffect
 from .numeric import Number, SIGN_VELOCITY
 from .random_strength import log_uniform, Strength
 from .scales import Scales
-from ..parameters.specification import parameter, ParameterGroup
+from ..parameters.specification import optional_parameter, ParameterGroup
 
 
 @dataclass(frozen=True)
 class StribeckFrictionParameters(ParameterGroup):
     """Parameters of `StribeckFriction`."""
 
-    F_c: float = parameter(
-        nan, 'Friction force at high speed', 'N',
-        minimum=0.0, nan_is_off=True,
-    )
-    F_s: float = parameter(
-        nan, 'Friction force near zero speed', 'N',
-        minimum=0.0, nan_is_off=True,
-    )
-    v_s: float = parameter(
-        nan, 'Stribeck velocity: speed at which F_s - F_c has fallen to 1/e', 'm/s',
-        minimum=1e-06, nan_is_off=True,
-    )
+    F_c: float = optional_parameter('Friction force at high speed', 'N', minimum=0.0)
+    F_s: float = optional_parameter('Friction force near zero speed', 'N', minimum=0.0)
+    v_s: float = optional_parameter(
+        'Stribeck velocity: speed at which F_s - F_c has fallen to 1/e', 'm/s', minimum=1e-06)
 
 
 class StribeckFriction(ContactEffect):

@@ -17,24 +17,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import nan
 
 import numpy as np
 
 from .force_sensor_effect import ForceSensorEffect
 from .numeric import Array
 from .scales import Scales
-from ..parameters.specification import parameter, ParameterGroup
+from ..parameters.specification import optional_parameter, ParameterGroup
 
 
 @dataclass(frozen=True)
 class ToolInertiaParameters(ParameterGroup):
     """Parameters of `ToolInertia`."""
 
-    mass: float = parameter(
-        nan, 'Mass between sensor and contact', 'kg',
-        minimum=0.0, nan_is_off=True,
-    )
+    mass: float = optional_parameter('Mass between sensor and contact', 'kg', minimum=0.0)
 
 
 class ToolInertia(ForceSensorEffect):

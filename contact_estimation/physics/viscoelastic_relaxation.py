@@ -17,7 +17,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import exp, nan
+from math import exp
 from typing import Any
 
 import numpy as np
@@ -28,18 +28,15 @@ from .contact_effect import ContactEffect
 from .numeric import Array, Flags, Number, stretches
 from .random_strength import log_uniform, Strength
 from .scales import Scales
-from ..parameters.specification import parameter, ParameterGroup
+from ..parameters.specification import optional_parameter, ParameterGroup
 
 
 @dataclass(frozen=True)
 class ViscoelasticRelaxationParameters(ParameterGroup):
     """Parameters of `ViscoelasticRelaxation`."""
 
-    K_1: float = parameter(
-        nan, 'Stiffness of the relaxing branch', 'N/m',
-        minimum=0.0, nan_is_off=True,
-    )
-    tau: float = parameter(nan, 'Relaxation time constant', 's', minimum=0.0001, nan_is_off=True)
+    K_1: float = optional_parameter('Stiffness of the relaxing branch', 'N/m', minimum=0.0)
+    tau: float = optional_parameter('Relaxation time constant', 's', minimum=0.0001)
 
 
 class ViscoelasticRelaxation(ContactEffect):
