@@ -24,6 +24,9 @@ from .excitation import Excitation
 from .quintic import quintic
 from .setpoints import Desired
 
+START = -0.10
+"""Default position before an experiment [m]."""
+
 
 @dataclass(frozen=True)
 class Segment:
