@@ -148,7 +148,7 @@ def test_experiment_without_force_has_no_hold() -> None:
 
 
 def test_wanted_force_of_the_hold_is_that_without_excitation() -> None:
-    assert experiment_named('sine').wanted_force == 50.0
+    assert experiment_named('sine').desired_force == 50.0
 
 
 def test_cycle_repeats_the_motion_for_ever() -> None:

@@ -54,7 +54,7 @@ def summarise(
     wall = plant.environment
     at = (stamp - told['begin_stamp_ns']) * 1e-9 if stamp else -1.0
     stiffness, damping = run.last_before('stiffness', at), run.last_before('damping', at)
-    wanted = experiment.wanted_force
+    wanted = experiment.desired_force
     figures = {
         'estimator': estimator,
         'law': law,

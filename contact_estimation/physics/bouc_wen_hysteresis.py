@@ -31,9 +31,9 @@ from .random_strength import log_uniform, Strength
 from .scales import Scales
 from ..parameters.specification import optional_parameter, ParameterGroup
 
-_LARGEST = 50.0  # exponent; only a search far off the truth comes there
-_LITTLE = 1e-9  # exponent: the branch is straight
-_NEARLY_ONE = 1.0 - 1e-12  # of the way there; only a search far off the truth comes beyond
+_LARGEST = 50.0  # exponent; reached only by searches far from the truth
+_LITTLE = 1e-9  # exponent below which the branch is linear
+_NEARLY_ONE = 1.0 - 1e-12  # exceeded only by searches far from the truth
 
 
 @dataclass(frozen=True)
@@ -47,16 +47,16 @@ class BoucWenHysteresisParameters(ParameterGroup):
 
 class _Path(NamedTuple):
     """
-    A deflection, split into the legs between its turns.
+    A deflection, split into legs between its reversals.
 
     Attributes
     ----------
     ways : ndarray, shape (L,)
-        Length of each leg, with its sign [m].
+        Signed length of each leg [m].
     leg : ndarray of int, shape (N,)
-        In which leg each sample lies.
+        Leg of each sample.
     gone : ndarray, shape (N,)
-        Way from the beginning of that leg [m].
+        Distance from the beginning of that leg [m].
 
     """
 
@@ -67,7 +67,7 @@ class _Path(NamedTuple):
 
 @lru_cache(maxsize=4)
 def _path(depths: bytes, rates: bytes, before: float, h: float) -> _Path:
-    """Split a deflection where its rate, straight between samples, changes its sign."""
+    """Split a deflection where its linearly interpolated rate changes sign."""
     d, v = np.frombuffer(depths), np.frombuffer(rates)
     steps = np.diff(d, prepend=before)
     turns = v[:-1] * v[1:] < 0.0
@@ -75,7 +75,7 @@ def _path(depths: bytes, rates: bytes, before: float, h: float) -> _Path:
     v_0, v_1, all_of_it = v[turning], v[turning + 1], steps[turning + 1]
     share = v_0 / (v_0 - v_1)
     out, back = 0.5 * h * v_0 * share, 0.5 * h * v_1 * (1.0 - share)
-    # What both halves leave of the measured step is shared.
+    # The rest of the measured step is split in proportion.
     out = out + share * (all_of_it - out - back)
     steps[turning + 1] -= out
     steps = np.insert(steps, turning + 1, out)
@@ -98,7 +98,7 @@ def _branch(
     """Return z at each sample, from 0; cached, because searches repeat arguments."""
     path, z = _path(depths, rates, before, h), 0.0
     begins: list[float] = []
-    zeros: list[float] = []  # where on its leg z changes its sign
+    zeros: list[float] = []  # distance along the leg at which z changes sign
     above, below = (_propagate(beta, gamma * sign, path.ways, path.ways) for sign in (1.0, -1.0))
     legs = zip(path.ways.tolist(), *(factor.tolist() for factor in (*above, *below)))
     for way, kept, added, kept_below, added_below in legs:
@@ -110,7 +110,7 @@ def _branch(
             zeros.append(_to_zero(turned + signed, z))
             after = _from_zero(turned - signed, way - zeros[-1])
         else:
-            zeros.append(2.0 * way)  # beyond its end
+            zeros.append(2.0 * way)  # beyond the end of the leg
         z = after
     z_0, way, zero = (np.array(each)[path.leg] for each in (begins, path.ways, zeros))
     signed_all = gamma * np.where(z_0 == 0.0, np.sign(way), np.sign(z_0))
@@ -122,7 +122,7 @@ def _branch(
 def _propagate(
     beta: float, gamma: float | Array, gone: Array, way: Array
 ) -> tuple[Array, Array]:
-    """Return a and b of z -> a z + b over what is gone of a way, gamma with the sign of z."""
+    """Return a and b of z -> a z + b over a distance; gamma carries the sign of z."""
     c = beta * np.where(way > 0.0, 1.0, -1.0) + gamma
     x = np.clip(c * gone, -_LARGEST, None)
     little = np.abs(x) < _LITTLE
@@ -130,12 +130,12 @@ def _propagate(
 
 
 def _to_zero(c: float, z: float) -> float:
-    """Return the way on which z comes to 0."""
+    """Return the distance after which z reaches 0."""
     return log1p(max(-c * z, -_NEARLY_ONE)) / c if c else -z
 
 
 def _from_zero(c: float, gone: float) -> float:
-    """Return z that far from 0, where `_propagate` would take many times as long."""
+    """Return z at a distance from its zero; a fast scalar form of `_propagate`."""
     return gone if abs(c * gone) < _LITTLE else -expm1(min(-c * gone, _LARGEST)) / c
 
 

@@ -60,7 +60,7 @@ class RobotLaw:
         self._controls = [e for e in arm if type(e).control is not RobotEffect.control]
         self._drags = [e for e in arm if type(e).drag is not RobotEffect.drag]
 
-    def wanted(self, x: Any, v: Any, reference: Any) -> Any:
+    def impedance_force(self, x: Any, v: Any, reference: Any) -> Any:
         """
         Evaluate the impedance law.
 
@@ -83,7 +83,9 @@ class RobotLaw:
 
     def force(self, x: Any, v: Any, reference: Any, m: Any) -> Any:
         """
-        Return the force that drives the mass; parameters as `wanted`, m is `math` or `numpy`.
+        Return the force that drives the mass; parameters as `impedance_force`.
+
+        m is `math` or `numpy`.
 
         Returns
         -------
@@ -91,7 +93,7 @@ class RobotLaw:
             Without F_e [N].
 
         """
-        u = self.wanted(x, v, reference)
+        u = self.impedance_force(x, v, reference)
         for effect in self._controls:
             u = effect.control(u, m)
         for effect in self._drags:

@@ -108,9 +108,9 @@ def simulate_experiment(model: PlantParameters, experiment: Experiment) -> Simul
     """
     count = round(experiment.duration * model.sample_rate) + 1
     stamp_ns = np.round(1e9 / model.sample_rate * np.arange(count)).astype(np.int64)
-    wanted = [experiment.desired(t) for t in (stamp_ns * 1e-9).tolist()]
-    reference = np.array([Reference(*desired[:3]) for desired in wanted]).T
-    start = wanted[0].position, wanted[0].velocity
+    desired = [experiment.desired(t) for t in (stamp_ns * 1e-9).tolist()]
+    reference = np.array([Reference(*d[:3]) for d in desired]).T
+    start = desired[0].position, desired[0].velocity
     return simulate_command(model, stamp_ns, stamp_ns, reference, start)
 
 

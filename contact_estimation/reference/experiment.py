@@ -152,6 +152,6 @@ class Experiment:
         return max(rests, key=lambda r: r[1] - r[0], default=None)
 
     @property
-    def wanted_force(self) -> float:
+    def desired_force(self) -> float:
         """F_d of the hold [N]; NaN where no force is prescribed."""
         return next((s.force for s in self.segments if s.force == s.force), nan)

@@ -66,16 +66,16 @@ def manoeuvre(
         Lasts 10 s plus `hold_s`.
 
     """
-    wanted: dict[str, Any] = {'force': force, 'position_excitation': position_excitation}
+    pressing: dict[str, Any] = {'force': force, 'position_excitation': position_excitation}
     if force == force:
-        wanted['force_excitation'] = force_excitation
+        pressing['force_excitation'] = force_excitation
     return Experiment(
         name,
         START,
         (
             Segment(4.4, START),
-            Segment(2.2, DEPTH, **wanted),
-            Segment(hold_s, DEPTH, **wanted),
+            Segment(2.2, DEPTH, **pressing),
+            Segment(hold_s, DEPTH, **pressing),
             Segment(2.2, START, position_excitation=position_excitation),
             Segment(1.2, START),
         ),

@@ -192,13 +192,13 @@ class ReferenceGenerator:
             target.acceleration - o * (6.0 - 12.0 * s) / duration**2,
         )
 
-    def _limit(self, dt: float, wanted: Reference, speed: float) -> Reference:
+    def _limit(self, dt: float, target: Reference, speed: float) -> Reference:
         if self._last is None or dt <= 0.0:
-            return wanted
-        step, most = wanted.position - self._last.position, speed * dt
+            return target
+        step, most = target.position - self._last.position, speed * dt
         self._lags = abs(step) > most
         if not self._lags:
-            return wanted
+            return target
         sign = 1.0 if step > 0.0 else -1.0
         return Reference(self._last.position + sign * most, sign * speed, 0.0)
 

@@ -58,7 +58,7 @@ def measure_scales(ports: Sequence[Ports], base: Fit) -> Scales:
         pull = max(pull, float(np.percentile(o.force, 99.8)))
         duration = max(duration, float(o.t[-1]))
         if o.reference is not None:
-            u = laws.robot.wanted(o.x, o.v, o.reference)
+            u = laws.robot.impedance_force(o.x, o.v, o.reference)
             control = max(control, float(np.max(np.abs(u))))
     return Scales(
         depth, speed, force, control, pull, duration, max(model.stiffness, 1e-9),
