@@ -69,6 +69,13 @@ setup(
         'scipy>=1.11',
     ],
     extras_require={
+        'doc': [
+            'furo',
+            'matplotlib>=3.6',
+            'myst-parser>=3.0',
+            'numpydoc>=1.7',
+            'sphinx>=7.3',
+        ],
         # The Jazzy line on PyPI; on a machine with /opt/ros leave this extra out.
         'ros': [
             'ros-jazzy-rclpy[fastrtps]==7.1.6',

@@ -21,8 +21,8 @@ from pathlib import Path
 import sys
 from typing import Any
 
+from contact_estimation.api import read_model
 from contact_estimation.blind_trials.drawing import plan_effects
-from contact_estimation.commands.model_file import read_model
 from contact_estimation.commands.write_config import config_files
 from contact_estimation.diagnosis.fit.search import candidates_for
 from contact_estimation.diagnosis.observe.model import Model

@@ -28,7 +28,7 @@ LAYERS = [
     'exceptions', 'optional_packages', 'parameters', 'messages', 'recordings', 'signals',
     'physics', 'reference', 'estimators', 'estimation', 'plant', 'several_points',
     'reproduction', 'diagnosis.observe', 'diagnosis.fit', 'diagnosis.conclude',
-    'diagnosis.report', 'diagnosis', 'blind_trials', 'ros', 'commands', 'benchmarks',
+    'diagnosis.report', 'diagnosis', 'blind_trials', 'ros', 'api', 'commands', 'benchmarks',
 ]
 
 

@@ -69,7 +69,7 @@ def exec_depends() -> set[str]:
 
 
 def python_files() -> list[Path]:
-    places = (PACKAGE, ROOT / 'launch', ROOT / 'test')
+    places = (PACKAGE, ROOT / 'doc', ROOT / 'launch', ROOT / 'test')
     return [ROOT / 'setup.py', *(file for place in places for file in place.rglob('*.py'))]
 
 
