@@ -90,7 +90,7 @@ def test_mismatch_is_located_only_where_there_is_one(name: str) -> None:
 
 @EVERY
 def test_report_is_json_without_nan(name: str) -> None:
-    wild = replace(diagnosed(name), stiffness=Value(nan, nan, 'N/m'), left=float('inf'))
+    wild = replace(diagnosed(name), stiffness=Value(nan, nan, 'N/m'), residual_power=float('inf'))
     for diagnosis in (diagnosed(name), wild):
         report = as_dict(diagnosis)
         assert json.loads(json.dumps(report, allow_nan=False)) == report
