@@ -23,7 +23,7 @@ from .exceptions import MissingPackageError
 
 def require_matplotlib() -> Any:
     """
-    Import matplotlib for files, without a screen.
+    Import matplotlib for files, without a display.
 
     Returns
     -------
@@ -39,7 +39,7 @@ def require_matplotlib() -> Any:
     try:
         import matplotlib
     except ImportError as error:
-        raise MissingPackageError.of('matplotlib', 'drawing pictures') from error
+        raise MissingPackageError.of('matplotlib', 'plotting figures') from error
     matplotlib.use('Agg')
     from matplotlib import pyplot
 
