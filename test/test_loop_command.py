@@ -27,7 +27,7 @@ from contact_estimation.estimation.replay import RecordingReplay
 from contact_estimation.recordings import RecordingReader
 from contact_estimation.recordings.source import RecordingSource
 import pytest
-from ros_processes import Finished, ModuleProcess, run_module, wait_until
+from ros_processes import descendants, Finished, ModuleProcess, run_module, wait_until
 
 KEYS = [
     'estimator', 'law', 'stiffness', 'damping', 'stiffness_error_percent',
@@ -132,9 +132,9 @@ def grown(folder: Path) -> bool:
 
 def child(parent: int, word: str) -> int:
     """Find a child process by a word of its command line."""
-    for process in Path(f'/proc/{parent}/task/{parent}/children').read_text().split():
+    for process in descendants(parent):
         if word.encode() in Path(f'/proc/{process}/cmdline').read_bytes():
-            return int(process)
+            return process
     raise AssertionError(f'no child with {word!r}')
 
 

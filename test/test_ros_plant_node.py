@@ -96,6 +96,7 @@ def noisy_run(folder: Path, seed: int) -> NoisyRun:
         sensors__force_noise=1.0, summary_file=summary, joint='slider', frame_id='probe',
     ) as process:
         user.hear_to_the_end(process, 100)
+        user.spin_until(lambda: all(len(kept) >= 100 for kept in user.heard.values()), 'the rest')
     user.close()
     return NoisyRun(user.heard, json.loads(summary.read_text()))
 
