@@ -219,6 +219,7 @@ def test_an_effect_that_no_magnitude_conceals_is_told_so() -> None:
     assert conceal(lambda s: 1.0 if s < 1e-3 else 30.0, 2.0).plain
 
 
+@pytest.mark.slow
 def test_a_trial_is_concealed_as_drawn() -> None:
     trial = draw_trial('coulomb_friction', np.random.default_rng(4))
     rate = trial.setup.sensing.rate

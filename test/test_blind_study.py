@@ -145,6 +145,7 @@ def test_a_diagnosis_that_fails_leaves_its_complaint(tmp_path: Path) -> None:
     assert str(files.nominal) in kept['error']
 
 
+@pytest.mark.slow
 def test_the_command_draws_diagnoses_and_scores(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -72,22 +72,26 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Run:
     return Run(folder / 'out', run_module(folder / 'log', 'commands.loop', *given))
 
 
+@pytest.mark.slow
 def test_loop_succeeds_and_says_what_it_found(whole: Run) -> None:
     assert (whole.finished.code, whole.finished.stderr) == (0, '')
     assert whole.finished.stdout.startswith('indirect_adaptive, law eq20: K_e 4')
 
 
+@pytest.mark.slow
 def test_summary_has_the_keys_of_the_contract(whole: Run) -> None:
     assert list(whole.summary) == KEYS
     assert list(whole.summary['latency_ms']) == ['p50', 'p99', 'max']
 
 
+@pytest.mark.slow
 def test_lost_samples_are_counted_as_an_integer(whole: Run) -> None:
     assert whole.summary['samples_sent'] == 1500
     assert type(whole.summary['samples_lost']) is int
     assert 0 <= whole.summary['samples_lost'] <= 1500
 
 
+@pytest.mark.slow
 def test_estimates_at_the_last_contact_are_near_the_truth(whole: Run) -> None:
     summary = whole.summary
     assert summary['stiffness'] == pytest.approx(4800.0, rel=0.05)
@@ -97,11 +101,13 @@ def test_estimates_at_the_last_contact_are_near_the_truth(whole: Run) -> None:
     assert abs(summary['damping_error_percent']) < 15.0
 
 
+@pytest.mark.slow
 def test_eq20_presses_with_about_half_of_the_wanted_force(whole: Run) -> None:
     assert whole.summary['desired_force_n'] == 50.0
     assert whole.summary['mean_force_n'] == pytest.approx(50.0 * 5.0 / 9.8, rel=0.1)
 
 
+@pytest.mark.slow
 def test_loop_leaves_recording_and_picture(whole: Run) -> None:
     assert {path.name for path in whole.folder.iterdir()} >= {
         'recording', 'summary.json', 'summary.png'
@@ -115,6 +121,7 @@ def test_loop_leaves_recording_and_picture(whole: Run) -> None:
     assert 'estimator_node' in reader.metadata()
 
 
+@pytest.mark.slow
 def test_replay_of_the_loop_ends_at_the_estimates_of_the_summary(whole: Run) -> None:
     reader = RecordingReader(whole.folder / 'recording')
     replay = RecordingReplay(reader, RecordingSource(), {})
@@ -148,6 +155,7 @@ def assert_kept(folder: Path, finished: Finished, text: str) -> None:
     assert sum(1 for _ in reader.messages(['wrench'])) > 100
 
 
+@pytest.mark.slow
 def test_interrupt_leaves_a_readable_recording(tmp_path: Path) -> None:
     given = arguments(tmp_path, '--duration', '600')
     with ModuleProcess(tmp_path / 'log', 'commands.loop', *given) as process:
@@ -156,6 +164,7 @@ def test_interrupt_leaves_a_readable_recording(tmp_path: Path) -> None:
         assert_kept(tmp_path, process.end(), 'interrupted')
 
 
+@pytest.mark.slow
 def test_death_of_the_estimator_leaves_a_readable_recording(tmp_path: Path) -> None:
     given = arguments(tmp_path, '--duration', '600')
     with ModuleProcess(tmp_path / 'log', 'commands.loop', *given) as process:

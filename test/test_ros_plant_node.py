@@ -32,6 +32,8 @@ from ros_processes import (
     WrenchStamped,
 )
 
+pytestmark = pytest.mark.slow
+
 START = -0.1
 STILL = f'start: {START}\nsegments: [{{duration: 5.0, position: {START}}}]\n'
 
