@@ -22,7 +22,7 @@ from types import TracebackType
 from typing import Sequence
 
 from ..estimators.estimator import Estimate
-from ..messages import RosbagsCodec, StringEncoder, Vector3StampedEncoder
+from ..messages import encode_string, Vector3StampedEncoder
 from ..recordings.writing import RecordingWriter
 
 _NAN = float('nan')
@@ -110,9 +110,7 @@ class McapEstimates:
 
     def __init__(self, path: Path, axes: str) -> None:
         self._writer = RecordingWriter.file(path)
-        codec = RosbagsCodec()
-        self._vectors = Vector3StampedEncoder(codec, '')
-        self._strings = StringEncoder(codec)
+        self._vectors = Vector3StampedEncoder('')
         self._place, *self._further_places = ('xyz'.index(axis) for axis in axes)
 
     def write(self, estimates: Sequence[Estimate], further: Further = ()) -> None:
@@ -128,7 +126,7 @@ class McapEstimates:
                     f'/estimator_node/{name}', _VECTOR_TYPE,
                     self._vectors.encode(stamp_ns, *vector), stamp_ns,
                 )
-            status = self._strings.encode(estimate.status.value)  # of the contact axis
+            status = encode_string(estimate.status.value)  # of the contact axis
             self._writer.write('/estimator_node/status', 'std_msgs/msg/String', status, stamp_ns)
 
     def __enter__(self) -> 'McapEstimates':

@@ -25,7 +25,6 @@ from .axes import estimated_axes
 from .session import ContactSession, Result
 from ..estimators.estimator import Estimate
 from ..messages import (
-    Codec,
     FORCE_OF_AXIS,
     JointStateDecoder,
     SeveralJointsDecoder,
@@ -62,8 +61,6 @@ class ContactReadings:
     ----------
     session : ContactSession
         Where readings go.
-    codec : Codec
-        The message library.
 
     Attributes
     ----------
@@ -82,17 +79,17 @@ class ContactReadings:
     add_wrench: Callable[[int, Any], list[Result]]
     add_motion: Callable[..., list[Result]]
 
-    def __init__(self, session: ContactSession, codec: Codec) -> None:
+    def __init__(self, session: ContactSession) -> None:
         self._session = session
         axes = estimated_axes(session.parameters)
         self._columns = ['xyz'.index(axis) for axis in axes]
-        self.wrench = WrenchDecoder(codec)
+        self.wrench = WrenchDecoder()
         if len(axes) == 1:
-            self.joints = JointStateDecoder(codec, session.parameters.joint)
+            self.joints = JointStateDecoder(session.parameters.joint)
             self.force_of = FORCE_OF_AXIS[session.parameters.axis]
             self.add_wrench, self.add_motion = session.add_wrench, session.add_motion
         else:
-            self.joints = SeveralJointsDecoder(codec, list(axes.values()))
+            self.joints = SeveralJointsDecoder(list(axes.values()))
             self.force_of = attrgetter(*(f'force_{axis}' for axis in axes))
             self.add_wrench, self.add_motion = session.add_wrenches, session.add_motions
 

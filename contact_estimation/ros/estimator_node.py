@@ -30,7 +30,6 @@ from .estimate_publishers import EstimatePublishers
 from .estimator_diagnostics import EstimatorDiagnostics
 from .estimator_node_parameters import EstimatorNodeParameters
 from .parameters import declare, serve_changes
-from .rclpy_codec import RclpyCodec
 from .running import run_node
 from ..estimation.axes import estimated_axes
 from ..estimation.events import biases, CHANGE, EstimationEvent, event_now, RESET, START, TARE
@@ -91,12 +90,11 @@ class EstimatorNode(Node):
         serve_changes(self, all_specifications(), self._change_parameters)
 
     def _subscribe(self) -> None:
-        codec = RclpyCodec()
-        readings = ContactReadings(self._session, codec)
+        readings = ContactReadings(self._session)
         self._wrench, self._joints = readings.wrench, readings.joints
         self._force = readings.force_of
         self._add_wrench, self._add_motion = readings.add_wrench, readings.add_motion
-        self._desired = TrajectoryDecoder(codec)
+        self._desired = TrajectoryDecoder()
         data = RawSubscriptions(self, self._own.dedicated_wait_set)
         # In this order they are served: a wrench finds the wish and the motion of its instant.
         for topic, type_name, callback, wakes in (
