@@ -154,6 +154,7 @@ def test_selection_of_an_effect_has_rivals_and_evidence() -> None:
     assert selection.evidence['force_delay'] > 0.9
 
 
+@pytest.mark.slow
 def test_wider_law_does_not_take_the_place_of_the_true_one() -> None:
     pair = {**physics('coulomb_friction', 2.0), **physics('force_delay', 0.006)}
     recording, base = prepared(*pair.items())

@@ -100,6 +100,7 @@ def test_bound_is_the_spread_of_least_squares() -> None:
     np.testing.assert_allclose(bounds(truths, with_inertia=False), spread, rtol=0.05)
 
 
+@pytest.mark.slow
 def test_command_writes_table_and_figures(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
