@@ -57,6 +57,7 @@ def test_text_has_a_line_a_row() -> None:
     assert len(as_text(rows).splitlines()) == len(ALL_CASES) + 1
 
 
+@pytest.mark.slow
 def test_same_seed_gives_the_same_errors_and_another_does_not() -> None:
     best = case('simulation_sine', BEST)
     assert run_case(best, 3) == run_case(best, 3) != run_case(best, 4)
