@@ -111,6 +111,7 @@ setup(
             'mypy>=1.9',
             'pydocstyle>=6.3',
             'pytest>=7.4',
+            'pytest-xdist>=3.7',
             'rosbags>=0.11',
             'setuptools',
             'types-PyYAML',

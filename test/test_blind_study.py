@@ -151,6 +151,7 @@ def test_a_failed_diagnosis_leaves_its_error_message(tmp_path: Path) -> None:
     assert str(files.nominal) in kept['error']
 
 
+@pytest.mark.slow
 def test_the_command_draws_diagnoses_and_scores_trials(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

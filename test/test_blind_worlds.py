@@ -238,6 +238,7 @@ def test_search_reports_an_effect_that_cannot_be_concealed() -> None:
     assert conceal(lambda s: 1.0 if s < 1e-3 else 30.0, 2.0).not_concealable
 
 
+@pytest.mark.slow
 def test_trial_has_its_requested_degree() -> None:
     trial = draw_trial('coulomb_friction', np.random.default_rng(4))
     rate = trial.world.sensors.rate

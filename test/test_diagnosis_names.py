@@ -45,6 +45,8 @@ from contact_estimation.physics import EFFECTS
 import numpy as np
 import pytest
 
+pytestmark = pytest.mark.slow
+
 WORLDS: dict[str, tuple[float, ...]] = {
     'coulomb_friction': (2.0,),
     'stribeck_friction': (1.5, 4.0, 0.02),

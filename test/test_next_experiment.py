@@ -137,6 +137,7 @@ def test_proposal_names_pair_and_experiment() -> None:
                    if c.words in proposal.text))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('index', [0, 3, 6])
 def test_predicted_difference_is_about_what_fits_to_a_new_recording_leave(index: int) -> None:
     d = open_question()

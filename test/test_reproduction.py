@@ -56,6 +56,7 @@ def test_text_has_one_line_per_row() -> None:
     assert len(as_text(rows).splitlines()) == len(ALL_CASES) + 1
 
 
+@pytest.mark.slow
 def test_same_seed_gives_the_same_errors_and_another_does_not() -> None:
     best = case('simulation_sine', BEST)
     assert best.run(3) == best.run(3) != best.run(4)
@@ -99,6 +100,7 @@ def test_bound_is_the_standard_deviation_of_least_squares() -> None:
     np.testing.assert_allclose(bounds(truths, with_inertia=False), spread, rtol=0.05)
 
 
+@pytest.mark.slow
 def test_command_writes_table_and_figures(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -86,6 +86,7 @@ def test_points_are_known_to_touch_where_they_do() -> None:
     assert wrong == []
 
 
+@pytest.mark.slow
 def test_command_prints_the_estimates_and_draws_them(
     tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
