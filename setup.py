@@ -63,7 +63,7 @@ setup(
         ],
     },
     python_requires='>=3.10',
-    # Lower bounds of numpy, scipy and PyYAML: Ubuntu 24.04, the platform of Jazzy.
+    # Lower bounds of numpy, scipy, PyYAML and tqdm: Ubuntu 24.04, the platform of Jazzy.
     install_requires=[
         'filterpy>=2.0',
         'jinja2>=3.1',
@@ -72,8 +72,16 @@ setup(
         'numpy>=1.26',
         'pyyaml>=6.0',
         'scipy>=1.11',
+        'tqdm>=4.66',
     ],
     extras_require={
+        'doc': [
+            'furo',
+            'matplotlib>=3.6',
+            'myst-parser>=3.0',
+            'numpydoc>=1.7',
+            'sphinx>=7.3',
+        ],
         # The Jazzy line on PyPI; on a machine with /opt/ros leave this extra out.
         'ros': [
             'ros-jazzy-rclpy[fastrtps]==7.1.6',

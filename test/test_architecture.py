@@ -28,8 +28,8 @@ LAYERS = [
     'exceptions', 'optional_packages', 'figure_style', 'parameters', 'messages', 'recordings',
     'signals', 'physics', 'reference', 'estimators', 'estimation', 'plant',
     'reproduction', 'diagnosis.observe', 'diagnosis.fit', 'diagnosis.conclude',
-    'diagnosis.report', 'diagnosis', 'blind_trials', 'ros', 'loop', 'commands', 'benchmarks',
-    'several_points',
+    'diagnosis.report', 'diagnosis', 'blind_trials', 'ros', 'api', 'loop', 'commands',
+    'benchmarks', 'several_points',
 ]
 
 

@@ -32,8 +32,8 @@ from concealed_worlds import (
     softened,
     with_unknown,
 )
-from contact_estimation.blind_trials.drawing import port_of
-from contact_estimation.blind_trials.unknown import UNKNOWN
+from contact_estimation.blind_trials.trial import port_of
+from contact_estimation.blind_trials.unknown_effects import UNKNOWN
 from contact_estimation.diagnosis.conclude.result import Diagnosis
 from contact_estimation.diagnosis.diagnosis import diagnose
 from contact_estimation.diagnosis.observe.model import names_of

@@ -46,6 +46,7 @@ ROSDEP_KEYS = {
     'sensor_msgs': 'sensor_msgs',
     'std_msgs': 'std_msgs',
     'std_srvs': 'std_srvs',
+    'tqdm': 'python3-tqdm',
     'trajectory_msgs': 'trajectory_msgs',
     'yaml': 'python3-yaml',
 }
@@ -71,7 +72,7 @@ def exec_depends() -> set[str]:
 
 
 def python_files() -> list[Path]:
-    places = (PACKAGE, ROOT / 'launch', ROOT / 'test')
+    places = (PACKAGE, ROOT / 'doc', ROOT / 'launch', ROOT / 'test')
     return [ROOT / 'setup.py', *(file for place in places for file in place.rglob('*.py'))]
 
 

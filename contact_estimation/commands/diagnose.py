@@ -22,8 +22,8 @@ from pathlib import Path
 from typing import Any, Iterable
 
 from .command_line import add_source_options, command, different_files, new_file, Parser, source_of
-from .model_file import read_model
 from .progress import Progress
+from ..api import read_model
 from ..diagnosis.conclude.next_experiment import choose, Proposal
 from ..diagnosis.conclude.result import Diagnosis
 from ..diagnosis.diagnosis import diagnose

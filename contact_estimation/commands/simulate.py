@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 from .command_line import add_source_options, command, Parser, source_of
-from .model_file import read_model
+from ..api import read_model
 from ..exceptions import ParameterRangeError, RecordingError
 from ..plant.between_samples import BETWEEN
 from ..plant.plant_parameters import PlantParameters
