@@ -29,7 +29,7 @@ from contact_estimation.diagnosis.report.figures import (
 )
 from contact_estimation.diagnosis.report.plot_data import plot_data
 from contact_estimation.diagnosis.report.wording import tested_dependences as dependences_of
-from contact_estimation.figure_style import INK
+from contact_estimation.figures import INK
 from diagnosed_worlds import diagnosed
 import numpy as np
 import pytest

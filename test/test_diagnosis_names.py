@@ -147,7 +147,7 @@ def test_clean_world_is_consistent_and_has_no_names(seed: int) -> None:
     assert found.verdict == 'consistent'
     assert not found.effects
     assert found.location is None
-    assert found.left == pytest.approx(1.0, abs=0.2)
+    assert found.residual_power == pytest.approx(1.0, abs=0.2)
 
 
 def test_clean_world_whose_excitation_jumps_is_consistent() -> None:

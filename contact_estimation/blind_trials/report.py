@@ -24,7 +24,7 @@ import numpy as np
 
 from .metrics import confusion, groups, Metric, metrics
 from .scoring import Score
-from ..optional_packages import require_matplotlib
+from ..figures import require_matplotlib
 from ..physics import EFFECTS
 
 # Scripts read earlier studies: the keys of the JSON file stay.

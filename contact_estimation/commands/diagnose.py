@@ -33,7 +33,7 @@ from ..diagnosis.report.json_report import as_dict
 from ..diagnosis.report.page import as_html
 from ..diagnosis.report.text_report import as_text
 from ..exceptions import ModelFileError, ParameterRangeError
-from ..optional_packages import require_matplotlib
+from ..figures import require_matplotlib
 from ..physics import effects_that_are_on
 from ..plant.plant_parameters import PlantParameters
 from ..recordings import RecordingReader

@@ -27,13 +27,12 @@ from .command_line import command, new_folder, Parser
 from .progress import Progress
 from ..estimators import ESTIMATORS
 from ..exceptions import MissingPackageError, RecordingError
-from ..figure_style import as_png
+from ..figures import as_png, require_matplotlib
 from ..loop.configuration import configure, LoopConfiguration, write_parameters
 from ..loop.processes import LoopProcesses
 from ..loop.recorded_run import read_run
 from ..loop.summary import summarise
 from ..loop.summary_figure import plot_run
-from ..optional_packages import require_matplotlib
 from ..recordings.definitions import jazzy_typestore
 from ..reference.experiments import EXPERIMENTS
 

@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 from .recorded_run import RecordedRun
-from ..figure_style import BLUE, figure_style, INK, MUTED, new_figure, ORANGE
+from ..figures import BLUE, figure_style, INK, MUTED, new_figure, ORANGE
 from ..plant.plant_parameters import WallParameters
 
 

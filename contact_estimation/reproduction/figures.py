@@ -27,7 +27,7 @@ from .paper import B_E, K_E
 from .simulation_cases import SIMULATION_CASES, step_recording
 from .testbed_cases import LONG_HOLD_S, online_cases, record_testbed_step
 from ..estimators.signal_processing import FFT_POINTS, SETTLED, step_response
-from ..optional_packages import require_matplotlib
+from ..figures import require_matplotlib
 from ..plant.closed_loop import ClosedLoopRun
 
 Array = NDArray[np.float64]

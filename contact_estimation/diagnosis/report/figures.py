@@ -28,7 +28,7 @@ from .plot_data import Comparison, PlotData, Residuals
 from .wording import quantity
 from ..conclude.dependence import Dependence
 from ..conclude.result import Diagnosis
-from ...figure_style import BLUE, figure_style, GREY, INK, MUTED, new_figure, OCHRE, ORANGE
+from ...figures import BLUE, figure_style, GREY, INK, MUTED, new_figure, OCHRE, ORANGE
 
 COLOURS = {'nominal': GREY, 'recalibrated': ORANGE, 'corrected': BLUE}
 _HELD_OUT = '#eef1f4'

@@ -41,7 +41,7 @@ from .sections import (
 from .sections.inputs import Inputs
 from .wording import headline, meaning, place_of, PORTS
 from ..conclude.result import Diagnosis
-from ...figure_style import as_png
+from ...figures import as_png
 
 SECTIONS: Mapping[str, Callable[[Inputs], Mapping[str, Any] | None]] = {
     'summary': summary.prepare,

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The one style of all figures: colours, spines, grid, fonts."""
+"""Figures with matplotlib, an optional package: one style, files without a display."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from contextlib import contextmanager
 import io
 from typing import Any, Iterator
 
-from .optional_packages import require_matplotlib
+from .exceptions import MissingPackageError
 
 INK, MUTED, GRID = '#1f2933', '#9aa5b1', '#e4e7eb'
 BLUE, ORANGE, GREY, OCHRE = '#0b6e99', '#c2410c', '#7b8794', '#b7791f'
@@ -114,3 +114,28 @@ def as_png(figure: Any) -> bytes:
     with figure_style():
         figure.savefig(stream, format='png')
     return stream.getvalue()
+
+
+def require_matplotlib() -> Any:
+    """
+    Import matplotlib for files, without a display.
+
+    Returns
+    -------
+    pyplot : module
+        matplotlib.pyplot.
+
+    Raises
+    ------
+    MissingPackageError
+        If it is not installed.
+
+    """
+    try:
+        import matplotlib
+    except ImportError as error:
+        raise MissingPackageError.of('matplotlib', 'plotting figures') from error
+    matplotlib.use('Agg')
+    from matplotlib import pyplot
+
+    return pyplot
