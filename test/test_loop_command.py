@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The loop as users start it: three processes, a recording and a summary, whatever happens."""
+"""The loop as users start it: three processes, a recording and a summary."""
 
 from __future__ import annotations
 
@@ -73,19 +73,21 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Run:
 
 
 @pytest.mark.slow
-def test_loop_succeeds_and_says_what_it_found(whole: Run) -> None:
+def test_loop_succeeds_and_prints_its_estimates(whole: Run) -> None:
     assert (whole.finished.code, whole.finished.stderr) == (0, '')
-    assert whole.finished.stdout.startswith('indirect_adaptive, law eq20: K_e 4')
+    lines = whole.finished.stdout.splitlines()
+    assert lines[0].startswith('indirect_adaptive, law eq20: K_e 4')
+    assert lines[2].startswith('1500 samples at ') and 'dropped, latency [ms]: p50 ' in lines[2]
 
 
 @pytest.mark.slow
-def test_summary_has_the_keys_of_the_contract(whole: Run) -> None:
+def test_summary_has_the_keys_of_its_schema(whole: Run) -> None:
     assert list(whole.summary) == KEYS
     assert list(whole.summary['latency_ms']) == ['p50', 'p99', 'max']
 
 
 @pytest.mark.slow
-def test_lost_samples_are_counted_as_an_integer(whole: Run) -> None:
+def test_dropped_samples_are_counted_as_an_integer(whole: Run) -> None:
     assert whole.summary['samples_sent'] == 1500
     assert type(whole.summary['samples_lost']) is int
     assert 0 <= whole.summary['samples_lost'] <= 1500
@@ -102,13 +104,13 @@ def test_estimates_at_the_last_contact_are_near_the_truth(whole: Run) -> None:
 
 
 @pytest.mark.slow
-def test_eq20_presses_with_about_half_of_the_wanted_force(whole: Run) -> None:
+def test_eq20_presses_with_about_half_of_the_desired_force(whole: Run) -> None:
     assert whole.summary['desired_force_n'] == 50.0
     assert whole.summary['mean_force_n'] == pytest.approx(50.0 * 5.0 / 9.8, rel=0.1)
 
 
 @pytest.mark.slow
-def test_loop_leaves_recording_and_picture(whole: Run) -> None:
+def test_loop_writes_recording_and_figure(whole: Run) -> None:
     assert {path.name for path in whole.folder.iterdir()} >= {
         'recording', 'summary.json', 'summary.png'
     }
@@ -126,8 +128,8 @@ def test_replay_of_the_loop_ends_at_the_estimates_of_the_summary(whole: Run) -> 
     reader = RecordingReader(whole.folder / 'recording')
     replay = RecordingReplay(reader, RecordingSource(), {})
     estimates = [estimate for batch in replay.estimates() for estimate in batch]
-    told = json.loads((whole.folder / 'plant_summary.json').read_text())
-    last = {e.stamp_ns: e for e in estimates}[told['last_contact_stamp_ns']]
+    plant = json.loads((whole.folder / 'plant_summary.json').read_text())
+    last = {e.stamp_ns: e for e in estimates}[plant['last_contact_stamp_ns']]
     assert (last.stiffness, last.damping) == (whole.summary['stiffness'],
                                               whole.summary['damping'])
 

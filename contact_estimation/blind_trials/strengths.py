@@ -13,11 +13,10 @@
 # limitations under the License.
 
 """
-Effects of chance: everything but their magnitude.
+Random draws of effect parameters as functions of a strength.
 
-Signs, time constants and the like are drawn here; how strong the effect is stays open: a strength
-from 0 (absent) to 1 (as strong as plausible), to which what carries the magnitude is
-proportional. The concealment settles it.
+Signs, time constants and the like are drawn here. The magnitude is proportional to a strength
+from 0 (no effect) to 1 (strongest plausible), which follows from the degree of concealment.
 """
 
 from __future__ import annotations
@@ -27,7 +26,7 @@ from typing import Callable, Mapping, NamedTuple
 
 from numpy.random import Generator
 
-from .setups import Setup
+from .worlds import RandomWorld
 from ..parameters.specification import specifications
 from ..physics import EFFECTS
 from ..physics.physics import Scales
@@ -42,54 +41,54 @@ _LARGEST_DAMPING = 300.0  # of a wall, at half the depth [N s/m]
 
 def draw_strength(name: str, scales: Scales, rng: Generator) -> Strength:
     """
-    Draw an effect of open magnitude.
+    Draw the parameters of an effect except its magnitude.
 
     Parameters
     ----------
     name : str
-        A key of EFFECTS.
+        Key of EFFECTS.
     scales : Scales
-        Of motion and forces in the world it comes into.
+        Characteristic magnitudes of the world.
     rng : numpy.random.Generator
-        Source of chance.
+        Random generator.
 
     Returns
     -------
     strength : callable
-        A number from 0 to 1, to parameters by name.
+        Strength, 0 to 1, to parameters by name.
 
     """
     draw = _DRAWS.get(name)
     return _from_its_own_start(name, scales) if draw is None else draw(scales, rng)
 
 
-def wall_alike(name: str, values: Values, setup: Setup) -> WallParameters:
+def wall_alike(name: str, values: Values, world: RandomWorld) -> WallParameters:
     """
-    Give the spring-damper that a modeller without the effect would put in the wall's place.
+    Return the spring-damper with which a modeller unaware of the effect would replace the wall.
 
     Parameters
     ----------
     name : str
-        The effect.
+        Key of EFFECTS or of UNKNOWN.
     values : mapping
-        Its parameters.
-    setup : Setup
-        The world without it.
+        Parameters of the effect.
+    world : RandomWorld
+        World without the effect.
 
     Returns
     -------
     wall : WallParameters
-        Of the setup; for hunt_crossley_damping, which has no B_e, its damping at half the depth.
+        True wall; for hunt_crossley_damping, which has no B_e, with its damping at half depth.
 
     """
-    wall = setup.wall
-    damping = 0.5 * values['chi'] * setup.depth if 'chi' in values else wall.damping
+    wall = world.wall
+    damping = 0.5 * values['chi'] * world.depth if 'chi' in values else wall.damping
     return WallParameters(
         stiffness=wall.stiffness, damping=float(f'{damping:.6g}'), location=wall.location)
 
 
 def _from_its_own_start(name: str, scales: Scales) -> Strength:
-    """Let an effect that is new to the library begin where its search does."""
+    """Scale the first parameter of the start values of an effect without an entry in _DRAWS."""
     cls = EFFECTS[name]
     names = [spec.name for spec in specifications(cls.Parameters)]
     start = dict(zip(names, cls.starts(scales)[0]))
@@ -101,7 +100,7 @@ def _from_its_own_start(name: str, scales: Scales) -> Strength:
 def _proportional(
     parameter: str, most: Callable[[Scales], float], either_sign: bool = False
 ) -> _Draw:
-    """Make the draw of an effect that has nothing but a magnitude."""
+    """Build the draw of an effect with one parameter."""
     def draw(scales: Scales, rng: Generator) -> Strength:
         strongest = most(scales) * (_sign(rng) if either_sign else 1.0)
         return lambda s: {parameter: s * strongest}
@@ -110,7 +109,7 @@ def _proportional(
 
 
 def _limit(greatest: Callable[[Scales], float]) -> _Draw:
-    """Make the draw of an effect that cuts off what is beyond a limit."""
+    """Build the draw of a saturation."""
     def draw(scales: Scales, rng: Generator) -> Strength:
         return lambda s: {'limit': (1.0 - 0.8 * s) * greatest(scales)}
 
@@ -118,7 +117,7 @@ def _limit(greatest: Callable[[Scales], float]) -> _Draw:
 
 
 class _Branch(NamedTuple):
-    """A time constant or the like, in a range."""
+    """A log-uniform range."""
 
     low: float
     high: float
@@ -138,7 +137,7 @@ def _stribeck(scales: Scales, rng: Generator) -> Strength:
 
 
 def _cubic(scales: Scales, rng: Generator) -> Strength:
-    share = float(rng.choice([1.0, -0.2]))  # softening must not turn round within the depth
+    share = float(rng.choice([1.0, -0.2]))  # softening must stay monotonic within the depth
     return lambda s: {'K_3': s * share * scales.stiffness / scales.depth**2}
 
 
@@ -211,4 +210,4 @@ _DRAWS: dict[str, _Draw] = {
     'command_delay': _proportional('delay', lambda e: 0.1),
     'actuator_saturation': _limit(lambda e: e.control),
 }
-"""An effect that is not here is drawn from where its own search begins."""
+"""By effect; an effect without an entry is drawn from its own start values."""

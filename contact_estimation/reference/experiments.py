@@ -162,7 +162,7 @@ def experiment_named(name: str) -> Experiment:
 
 def read_experiment(path: Path) -> Experiment:
     """
-    Read an experiment from a YAML file; the README gives the schema.
+    Read an experiment from a YAML file; doc/commands.md gives the schema.
 
     Parameters
     ----------
@@ -291,7 +291,7 @@ def _number(value: Any, path: Path, key: str) -> float:
 def _expect(holds: bool, path: Path, expected: str, received: Any) -> None:
     if not holds:
         raise ModelFileError(
-            f'experiment file {path}: expected {expected}, got {received!r}; see the README'
+            f'experiment file {path}: expected {expected}, got {received!r}; see doc/commands.md'
         )
 
 

@@ -23,7 +23,7 @@ import numpy as np
 
 from .contact_points_estimator import ContactPointsEstimate
 from .three_contacts_world import B_E, Instant, K_E, MU, POINTS
-from ..optional_packages import require_matplotlib
+from ..figures import require_matplotlib
 
 _INK, _TRUE = '#1f2933', '#c2410c'
 _COLOURS = ('#0b6e99', '#6b8e23', '#8e5aa8')
