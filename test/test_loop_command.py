@@ -118,7 +118,7 @@ def test_loop_leaves_recording_and_picture(whole: Run) -> None:
 def test_replay_of_the_loop_ends_at_the_estimates_of_the_summary(whole: Run) -> None:
     reader = RecordingReader(whole.folder / 'recording')
     replay = RecordingReplay(reader, RecordingSource(), {})
-    estimates = [estimate for batch in replay.estimates() for estimate in batch]
+    estimates = [estimate for batch in replay.estimates() for estimate, in batch]
     told = json.loads((whole.folder / 'plant_summary.json').read_text())
     last = {e.stamp_ns: e for e in estimates}[told['last_contact_stamp_ns']]
     assert (last.stiffness, last.damping) == (whole.summary['stiffness'],

@@ -21,7 +21,7 @@ from math import nan, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from .estimator import Held, OnlineEstimator, Snapshot
+from .estimator import Frozen, OnlineEstimator, ParameterEstimate
 from .excitation_monitor import Window
 
 _LEAST_SAMPLES = 20.0  # effective ones, less the parameters, before a residual is believed
@@ -92,25 +92,25 @@ class EquationNoise:
         self.variance = self._prior_variance = prior_variance
         self._shares = 0.0, 0.0  # of the window: of K_hat by an offset, of B_hat by rate noise
         self._offset_share = self._rate_share = 0.0  # of what has been learned
-        self.forget_claims()
+        self.forget_updates()
 
-    def forget_claims(self) -> None:
+    def forget_updates(self) -> None:
         """Note that an estimator begins anew: it has learned nothing yet."""
         self._stiffness_learned = self._damping_learned = False
 
-    def note_learning(self, held: Held) -> None:
+    def note_update(self, frozen: Frozen) -> None:
         """
         Note which parameters learn now.
 
         Parameters
         ----------
-        held : Held
+        frozen : Frozen
             Those that do not.
 
         """
-        if not held.stiffness:
+        if not frozen.stiffness:
             self._stiffness_learned, self._offset_share = True, self._shares[0]
-        if not held.damping:
+        if not frozen.damping:
             self._damping_learned, self._rate_share = True, self._shares[1]
 
     def judge(
@@ -150,26 +150,26 @@ class EquationNoise:
             rate_share = noise / max(power - noise, _LEAST_SIGNAL * noise, 1e-30)
         self._shares = offset_share, rate_share
 
-    def claim(self, known: Snapshot) -> Snapshot:
+    def widen(self, known: ParameterEstimate) -> ParameterEstimate:
         """
         Say of an estimate only what the data support.
 
         Parameters
         ----------
-        known : Snapshot
+        known : ParameterEstimate
             With the standard deviations of white equation noise.
 
         Returns
         -------
-        claimed : Snapshot
+        claimed : ParameterEstimate
             With those of a constant position error and of noise in the differentiated position as
-            well; NaN for what was held from the
+            well; NaN for what was frozen from the
             start, which is the first guess and nothing else.
 
         """
         K, B, K_std, B_std, shift, inertia = known
         offset, bias = self._offset_share * K, self._rate_share * B
-        return Snapshot(
+        return ParameterEstimate(
             K, B,
             sqrt(K_std * K_std + offset * offset) if self._stiffness_learned else nan,
             sqrt(B_std * B_std + bias * bias) if self._damping_learned else nan,

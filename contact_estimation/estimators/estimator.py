@@ -19,6 +19,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from enum import Enum
+from functools import cached_property
 from math import nan
 from typing import Callable, ClassVar, Mapping, NamedTuple, Sequence
 
@@ -60,7 +61,7 @@ class Estimate(NamedTuple):
     status : EstimateStatus
         Free, estimating or frozen.
     reason : str
-        Why it is frozen, or which parameter is held; '' where there is nothing to say.
+        Why it is frozen, or which parameter is frozen; '' where there is nothing to say.
 
     """
 
@@ -75,7 +76,7 @@ class Estimate(NamedTuple):
     reason: str
 
 
-class Snapshot(NamedTuple):
+class ParameterEstimate(NamedTuple):
     """
     The numbers of an estimator at one instant; NaN for what it does not estimate.
 
@@ -100,7 +101,7 @@ class Snapshot(NamedTuple):
     inertia: float
 
 
-class Held(NamedTuple):
+class Frozen(NamedTuple):
     """Which parameters the data cannot tell at present, so that they must not move."""
 
     stiffness: bool
@@ -132,13 +133,18 @@ class EnvironmentParameters(ParameterGroup):
                 f'({self.maximum_stiffness:g} N/m), got {self.minimum_stiffness:g}'
             )
 
+    @cached_property
+    def limits(self) -> tuple[float, float, float]:
+        """Least and greatest K_hat [N/m] and greatest B_hat [N s/m]."""
+        return self.minimum_stiffness, self.maximum_stiffness, self.maximum_damping
+
 
 class OnlineEstimator(ABC):
     """
     Base of the estimators that run sample by sample.
 
     A subclass declares its tuning in `Parameters`, the relation that it fits in `relation`, and
-    moves `stiffness` and `damping` in `learn`, which is called in contact only.
+    moves `stiffness` and `damping` in `update`, which is called in contact only.
 
     Parameters
     ----------
@@ -207,9 +213,9 @@ class OnlineEstimator(ABC):
         """
 
     @abstractmethod
-    def learn(
-        self, rows: Sequence[TimedRow], noise_variance: float, held: Held
-    ) -> list[Snapshot]:
+    def update(
+        self, rows: Sequence[TimedRow], noise_variance: float, frozen: Frozen
+    ) -> list[ParameterEstimate]:
         """
         Learn from gated and filtered rows, one after the other.
 
@@ -223,18 +229,18 @@ class OnlineEstimator(ABC):
             (y, phi_K, phi_B, phi_c, ...) of the class's relation.
         noise_variance : float
             Of the unfiltered force [N^2].
-        held : Held
+        frozen : Frozen
             Parameters that must not move.
 
         Returns
         -------
-        snapshots : list of Snapshot
+        estimates : list of ParameterEstimate
             What is known after each row.
 
         """
 
     @abstractmethod
-    def snapshot(self) -> Snapshot:
+    def current(self) -> ParameterEstimate:
         """Tell what is known now."""
 
     def observe(  # noqa: B027 - most estimators need nothing here
@@ -277,12 +283,6 @@ class OnlineEstimator(ABC):
         """Prior standard deviation of the wall's location [m]; None where it is not estimated."""
         return None
 
-    @property
-    def limits(self) -> tuple[float, float, float]:
-        """Least and greatest K_hat [N/m] and greatest B_hat [N s/m]."""
-        limits = self.environment
-        return limits.minimum_stiffness, limits.maximum_stiffness, limits.maximum_damping
-
     def within_limits(self, stiffness: float, damping: float) -> tuple[float, float]:
         """
         Bring a pair back into the limits.
@@ -298,5 +298,5 @@ class OnlineEstimator(ABC):
             Within the limits.
 
         """
-        K_low, K_high, B_high = self.limits
+        K_low, K_high, B_high = self.environment.limits
         return min(max(stiffness, K_low), K_high), min(max(damping, 0.0), B_high)

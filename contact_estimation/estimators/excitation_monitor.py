@@ -24,7 +24,7 @@ from typing import NamedTuple, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from .estimator import Held
+from .estimator import Frozen
 from ..parameters.specification import parameter, ParameterGroup
 from ..signals.relations import COLUMNS, NoiseGain, Row
 
@@ -34,7 +34,7 @@ _EARLY = 10  # rows between judgements
 
 @dataclass(frozen=True)
 class ExcitationParameters(ParameterGroup):
-    """When a parameter is held because the data do not tell it."""
+    """When a parameter is frozen because the data do not tell it."""
 
     window_s: float = parameter(
         1.0, 'Length of the window over which excitation counts', 's',
@@ -42,8 +42,8 @@ class ExcitationParameters(ParameterGroup):
     )
     maximum_relative_std: float = parameter(
         0.2,
-        'A parameter is held while its predicted relative standard deviation is above this; '
-        'large: never held',
+        'A parameter is frozen while its predicted relative standard deviation is above this; '
+        'large: never frozen',
         minimum=1e-4,
     )
 
@@ -73,7 +73,7 @@ class ExcitationMonitor:
     Predict the standard deviation that the last window allows, eq. (27) made quantitative.
 
     sigma_F^2 (sum phi phi^T)^-1 is the Cramer-Rao bound of K_e and B_e over the window. Where it
-    exceeds a share of the estimate, noise would move the parameter more than data; it is held.
+    exceeds a share of the estimate, noise would move the parameter more than data; it is frozen.
     The information of the third column, location or not, enters where it is estimated.
 
     Parameters
@@ -110,7 +110,7 @@ class ExcitationMonitor:
         """Forget all excitation."""
         self._past: deque[Window] = deque(maxlen=_BLOCKS - 1)
         self._start_block()
-        self.held = Held(True, True)
+        self.frozen = Frozen(True, True)
         self.stiffness_std = inf
         self.damping_std = inf
 
@@ -170,7 +170,7 @@ class ExcitationMonitor:
         location_std: float | None,
     ) -> None:
         """
-        Judge what the window tells; sets `held` and the predicted standard deviations.
+        Judge what the window tells; sets `frozen` and the predicted standard deviations.
 
         Parameters
         ----------
@@ -219,15 +219,15 @@ class ExcitationMonitor:
         alone_K, alone_B = _std(noise_variance, KK, 0.0, 1.0), _std(noise_variance, BB, 0.0, 1.0)
         self.stiffness_std, self.damping_std = both_K, both_B
         if both_K <= limit_K and both_B <= limit_B:
-            self.held = Held(False, False)
+            self.frozen = Frozen(False, False)
         elif alone_K <= limit_K:
-            self.held = Held(False, True)
+            self.frozen = Frozen(False, True)
             self.stiffness_std = alone_K
         elif alone_B <= limit_B:
-            self.held = Held(True, False)
+            self.frozen = Frozen(True, False)
             self.damping_std = alone_B
         else:
-            self.held = Held(True, True)
+            self.frozen = Frozen(True, True)
 
 
 def _std(noise_variance: float, own: float, cross: float, other: float) -> float:

@@ -23,7 +23,7 @@ from typing import Callable, Mapping, NamedTuple, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from .estimator import Held, OnlineEstimator, Snapshot, TimedRow
+from .estimator import Frozen, OnlineEstimator, ParameterEstimate, TimedRow
 from ..parameters.specification import parameter, ParameterGroup
 from ..signals.relations import Row
 
@@ -121,22 +121,22 @@ class HuntCrossley(OnlineEstimator):
         self._stiffness_learned = self._damping_learned = False
         self._std = self._spread()
 
-    def learn(
-        self, rows: Sequence[TimedRow], noise_variance: float, held: Held
-    ) -> list[Snapshot]:
-        """Predict and correct for each row; see `OnlineEstimator.learn`."""
+    def update(
+        self, rows: Sequence[TimedRow], noise_variance: float, frozen: Frozen
+    ) -> list[ParameterEstimate]:
+        """Predict and correct for each row; see `OnlineEstimator.update`."""
         free = np.array([
-            not held.stiffness, not held.stiffness and self._p.exponent_std > 0.0,
-            not held.damping,
+            not frozen.stiffness, not frozen.stiffness and self._p.exponent_std > 0.0,
+            not frozen.damping,
         ])
-        snapshots = []
+        estimates = []
         for dt, row in rows:
             if row[1] > 0.0 and abs(row[3] - 1.0) < _SETTLED:
                 self._note_depth(dt, row[1])
                 self._update(dt, row, noise_variance, free)
-                self._publish(held)
-            snapshots.append(self.snapshot())
-        return snapshots
+                self._publish(frozen)
+            estimates.append(self.current())
+        return estimates
 
     def _note_depth(self, dt: float, depth: float) -> None:
         self._seen_s = min(self._seen_s + dt, self._p.depth_memory_s)
@@ -164,12 +164,12 @@ class HuntCrossley(OnlineEstimator):
         # would be believed along a wrong direction.
         bend = 0.5 * P[2, 2] * H[2] ** 2
         g /= spread + max(noise_variance, 1e-18) / force**2 + 2.0 * bend**2
-        # Schmidt's consider filter: a held one keeps value and covariance, and its uncertainty
+        # Schmidt's consider filter: a frozen one keeps value and covariance, and its uncertainty
         # has weakened the gain of the others.
-        held = P[np.ix_(~free, ~free)].copy()
+        frozen = P[np.ix_(~free, ~free)].copy()
         self._x = x + g * error * free
         P = P - np.outer(g, H @ P)
-        P[np.ix_(~free, ~free)] = held
+        P[np.ix_(~free, ~free)] = frozen
         self._P = 0.5 * (P + P.T)
         self._keep_within(1, _LOWEST_EXPONENT, _HIGHEST_EXPONENT)
         self._keep_within(2, 0.0, float('inf'))
@@ -180,15 +180,15 @@ class HuntCrossley(OnlineEstimator):
         if excess != 0.0 and self._P[index, index] > 0.0:
             self._x = self._x - self._P[:, index] * (excess / self._P[index, index])
 
-    def _publish(self, held: Held) -> None:
+    def _publish(self, frozen: Frozen) -> None:
         """Evaluate the law at the mean penetration."""
         a, n, r = self._x.tolist()
         force = exp(min(a + n * self._log_depth, 60.0))
         K, B = force / (exp(self._log_depth) * self._p.reference_depth), r * force
         K, B = self.within_limits(K, B)
-        self._stiffness_learned |= not held.stiffness
-        self._damping_learned |= not held.damping
-        # A law that is held stands still; what it comes to at another depth does not.
+        self._stiffness_learned |= not frozen.stiffness
+        self._damping_learned |= not frozen.damping
+        # A law that is frozen stands still; what it comes to at another depth does not.
         self.stiffness = K if self._stiffness_learned else self.stiffness
         self.damping = B if self._damping_learned else self.damping
         self._std = self._spread()
@@ -235,6 +235,6 @@ class HuntCrossley(OnlineEstimator):
         """The law, by names; see `OnlineEstimator.details`."""
         return self.law._asdict()
 
-    def snapshot(self) -> Snapshot:
-        """Tell what is known now; see `OnlineEstimator.snapshot`."""
-        return Snapshot(self.stiffness, self.damping, *self._std, 0.0, nan)
+    def current(self) -> ParameterEstimate:
+        """Return the present estimate; see `OnlineEstimator.current`."""
+        return ParameterEstimate(self.stiffness, self.damping, *self._std, 0.0, nan)

@@ -21,7 +21,7 @@ from dataclasses import dataclass
 from math import exp, nan, sqrt
 from typing import Sequence
 
-from .estimator import Held, OnlineEstimator, Snapshot, TimedRow
+from .estimator import Frozen, OnlineEstimator, ParameterEstimate, TimedRow
 from ..parameters.specification import parameter, ParameterGroup
 from ..signals.relations import Row
 
@@ -64,7 +64,7 @@ class InstrumentalVariable(OnlineEstimator):
 
     The sums are kept and solved anew, row by row, so that no gain can grow where z and phi are
     out of step. Their covariance is sigma^2 A^-1 (sum z z^T) A^-T, A = sum z phi^T. The equation
-    of a held parameter neither takes rows nor forgets.
+    of a frozen parameter neither takes rows nor forgets.
 
     """
 
@@ -89,44 +89,44 @@ class InstrumentalVariable(OnlineEstimator):
         self._Z = 0.0, 0.0, 0.0
         self._std = self._p.stiffness_std, self._p.damping_std
 
-    def learn(
-        self, rows: Sequence[TimedRow], noise_variance: float, held: Held
-    ) -> list[Snapshot]:
-        """Add each row to the equations and solve them; see `OnlineEstimator.learn`."""
+    def update(
+        self, rows: Sequence[TimedRow], noise_variance: float, frozen: Frozen
+    ) -> list[ParameterEstimate]:
+        """Add each row to the equations and solve them; see `OnlineEstimator.update`."""
         variance, past, lag = max(noise_variance, _SMALLEST), self._past, self._past.maxlen
-        snapshots = []
+        estimates = []
         for _, row in rows:
             past.append(row)
             if len(past) == lag:
-                self._add(row, past[0], held)
-                self._solve(variance, held)
-            snapshots.append(self.snapshot())
-        return snapshots
+                self._add(row, past[0], frozen)
+                self._solve(variance, frozen)
+            estimates.append(self.current())
+        return estimates
 
-    def _add(self, row: Row, instrument: Row, held: Held) -> None:
+    def _add(self, row: Row, instrument: Row, frozen: Frozen) -> None:
         y, f_K, f_B = row[0], row[1], row[2]
         z_K, z_B, keep = instrument[1], instrument[2], self._keep
-        g_K, g_B = 1.0 if held.stiffness else keep, 1.0 if held.damping else keep
+        g_K, g_B = 1.0 if frozen.stiffness else keep, 1.0 if frozen.damping else keep
         KK, KB, BB = self._Z
         KK, KB, BB = g_K * g_K * KK, g_K * g_B * KB, g_B * g_B * BB
-        if not held.stiffness:
+        if not frozen.stiffness:
             a, b, c = self._of_K
             self._of_K = keep * a + z_K * f_K, keep * b + z_K * f_B, keep * c + z_K * y
             KK += z_K * z_K
-        if not held.damping:
+        if not frozen.damping:
             a, b, c = self._of_B
             self._of_B = keep * a + z_B * f_K, keep * b + z_B * f_B, keep * c + z_B * y
             BB += z_B * z_B
-            if not held.stiffness:
+            if not frozen.stiffness:
                 KB += z_K * z_B
         self._Z = KK, KB, BB
 
-    def _solve(self, variance: float, held: Held) -> None:
+    def _solve(self, variance: float, frozen: Frozen) -> None:
         """Solve for both, or for one with the other as it stands where the data tell no more."""
-        if not (held.stiffness or held.damping) and self._solve_both(variance):
+        if not (frozen.stiffness or frozen.damping) and self._solve_both(variance):
             return
         p = self._p
-        if not held.stiffness:
+        if not frozen.stiffness:
             (K_0, _), (a, b, c), r = self._start, self._of_K, variance / p.stiffness_std**2
             K = (c - b * self.damping + r * K_0) / (a + r) if a > -r else -1.0
             # The damping that stands in the equation has its own error.
@@ -135,7 +135,7 @@ class InstrumentalVariable(OnlineEstimator):
             if K > 0.0 and std < _TOO_UNSURE * K:
                 self.stiffness, _ = self.within_limits(K, self.damping)
                 self._std = std, self._std[1]
-        elif not held.damping:
+        elif not frozen.damping:
             (_, B_0), (a, b, c), r = self._start, self._of_B, variance / p.damping_std**2
             B = (c - a * self.stiffness + r * B_0) / (b + r) if b > -r else -1.0
             spread = self._Z[2] * variance + r * variance + (a * self._std[0]) ** 2
@@ -167,6 +167,6 @@ class InstrumentalVariable(OnlineEstimator):
     def _tolerable(self, damping: float) -> float:
         return _TOO_UNSURE * max(damping, self.damping, self.environment.initial_damping)
 
-    def snapshot(self) -> Snapshot:
-        """Tell what is known now; see `OnlineEstimator.snapshot`."""
-        return Snapshot(self.stiffness, self.damping, *self._std, 0.0, nan)
+    def current(self) -> ParameterEstimate:
+        """Return the present estimate; see `OnlineEstimator.current`."""
+        return ParameterEstimate(self.stiffness, self.damping, *self._std, 0.0, nan)

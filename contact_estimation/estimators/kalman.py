@@ -22,7 +22,7 @@ from typing import Sequence
 
 import numpy as np
 
-from .estimator import Held, OnlineEstimator, Snapshot, TimedRow
+from .estimator import Frozen, OnlineEstimator, ParameterEstimate, TimedRow
 from ..parameters.specification import parameter, ParameterGroup
 from ..signals.relations import Row
 
@@ -65,7 +65,7 @@ class Kalman(OnlineEstimator):
     exact; s itself follows as a quotient. filterpy does the algebra; its covariance is the
     honest one as long as the force noise is white before conditioning.
 
-    A held parameter neither moves nor loses covariance and takes no random walk, but its
+    A frozen parameter neither moves nor loses covariance and takes no random walk, but its
     uncertainty still weighs on the others (Schmidt's consider filter): taken as known, a wrong
     first guess of B_e would be learned as stiffness.
 
@@ -92,28 +92,29 @@ class Kalman(OnlineEstimator):
         self._filter.F = np.eye(3)
         self._read_state()
 
-    def learn(
-        self, rows: Sequence[TimedRow], noise_variance: float, held: Held
-    ) -> list[Snapshot]:
-        """Predict and correct for each row; see `OnlineEstimator.learn`."""
-        snapshots = []
+    def update(
+        self, rows: Sequence[TimedRow], noise_variance: float, frozen: Frozen
+    ) -> list[ParameterEstimate]:
+        """Predict and correct for each row; see `OnlineEstimator.update`."""
+        estimates = []
         resting_speed = self._p.resting_speed
         for dt, row in rows:
             if abs(row[2]) >= resting_speed:
-                self._update(dt, row, noise_variance, held)
-            snapshots.append(self.snapshot())
-        return snapshots
+                self._update(dt, row, noise_variance, frozen)
+            estimates.append(self.current())
+        return estimates
 
-    def _update(self, dt: float, row: Row, noise_variance: float, held: Held) -> None:
+    def _update(self, dt: float, row: Row, noise_variance: float, frozen: Frozen) -> None:
         state = self._filter
         free = np.array(
-            [not held.stiffness, not held.damping, not held.stiffness and self._p.location_std > 0]
+            [not frozen.stiffness, not frozen.damping,
+             not frozen.stiffness and self._p.location_std > 0]
         )
         state.predict(Q=np.diag(self._walk(dt) * free))
         before = state.x[~free].copy(), state.P[np.ix_(~free, ~free)].copy()
         H = np.array([[row[1], row[2], -row[3]]])
         state.update(row[0], R=max(noise_variance, 1e-18), H=H)
-        # Schmidt's consider filter: a held one keeps value and covariance, and its uncertainty
+        # Schmidt's consider filter: a frozen one keeps value and covariance, and its uncertainty
         # has weakened the gain of the others.
         state.x[~free], state.P[np.ix_(~free, ~free)] = before
         self._read_state()
@@ -146,10 +147,10 @@ class Kalman(OnlineEstimator):
         if excess != 0.0:
             self._filter.x = x - P[:, [index]] * (excess / P[index, index])
 
-    def snapshot(self) -> Snapshot:
-        """Tell what is known now; see `OnlineEstimator.snapshot`."""
+    def current(self) -> ParameterEstimate:
+        """Return the present estimate; see `OnlineEstimator.current`."""
         P = self._filter.P
-        return Snapshot(
+        return ParameterEstimate(
             self.stiffness, self.damping, sqrt(max(float(P[0, 0]), 0.0)),
             sqrt(max(float(P[1, 1]), 0.0)), self._shift, nan,
         )

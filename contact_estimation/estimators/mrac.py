@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from math import nan, sqrt
 from typing import Sequence
 
-from .estimator import EnvironmentParameters, Held, OnlineEstimator, Snapshot, TimedRow
+from .estimator import EnvironmentParameters, Frozen, OnlineEstimator, ParameterEstimate, TimedRow
 from .model_following import ModelFollowing, ModelFollowingParameters
 from ..parameters.specification import group, parameter, ParameterGroup
 from ..reference.setpoints import Reference
@@ -103,13 +103,13 @@ class ModelReferenceAdaptive(OnlineEstimator):
         self._P: Matrix = (stiffness**2, 0.0, 0.0, max(damping**2, (1e-2 * stiffness) ** 2))
         self._C = self._N = self._R
 
-    def learn(
-        self, rows: Sequence[TimedRow], noise_variance: float, held: Held
-    ) -> list[Snapshot]:
-        """Apply the averaged eq. (25) over each sample; see `OnlineEstimator.learn`."""
-        gains = (0.0 if held.stiffness else self._p.stiffness_gain,
-                 0.0 if held.damping else self._p.damping_gain)
-        snapshots = []
+    def update(
+        self, rows: Sequence[TimedRow], noise_variance: float, frozen: Frozen
+    ) -> list[ParameterEstimate]:
+        """Apply the averaged eq. (25) over each sample; see `OnlineEstimator.update`."""
+        gains = (0.0 if frozen.stiffness else self._p.stiffness_gain,
+                 0.0 if frozen.damping else self._p.damping_gain)
+        estimates = []
         for dt, row in rows:
             keep = self._remember(dt, row[0], row[1], row[2], noise_variance)
             S = self._step_matrix(dt, *gains)
@@ -121,8 +121,8 @@ class ModelReferenceAdaptive(OnlineEstimator):
                 K - s_KK * e_K - s_KB * e_B, B - s_BK * e_K - s_BB * e_B
             )
             self._spread(S, keep)
-            snapshots.append(self.snapshot())
-        return snapshots
+            estimates.append(self.current())
+        return estimates
 
     def _remember(
         self, dt: float, F: float, f_K: float, f_B: float, noise_variance: float
@@ -156,10 +156,10 @@ class ModelReferenceAdaptive(OnlineEstimator):
         inner = _sum(_product(self._P, _transposed(A)), _product(C, _transposed(S)))
         self._P = _sum(_product(A, inner), _product(S, _transposed(self._C)))
 
-    def snapshot(self) -> Snapshot:
-        """Tell what is known now; see `OnlineEstimator.snapshot`."""
+    def current(self) -> ParameterEstimate:
+        """Return the present estimate; see `OnlineEstimator.current`."""
         K_std, B_std = sqrt(max(self._P[0], 0.0)), sqrt(max(self._P[3], 0.0))
-        return Snapshot(self.stiffness, self.damping, K_std, B_std, 0.0, nan)
+        return ParameterEstimate(self.stiffness, self.damping, K_std, B_std, 0.0, nan)
 
 
 def _sum(a: Matrix, b: Matrix) -> Matrix:

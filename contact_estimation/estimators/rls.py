@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from math import nan, sqrt
 from typing import Sequence
 
-from .estimator import Held, OnlineEstimator, Snapshot, TimedRow, UNKNOWN_DAMPING_S
+from .estimator import Frozen, OnlineEstimator, ParameterEstimate, TimedRow, UNKNOWN_DAMPING_S
 from ..parameters.specification import parameter, ParameterGroup
 from ..signals.relations import TustinRelation
 
@@ -54,7 +54,7 @@ class RecursiveLeastSquares(OnlineEstimator):
     matrix of eq. (39): the same estimates, in numbers of readable size. Written out in scalars,
     since three-by-three array calls would cost ten times as much.
 
-    A held parameter has neither gain nor forgetting, so that its covariance neither shrinks nor
+    A frozen parameter has neither gain nor forgetting, so that its covariance neither shrinks nor
     winds up; its uncertainty still weighs on the others (Schmidt's consider filter).
 
     """
@@ -80,24 +80,24 @@ class RecursiveLeastSquares(OnlineEstimator):
         self._damping_learned = False
         self._noise_variance = nan  # no row yet, so no spread can be told
 
-    def learn(
-        self, rows: Sequence[TimedRow], noise_variance: float, held: Held
-    ) -> list[Snapshot]:
-        """Apply eqs. (36) to (38) to each row; see `OnlineEstimator.learn`."""
+    def update(
+        self, rows: Sequence[TimedRow], noise_variance: float, frozen: Frozen
+    ) -> list[ParameterEstimate]:
+        """Apply eqs. (36) to (38) to each row; see `OnlineEstimator.update`."""
         self._noise_variance = noise_variance
-        free_K, free_B = not held.stiffness, not held.damping
+        free_K, free_B = not frozen.stiffness, not frozen.damping
         free_M = self._p.estimate_inertia and free_K and free_B
         forget, averaged = self._lambda, noise_variance * self._averaging
         K, B, M = self.stiffness, self.damping, self._M
         KK, KB, KM, BB, BM, MM = self._P
-        limits = K_low, K_high, B_high = self.limits
+        limits = K_low, K_high, B_high = self.environment.limits
         self._damping_learned |= free_B
         unknown = 0.0
         if not self._damping_learned and noise_variance > 0.0:
             unknown = UNKNOWN_DAMPING_S**2 / noise_variance
-        snapshots = []
+        estimates = []
         for _, (y, f_K, f_B, _, f_M) in rows:
-            BB = max(BB, unknown * K * K)  # a first guess that is held must not look sure
+            BB = max(BB, unknown * K * K)  # a first guess that is frozen must not look sure
             p_K = KK * f_K + KB * f_B + KM * f_M
             p_B = KB * f_K + BB * f_B + BM * f_M
             p_M = KM * f_K + BM * f_B + MM * f_M
@@ -109,7 +109,7 @@ class RecursiveLeastSquares(OnlineEstimator):
                 KK -= l_K * p_K
                 KB -= l_K * p_B
                 KM -= l_K * p_M
-            elif free_B:  # K is held: its covariance with B still shrinks
+            elif free_B:  # K is frozen: its covariance with B still shrinks
                 KB -= p_B / s * p_K
             if free_B:
                 l_B = p_B / s
@@ -129,20 +129,20 @@ class RecursiveLeastSquares(OnlineEstimator):
             BB *= g_B * g_B
             BM *= g_B * g_M
             MM *= g_M * g_M
-            snapshots.append(Snapshot(
+            estimates.append(ParameterEstimate(
                 K, B, sqrt(averaged * KK), sqrt(averaged * BB), 0.0,
                 M if self._p.estimate_inertia else nan,
             ))
         self.stiffness, self.damping, self._M = K, B, M
         self._P = KK, KB, KM, BB, BM, MM
-        return snapshots
+        return estimates
 
     def _growth(
         self, K: float, B: float, KK: float, BB: float,
         free_K: bool, free_B: bool, free_M: bool,
     ) -> tuple[float, float, float]:  # fmt: skip
         """
-        Forget, except what is held or hardly known, whose covariance would wind up.
+        Forget, except what is frozen or hardly known, whose covariance would wind up.
 
         Scaling P on both sides with factors >= 1 keeps it positive definite.
 
@@ -157,10 +157,10 @@ class RecursiveLeastSquares(OnlineEstimator):
             g if known_K and known_B and free_M else 1.0,
         )
 
-    def snapshot(self) -> Snapshot:
-        """Tell what is known now; see `OnlineEstimator.snapshot`."""
+    def current(self) -> ParameterEstimate:
+        """Return the present estimate; see `OnlineEstimator.current`."""
         averaged = self._noise_variance * self._averaging
-        return Snapshot(
+        return ParameterEstimate(
             self.stiffness, self.damping, sqrt(averaged * self._P[0]),
             sqrt(averaged * self._P[3]), 0.0, self._M if self._p.estimate_inertia else nan,
         )

@@ -23,7 +23,7 @@ from typing import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from .estimator import Held, OnlineEstimator, Snapshot, TimedRow
+from .estimator import Frozen, OnlineEstimator, ParameterEstimate, TimedRow
 from ..parameters.specification import parameter, ParameterGroup
 from ..signals.relations import Row, TustinRelation
 
@@ -68,8 +68,8 @@ class AdaptiveLeastSquares(OnlineEstimator):
     what is known; a wall that changes is forgotten within a few rows. Directional forgetting and
     constant trace were tried on the same data and were noisier or slower.
 
-    P is the covariance itself, in (K_e, B_e, M_e). What is held or hardly known is not forgotten,
-    and weighs on the others (Schmidt's consider filter), as in `rls`.
+    P is the covariance itself, in (K_e, B_e, M_e). Frozen or poorly known parameters are not forgotten
+    and enter as consider parameters (Schmidt), as in `rls`.
 
     """
 
@@ -90,23 +90,23 @@ class AdaptiveLeastSquares(OnlineEstimator):
         self._theta = np.array([stiffness, damping, 0.0])
         self._P = np.diag([p.stiffness_std, p.damping_std, p.inertia_std]) ** 2
 
-    def learn(
-        self, rows: Sequence[TimedRow], noise_variance: float, held: Held
-    ) -> list[Snapshot]:
-        """Learn, then forget, for each row; see `OnlineEstimator.learn`."""
+    def update(
+        self, rows: Sequence[TimedRow], noise_variance: float, frozen: Frozen
+    ) -> list[ParameterEstimate]:
+        """Learn, then forget, for each row; see `OnlineEstimator.update`."""
         free = np.array([
-            not held.stiffness, not held.damping,
-            not (held.stiffness or held.damping) and self._p.inertia_std > 0.0,
+            not frozen.stiffness, not frozen.damping,
+            not (frozen.stiffness or frozen.damping) and self._p.inertia_std > 0.0,
         ])
-        snapshots = []
+        estimates = []
         for _, row in rows:
             # A wall that changes looks like noise as well, but all at once: noise is let grow
             # by a factor e in so many rows.
             slow = self._variance * self._noise_growth or noise_variance
             self._variance = max(min(noise_variance, slow), _SMALLEST)
             self._update(row, self._variance, free)
-            snapshots.append(self.snapshot())
-        return snapshots
+            estimates.append(self.current())
+        return estimates
 
     def _update(self, row: Row, variance: float, free: NDArray[np.bool_]) -> None:
         theta, P = self._theta, self._P
@@ -115,10 +115,10 @@ class AdaptiveLeastSquares(OnlineEstimator):
         expected = float(phi @ gain) + variance
         error = row[0] - float(phi @ theta)
         gain /= expected
-        held = P[np.ix_(~free, ~free)].copy()
+        frozen = P[np.ix_(~free, ~free)].copy()
         self._theta = theta + gain * error * free
         P = P - np.outer(gain, phi @ P)
-        P[np.ix_(~free, ~free)] = held
+        P[np.ix_(~free, ~free)] = frozen
         self._P = 0.5 * (P + P.T)
         self._keep_within_limits()
         surprise = error * error / (expected * self._p.memory_samples)
@@ -134,7 +134,7 @@ class AdaptiveLeastSquares(OnlineEstimator):
 
     def _keep_within_limits(self) -> None:
         """Project onto a limit along the covariance: cutting one alone would tear it off."""
-        K_low, K_high, B_high = self.limits
+        K_low, K_high, B_high = self.environment.limits
         for index, low, high in ((1, 0.0, B_high), (0, K_low, K_high)):
             value, variance = float(self._theta[index]), float(self._P[index, index])
             excess = value - min(max(value, low), high)
@@ -142,8 +142,8 @@ class AdaptiveLeastSquares(OnlineEstimator):
                 self._theta = self._theta - self._P[:, index] * (excess / variance)
         self.stiffness, self.damping = self.within_limits(*self._theta[:2].tolist())
 
-    def snapshot(self) -> Snapshot:
-        """Tell what is known now; see `OnlineEstimator.snapshot`."""
+    def current(self) -> ParameterEstimate:
+        """Return the present estimate; see `OnlineEstimator.current`."""
         K_std, B_std, _ = np.sqrt(np.maximum(np.diag(self._P), 0.0)).tolist()
         inertia = float(self._theta[2]) if self._p.inertia_std > 0.0 else nan
-        return Snapshot(self.stiffness, self.damping, K_std, B_std, 0.0, inertia)
+        return ParameterEstimate(self.stiffness, self.damping, K_std, B_std, 0.0, inertia)

@@ -13,7 +13,7 @@
 # limitations under the License.
 
 """
-Known extra physics taken out of the relation that an estimator fits.
+CompensatedSample extra physics taken out of the relation that an estimator fits.
 
 With S what the force sensor does (linear), c the contact of the known surface and a the
 acceleration, a reading obeys
@@ -33,6 +33,7 @@ from typing import Any, Callable, NamedTuple, Sequence
 
 from .contact_law import ContactLaw
 from .physics import Effect, ForceSensorEffect
+from ..signals.compensated_sample import CompensatedSample
 
 _STEPS = 4  # of integration of internal states, a sample
 _NEAR = 1e-7  # for the slope of phi_K [m]
@@ -41,46 +42,13 @@ State = tuple[float, ...]
 Memory = Callable[[float, float, float], float]  # time, time step, value -> value
 
 
-class Known(NamedTuple):
-    """
-    What is known of a sample.
-
-    Attributes
-    ----------
-    depth : float
-        Penetration of the surface where it is known to be [m].
-    pressing : float
-        -F_e without what the sensor adds [N]: decides contact.
-    rest : float
-        The same less S[c R] [N]: what K_e and B_e have to explain.
-    travel : float
-        Whose rate B_e is multiplied by [m].
-    velocity : float
-        That rate [m/s], NaN where not measured.
-    stiffness_column, constant_column : float
-        phi_K [m], and its slope over the depth.
-    usable : bool
-        Whether the relation holds.
-
-    """
-
-    depth: float
-    pressing: float
-    rest: float
-    travel: float
-    velocity: float
-    stiffness_column: float
-    constant_column: float
-    usable: bool
-
-
 class _Past(NamedTuple):
     """The motion at a sample, and what is known of it but for inertia."""
 
     depth: float
     velocity: float
     contact: float
-    known: Known
+    known: CompensatedSample
 
 
 class Compensation:
@@ -130,7 +98,7 @@ class Compensation:
 
     def take(
         self, stamp_ns: int, depth: float, velocity: float, force: float, pressing: float
-    ) -> Known:
+    ) -> CompensatedSample:
         """
         Take one sample.
 
@@ -147,7 +115,7 @@ class Compensation:
 
         Returns
         -------
-        known : Known
+        known : CompensatedSample
             What an estimator has to know of it.
 
         """
@@ -193,7 +161,7 @@ class Compensation:
             moved = tuple([s + h * r for s, r in zip(self._states, rates)])
             self._states = law.settle(now + h, x, v, moved)
 
-    def _at_wall(self, t: float, x: float, velocity: float, v: float) -> Known:
+    def _at_wall(self, t: float, x: float, velocity: float, v: float) -> CompensatedSample:
         """Evaluate the wall before sensor and inertia; `rest` is R here."""
         law, states = self._law, self._states
         d, rate, engaged = law.penetration(t, x, v, states, math)
@@ -206,7 +174,7 @@ class Compensation:
             slope = (self._column(t, x + _NEAR, v) - self._column(t, x - _NEAR, v)) / (2.0 * _NEAR)
         measured = rate if velocity == velocity else nan
         travel = law.travel(t, x, states, math)
-        return Known(d, 0.0, R, travel, measured, column, slope, bool(engaged))
+        return CompensatedSample(d, 0.0, R, travel, measured, column, slope, bool(engaged))
 
     def _column(self, t: float, x: float, v: float) -> float:
         unit, law, states = self._unit, self._law, self._states
@@ -214,8 +182,8 @@ class Compensation:
                      - law.resistance(t, x, v, states, math))
 
     def _late(
-        self, t: float, dt: float, c: float, known: Known, wall: float, tool: float
-    ) -> tuple[Known, float, float]:
+        self, t: float, dt: float, c: float, known: CompensatedSample, wall: float, tool: float
+    ) -> tuple[CompensatedSample, float, float]:
         """Let everything pass the lag and delay that the reading has passed."""
         depth, _, R, travel, v, column, slope, _ = known
         columns = (c * R, c * travel, c * v if v == v else 0.0, c * column, c * slope, wall, tool)
@@ -223,7 +191,7 @@ class Compensation:
             memory(t, dt, value) for memory, value in zip(self._memories, columns)
         )
         v = rate if v == v else v
-        return Known(depth, 0.0, R, travel, v, column, slope, True), wall, tool
+        return CompensatedSample(depth, 0.0, R, travel, v, column, slope, True), wall, tool
 
     def _inertial_forces(
         self, dt: float, depth: float, velocity: float, contact: float
@@ -241,7 +209,7 @@ class Compensation:
             a = (last.depth - 2.0 * middle.depth + first.depth) / dt**2
         return middle.contact * self._law.inertia * a, self._tool * a
 
-    def _averaged(self, known: Known, inertial_force: float) -> Known:
+    def _averaged(self, known: CompensatedSample, inertial_force: float) -> CompensatedSample:
         """
         Weigh the last three samples as eq. (31) does.
 
@@ -256,11 +224,12 @@ class Compensation:
             0.25 * (a + b + b + c) for a, b, c in zip(first[2:7], middle[2:7], last[2:7])
         )
         usable = first.usable and middle.usable and last.usable and len(past) == 3
-        return Known(known.depth, known.pressing, rest - inertial_force, travel, v, column, slope,
-                     usable)
+        return CompensatedSample(
+            known.depth, known.pressing, rest - inertial_force, travel, v, column, slope, usable
+        )
 
 
-_NOTHING = Known(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, False)
+_NOTHING = CompensatedSample(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, False)
 
 
 def _sensors(effects: Sequence[Effect]) -> list[Any]:

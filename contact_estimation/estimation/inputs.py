@@ -1,0 +1,154 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Raw messages as inputs of a session: decoded, checked and passed on, for all its axes."""
+
+from __future__ import annotations
+
+from itertools import chain
+from operator import itemgetter
+from typing import Any, Callable, Sequence
+
+import numpy as np
+
+from .result import Result
+from .session import ContactSession
+from ..exceptions import MessageError
+from ..messages import Codec, JointStateDecoder, SeveralJointsDecoder, WrenchDecoder
+
+_FORCES = {'x': 2, 'y': 3, 'z': 4}  # places in a WrenchReading
+
+
+class MessageInputs:
+    """
+    The entrance of raw wrenches and joint states to a session.
+
+    A message that cannot be used is counted as rejected and gives no result.
+
+    Parameters
+    ----------
+    session : ContactSession
+        Where measurements go.
+    codec : Codec
+        The message library.
+
+    Attributes
+    ----------
+    frame_id : str
+        Frame of the wrenches: as configured, else that of the first wrench; '' before it.
+
+    """
+
+    def __init__(self, session: ContactSession, codec: Codec) -> None:
+        self._session = session
+        self.frame_id = session.parameters.frame_id
+        joints = session.parameters.joints
+        places = [_FORCES[axis] for axis in joints]
+        self._wrench = WrenchDecoder(codec)
+        self._columns = [place - 1 for place in places]
+        if len(joints) == 1:
+            joint = JointStateDecoder(codec, *joints.values())
+            self._forces: Callable[..., Any] = itemgetter(slice(places[0], places[0] + 1))
+            self._motion: Callable[[bytes], Sequence[Any]] = joint.decode
+            self._decode_motions: Callable[..., Any] = joint.decode_many
+        else:
+            self._several = SeveralJointsDecoder(codec, list(joints.values()))
+            self._forces = itemgetter(*places)
+            self._motion = self._motion_of_axes
+            self._decode_motions = self._several.decode_many
+
+    def _motion_of_axes(self, raw: bytes) -> Sequence[Any]:
+        stamp_ns, positions, velocities = self._several.decode(raw)
+        return stamp_ns, *chain.from_iterable(zip(positions, velocities))
+
+    def process_wrench(self, raw: bytes) -> list[Result]:
+        """
+        Process a raw wrench.
+
+        Parameters
+        ----------
+        raw : bytes
+            CDR of geometry_msgs/msg/WrenchStamped.
+
+        Returns
+        -------
+        results : list of Result
+            One for each sample completed by this wrench.
+
+        """
+        try:
+            reading = self._wrench.decode(raw)
+        except MessageError as error:
+            self._session.count_rejected(f'wrench_{error.reason}')
+            return []
+        if reading.frame_id != self.frame_id and not self._accepts(reading.frame_id):
+            self._session.count_rejected('wrench_frame_id')
+            return []
+        return self._session.add_wrench(reading.stamp_ns, *self._forces(reading))
+
+    def process_joints(self, raw: bytes) -> list[Result]:
+        """
+        Process a raw joint state.
+
+        Parameters
+        ----------
+        raw : bytes
+            CDR of sensor_msgs/msg/JointState.
+
+        Returns
+        -------
+        results : list of Result
+            One for each sample completed by this joint state.
+
+        """
+        try:
+            motion = self._motion(raw)
+        except MessageError as error:
+            self._session.count_rejected(f'joint_states_{error.reason}')
+            return []
+        return self._session.add_motion(*motion)
+
+    def process_pairs(
+        self, wrenches: Sequence[bytes], joints: Sequence[bytes]
+    ) -> list[Result] | None:
+        """
+        Process raw wrenches and joint states that have the same stamps, many at once.
+
+        Parameters
+        ----------
+        wrenches, joints : sequence of bytes
+            Equally many of each.
+
+        Returns
+        -------
+        results : list of Result or None
+            One a pair; None where the messages are irregular and must be processed one by one.
+
+        """
+        forces = self._wrench.decode_many(wrenches)
+        motions = self._decode_motions(joints) if forces else None
+        if not forces or not motions or not np.array_equal(forces[0], motions[0]):
+            return None
+        if not self._accepts(self._wrench.frame_id):
+            return None
+        _, positions, velocities = motions
+        if len(self._columns) == 1:
+            positions, velocities = (positions,), (velocities,)
+        columns = [forces[column] for column in self._columns]
+        return self._session.add_pairs(forces[0], columns, positions, velocities)
+
+    def _accepts(self, frame_id: str) -> bool:
+        """Check the frame of a wrench; the first one counts where none is configured."""
+        self.frame_id = self.frame_id or frame_id
+        return frame_id == self.frame_id
