@@ -99,8 +99,6 @@ class ContactSession:
         """The last sample processed."""
         return Moment(self._jumps, self.last_stamp_ns)
 
-    # -- samples ----------------------------------------------------------------------------
-
     def add_wrench(self, stamp_ns: int, *forces: float) -> list[Result]:
         """
         Add a wrench.

@@ -53,24 +53,24 @@ class IndirectAdaptive(OnlineEstimator):
 
     Eq. (25): theta_hat_dot = -Gamma^-1 phi F_tilde, F_tilde = phi^T theta_hat - F, integrated
     exactly over a sample in which phi is constant. P is the covariance that this linear
-    recursion gives to its own estimate: an initial spread as large as the first guess, driven by
-    the force noise.
+    recursion gives its own estimate: initially as large as the initial value, driven by the
+    force noise.
 
     """
 
     Parameters = IndirectAdaptiveParameters
 
     def configure(self, tuning: ParameterGroup) -> None:
-        """Take new gains; see `OnlineEstimator.configure`."""
+        """Set new gains; see `OnlineEstimator.configure`."""
         assert isinstance(tuning, IndirectAdaptiveParameters)
         self._gain_K, self._gain_B = tuning.stiffness_gain, tuning.damping_gain
         self._rate = tuning.adaptation_rate if tuning.normalised else None
 
     def start_from(self, stiffness: float, damping: float) -> None:
-        """Begin anew; see `OnlineEstimator.start_from`."""
+        """Restart; see `OnlineEstimator.start_from`."""
         self.stiffness, self.damping = stiffness, damping
         self._seen_s = self._mean_K = self._mean_B = 0.0
-        self._damping_learned = False
+        self._damping_updated = False
         self._P = stiffness**2, 0.0, max(damping, UNKNOWN_DAMPING_S * stiffness) ** 2
 
     def update(
@@ -83,8 +83,8 @@ class IndirectAdaptive(OnlineEstimator):
         K, B = self.stiffness, self.damping
         P_KK, P_KB, P_BB = self._P
         K_low, K_high, B_high = self.environment.limits
-        self._damping_learned |= not frozen.damping
-        unknown = 0.0 if self._damping_learned else UNKNOWN_DAMPING_S
+        self._damping_updated |= not frozen.damping
+        unknown = 0.0 if self._damping_updated else UNKNOWN_DAMPING_S
         estimates = []
         for dt, row in rows:
             P_BB = max(P_BB, (unknown * K) ** 2)

@@ -47,17 +47,17 @@ class RclpyCodec:
     """`messages.codec.Codec` with rclpy's own serialisation."""
 
     def serialize(self, message: Any, type_name: str) -> bytes:
-        """Turn a message into CDR with its encapsulation header."""
+        """Return the CDR of a message with its encapsulation header."""
         return bytes(serialize_message(message))
 
     def deserialize(self, data: bytes, type_name: str) -> Any:
-        """Turn CDR into a message."""
+        """Return the message of a CDR."""
         return deserialize_message(data, message_class(type_name))
 
     def new(self, type_name: str) -> Any:
-        """Build a message with default values."""
+        """Return a message with default values."""
         return message_class(type_name)()
 
     def floats(self, values: Sequence[float]) -> Any:
-        """Convert numbers to what a float64 sequence field takes."""
+        """Return numbers as a float64 sequence field requires."""
         return [float(value) for value in values]

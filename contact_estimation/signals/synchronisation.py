@@ -102,15 +102,7 @@ class Synchroniser:
         return bool(self._wrenches)
 
     def configure(self, parameters: SynchronisationParameters) -> None:
-        """
-        Set other limits.
-
-        Parameters
-        ----------
-        parameters : SynchronisationParameters
-            Time limits and ranges.
-
-        """
+        """Set other limits, as for the constructor."""
         self._timeout_ns = int(parameters.timeout_s * 1e9)
         self._gap_ns = int(parameters.maximum_gap_s * 1e9)
         self._jump_ns = int(parameters.time_jump_s * 1e9)
