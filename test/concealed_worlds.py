@@ -21,14 +21,12 @@ from math import pi
 from typing import Any, Sequence
 
 from contact_estimation.blind_trials.unknown import made
-from contact_estimation.diagnosis.conclude.finding import Diagnosis
+from contact_estimation.diagnosis.conclude.result import Diagnosis
 from contact_estimation.diagnosis.diagnosis import diagnose
-from contact_estimation.diagnosis.observe.case import Recording
 from contact_estimation.diagnosis.observe.model import Model
-from contact_estimation.diagnosis.observe.noise import force_noise
-from contact_estimation.diagnosis.observe.observed import observe, Observed, Signals
-from contact_estimation.diagnosis.observe.ports import Ports
-from contact_estimation.diagnosis.observe.usable_samples import default_block, usable
+from contact_estimation.diagnosis.observe.observed import observe
+from contact_estimation.diagnosis.observe.prepared_recording import PreparedRecording
+from contact_estimation.diagnosis.observe.signals import Recording, Signals
 from contact_estimation.parameters.specification import specifications
 from contact_estimation.parameters.values import build
 from contact_estimation.physics import EFFECTS
@@ -190,15 +188,9 @@ def named(diagnosis: Diagnosis) -> list[str]:
     return [effect.name for effect in diagnosis.effects]
 
 
-def ports_of(signals: Signals, model: PlantParameters | None = None) -> tuple[Ports, Model]:
-    """Make the ports of a recording as the diagnosis does, nothing held out."""
+def prepared_from(
+    signals: Signals, model: PlantParameters | None = None
+) -> tuple[PreparedRecording, Model]:
+    """Prepare a recording as the diagnosis does, nothing held out."""
     start = Model.of(model or nominal())
-    observed = observe(signals, start.nominal)
-    return ports_on(observed, start), start
-
-
-def ports_on(observed: Observed, start: Model) -> Ports:
-    """Make the ports of what was observed."""
-    noise = force_noise(start, observed)
-    return Ports(observed, noise, observed.position_noise, usable(start, observed),
-                 default_block(observed))
+    return PreparedRecording.of('world', observe(signals, start.nominal), start), start

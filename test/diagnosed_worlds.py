@@ -21,13 +21,11 @@ from math import pi
 from pathlib import Path
 from typing import Any
 
-from contact_estimation.diagnosis.conclude.finding import Diagnosis
+from contact_estimation.diagnosis.conclude.result import Diagnosis
 from contact_estimation.diagnosis.diagnosis import diagnose
-from contact_estimation.diagnosis.observe.case import Recording
-from contact_estimation.diagnosis.observe.observed import Signals
+from contact_estimation.diagnosis.observe.signals import Recording, Signals
 from contact_estimation.messages import (
     JointStateEncoder,
-    RosbagsCodec,
     TrajectoryEncoder,
     WrenchEncoder,
 )
@@ -106,10 +104,9 @@ def write_recording(
     path: Path, signals: Signals, wrench: str = '/wrench', with_reference: bool = True
 ) -> Path:
     """Write signals with common stamps as a recording."""
-    codec = RosbagsCodec()
-    wrenches = WrenchEncoder(codec, 'tool')
-    joints = JointStateEncoder(codec, 'tool', 'contact_x', False)
-    references = TrajectoryEncoder(codec, 'tool', 'contact_x')
+    wrenches = WrenchEncoder('tool')
+    joints = JointStateEncoder('tool', 'contact_x', False)
+    references = TrajectoryEncoder('tool', 'contact_x')
     with RecordingWriter.file(path) as writer:
         for k, t in enumerate(signals.wrench_t.tolist()):
             stamp_ns = BEGIN_NS + round(1e9 * t)

@@ -19,8 +19,8 @@ from __future__ import annotations
 from functools import lru_cache
 
 from concealed_worlds import ATTACHED, attached, diagnosed, named, nominal, physics
-from contact_estimation.diagnosis.conclude.finding import Diagnosis
-from contact_estimation.diagnosis.observe.observed import Signals
+from contact_estimation.diagnosis.conclude.result import Diagnosis
+from contact_estimation.diagnosis.observe.signals import Signals
 from contact_estimation.plant.between_samples import held, smooth, straight
 import numpy as np
 from numpy.typing import NDArray
@@ -112,7 +112,7 @@ def test_drag_of_a_drive_is_found_and_no_spring() -> None:
 
 
 def test_force_of_a_controller_is_seen_to_be_held_between_samples() -> None:
-    assert of_drive().ports[0].observed.between == 'held'
+    assert of_drive().recordings[0].observed.between == 'held'
 
 
 @lru_cache(maxsize=None)
@@ -135,7 +135,7 @@ def test_smooth_force_is_not_taken_for_a_lag() -> None:
         environment__stiffness=1.9e5, environment__damping=80.0, environment__inertia=2.1,
         environment__unilateral=False))
     assert (found.verdict, named(found)) == ('recalibrate', [])
-    assert found.ports[0].observed.between == 'smooth'
+    assert found.recordings[0].observed.between == 'smooth'
     assert found.recalibrated.values == pytest.approx(values, rel=0.005)
 
 

@@ -26,7 +26,7 @@ from contact_estimation.blind_trials.blind_diagnosis import command_line, diagno
 from contact_estimation.blind_trials.handing_over import hand_over, Handed, write_json
 from contact_estimation.blind_trials.study import plan, Planned, run_study, run_trial
 from contact_estimation.commands.blind_trials import main
-from contact_estimation.diagnosis.observe.reading import timed
+from contact_estimation.diagnosis.observe.signals import signals_of
 from contact_estimation.parameters.file import read_parameter_file
 from contact_estimation.physics import EFFECTS
 from contact_estimation.recordings import RecordingReader
@@ -75,7 +75,7 @@ def test_neither_name_nor_model_file_betrays_the_effect(handed: Handed) -> None:
 
 
 def test_the_recording_is_read_as_it_was_simulated(handed: Handed) -> None:
-    signals = timed(read_signals(RecordingReader(handed.recording), RecordingSource()))
+    signals = signals_of(read_signals(RecordingReader(handed.recording), RecordingSource()))
     told = json.loads(handed.truth.read_text())
     free = signals.wrench_t < 0.4
     assert float(np.mean(signals.force[free])) == pytest.approx(2.0, abs=0.1)

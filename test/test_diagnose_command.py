@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import Any
 
 from contact_estimation.commands import diagnose
-from contact_estimation.diagnosis.observe.observed import Signals
+from contact_estimation.diagnosis.observe.signals import Signals
 from contact_estimation.reference.experiment import Experiment, Segment
 from contact_estimation.reference.experiments import experiment_named
 from diagnosed_worlds import (
@@ -220,3 +220,31 @@ def test_results_that_cannot_be_written_are_refused_before_the_work(
     same = tmp_path / 'r.json'
     line = command.refusal(clean, '--nominal', model, '--json', same, '--html', same)
     assert 'two results cannot both be written' in line
+
+
+@pytest.mark.parametrize('option', ['--write-model', '--json'])
+def test_nominal_model_file_is_never_replaced(
+    option: str, folder: Path, tmp_path: Path, command: Command
+) -> None:
+    model = write_model(tmp_path / 'model.yaml')
+    before = model.read_bytes()
+    (tmp_path / 'link.yaml').symlink_to(model)
+    for path in (model, tmp_path / 'link.yaml'):
+        line = command.refusal(folder / 'clean.mcap', '--nominal', model, option, path)
+        assert 'it is the nominal model file' in line and 'name another file' in line
+    assert model.read_bytes() == before
+
+
+def test_fitted_and_held_out_recording_may_have_the_same_file_name(
+    folder: Path, tmp_path: Path, command: Command
+) -> None:
+    paths = [tmp_path / name / 'recording.mcap' for name in ('a', 'b')]
+    for seed, path in enumerate(paths):
+        path.parent.mkdir()
+        write_recording(path, recorded(seed=seed))
+    report = tmp_path / 'r.json'
+    ended = command(paths[0], '--holdout', paths[1], '--nominal', folder / 'model.yaml',
+                    '--json', report)
+    assert (ended.code, ended.err) == (0, '')
+    holdouts = json.loads(report.read_text())['fit']['holdouts']
+    assert [part['name'] for part in holdouts] == ['recording.mcap']

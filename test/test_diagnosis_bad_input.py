@@ -20,8 +20,8 @@ from typing import Any
 
 from concealed_worlds import diagnosed, nominal, physics, recorded, touches
 from contact_estimation.diagnosis.diagnosis import diagnose
-from contact_estimation.diagnosis.observe.case import Recording
-from contact_estimation.diagnosis.observe.observed import LEAST_DURATION_S, observe, Signals
+from contact_estimation.diagnosis.observe.observed import observe
+from contact_estimation.diagnosis.observe.signals import LEAST_DURATION_S, Recording, Signals
 from contact_estimation.exceptions import ContactEstimationError, RecordingError
 import numpy as np
 from numpy.typing import NDArray
@@ -127,3 +127,22 @@ def test_jitter_of_stamps_moves_no_sample() -> None:
     observed = observe(signals._replace(wrench_t=signals.wrench_t + jitter), nominal())
     assert len(observed.t) == len(signals.wrench_t)
     assert observed.measured.all()
+
+
+def slow_ramp(sign: float) -> Signals:
+    """Press and release an elastic wall once in 30 s, without a robot; sign that of x."""
+    t = np.arange(1500) / 50.0
+    x = np.interp(t, (0.0, 9.0, 18.0, 24.0, 30.0), (-8e-4, -8e-4, 4e-3, 4e-3, -8e-4))
+    d = np.maximum(x, 0.0)
+    noise = np.random.default_rng(1).standard_normal((2, len(t)))
+    force = -(800.0 * d + 3e5 * d**2)
+    return Signals(t, force + 0.08 * noise[0], t, sign * x + 1e-7 * noise[1], np.empty(0),
+                   np.empty((4, 0)))
+
+
+@pytest.mark.filterwarnings('error')
+@pytest.mark.parametrize('sign, location', [(1.0, 0.0), (-1.0, -0.002)])
+def test_slow_ramp_is_diagnosed_without_numerical_warnings(sign: float, location: float) -> None:
+    wall = {'environment__stiffness': 800.0, 'environment__damping': 10.0,
+            'environment__location': location}
+    assert diagnosed(slow_ramp(sign), nominal(**wall)).verdict != 'consistent'

@@ -12,18 +12,19 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""On what residuals depend, beyond what chance gives."""
+"""Dependence of residuals on time, motion, frequency and their own past."""
 
 from __future__ import annotations
 
 from functools import lru_cache
 
-from concealed_worlds import ATTACHED, attached, nominal, physics, ports_of, recorded
+from concealed_worlds import ATTACHED, attached, nominal, physics, prepared_from, recorded
 from contact_estimation.diagnosis.conclude.dependence import Dependence, dependences
 from contact_estimation.diagnosis.fit.fitting import fit
-from contact_estimation.diagnosis.fit.nuisances import doubt
+from contact_estimation.diagnosis.fit.model_uncertainty import discounted
 from contact_estimation.diagnosis.observe.model import Model
-from contact_estimation.diagnosis.observe.ports import Ports
+from contact_estimation.diagnosis.observe.prepared_recording import PreparedRecording
+from contact_estimation.diagnosis.observe.residuals import residuals
 import numpy as np
 import pytest
 
@@ -34,51 +35,53 @@ EFFECTS = {
 
 
 @lru_cache(maxsize=None)
-def recalibrated(name: str = '') -> tuple[Ports, Model]:
+def recalibrated(name: str = '') -> tuple[PreparedRecording, Model]:
     """Fit stiffness and damping alone in the world of an effect, '' for none."""
-    port, model = ports_of(recorded(**physics(name, *EFFECTS[name]) if name else {}))
-    doubt(port, model)
-    return port, fit([port], model).model
+    recording, model = prepared_from(recorded(**physics(name, *EFFECTS[name]) if name else {}))
+    recording = discounted(recording, model)
+    return recording, fit([recording], model).model
 
 
-def found_in(name: str, port: str) -> dict[str, Dependence]:
-    """Test the residual of one port."""
+def found_in(name: str, channel: str) -> dict[str, Dependence]:
+    """Test the residual of one channel."""
     every = dependences(*recalibrated(name), np.random.default_rng(0))
-    return {one.on: one for one in every if one.port == port}
+    return {one.on: one for one in every if one.channel == channel}
 
 
-@pytest.mark.parametrize('name, port, on', [
+@pytest.mark.parametrize('name, channel, on', [
     ('coulomb_friction', 'force', 'velocity'), ('cubic_stiffness', 'force', 'depth'),
     ('force_drift', 'force', 'time'), ('tool_inertia', 'force', 'acceleration'),
     ('robot_friction', 'motion', 'its own past'),
 ])
-def test_residual_depends_on_what_the_missing_law_does(name: str, port: str, on: str) -> None:
-    found = found_in(name, port)
+def test_residual_depends_on_the_quantity_of_the_missing_law(
+    name: str, channel: str, on: str
+) -> None:
+    found = found_in(name, channel)
     assert found[on].is_real
     others = [one.share for key, one in found.items() if key not in ('its own past', 'frequency')]
     assert found[on].share >= max(others)
 
 
-def test_force_of_a_right_model_depends_on_nothing() -> None:
+def test_force_residual_of_a_correct_model_depends_on_nothing() -> None:
     assert [one.on for one in found_in('', 'force').values() if one.is_real] == []
 
 
 def test_share_is_the_explained_part_of_the_mean_square() -> None:
-    port, model = recalibrated('coulomb_friction')
+    recording, model = recalibrated('coulomb_friction')
     found = found_in('coulomb_friction', 'force')['direction']
-    force = port.split(port.residuals(model, robust=False))[0][port.filled('force')]
-    span = round(0.5 / (port.observed.h * port.block))
+    force = recording.split(residuals(recording, model, robust=False))[0][recording.force.filled]
+    span = round(0.5 / (recording.observed.h * recording.block))
     force = force[:len(force) // span * span]
-    o, law = port.observed, model.laws().contact
-    ways: dict[str, list[float]] = {name: [] for name in found.names}
-    inside = port.blocks(law.contact(o.t, o.x, o.v).astype(float))[port.filled('force')]
-    rate = port.blocks(o.v)[port.filled('force')]
+    o, law = recording.observed, model.laws().contact
+    errors: dict[str, list[float]] = {name: [] for name in found.names}
+    inside = recording.blocks(law.contact(o.t, o.x, o.v).astype(float))[recording.force.filled]
+    rate = recording.blocks(o.v)[recording.force.filled]
     for error, touching, v in zip(force, inside, rate):
-        way = 'pressing further' if v > 0.0 else 'letting go'
-        ways[way if touching > 0.5 else 'free'].append(error)
-    means = [np.mean(ways[name]) for name in found.names]
+        direction = 'loading' if v > 0.0 else 'unloading'
+        errors[direction if touching > 0.5 else 'free'].append(error)
+    means = [np.mean(errors[name]) for name in found.names]
     np.testing.assert_allclose(found.mean, means)
-    explained = sum(len(ways[name]) * mean**2 for name, mean in zip(found.names, means))
+    explained = sum(len(errors[name]) * mean**2 for name, mean in zip(found.names, means))
     assert found.share == pytest.approx(explained / float(force @ force))
     assert means[0] * means[1] < 0.0  # friction changes its sign
 
@@ -98,9 +101,9 @@ def test_past_and_spectrum_of_noise_are_white() -> None:
 
 
 def test_wall_driven_by_force_has_its_motion_alone() -> None:
-    port, model = ports_of(attached(), nominal(**ATTACHED))
-    every = dependences(port, model, np.random.default_rng(0))
-    assert {one.port for one in every} == {'motion'}
+    recording, model = prepared_from(attached(), nominal(**ATTACHED))
+    every = dependences(recording, model, np.random.default_rng(0))
+    assert {one.channel for one in every} == {'motion'}
 
 
 def test_same_seed_gives_the_same_bands() -> None:

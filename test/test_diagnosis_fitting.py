@@ -12,17 +12,18 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Models in one vector, and fits of them to the ports."""
+"""Models as vectors of values, and their fits to recordings."""
 
 from __future__ import annotations
 
 from typing import Any
 
-from concealed_worlds import FREE, MODEL, nominal, physics, ports_of, recorded
+from concealed_worlds import FREE, MODEL, nominal, physics, prepared_from, recorded
 from contact_estimation.diagnosis.fit.fitting import fit, residual_function, step
-from contact_estimation.diagnosis.fit.nuisances import doubt
+from contact_estimation.diagnosis.fit.model_uncertainty import discounted
 from contact_estimation.diagnosis.fit.uncertainty import standard_deviations
 from contact_estimation.diagnosis.observe.model import Model, names_of
+from contact_estimation.diagnosis.observe.residuals import residuals
 from contact_estimation.physics import EFFECTS
 import numpy as np
 import pytest
@@ -32,72 +33,82 @@ STIFFER: dict[str, Any] = {'environment__stiffness': 5600.0, 'environment__dampi
 
 
 def test_fit_recovers_stiffness_and_damping() -> None:
-    port, model = ports_of(recorded(**STIFFER))
-    found = fit([port], model)
+    recording, model = prepared_from(recorded(**STIFFER))
+    found = fit([recording], model)
     assert found.model.values == pytest.approx((5600.0, 90.0), rel=0.01)
-    assert found.filled == port.count
+    assert found.residual_count == recording.residual_count
 
 
 def test_cost_of_a_fit_is_that_of_its_residuals() -> None:
-    port, model = ports_of(recorded(**STIFFER))
-    found = fit([port], model)
-    assert found.cost == pytest.approx(float(np.sum(port.residuals(found.model) ** 2)))
+    recording, model = prepared_from(recorded(**STIFFER))
+    found = fit([recording], model)
+    assert found.cost == pytest.approx(float(np.sum(residuals(recording, found.model) ** 2)))
     assert found.cost == pytest.approx(float(np.sum(found.residuals**2)))
 
 
 @pytest.mark.parametrize('start', [(500.0, 5.0), (50000.0, 1000.0)])
 def test_fit_finds_its_way_from_far_off(start: tuple[float, float]) -> None:
-    port, model = ports_of(recorded())
-    assert fit([port], model.at(start)).model.values == pytest.approx((K_e, B_e), rel=0.01)
+    recording, model = prepared_from(recorded())
+    assert fit([recording], model.at(start)).model.values == pytest.approx((K_e, B_e), rel=0.01)
 
 
 def test_fit_stays_within_the_ranges_of_the_parameters() -> None:
-    port, model = ports_of(recorded())
-    found = fit([port], model.with_effect('coulomb_friction', (1.0,)))
+    recording, model = prepared_from(recorded())
+    found = fit([recording], model.with_effect('coulomb_friction', (1.0,)))
     low, high = found.model.bounds
     assert np.all(low <= found.model.values) and np.all(found.model.values <= high)
     assert found.model.values[-1] < 0.05
 
 
 def test_step_is_exact_for_what_is_linear() -> None:
-    port, model = ports_of(recorded(**physics('force_bias', 2.0)))
+    recording, model = prepared_from(recorded(**physics('force_bias', 2.0)))
     start = model.with_effect('force_bias', (0.01,))
-    cost, stepped = step([port], start)
-    again, _ = step([port], stepped)
+    cost, stepped = step([recording], start)
+    again, _ = step([recording], stepped)
     assert stepped.values[-1] == pytest.approx(2.0, rel=0.02)
     assert cost - again < 1e-3 * cost
 
 
 def test_step_never_makes_things_worse() -> None:
-    port, model = ports_of(recorded())
+    recording, model = prepared_from(recorded())
     start = model.with_effect('power_law_stiffness', (2.0, 1e6))
-    before = float(np.sum(port.residuals(start) ** 2))
-    assert step([port], start)[0] <= before
+    before = float(np.sum(residuals(recording, start) ** 2))
+    assert step([recording], start)[0] <= before
 
 
 def test_what_is_no_number_is_beyond_all_cost() -> None:
-    port, model = ports_of(recorded())
+    recording, model = prepared_from(recorded())
     wild = model.with_effect('cubic_stiffness', (0.0,))
-    left = residual_function([port], wild)(np.array([np.nan, B_e, 0.0]))
+    left = residual_function([recording], wild)(np.array([np.nan, B_e, 0.0]))
     assert np.all(np.isfinite(left))
     assert np.max(left) == 1e6
+
+
+@pytest.mark.filterwarnings('error')
+@pytest.mark.parametrize('logarithm', [-1e6, 1e3, 1e300])
+def test_value_searched_by_its_logarithm_stays_finite(logarithm: float) -> None:
+    recording, model = prepared_from(recorded())
+    bent = model.with_effect('power_law_stiffness', (1.5, 1e6))
+    coordinates = np.array([B_e, 1.5, logarithm])
+    assert np.isfinite(bent.with_free(coordinates).values).all()
+    assert np.isfinite(residual_function([recording], bent)(coordinates)).all()
 
 
 def test_standard_deviations_cover_the_errors() -> None:
     errors = []
     for seed in (1, 2, 3):
-        port, model = ports_of(recorded(seed=seed))
-        doubt(port, model)
-        found = fit([port], model)
+        recording, model = prepared_from(recorded(seed=seed))
+        recording = discounted(recording, model)
+        found = fit([recording], model)
         errors += list((np.array(found.model.values) - (K_e, B_e))
-                       / standard_deviations([port], found))
+                       / standard_deviations([recording], found))
     assert np.sqrt(np.mean(np.square(errors))) < 3.0
 
 
 def test_standard_deviations_of_what_is_not_fitted_are_not_numbers() -> None:
-    port, model = ports_of(recorded(**physics('hunt_crossley_damping', 12000.0)))
-    found = fit([port], model.with_effect('hunt_crossley_damping', (10000.0,)))
-    std = standard_deviations([port], found)
+    recording, model = prepared_from(recorded(**physics('hunt_crossley_damping', 12000.0)))
+    found = fit([recording], model.with_effect('hunt_crossley_damping', (10000.0,)))
+    std = standard_deviations([recording], found)
     np.testing.assert_array_equal(np.isnan(std), [False, True, False])
 
 

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Parts that no fit sees: which they are, and what is measured on them."""
+"""Held-out parts: their choice, and the errors of models on them."""
 
 from __future__ import annotations
 
@@ -22,12 +22,11 @@ from concealed_worlds import (
     FORCE_NOISE,
     nominal,
     physics,
-    ports_of,
+    prepared_from,
     recorded,
     Touch,
     touches,
 )
-from contact_estimation.diagnosis.conclude.finding import Errors
 from contact_estimation.diagnosis.conclude.held_out import (
     as_good,
     by_part,
@@ -36,9 +35,11 @@ from contact_estimation.diagnosis.conclude.held_out import (
     measure_part,
     Part,
 )
+from contact_estimation.diagnosis.conclude.result import Errors
 from contact_estimation.diagnosis.observe.episodes import episodes, hold_out, require_contact
 from contact_estimation.diagnosis.observe.model import Model
 from contact_estimation.diagnosis.observe.observed import Observed
+from contact_estimation.diagnosis.observe.residuals import force_residual
 from contact_estimation.exceptions import RecordingError
 import numpy as np
 from numpy.typing import NDArray
@@ -63,8 +64,8 @@ def moved(depths: tuple[float, ...]) -> Observed:
 
 
 def test_episodes_are_the_touches() -> None:
-    port, model = ports_of(recorded())
-    o = port.observed
+    recording, model = prepared_from(recorded())
+    o = recording.observed
     found = episodes(model, o)
     assert len(found) == 3
     for first, stop in found:
@@ -110,8 +111,8 @@ def test_of_one_episode_a_late_block_is_held_out() -> None:
 
 
 def test_of_an_attached_wall_a_late_block_is_held_out() -> None:
-    port, model = ports_of(attached(), nominal(**ATTACHED))
-    samples = hold_out(model, port.observed).samples
+    recording, model = prepared_from(attached(), nominal(**ATTACHED))
+    samples = hold_out(model, recording.observed).samples
     assert np.mean(samples) == pytest.approx(0.2, abs=0.01)
     assert np.flatnonzero(samples)[0] > 0.5 * len(samples)
 
@@ -171,45 +172,45 @@ def test_same_generator_gives_the_same_interval() -> None:
 
 
 def test_part_measures_the_force_in_contact_and_the_motion_after_its_start() -> None:
-    port, model = ports_of(recorded())
-    o = port.observed
+    recording, model = prepared_from(recorded())
+    o = recording.observed
     samples = o.t < 2.0
-    part = measure_part('first', port, samples, [model] * 3, [o.raw_position + 1e-3] * 3)
-    touching = samples & port.use & (o.x > 0.0)
+    part = measure_part('first', recording, samples, [model] * 3, [o.raw_position + 1e-3] * 3)
+    touching = samples & recording.use & (o.x > 0.0)
     assert part.samples.sum() == np.count_nonzero(touching)
     assert part.force[0].sum() == pytest.approx(
-        float(np.sum(port.force_residual(model)[touching] ** 2)))
+        float(np.sum(force_residual(recording, model)[touching] ** 2)))
     assert errors_of([part])[1].nominal == pytest.approx(1e-3)
     assert part.motion_samples.sum() == np.count_nonzero(samples & (o.t >= 0.5))
 
 
 def test_true_model_predicts_a_part_to_its_noise() -> None:
-    port, model = ports_of(recorded())
-    everything = np.ones(len(port.observed.t), bool)
-    part = measure_part('all', port, everything, [model] * 3, None)
+    recording, model = prepared_from(recorded())
+    everything = np.ones(len(recording.observed.t), bool)
+    part = measure_part('all', recording, everything, [model] * 3, None)
     assert errors_of([part])[0].nominal == pytest.approx(FORCE_NOISE, rel=0.06)
     assert part.motion is None
 
 
 def test_model_is_as_good_as_itself_and_not_as_a_worse_one() -> None:
-    port, model = ports_of(recorded(**physics('coulomb_friction', 2.0)))
-    everything = np.ones(len(port.observed.t), bool)
+    recording, model = prepared_from(recorded(**physics('coulomb_friction', 2.0)))
+    everything = np.ones(len(recording.observed.t), bool)
     true = model.with_effect('coulomb_friction', (2.0,))
     generator = np.random.default_rng(0)
-    assert as_good(port, everything, true, true, generator)
-    assert not as_good(port, everything, true, model, generator)
-    assert as_good(port, everything, model, true, generator)
+    assert as_good(recording, everything, true, true, generator)
+    assert not as_good(recording, everything, true, model, generator)
+    assert as_good(recording, everything, model, true, generator)
 
 
 def test_part_of_one_block_cannot_tell() -> None:
-    port, model = ports_of(recorded())
-    samples = np.zeros(len(port.observed.t), bool)
+    recording, model = prepared_from(recorded())
+    samples = np.zeros(len(recording.observed.t), bool)
     samples[700:710] = True
-    assert not as_good(port, samples, model, model, np.random.default_rng(0))
+    assert not as_good(recording, samples, model, model, np.random.default_rng(0))
 
 
 @pytest.mark.parametrize('touch', [(0.03, 1.2), (0.02, 1.5)])
 def test_one_real_touch_holds_out_part_of_itself(touch: Touch) -> None:
-    port, model = ports_of(recorded(touches(touch, swing=0.006)))
-    part = hold_out(model, port.observed)
-    assert np.all(port.observed.x[part.samples] > 0.0)
+    recording, model = prepared_from(recorded(touches(touch, swing=0.006)))
+    part = hold_out(model, recording.observed)
+    assert np.all(recording.observed.x[part.samples] > 0.0)

@@ -16,13 +16,21 @@
 
 from __future__ import annotations
 
-from concealed_worlds import ATTACHED, attached, nominal, physics, ports_of, recorded, with_unknown
+from concealed_worlds import (
+    ATTACHED,
+    attached,
+    nominal,
+    physics,
+    prepared_from,
+    recorded,
+    with_unknown,
+)
 from contact_estimation.diagnosis.conclude.location import guess_port, intervals, locate, Location
 from contact_estimation.diagnosis.fit.fitting import fit
-from contact_estimation.diagnosis.fit.nuisances import doubt
+from contact_estimation.diagnosis.fit.model_uncertainty import discounted
 from contact_estimation.diagnosis.observe.model import Model
-from contact_estimation.diagnosis.observe.observed import Signals
-from contact_estimation.diagnosis.observe.ports import Ports
+from contact_estimation.diagnosis.observe.prepared_recording import PreparedRecording
+from contact_estimation.diagnosis.observe.signals import Signals
 import numpy as np
 import pytest
 
@@ -42,11 +50,11 @@ WORLDS = [
 ]
 
 
-def recalibrated(signals: Signals) -> tuple[Ports, Model]:
+def recalibrated(signals: Signals) -> tuple[PreparedRecording, Model]:
     """Fit stiffness and damping alone."""
-    port, model = ports_of(signals)
-    doubt(port, model)
-    return port, fit([port], model).model
+    recording, model = prepared_from(signals)
+    recording = discounted(recording, model)
+    return recording, fit([recording], model).model
 
 
 def located(name: str, values: tuple[float, ...]) -> Location:
@@ -58,8 +66,8 @@ def located(name: str, values: tuple[float, ...]) -> Location:
 def test_port_of_an_effect_is_guessed_from_its_residuals(
     name: str, values: tuple[float, ...], expected: str
 ) -> None:
-    port, model = recalibrated(recorded(**physics(name, *values)))
-    assert guess_port(port, model) == expected
+    recording, model = recalibrated(recorded(**physics(name, *values)))
+    assert guess_port(recording, model) == expected
 
 
 @pytest.mark.parametrize('name, values, expected', WORLDS)
@@ -76,9 +84,9 @@ def test_saturation_is_seen_at_large_depth_or_speed() -> None:
 
 
 def test_plastic_set_is_seen_in_contact_only() -> None:
-    port, model = recalibrated(recorded(**physics('plastic_set', 0.06)))
-    o = port.observed
-    for begin, end in locate(port, model).intervals_s:
+    recording, model = recalibrated(recorded(**physics('plastic_set', 0.06)))
+    o = recording.observed
+    for begin, end in locate(recording, model).intervals_s:
         inside = o.x[(o.t >= begin) & (o.t < end)] > 0.0
         assert np.mean(inside) > 0.7
 
@@ -96,33 +104,34 @@ def test_resonance_is_located_around_its_frequency() -> None:
 
 
 def test_port_that_is_known_is_kept() -> None:
-    port, model = recalibrated(recorded(**physics('force_bias', 2.0)))
-    assert locate(port, model, 'robot').port == 'robot'
+    recording, model = recalibrated(recorded(**physics('force_bias', 2.0)))
+    assert locate(recording, model, 'robot').port == 'robot'
 
 
 def test_without_a_robot_the_contact_is_blamed() -> None:
-    port, model = ports_of(attached(('physics__cubic_stiffness__K_3', 1e6)), nominal(**ATTACHED))
-    place = locate(port, model)
+    signals = attached(('physics__cubic_stiffness__K_3', 1e6))
+    recording, model = prepared_from(signals, nominal(**ATTACHED))
+    place = locate(recording, model)
     assert place.port == 'contact'
     assert place.phase in {'loading', 'unloading', 'all'}
 
 
 def test_intervals_are_where_the_energy_is() -> None:
-    port, _ = ports_of(recorded())
-    step = port.observed.h * port.block
+    recording, _ = prepared_from(recorded())
+    step = recording.observed.h * recording.block
     energy = np.ones(round(7.0 / step))
     energy[round(2.0 / step):round(2.5 / step)] = 20.0
     energy[round(2.6 / step):round(3.0 / step)] = 20.0
     energy[round(5.0 / step):round(5.4 / step)] = 20.0
-    found = intervals(port, energy)
+    found = intervals(recording, energy)
     assert np.array(found) == pytest.approx(np.array([[2.0, 3.0], [5.0, 5.4]]), abs=0.1)
 
 
 def test_noise_has_hardly_any_intervals() -> None:
-    port, _ = ports_of(recorded())
+    recording, _ = prepared_from(recorded())
     # A window's mean of eight squares is beyond 2.5 once in a hundred.
-    found = intervals(port, np.random.default_rng(1).standard_normal(6000) ** 2)
-    length = 6000 * port.observed.h * port.block
+    found = intervals(recording, np.random.default_rng(1).standard_normal(6000) ** 2)
+    length = 6000 * recording.observed.h * recording.block
     assert sum(end - begin for begin, end in found) < 0.03 * length
 
 

@@ -34,10 +34,11 @@ from concealed_worlds import (
 )
 from contact_estimation.blind_trials.drawing import port_of
 from contact_estimation.blind_trials.unknown import UNKNOWN
-from contact_estimation.diagnosis.conclude.finding import Diagnosis
+from contact_estimation.diagnosis.conclude.result import Diagnosis
 from contact_estimation.diagnosis.diagnosis import diagnose
-from contact_estimation.diagnosis.observe.case import Recording
 from contact_estimation.diagnosis.observe.model import names_of
+from contact_estimation.diagnosis.observe.residuals import force_residual
+from contact_estimation.diagnosis.observe.signals import Recording
 from contact_estimation.diagnosis.report.report import as_dict, as_text
 from contact_estimation.physics import EFFECTS
 import numpy as np
@@ -253,9 +254,9 @@ def test_recording_that_is_explained_worst_is_the_one_that_is_located() -> None:
     assert found.shown == as_dict(found)['located_in'] == 'rough'
     assert found.location is not None
     assert 'Times are those of rough' in as_text(found)
-    np.testing.assert_array_equal(found.ports[0].observed.t, found.ports[1].observed.t)
-    assert found.ports[0].force_residual(found.recalibrated).std() > (
-        found.ports[1].force_residual(found.recalibrated).std())
+    np.testing.assert_array_equal(found.recordings[0].observed.t, found.recordings[1].observed.t)
+    worst, other = (force_residual(one, found.recalibrated).std() for one in found.recordings)
+    assert worst > other
 
 
 def test_same_seed_gives_the_same_diagnosis() -> None:

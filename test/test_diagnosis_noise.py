@@ -30,7 +30,8 @@ from concealed_worlds import (
 )
 from contact_estimation.diagnosis.observe.model import Model
 from contact_estimation.diagnosis.observe.noise import force_noise
-from contact_estimation.diagnosis.observe.observed import observe, Signals
+from contact_estimation.diagnosis.observe.observed import observe
+from contact_estimation.diagnosis.observe.signals import Signals
 import numpy as np
 import pytest
 

@@ -125,7 +125,7 @@ def test_every_effect_has_a_meaning_in_one_plain_line(name: str) -> None:
 
 @EVERY
 def test_shaded_spans_are_the_samples_that_no_fit_has_used(name: str) -> None:
-    port = diagnosed(name).ports[0]
+    port = diagnosed(name).recordings[0]
     ((first, last),) = held_out_spans(diagnosed(name))
     inside = (port.observed.t >= first) & (port.observed.t <= last)
     assert not port.use[inside].any()

@@ -22,7 +22,7 @@ from math import nan
 from pathlib import Path
 from typing import Any
 
-from contact_estimation.diagnosis.conclude.finding import Errors, Value
+from contact_estimation.diagnosis.conclude.result import Errors, Value
 from contact_estimation.diagnosis.report.report import as_dict, as_text, model_file
 from contact_estimation.estimation.parameters import EstimationParameters
 from contact_estimation.parameters.file import read_parameter_file

@@ -19,24 +19,22 @@ from __future__ import annotations
 from functools import lru_cache
 from typing import Any
 
-from concealed_worlds import ATTACHED, attached, nominal, physics, ports_of, recorded
-from contact_estimation.diagnosis.fit.fitting import Fit, fit
-from contact_estimation.diagnosis.fit.nuisances import doubt
-from contact_estimation.diagnosis.fit.scales import measure_scales
-from contact_estimation.diagnosis.fit.selection import (
-    candidates_for,
+from concealed_worlds import ATTACHED, attached, nominal, physics, prepared_from, recorded
+from contact_estimation.diagnosis.fit.criteria import (
     enough,
+    noise_scale,
     penalty,
     PRICE,
-    prune,
-    scale_of,
-    search,
-    select,
     SHARE,
     THRESHOLD,
 )
+from contact_estimation.diagnosis.fit.fitting import Fit, fit
+from contact_estimation.diagnosis.fit.model_uncertainty import discounted
+from contact_estimation.diagnosis.fit.scales import measure_scales
+from contact_estimation.diagnosis.fit.search import candidates_for, search
+from contact_estimation.diagnosis.fit.selection import prune, Rivals, select
 from contact_estimation.diagnosis.observe.model import Model, names_of
-from contact_estimation.diagnosis.observe.ports import Ports
+from contact_estimation.diagnosis.observe.prepared_recording import PreparedRecording
 from contact_estimation.physics import EFFECTS
 import numpy as np
 import pytest
@@ -46,11 +44,11 @@ COUNT = 1000
 
 
 @lru_cache(maxsize=None)
-def prepared(*changes: tuple[str, Any]) -> tuple[Ports, Fit]:
+def prepared(*changes: tuple[str, Any]) -> tuple[PreparedRecording, Fit]:
     """Recalibrate the nominal model on a world's recording."""
-    port, model = ports_of(recorded(**dict(changes)))
-    doubt(port, fit([port], model).model)
-    return port, fit([port], model)
+    recording, model = prepared_from(recorded(**dict(changes)))
+    recording = discounted(recording, fit([recording], model).model)
+    return recording, fit([recording], model)
 
 
 def with_cost(cost: float, *effects: str) -> Fit:
@@ -94,8 +92,8 @@ def test_law_that_replaces_a_parameter_is_priced_less() -> None:
 
 
 def test_scale_is_that_of_the_residuals_and_never_below_the_noise() -> None:
-    assert scale_of(with_cost(2.5 * COUNT)) == 2.5
-    assert scale_of(with_cost(0.5 * COUNT)) == 1.0
+    assert noise_scale(with_cost(2.5 * COUNT)) == 2.5
+    assert noise_scale(with_cost(0.5 * COUNT)) == 1.0
 
 
 @pytest.mark.parametrize('gain, expected', [(0.5, False), (0.99, False), (1.01, True)])
@@ -116,10 +114,10 @@ def test_effect_must_explain_a_fair_share_of_the_misfit(share: float, expected: 
 
 
 def test_search_ranks_the_true_effect_first() -> None:
-    port, base = prepared(*physics('quadratic_damping', 600.0).items())
+    recording, base = prepared(*physics('quadratic_damping', 600.0).items())
     told: list[str] = []
     names = ['cubic_stiffness', 'quadratic_damping', 'force_bias', 'force_lag']
-    found = search([port], base, names, told.append)
+    found = search([recording], base, names, told.append)
     assert told == names
     assert found[0].model.effects == ('quadratic_damping',)
     assert found[0].model.values[-1] == pytest.approx(600.0, rel=0.05)
@@ -127,52 +125,53 @@ def test_search_ranks_the_true_effect_first() -> None:
 
 @pytest.mark.parametrize('K_2, depth', [(1500.0, 0.006), (300.0, 0.011), (5000.0, 0.009)])
 def test_search_finds_the_depth_of_a_second_spring(K_2: float, depth: float) -> None:
-    port, base = prepared(*physics('bilinear_stiffness', K_2, depth).items())
-    (found,) = search([port], base, ['bilinear_stiffness'], lambda name: None)
+    recording, base = prepared(*physics('bilinear_stiffness', K_2, depth).items())
+    (found,) = search([recording], base, ['bilinear_stiffness'], lambda name: None)
     assert found.model.values[2:] == pytest.approx((K_2, depth), rel=0.05)
 
 
 def test_implausible_values_are_not_found() -> None:
-    port, base = prepared(*physics('coulomb_friction', 2.0).items())
-    for found in search([port], base, ['stribeck_friction'], lambda name: None):
+    recording, base = prepared(*physics('coulomb_friction', 2.0).items())
+    for found in search([recording], base, ['stribeck_friction'], lambda name: None):
         assert found.model.plausible()
 
 
 def test_nothing_is_taken_from_a_clean_world() -> None:
-    port, base = prepared()
-    finding = select([port], base)
-    assert finding.best.model.effects == ()
-    assert finding.rivals == {}
-    assert max(finding.candidates.values()) < 0.1
+    recording, base = prepared()
+    selection = select([recording], base)
+    assert selection.best.model.effects == ()
+    assert selection.rivals == {}
+    assert max(selection.evidence.values()) < 0.1
 
 
-def test_finding_of_an_effect_has_rivals_and_evidence() -> None:
-    port, base = prepared(*physics('force_delay', 0.006).items())
-    finding = select([port], base)
-    assert finding.best.model.effects == ('force_delay',)
-    assert finding.rivals['force_delay'][0].model.effects == ('force_lag',)
-    assert max(finding.candidates, key=lambda name: finding.candidates[name]) == 'force_delay'
-    assert finding.candidates['force_delay'] > 0.9
+def test_selection_of_an_effect_has_rivals_and_evidence() -> None:
+    recording, base = prepared(*physics('force_delay', 0.006).items())
+    selection = select([recording], base)
+    assert selection.best.model.effects == ('force_delay',)
+    assert selection.rivals['force_delay'][0].model.effects == ('force_lag',)
+    assert max(selection.evidence, key=lambda name: selection.evidence[name]) == 'force_delay'
+    assert selection.evidence['force_delay'] > 0.9
 
 
 def test_wider_law_does_not_take_the_place_of_the_true_one() -> None:
     pair = {**physics('coulomb_friction', 2.0), **physics('force_delay', 0.006)}
-    port, base = prepared(*pair.items())
-    effects = select([port], base).best.model.effects
+    recording, base = prepared(*pair.items())
+    effects = select([recording], base).best.model.effects
     assert sorted(effects) == ['coulomb_friction', 'force_delay']
 
 
 def test_superfluous_effect_is_pruned() -> None:
-    port, base = prepared(*physics('coulomb_friction', 2.0).items())
+    recording, base = prepared(*physics('coulomb_friction', 2.0).items())
     both = base.model.with_effect('coulomb_friction', (2.0,)).with_effect('force_bias', (0.0,))
-    best, rivals = prune([port], fit([port], both), {'coulomb_friction': [], 'force_bias': []})
+    rivals: Rivals = {'coulomb_friction': [], 'force_bias': []}
+    best, rivals = prune([recording], fit([recording], both), rivals)
     assert best.model.effects == ('coulomb_friction',)
     assert set(rivals) == {'coulomb_friction'}
 
 
 def test_scales_are_those_of_the_recording() -> None:
-    port, base = prepared(*physics('moving_environment', 0.0003, 1.7, 0.7).items())
-    scales, o = measure_scales([port], base), port.observed
+    recording, base = prepared(*physics('moving_environment', 0.0003, 1.7, 0.7).items())
+    scales, o = measure_scales([recording], base), recording.observed
     assert scales.depth == pytest.approx(float(np.max(o.x)), rel=1e-6)
     assert scales.force == pytest.approx(float(np.max(np.abs(o.force))))
     assert scales.duration == pytest.approx(7.296)
@@ -181,7 +180,7 @@ def test_scales_are_those_of_the_recording() -> None:
 
 
 def test_attached_wall_has_scales_too() -> None:
-    port, model = ports_of(attached(), nominal(**ATTACHED))
-    scales = measure_scales([port], fit([port], model))
+    recording, model = prepared_from(attached(), nominal(**ATTACHED))
+    scales = measure_scales([recording], fit([recording], model))
     assert scales.spectrum == ()
-    assert scales.depth == pytest.approx(float(np.max(np.abs(port.observed.x))), rel=1e-6)
+    assert scales.depth == pytest.approx(float(np.max(np.abs(recording.observed.x))), rel=1e-6)

@@ -27,13 +27,13 @@ from contact_estimation.diagnosis.conclude.candidates import (
     Reach,
     scaling_test,
 )
-from contact_estimation.diagnosis.conclude.finding import Diagnosis
 from contact_estimation.diagnosis.conclude.next_experiment import choose, Judge, reach_of
+from contact_estimation.diagnosis.conclude.result import Diagnosis
 from contact_estimation.diagnosis.fit.fitting import fit, residual_function
-from contact_estimation.diagnosis.fit.nuisances import doubt
+from contact_estimation.diagnosis.fit.model_uncertainty import discounted
 from contact_estimation.diagnosis.observe.model import Model
 from contact_estimation.diagnosis.observe.observed import observe
-from contact_estimation.diagnosis.observe.ports import Ports
+from contact_estimation.diagnosis.observe.prepared_recording import PreparedRecording
 from contact_estimation.diagnosis.observe.usable_samples import default_block, usable
 from contact_estimation.plant.plant_parameters import PlantParameters, WallParameters
 from contact_estimation.reference.experiment import Experiment
@@ -58,14 +58,14 @@ def open_question() -> Diagnosis:
     """Take the recording with friction, and say that it could be drag as well."""
     d = diagnosed('friction')
     start = d.corrected.without('coulomb_friction').with_effect('quadratic_damping', (10.0,))
-    rival = fit(d.ports, start).model
+    rival = fit(d.recordings, start).model
     effect = replace(d.effects[0], indistinguishable_from=['quadratic_damping'])
     return replace(d, effects=[effect], rivals={'quadratic_damping': rival})
 
 
-def least_cost(ports: Sequence[Ports], model: Model) -> float:
+def least_cost(recordings: Sequence[PreparedRecording], model: Model) -> float:
     """Fit a model without bending large residuals, by scipy alone."""
-    function = residual_function(ports, model, robust=False)
+    function = residual_function(recordings, model, robust=False)
     start = np.array(model.values)[model.free]
     found = least_squares(function, start, x_scale=np.abs(start), diff_step=1e-4)
     return float(2.0 * found.cost)
@@ -123,7 +123,7 @@ def test_proposals_stay_within_reach_and_do_not_jump(candidate: Candidate) -> No
 
 
 def test_reach_is_that_of_the_recording() -> None:
-    d, o = diagnosed('friction'), diagnosed('friction').ports[0].observed
+    d, o = diagnosed('friction'), diagnosed('friction').recordings[0].observed
     reach = reach_of(d)
     assert reach.depth <= o.x.max() and reach.depth > 0.7 * o.x.max()
     assert reach.speed == pytest.approx(np.abs(o.v).max())
@@ -150,15 +150,15 @@ def test_predicted_difference_is_about_what_fits_to_a_new_recording_leave(index:
     F_c = d.effects[0].parameters['F_c'].value
     observed = observe(recorded(experiment, seed=7, physics__coulomb_friction__F_c=F_c),
                        d.nominal.nominal)
-    old = d.ports[0]
-    new = Ports(observed, old.force_noise, old.motion_noise, usable(d.nominal, observed),
-                default_block(observed))
-    doubt(new, d.corrected)
-    both, before = ([*d.ports, new], d.ports)
+    old = d.recordings[0]
+    new = discounted(replace(
+        old, observed=observed, use=usable(d.nominal, observed), held_out=None,
+        block=default_block(observed)), d.corrected)
+    both, before = ([*d.recordings, new], d.recordings)
     gained = least_cost(both, rival) - least_cost(both, d.corrected)
     already = least_cost(before, rival) - least_cost(before, d.corrected)
     # The prediction is linear, and knows the old recording by its curvature alone.
-    assert 0.5 < (gained - already) / new.count / predicted < 2.0
+    assert 0.5 < (gained - already) / new.residual_count / predicted < 2.0
 
 
 def test_best_proposal_differs_more_than_the_others() -> None:

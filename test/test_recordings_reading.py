@@ -20,8 +20,10 @@ import subprocess
 import sys
 from typing import Any
 
-from contact_estimation.exceptions import RecordingError
+from contact_estimation.exceptions import MissingPackageError, RecordingError
 from contact_estimation.recordings import RecordingReader, RecordingWriter
+import mcap.exceptions
+import mcap.stream_reader
 from mcap.writer import CompressionType, IndexType, Writer
 import numpy as np
 import pytest
@@ -307,3 +309,51 @@ def test_topics_leave_no_trace_in_progress(tmp_path: Path) -> None:
     reader = RecordingReader(plain_file(tmp_path / 'a.mcap', finish=False))
     reader.topics()
     assert (reader.progress, reader.damaged_chunks) == (0.0, 0)
+
+
+def test_chunks_without_a_wanted_topic_are_skipped(tmp_path: Path) -> None:
+    path = tmp_path / 'a.mcap'
+    with RecordingWriter.file(path) as writer:
+        for topic, text in (('/a', b'a' * 100), ('/b', b'b' * 100), ('/a', b'c' * 100)):
+            writer.write(topic, STRING, text, 0)
+            writer.flush()
+    ends = list(ends_of_batches(path))
+    content = bytearray(path.read_bytes())
+    content[ends[1] - 40:ends[1]] = bytes(40)  # damage the chunk of /b
+    path.write_bytes(content)
+    reader = RecordingReader(path)
+    assert [m.data[:1] for m in reader.messages(['/a'])] == [b'a', b'c']
+    assert reader.damaged_chunks == 0
+    assert [m.data for m in reader.messages(['/b'])] == []
+    assert reader.damaged_chunks == 1
+
+
+def test_reading_imports_neither_estimators_nor_rosbags() -> None:
+    code = (
+        'import sys, contact_estimation.recordings.recorded_signals; '
+        'print([m for m in sys.modules if m.startswith(("contact_estimation.esti", "rosbags"))])'
+    )
+    environment = dict(os.environ, PYTHONPATH=os.pathsep.join(sys.path))
+    done = subprocess.run([sys.executable, '-c', code], env=environment, check=True,
+                          stdout=subprocess.PIPE)
+    assert done.stdout.strip() == b'[]'
+
+
+def test_topics_leave_damage_and_progress_of_a_running_pass(tmp_path: Path) -> None:
+    reader = RecordingReader(plain_file(tmp_path / 'a.mcap', finish=False))
+    batches = reader.batches()
+    next(batches)
+    progress = reader.progress
+    reader.topics()
+    assert reader.progress == progress > 0
+
+
+def test_missing_decompressor_is_named_and_not_taken_for_damage(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    if not hasattr(mcap.exceptions, 'UnsupportedCompressionError'):
+        pytest.skip('this mcap cannot be imported without its decompressors')
+    path = plain_file(tmp_path / 'a.mcap', compression=CompressionType.LZ4)
+    monkeypatch.setattr(mcap.stream_reader, 'lz4', None)
+    with pytest.raises(MissingPackageError, match='lz4'):
+        numbers(RecordingReader(path))

@@ -22,7 +22,7 @@ import sys
 from typing import Any
 
 from contact_estimation.exceptions import RecordingError
-from contact_estimation.messages import RosbagsCodec, StringEncoder, WrenchEncoder
+from contact_estimation.messages import encode_string, WrenchEncoder
 from contact_estimation.recordings import OfferedQos, RecordingReader, RecordingWriter
 from mcap.reader import make_reader
 from mcap.writer import Writer
@@ -49,15 +49,14 @@ os.kill(os.getpid(), signal.SIGKILL)
 
 
 def fill(writer: Any, count: Any = 1000) -> None:
-    codec = RosbagsCodec()
-    wrench, text = WrenchEncoder(codec, 'tool0'), StringEncoder(codec)
+    wrench = WrenchEncoder('tool0')
     best_effort = OfferedQos(reliability='best_effort')
     for number in range(count):
         stamp_ns = START_NS + number * PERIOD_NS
         writer.write('/wrench', WRENCH, wrench.encode(stamp_ns, number, 0.0, 0.0), stamp_ns + 5,
                      publish_time_ns=stamp_ns, qos=best_effort)
         if number % 100 == 0:
-            writer.write('/status', STRING, text.encode(f'at {number}'), stamp_ns + 6)
+            writer.write('/status', STRING, encode_string(f'at {number}'), stamp_ns + 6)
 
 
 @pytest.fixture

@@ -26,7 +26,7 @@ from contact_estimation.commands import replay
 from contact_estimation.estimation.parameters import EstimationParameters
 from contact_estimation.estimation.session import ContactSession
 from contact_estimation.estimators.estimator import Estimate
-from contact_estimation.messages import JointStateEncoder, RosbagsCodec, WrenchEncoder
+from contact_estimation.messages import JointStateEncoder, WrenchEncoder
 from contact_estimation.recordings import RecordingReader, RecordingWriter
 from core_runs import contact_samples
 import pytest
@@ -47,9 +47,8 @@ def write_recording(
     path: Path, wrench: str = '/wrench', joints: str = '/joint_states', axis: int = 0
 ) -> Path:
     """Record the samples, 500 a second of log time."""
-    codec = RosbagsCodec()
-    wrenches = WrenchEncoder(codec, 'tool')
-    positions = JointStateEncoder(codec, 'tool', 'contact_x', True)
+    wrenches = WrenchEncoder('tool')
+    positions = JointStateEncoder('tool', 'contact_x', True)
     with RecordingWriter.file(path) as writer:
         for stamp_ns, position, velocity, force in SAMPLES:
             stamp_ns += BEGIN_NS

@@ -23,7 +23,7 @@ from typing import Any, Iterator
 
 from contact_estimation.estimation.replay import RecordingReplay
 from contact_estimation.exceptions import RecordingError
-from contact_estimation.messages import RosbagsCodec, Vector3StampedDecoder
+from contact_estimation.messages import Vector3StampedDecoder
 from contact_estimation.recordings import RecordingReader
 from contact_estimation.recordings.source import RecordingSource
 from contact_estimation.signals.contact_sample import ContactSample
@@ -89,7 +89,7 @@ class Recording:
             return set()
 
     def _recorded(self, name: str) -> dict[int, float]:
-        decode, topic = Vector3StampedDecoder(RosbagsCodec()).decode, f'/{self.peer.name}/{name}'
+        decode, topic = Vector3StampedDecoder().decode, f'/{self.peer.name}/{name}'
         messages = RecordingReader(self._folder).messages([topic])
         return dict(decode(message.data)[:2] for message in messages)
 

@@ -24,7 +24,7 @@ from axes_peer import node_of_axes
 from axes_runs import Instant, instants, JOINTS, LOCATIONS, moved_instants, WALLS
 from contact_estimation.estimation.replay import RecordingReplay
 from contact_estimation.exceptions import RecordingError
-from contact_estimation.messages import RosbagsCodec, Vector3StampedDecoder
+from contact_estimation.messages import Vector3StampedDecoder
 from contact_estimation.recordings import RecordingReader
 from contact_estimation.recordings.source import RecordingSource
 from contact_estimation.signals.contact_sample import ContactSample
@@ -36,7 +36,7 @@ SAMPLES = instants(0.5)
 
 def recorded(folder: Path, name: str) -> dict[int, tuple[float, ...]]:
     """Read recorded vectors by their stamps; nothing where there is no recording yet."""
-    decode = Vector3StampedDecoder(RosbagsCodec()).decode
+    decode = Vector3StampedDecoder().decode
     try:
         messages = RecordingReader(folder).messages([f'/estimator_node/{name}'])
         return {v[0]: v[1:] for v in (decode(m.data) for m in messages)}

@@ -19,14 +19,14 @@ from __future__ import annotations
 import json
 from math import isnan
 from pathlib import Path
-from typing import Any
 
 from axes_runs import feed_axes, instants, JOINTS, LOCATIONS, PARAMETERS, session_of_axes
 from contact_estimation.commands import replay
-from contact_estimation.messages import RosbagsCodec, Vector3StampedDecoder, WrenchEncoder
+from contact_estimation.messages import Vector3StampedDecoder, WrenchEncoder
 from contact_estimation.recordings import RecordingReader, RecordingWriter
 from contact_estimation.recordings.estimation_metadata import RECORD, to_metadata
 import pytest
+from reference_messages import joint_state_bytes, JOINTS as JOINTS_TYPE
 
 SAMPLES = instants(0.3)
 COLUMNS = ('stiffness', 'damping', 'stiffness_std', 'damping_std')
@@ -34,18 +34,15 @@ COLUMNS = ('stiffness', 'damping', 'stiffness_std', 'damping_std')
 
 @pytest.fixture(scope='module')
 def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    codec, path = RosbagsCodec(), tmp_path_factory.mktemp('axes') / 'a.mcap'
-    wrenches, joint_type = WrenchEncoder(codec, 'tool'), 'sensor_msgs/msg/JointState'
-    make: Any = codec.new
+    path = tmp_path_factory.mktemp('axes') / 'a.mcap'
+    wrenches = WrenchEncoder('tool')
     with RecordingWriter.file(path) as writer:
         for stamp_ns, positions, velocities, forces in SAMPLES:
-            message = make(joint_type)
-            message.header.stamp.sec, message.header.stamp.nanosec = divmod(stamp_ns, 10**9)
-            message.name = ['elbow', *reversed(JOINTS.values())]
-            message.position = codec.floats([9.0, *reversed(positions)])
-            message.velocity = codec.floats([9.0, *reversed(velocities)])
-            raw = codec.serialize(message, joint_type)
-            writer.write('/joint_states', joint_type, raw, stamp_ns)
+            raw = joint_state_bytes(
+                ['elbow', *reversed(JOINTS.values())], [9.0, *reversed(positions)],
+                [9.0, *reversed(velocities)], stamp_ns=stamp_ns,
+            )
+            writer.write('/joint_states', JOINTS_TYPE, raw, stamp_ns)
             raw = wrenches.encode(stamp_ns, *forces)
             writer.write('/wrench', 'geometry_msgs/msg/WrenchStamped', raw, stamp_ns)
         writer.write_metadata(RECORD, to_metadata(PARAMETERS))
@@ -82,7 +79,7 @@ def test_json_has_an_entry_for_every_axis(recording: Path, tmp_path: Path) -> No
 
 def test_mcap_has_every_axis_in_its_place(recording: Path, tmp_path: Path) -> None:
     assert run(recording, '--output', tmp_path / 'out.mcap') == 0
-    decode = Vector3StampedDecoder(RosbagsCodec()).decode
+    decode = Vector3StampedDecoder().decode
     messages = RecordingReader(tmp_path / 'out.mcap').messages(['/estimator_node/damping'])
     vectors = [decode(message.data)[1:] for message in messages]
     results = feed_axes(session_of_axes(False), SAMPLES)
@@ -96,7 +93,7 @@ def test_axes_can_be_chosen_against_what_was_recorded(recording: Path, tmp_path:
     ) == 0
     header = (tmp_path / 'a.csv').read_text().splitlines()[0]
     assert 'stiffness_x' in header and 'stiffness_y' not in header
-    decode = Vector3StampedDecoder(RosbagsCodec()).decode
+    decode = Vector3StampedDecoder().decode
     messages = RecordingReader(tmp_path / 'out.mcap').messages(['/estimator_node/stiffness'])
     assert all(isnan(decode(message.data)[2]) for message in messages)
 

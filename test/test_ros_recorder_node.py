@@ -22,7 +22,7 @@ import signal
 import time
 
 from contact_estimation.exceptions import RecordingError
-from contact_estimation.messages import RosbagsCodec, WrenchDecoder
+from contact_estimation.messages import decode_string, WrenchDecoder
 from contact_estimation.recordings import RecordingReader
 import pytest
 from ros_processes import (
@@ -40,7 +40,7 @@ from ros_processes import (
 
 def recorded_stamps(folder: Path) -> set[int]:
     """Read the stamps of all wrenches that a recording holds so far."""
-    decode = WrenchDecoder(RosbagsCodec()).decode
+    decode = WrenchDecoder().decode
     try:
         return {decode(m.data).stamp_ns for m in RecordingReader(folder).messages(['wrench'])}
     except RecordingError:  # not there yet
@@ -140,7 +140,7 @@ def test_recorder_that_comes_late_still_gets_the_parameters_at_start(tmp_path: P
     assert json.loads(recorded['environment.initial_stiffness']) == 1234.0
     assert json.loads(recorded['estimator']) == 'rls'
     texts = [
-        RosbagsCodec().deserialize(m.data, 'std_msgs/msg/String').data
+        decode_string(m.data)
         for m in RecordingReader(folder).messages(['estimator_node/events'])
     ]
     assert [json.loads(text)['event'] for text in texts] == ['start', 'set_parameters']

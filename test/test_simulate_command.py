@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import Any
 
 from contact_estimation.commands.simulate import main
-from contact_estimation.messages import RosbagsCodec, TrajectoryEncoder
+from contact_estimation.messages import TrajectoryEncoder
 from contact_estimation.messages.encoding import JointStateEncoder, WrenchEncoder
 from contact_estimation.recordings import RecordingReader
 from contact_estimation.recordings.recorded_signals import read_signals, RecordedSignals
@@ -67,8 +67,8 @@ def simulated(folder: Path, name: str, *args: str) -> RecordedSignals:
 
 def driven_recording(path: Path, force: Array, rate: float = 600.0) -> Array:
     """Record a force, with a position that rests; give the times."""
-    codec, t = RosbagsCodec(), np.arange(len(force)) / rate
-    wrenches, joints = WrenchEncoder(codec, 'sensor'), JointStateEncoder(codec, '', 'j', False)
+    t = np.arange(len(force)) / rate
+    wrenches, joints = WrenchEncoder('sensor'), JointStateEncoder('', 'j', False)
     with RecordingWriter.file(path) as writer:
         for now, value in zip(t.tolist(), force.tolist()):
             stamp = round(1e9 * now) + 5_000_000_000
@@ -106,9 +106,9 @@ def test_simulating_like_a_simulation_repeats_it(tmp_path: Path) -> None:
 
 
 def test_reference_is_followed_straight_between_samples_that_lack_rates(tmp_path: Path) -> None:
-    codec, t = RosbagsCodec(), 0.04 * np.arange(50)
+    t = 0.04 * np.arange(50)
     driven_recording(tmp_path / 'coarse.mcap', np.zeros(1200))
-    references = TrajectoryEncoder(codec, '', 'j')
+    references = TrajectoryEncoder('', 'j')
     with RecordingWriter.file(tmp_path / 'all.mcap') as writer:
         for message in RecordingReader(tmp_path / 'coarse.mcap').messages():
             kind = RecordingReader(tmp_path / 'coarse.mcap').topics()[message.topic]

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""A long recording of two topics, made of one simulated stretch."""
+"""A long recording of two topics, repeated from one simulated run."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from typing import Iterator
 
 from .simulated_samples import pressing, RATE, sine_manoeuvre
 from ..estimation.result import Result
-from ..messages import JointStateEncoder, RosbagsCodec, WrenchEncoder
+from ..messages import JointStateEncoder, WrenchEncoder
 from ..recordings import RecordingWriter
 
 CONTACTS = ('mixed', 'always')
@@ -43,13 +43,12 @@ def write_long_recording(folder: Path, hours: float, contact: str) -> None:
     hours : float
         Length [h].
     contact : str
-        'mixed': the sine manoeuvre of 12 s again and again, a third of it in contact; 'always':
-        one approach, then pressing under excitation to the end.
+        'mixed': the sine manoeuvre of 12 s repeated, one third in contact; 'always': one
+        approach, then contact under excitation to the end.
 
     """
-    codec = RosbagsCodec()
-    wrenches = WrenchEncoder(codec, 'contact_frame')
-    joints = JointStateEncoder(codec, 'contact_frame', 'contact_x', True)
+    wrenches = WrenchEncoder('contact_frame')
+    joints = JointStateEncoder('contact_frame', 'contact_x', True)
     with RecordingWriter.folder(folder) as writer:
         samples = islice(_endless(contact), round(hours * 3600.0 * RATE))
         for k, (_, position, velocity, force) in enumerate(r.sample for r in samples):

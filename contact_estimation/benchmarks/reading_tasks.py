@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""References of the replay benchmark, each run as a command: read a recording, nothing else."""
+"""References of the replay benchmark, each run as a command: only read a recording."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ TOPICS = ('wrench', 'joint_states')
 
 def deserialise_with_rosbags(path: Path) -> int:
     """
-    Turn every message of the two topics into an object, as rosbags users do.
+    Deserialise every message of the two topics into an object.
 
     Parameters
     ----------

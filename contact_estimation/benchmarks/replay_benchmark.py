@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The command `replay` against merely deserialising the same recording with rosbags."""
+"""The command `replay` compared with deserialising the same recording by rosbags."""
 
 from __future__ import annotations
 
@@ -42,13 +42,13 @@ def run_replay_benchmark(
     Parameters
     ----------
     recording : str or None
-        With topics wrench and joint_states; None: one is made.
+        Recording with topics wrench and joint_states; None writes one.
     hours : float
-        Length of the one that is made [h].
+        Length of the written recording [h].
     contact : str
-        Its kind, see `write_long_recording`.
+        Kind of the written recording, see `write_long_recording`.
     rounds : int
-        Repetitions, of which the median counts.
+        Repetitions; medians are reported.
 
     Returns
     -------
@@ -68,7 +68,7 @@ def run_replay_benchmark(
 def _measure(path: Path, title: str, rounds: int) -> dict[str, Any]:
     reader = RecordingReader(path)
     if reader.start_ns is None or reader.end_ns is None:
-        raise RecordingError(f'{path} does not tell its length; give a recording that is whole')
+        raise RecordingError(f'{path} has no known length; give a complete recording')
     hours = (reader.end_ns - reader.start_ns) * 1e-9 / 3600.0
     tasks = _commands(path)
     costs: dict[str, list[Cost]] = {name: [] for name in tasks}

@@ -31,7 +31,7 @@ from .drawing import is_exact, Trial
 from .sensing import INTEGRATED_HZ, NOTED_HZ, record, Recorded
 from .simulation import Run, simulate
 from .unknown import made, UNKNOWN
-from ..messages import JointStateEncoder, RosbagsCodec, TrajectoryEncoder, WrenchEncoder
+from ..messages import JointStateEncoder, TrajectoryEncoder, WrenchEncoder
 from ..physics import EFFECTS
 from ..physics.physics import RobotEffect
 from ..recordings import RecordingWriter
@@ -213,10 +213,10 @@ def _as_recorded(trial: Trial, run: Run) -> Run:
 
 
 def _write_recording(path: Path, recorded: Recorded, trial: Trial) -> None:
-    codec, with_velocity = RosbagsCodec(), trial.setup.sensing.velocity_noise is not None
-    wrench = WrenchEncoder(codec, 'tool')
-    joint = JointStateEncoder(codec, 'base', _JOINT, with_velocity)
-    reference = TrajectoryEncoder(codec, 'base', _JOINT)
+    with_velocity = trial.setup.sensing.velocity_noise is not None
+    wrench = WrenchEncoder('tool')
+    joint = JointStateEncoder('base', _JOINT, with_velocity)
+    reference = TrajectoryEncoder('base', _JOINT)
     rows: list[tuple[int, str, str, bytes]] = []
     for stamp, force in zip(recorded.force.stamps.tolist(), recorded.force.values.tolist()):
         data = wrench.encode(_EPOCH_NS + stamp, force, 0.0, 0.0)

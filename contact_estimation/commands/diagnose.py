@@ -19,16 +19,15 @@ from __future__ import annotations
 from dataclasses import replace
 import json
 from pathlib import Path
-from typing import Any
+from typing import Any, Iterable
 
 from .command_line import add_source_options, command, different_files, new_file, Parser, source_of
 from .model_file import read_model
 from .progress import Progress
-from ..diagnosis.conclude.finding import Diagnosis
 from ..diagnosis.conclude.next_experiment import choose, Proposal
+from ..diagnosis.conclude.result import Diagnosis
 from ..diagnosis.diagnosis import diagnose
-from ..diagnosis.observe.case import Recording
-from ..diagnosis.observe.reading import timed
+from ..diagnosis.observe.signals import Recording, signals_of
 from ..diagnosis.report.page import as_html
 from ..diagnosis.report.report import as_dict, as_text, model_file
 from ..exceptions import ModelFileError, ParameterRangeError
@@ -86,6 +85,7 @@ def run(options: Any) -> int:
     if options.html:
         require_matplotlib()
     nominal = _without_physics(read_model(options.nominal), options.nominal)
+    _keep(options.nominal, outputs)
     progress = Progress('diagnose')
     stages: list[str] = []
 
@@ -117,10 +117,20 @@ def _without_physics(model: PlantParameters, path: str) -> PlantParameters:
     return model
 
 
+def _keep(nominal: str, outputs: Iterable[str | None]) -> None:
+    """Refuse to replace the nominal model file by a result."""
+    for path in outputs:
+        if path and Path(path).exists() and Path(path).samefile(nominal):
+            raise ModelFileError(
+                f'cannot write {path}: it is the nominal model file, which would be lost; '
+                'name another file'
+            )
+
+
 def _read(path: str, options: Any) -> Recording:
     recorded = read_signals(
         RecordingReader(path), source_of(options), options.axis or 'x', options.joint or '')
-    return Recording(str(Path(path).name), timed(recorded))
+    return Recording(str(Path(path).name), signals_of(recorded))
 
 
 def _write(diagnosis: Diagnosis, proposal: Proposal | None, options: Any) -> None:

@@ -32,11 +32,11 @@ from .loop_summary import summarise
 from ..estimation.parameters import EstimationParameters
 from ..estimators import ESTIMATORS
 from ..exceptions import MissingPackageError, ParameterRangeError, RecordingError
-from ..messages.typestore import jazzy_typestore
 from ..optional_packages import require_matplotlib
 from ..parameters.file import read_parameter_file
 from ..parameters.values import build, without
 from ..plant.plant_parameters import PAPER_NOISE, PlantParameters
+from ..recordings.definitions import jazzy_typestore
 from ..reference.experiment import Experiment
 from ..reference.experiments import experiment_named, EXPERIMENTS
 from ..reference.reference_generator import refuse_double_tracking

@@ -27,7 +27,6 @@ from numpy.typing import NDArray
 from ..exceptions import RecordingError
 from ..messages import (
     JointStateDecoder,
-    RosbagsCodec,
     TrajectoryDecoder,
     Vector3StampedDecoder,
     WrenchDecoder,
@@ -126,10 +125,9 @@ def _decoders(
     reader: RecordingReader,
 ) -> dict[str, Callable[[bytes], tuple[int, dict[str, float]]]]:
     """Say for each recorded topic what a message of it gives."""
-    codec = RosbagsCodec()
-    wrench, joints = WrenchDecoder(codec), JointStateDecoder(codec)
-    wishes, references = TrajectoryDecoder(codec), TrajectoryDecoder(codec)
-    vector = Vector3StampedDecoder(codec)
+    wrench, joints = WrenchDecoder(), JointStateDecoder()
+    wishes, references = TrajectoryDecoder(), TrajectoryDecoder()
+    vector = Vector3StampedDecoder()
 
     def of_wrench(raw: bytes) -> tuple[int, dict[str, float]]:
         reading = wrench.decode(raw)

@@ -12,31 +12,35 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The diagnosis: noise, recalibration, location, selection, held-out proof, verdict."""
+"""The diagnosis: noise, recalibration, selection of effects, held-out test, verdict."""
 
 from __future__ import annotations
 
-from typing import Callable, Sequence
+from typing import Sequence
 
 import numpy as np
 
-from .conclude.conclusion import Conclusion, EXPLAINED, LEFT
-from .conclude.finding import Diagnosis
+from .conclude.conclusion import conclude, Fitted
+from .conclude.decision import EXPLAINED, LEFT
 from .conclude.location import guess_port
+from .conclude.result import Diagnosis
+from .fit.criteria import penalty, SHARE, THRESHOLD
 from .fit.fitting import cost_of, Fit, fit
 from .fit.free_run import free_run
-from .fit.nuisances import doubt
-from .fit.selection import Finding, penalty, select, SHARE, THRESHOLD
-from .observe.case import Case, Recording
+from .fit.model_uncertainty import discounted
+from .fit.search import Progress
+from .fit.selection import select, Selection
 from .observe.model import Model
 from .observe.observed import observe
-from .observe.ports import Ports
+from .observe.prepared_recording import prepare, PreparedRecording, Recordings
+from .observe.residuals import trust_motion_less
+from .observe.signals import Recording
 from ..plant.between_samples import BETWEEN
 from ..plant.plant_parameters import PlantParameters
 
-Progress = Callable[[str], None]
-
-_FIRST = 2  # effects that are looked for to tell how a force goes on between its samples
+_FIRST = 2  # effects selected before the course of a force between its samples is chosen
+_DIVERGED = 1e3  # times the range of the motion
+_UNCHANGED = 0.02  # of the misfit: best model after smoothing again
 
 
 def diagnose(
@@ -44,25 +48,25 @@ def diagnose(
     seed: int = 0, progress: Progress = lambda text: None,
 ) -> Diagnosis:
     """
-    Compare recordings with the model that is said to describe them.
+    Compare recordings with the model that should describe them.
 
     Parameters
     ----------
     recordings : sequence of Recording
         Fitted together.
     holdouts : sequence of Recording
-        Never fitted; without any, a part of each recording is held out.
+        Never fitted; if empty, a part of each recording is held out.
     nominal : PlantParameters
-        The simulation's model.
+        The model of the simulation.
     seed : int
         Of the bootstraps.
     progress : callable
-        Told in words what is being done.
+        Called with a description of each stage.
 
     Returns
     -------
     diagnosis : Diagnosis
-        Verdict, names, parameters, proof.
+        Verdict, names, parameters, held-out errors.
 
     Raises
     ------
@@ -72,107 +76,116 @@ def diagnose(
     """
     model = Model.of(nominal)
     progress('noise and alignment')
-    cases = [Case.prepare(recording, model, hold=not holdouts) for recording in recordings]
-    others = [Case.prepare(recording, model, hold=False) for recording in holdouts]
+    prepared: Recordings = [prepare(one, model, hold=not holdouts) for one in recordings]
+    others: Recordings = [prepare(one, model, hold=False) for one in holdouts]
     progress('recalibration')
-    ports = _ports(cases)
-    base, at_nominal = _recalibrate(ports, model), cost_of(ports, model)
-    finding = None
-    if all(port.driven_by_force(model) for port in ports):
-        finding = select(ports, base, progress, most=_FIRST)
-        between = _between_samples(finding, cases)
-        if between != cases[0].port.observed.between:
-            cases, others = ([case.with_force(between, model) for case in group]
-                             for group in (cases, others))
-            ports, finding = _ports(cases), None
-            base, at_nominal = _recalibrate(ports, model), cost_of(ports, model)
-        elif len(finding.best.model.effects) == _FIRST:
-            finding = None  # there may be more of them
-    finding = finding or select(ports, base, progress)
-    finding, cases = _refine(finding, cases, model, progress)
-    ports = _ports(cases)
-    odd_robot = _robot_is_odd(finding, ports)
+    prepared, base = _recalibrate(prepared, model)
+    selection = None
+    if all(one.driven_by_force(model) for one in prepared):
+        selection = select(prepared, base, progress, most=_FIRST)
+        between = _likeliest_between_samples(prepared, selection)
+        if between != prepared[0].observed.between:
+            prepared, others = (
+                [one.with_force_between_samples(between, model) for one in group]
+                for group in (prepared, others))
+            prepared, base = _recalibrate(prepared, model)
+            selection = None
+        elif len(selection.best.model.effects) == _FIRST:
+            selection = None  # there may be more effects
+    nominal_cost = cost_of(prepared, model)
+    selection = selection or select(prepared, base, progress)
+    prepared, selection = _smooth_again(recordings, prepared, selection, model, progress)
+    odd_robot = _robot_is_odd(prepared, selection)
     if odd_robot:
-        progress('looking past the robot')
-        finding = _past_the_robot(finding, ports, progress)
-    # The worst first: it is the one to be located and shown.
-    cases.sort(key=lambda case: -cost_of([case.port], finding.base.model) / case.port.count)
-    conclusion = Conclusion(model, at_nominal, finding, cases, others, seed, odd_robot)
-    return conclusion.draw(progress)
+        progress('selection without the motion')
+        prepared, selection = _select_without_motion(prepared, selection, progress)
+    # The largest misfit first: that recording is located and shown.
+    prepared = sorted(prepared, key=lambda one: -cost_of([one], selection.base.model)
+                      / one.residual_count)
+    fitted = Fitted(model, nominal_cost, selection, prepared, others, odd_robot)
+    return conclude(fitted, seed, progress)
 
 
-def _ports(cases: Sequence[Case]) -> list[Ports]:
-    return [case.port for case in cases]
+def _recalibrate(recordings: Recordings, model: Model) -> tuple[Recordings, Fit]:
+    """Fit a model, then discount the model uncertainty there and fit it again."""
+    rough = fit(recordings, model)
+    recordings = [discounted(one, rough.model) for one in recordings]
+    return recordings, fit(recordings, rough.model)
 
 
-def _between_samples(finding: Finding, cases: Sequence[Case]) -> str:
-    """Tell how the force that drives a wall goes on between samples: as asks for least physics."""
-    best, costs = finding.best, {}
+def _likeliest_between_samples(recordings: Recordings, selection: Selection) -> str:
+    """Return the course of the force between samples, of `BETWEEN`, that asks least physics."""
+    base, best, costs = selection.base, selection.best, {}
     for name in BETWEEN:
-        ports = [case.with_force(name, finding.base.model).port for case in cases]
-        fits = [fit(ports, found.model) for found in (finding.base, best)]
+        changed = [one.with_force_between_samples(name, base.model) for one in recordings]
+        fits = [fit(changed, found.model) for found in (base, best)]
         costs[name] = min(found.cost + penalty(found.model) for found in fits)
     likeliest = next(iter(BETWEEN))
-    least = SHARE * max(costs[likeliest] - best.filled, 0.0)
-    costs[likeliest] -= max(THRESHOLD * best.filled, least)
+    least = SHARE * max(costs[likeliest] - best.residual_count, 0.0)
+    costs[likeliest] -= max(THRESHOLD * best.residual_count, least)
     return min(costs, key=lambda name: costs[name])
 
 
-def _recalibrate(ports: Sequence[Ports], model: Model) -> Fit:
-    rough = fit(ports, model)
-    for port in ports:
-        doubt(port, rough.model)
-    return fit(ports, rough.model)
-
-
-def _robot_is_odd(finding: Finding, ports: Sequence[Ports]) -> bool:
-    """Tell whether much is left in the motion alone, such as of commands that come late."""
-    best = finding.best
-    if best.cost < (1.0 + LEFT) * best.filled or best.cost < (1.0 - EXPLAINED) * finding.base.cost:
+def _robot_is_odd(recordings: Recordings, selection: Selection) -> bool:
+    """Return whether a large misfit is in the motion alone, such as of late commands."""
+    best, base = selection.best, selection.base
+    if best.cost < (1.0 + LEFT) * best.residual_count or (
+            best.cost < (1.0 - EXPLAINED) * base.cost):
         return False
-    return all(guess_port(port, best.model) == 'robot' for port in ports)
+    return all(guess_port(one, best.model) == 'robot' for one in recordings)
 
 
-def _past_the_robot(
-    finding: Finding, ports: Sequence[Ports], progress: Progress
-) -> Finding:
-    """Take what the motion does not explain for its noise, and look at the force."""
-    for port in ports:
-        port.distrust_motion(finding.best.model)
-    base = _recalibrate(ports, finding.base.model)
-    return select(ports, base, progress, with_robot=False)
+def _select_without_motion(
+    recordings: Recordings, selection: Selection, progress: Progress
+) -> tuple[Recordings, Selection]:
+    """Treat the misfit of the motion as noise, and select effects by the force."""
+    recordings = [trust_motion_less(one, selection.best.model) for one in recordings]
+    recordings, base = _recalibrate(recordings, selection.base.model)
+    return recordings, select(recordings, base, progress, with_robot=False)
 
 
-def _refine(
-    finding: Finding, cases: list[Case], model: Model, progress: Progress
-) -> tuple[Finding, list[Case]]:
+def _smooth_again(
+    raw: Sequence[Recording], recordings: Recordings, selection: Selection, model: Model,
+    progress: Progress,
+) -> tuple[Recordings, Selection]:
     """
-    Smooth the motion anew with what is known now, and look again.
+    Smooth the motion with the selected model, and fit or select again.
 
-    The free run of a good model follows the sharp bends of the motion, so that less bandwidth is
-    needed for the rest and velocities get better; friction near standstill needs that.
+    The free run of a good model follows the sharp bends of the motion, so that the difference
+    needs less bandwidth and velocities get more accurate; friction near standstill needs that.
     """
-    runs = all(case.port.observed.has_dynamics(model.nominal) for case in cases)
-    if not finding.best.model.effects or not runs:
-        return finding, cases
-    progress('smoothing the motion with what was found')
-    best, again = finding.best.model, []
-    for case in cases:
-        o = case.port.observed
+    best = selection.best.model
+    runs = all(one.observed.has_dynamics(model.nominal) for one in recordings)
+    if not best.effects or not runs:
+        return recordings, selection
+    progress('smoothing with the selected model')
+    again = _smoothed_with(best, raw, recordings, model)
+    if again is None:
+        return recordings, selection
+    again, base = _recalibrate(again, selection.base.model)
+    named = fit(again, best)
+    if named.cost > selection.best.cost or not named.model.plausible():
+        return recordings, selection
+    left = named.cost - named.residual_count
+    if left > max(0.5 * THRESHOLD * named.residual_count,
+                  _UNCHANGED * (base.cost - base.residual_count)):
+        return again, select(again, base, progress)
+    return again, selection._replace(base=base, best=named)
+
+
+def _smoothed_with(
+    best: Model, raw: Sequence[Recording], recordings: Recordings, model: Model
+) -> Recordings | None:
+    """Smooth with the free run of a model; None if it diverges or needs more bandwidth."""
+    again = []
+    for signals, one in zip((recording.signals for recording in raw), recordings):
+        o = one.observed
         carried = free_run(best, o).position
-        if not np.isfinite(carried).all() or np.max(np.abs(carried)) > 1e3 * np.max(np.abs(o.x)):
-            return finding, cases  # run away: nothing to learn from it
-        better = observe(case.recording.signals, model.nominal, carried, o.between)
+        largest = _DIVERGED * np.max(np.abs(o.x))
+        if not np.isfinite(carried).all() or np.max(np.abs(carried)) > largest:
+            return None
+        better = observe(signals, model.nominal, carried, o.between)
         if better.cutoff > o.cutoff:
-            return finding, cases
-        again.append(Case.of(case.recording, better, model, case.held_out))
-    ports = _ports(again)
-    base = _recalibrate(ports, finding.base.model)
-    named = fit(ports, best)
-    if named.cost > finding.best.cost or not named.model.plausible():
-        return finding, cases
-    left = named.cost - named.filled
-    if left > 0.5 * THRESHOLD * named.filled and left > 0.02 * (
-            base.cost - base.filled):
-        return select(ports, base, progress), again
-    return finding._replace(base=base, best=named), again
+            return None
+        again.append(PreparedRecording.of(one.name, better, model, one.held_out))
+    return again

@@ -21,7 +21,7 @@ from types import TracebackType
 from typing import Sequence
 
 from ..estimators.estimator import Estimate
-from ..messages import RosbagsCodec, StringEncoder, Vector3StampedEncoder
+from ..messages import encode_string, Vector3StampedEncoder
 from ..recordings.writing import RecordingWriter
 
 _NAN = float('nan')
@@ -106,9 +106,7 @@ class McapEstimates:
 
     def __init__(self, path: Path, axes: str) -> None:
         self._writer = RecordingWriter.file(path)
-        codec = RosbagsCodec()
-        self._vectors = Vector3StampedEncoder(codec, '')
-        self._strings = StringEncoder(codec)
+        self._vectors = Vector3StampedEncoder('')
         self._places = ['xyz'.index(axis) for axis in axes]
 
     def write(self, estimates: Sequence[AxesEstimates]) -> None:
@@ -123,7 +121,7 @@ class McapEstimates:
                     f'/estimator_node/{name}', _VECTOR_TYPE,
                     self._vectors.encode(stamp_ns, *vector), stamp_ns,
                 )
-            status = self._strings.encode(axes[0].status.value)  # of the contact axis
+            status = encode_string(axes[0].status.value)  # of the contact axis
             self._writer.write('/estimator_node/status', 'std_msgs/msg/String', status, stamp_ns)
 
     def __enter__(self) -> 'McapEstimates':

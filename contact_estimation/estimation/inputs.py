@@ -25,7 +25,7 @@ import numpy as np
 from .result import Result
 from .session import ContactSession
 from ..exceptions import MessageError
-from ..messages import Codec, JointStateDecoder, SeveralJointsDecoder, WrenchDecoder
+from ..messages import SeveralJointsDecoder, WrenchDecoder
 
 _FORCES = {'x': 2, 'y': 3, 'z': 4}  # places in a WrenchReading
 
@@ -40,8 +40,6 @@ class MessageInputs:
     ----------
     session : ContactSession
         Where measurements go.
-    codec : Codec
-        The message library.
 
     Attributes
     ----------
@@ -50,27 +48,16 @@ class MessageInputs:
 
     """
 
-    def __init__(self, session: ContactSession, codec: Codec) -> None:
+    def __init__(self, session: ContactSession) -> None:
         self._session = session
         self.frame_id = session.parameters.frame_id
         joints = session.parameters.joints
+        self._wrench = WrenchDecoder()
+        self._joints = SeveralJointsDecoder(list(joints.values()))
         places = [_FORCES[axis] for axis in joints]
-        self._wrench = WrenchDecoder(codec)
-        self._columns = [place - 1 for place in places]
-        if len(joints) == 1:
-            joint = JointStateDecoder(codec, *joints.values())
-            self._forces: Callable[..., Any] = itemgetter(slice(places[0], places[0] + 1))
-            self._motion: Callable[[bytes], Sequence[Any]] = joint.decode
-            self._decode_motions: Callable[..., Any] = joint.decode_many
-        else:
-            self._several = SeveralJointsDecoder(codec, list(joints.values()))
-            self._forces = itemgetter(*places)
-            self._motion = self._motion_of_axes
-            self._decode_motions = self._several.decode_many
-
-    def _motion_of_axes(self, raw: bytes) -> Sequence[Any]:
-        stamp_ns, positions, velocities = self._several.decode(raw)
-        return stamp_ns, *chain.from_iterable(zip(positions, velocities))
+        self._columns = ['xyz'.index(axis) for axis in joints]
+        one = slice(places[0], places[0] + 1)
+        self._forces: Callable[..., Any] = itemgetter(*places if len(places) > 1 else (one,))
 
     def process_wrench(self, raw: bytes) -> list[Result]:
         """
@@ -113,11 +100,12 @@ class MessageInputs:
 
         """
         try:
-            motion = self._motion(raw)
+            stamp_ns, positions, velocities = self._joints.decode(raw)
         except MessageError as error:
             self._session.count_rejected(f'joint_states_{error.reason}')
             return []
-        return self._session.add_motion(*motion)
+        motion = chain.from_iterable(zip(positions, velocities))
+        return self._session.add_motion(stamp_ns, *motion)
 
     def process_pairs(
         self, wrenches: Sequence[bytes], joints: Sequence[bytes]
@@ -137,16 +125,14 @@ class MessageInputs:
 
         """
         forces = self._wrench.decode_many(wrenches)
-        motions = self._decode_motions(joints) if forces else None
+        motions = self._joints.decode_many(joints) if forces else None
         if not forces or not motions or not np.array_equal(forces[0], motions[0]):
             return None
         if not self._accepts(self._wrench.frame_id):
             return None
-        _, positions, velocities = motions
-        if len(self._columns) == 1:
-            positions, velocities = (positions,), (velocities,)
-        columns = [forces[column] for column in self._columns]
-        return self._session.add_pairs(forces[0], columns, positions, velocities)
+        stamps_ns, *components = forces
+        columns = [components[column] for column in self._columns]
+        return self._session.add_pairs(stamps_ns, columns, *motions[1:])
 
     def _accepts(self, frame_id: str) -> bool:
         """Check the frame of a wrench; the first one counts where none is configured."""

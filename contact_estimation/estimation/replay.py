@@ -28,7 +28,7 @@ from .result import Result
 from .session import ContactSession
 from ..estimators import ESTIMATORS
 from ..exceptions import MessageError
-from ..messages import Codec, RosbagsCodec, TrajectoryDecoder
+from ..messages import decode_string, TrajectoryDecoder
 from ..parameters.specification import specifications
 from ..parameters.values import build
 from ..recordings import RecordedMessage, RecordingReader
@@ -73,10 +73,8 @@ class RecordingReplay:
             recorded = {k: v for k, v in recorded.items() if not k.startswith('further_axes.')}
         parameters = build(EstimationParameters, {**recorded, **chosen})
         self.session = ContactSession(parameters, generate_reference=False)
-        codec: Codec = RosbagsCodec()
-        self._codec = codec
-        self._inputs = MessageInputs(self.session, codec)
-        self._references = TrajectoryDecoder(codec)
+        self._inputs = MessageInputs(self.session)
+        self._references = TrajectoryDecoder()
         self._left_over: list[RecordedMessage] = []
         self._last_reference_ns, self._reference_jumps = -(2**63), 0
 
@@ -142,8 +140,7 @@ class RecordingReplay:
         return data
 
     def _add_event(self, raw: bytes) -> None:
-        text = self._codec.deserialize(raw, 'std_msgs/msg/String').data
-        event = EstimationEvent.from_text(text)
+        event = EstimationEvent.from_text(decode_string(raw))
         kept = {k: v for k, v in event.parameters.items() if k not in self._chosen}
         event = event._replace(parameters=kept)
         self.session.schedule(event.moment, partial(apply_event, self.session, event))

@@ -12,29 +12,31 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Raw CDR bytes to plain readings and back, without building message objects at 500 Hz."""
+"""CDR messages to plain readings and back, with explicit layouts and no message library."""
 
-from .codec import Codec, RosbagsCodec
-from .decoding import JointStateDecoder, TrajectoryDecoder, Vector3StampedDecoder, WrenchDecoder
+from .decoding import (
+    decode_string,
+    JointStateDecoder,
+    SeveralJointsDecoder,
+    TrajectoryDecoder,
+    Vector3StampedDecoder,
+    WrenchDecoder,
+)
 from .encoding import (
+    encode_string,
     JointStateEncoder,
-    StringEncoder,
     TrajectoryEncoder,
     Vector3StampedEncoder,
     WrenchEncoder,
 )
 from .readings import FORCE_OF_AXIS, JointReading, TrajectoryReading, WrenchReading
-from .several_joints import SeveralJointsDecoder
 
 __all__ = [
-    'Codec',
     'FORCE_OF_AXIS',
     'JointReading',
     'JointStateDecoder',
     'JointStateEncoder',
-    'RosbagsCodec',
     'SeveralJointsDecoder',
-    'StringEncoder',
     'TrajectoryDecoder',
     'TrajectoryEncoder',
     'TrajectoryReading',
@@ -43,4 +45,6 @@ __all__ = [
     'WrenchDecoder',
     'WrenchEncoder',
     'WrenchReading',
+    'decode_string',
+    'encode_string',
 ]

@@ -16,39 +16,30 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any, Sequence
 
-import numpy as np
-
-from .codec import Codec
-from .fields import Field, FLOAT64, INT32, scalars, sequences, stamp_fields, UINT32
-from .learning import NumberReader, Plan
+from .cdr import CdrCursor, malformed, NS_PER_S, StampedReader
 from .readings import JointReading, TrajectoryReading, WrenchReading
 from ..exceptions import MessageError
 
-WRENCH_TYPE = 'geometry_msgs/msg/WrenchStamped'
-JOINT_STATE_TYPE = 'sensor_msgs/msg/JointState'
-VECTOR3_TYPE = 'geometry_msgs/msg/Vector3Stamped'
-TRAJECTORY_TYPE = 'trajectory_msgs/msg/JointTrajectory'
-
-_NS_PER_S = 1_000_000_000
-_STAMP = tuple(stamp_fields())
-_POINT_SEQUENCES = ('positions', 'velocities', 'accelerations', 'effort')
+STRING_TYPE = 'std_msgs/msg/String'
 
 
 class WrenchDecoder:
     """
-    Reads geometry_msgs/msg/WrenchStamped.
+    Read geometry_msgs/msg/WrenchStamped.
 
-    Parameters
+    Attributes
     ----------
-    codec : Codec
-        The message library.
+    frame_id : str
+        Frame of the message read last.
 
     """
 
-    def __init__(self, codec: Codec) -> None:
-        self._reader = NumberReader(codec, WRENCH_TYPE, self._plan)
+    def __init__(self) -> None:
+        self.frame_id = ''
+        self._reader = StampedReader('geometry_msgs/msg/WrenchStamped', _wrench_offsets)
 
     def decode(self, raw: bytes) -> WrenchReading:
         """
@@ -70,17 +61,12 @@ class WrenchDecoder:
             With reason 'malformed'.
 
         """
-        sec, nanosec, x, y, z = self._reader.read(raw)
-        return WrenchReading(sec * _NS_PER_S + nanosec, self._reader.note, x, y, z)
-
-    @property
-    def frame_id(self) -> str:
-        """Frame of the message read last."""
-        return self._reader.note
+        sec, nanosec, self.frame_id, x, y, z = self._reader.read(raw)
+        return WrenchReading(sec * NS_PER_S + nanosec, self.frame_id, x, y, z)
 
     def decode_many(self, raws: Sequence[bytes]) -> tuple[Any, ...] | None:
         """
-        Read many messages at once; all have the frame of the first.
+        Read many messages of one frame at once.
 
         Parameters
         ----------
@@ -93,30 +79,18 @@ class WrenchDecoder:
             Stamps [ns] and forces [N]; None where they must be read one by one.
 
         """
-        return _with_stamps(self._reader.read_many(raws))
-
-    @staticmethod
-    def _plan(message: Any) -> Plan:
-        """List the numbers of a wrench message."""
-        axes = dict.fromkeys('xyz', FLOAT64)
-        force = scalars(('wrench', 'force'), axes)
-        torque = scalars(('wrench', 'torque'), axes)
-        return Plan([*_STAMP, *force, *torque], (*_STAMP, *force), message.header.frame_id)
+        columns = self._reader.read_many(raws)
+        if columns is None:
+            return None
+        self.frame_id = columns[0]
+        return columns[1:]
 
 
 class Vector3StampedDecoder:
-    """
-    Reads geometry_msgs/msg/Vector3Stamped.
+    """Read geometry_msgs/msg/Vector3Stamped."""
 
-    Parameters
-    ----------
-    codec : Codec
-        The message library.
-
-    """
-
-    def __init__(self, codec: Codec) -> None:
-        self._reader = NumberReader(codec, VECTOR3_TYPE, self._plan)
+    def __init__(self) -> None:
+        self._reader = StampedReader('geometry_msgs/msg/Vector3Stamped', _vector_offsets)
 
     def decode(self, raw: bytes) -> tuple[int, float, float, float]:
         """
@@ -138,32 +112,83 @@ class Vector3StampedDecoder:
             With reason 'malformed'.
 
         """
-        sec, nanosec, x, y, z = self._reader.read(raw)
-        return sec * _NS_PER_S + nanosec, x, y, z
+        sec, nanosec, _, x, y, z = self._reader.read(raw)
+        return sec * NS_PER_S + nanosec, x, y, z
 
-    @staticmethod
-    def _plan(message: Any) -> Plan:
-        """List the numbers of a vector message."""
-        vector = scalars(('vector',), dict.fromkeys('xyz', FLOAT64))
-        return Plan([*_STAMP, *vector], (*_STAMP, *vector), message.header.frame_id)
+
+class SeveralJointsDecoder:
+    """
+    Read several joints of sensor_msgs/msg/JointState.
+
+    Parameters
+    ----------
+    joints : sequence of str
+        Names of the joints, at least one; '' is the only joint of the message.
+
+    """
+
+    def __init__(self, joints: Sequence[str]) -> None:
+        offsets_of = partial(_joint_state_offsets, joints)
+        self._reader = StampedReader('sensor_msgs/msg/JointState', offsets_of)
+
+    def decode(self, raw: bytes) -> tuple[int, tuple[float, ...], tuple[float, ...]]:
+        """
+        Read one message.
+
+        Parameters
+        ----------
+        raw : bytes
+            CDR with its encapsulation header.
+
+        Returns
+        -------
+        stamp_ns, positions, velocities : int, tuple of float, tuple of float
+            Stamp [ns], positions [m] and velocities [m/s] in the order of the joints, NaN for
+            velocities that the message does not have.
+
+        Raises
+        ------
+        MessageError
+            With reason 'malformed', 'joint_empty', 'joint_unknown' or 'joint_ambiguous'.
+
+        """
+        values = self._reader.read(raw)
+        return values[0] * NS_PER_S + values[1], values[3::2], values[4::2]
+
+    def decode_many(self, raws: Sequence[bytes]) -> tuple[Any, Any, Any] | None:
+        """
+        Read many messages at once.
+
+        Parameters
+        ----------
+        raws : sequence of bytes
+            Messages, at least one.
+
+        Returns
+        -------
+        stamps_ns, positions, velocities : ndarray, tuple of ndarray, tuple of ndarray, or None
+            As of `decode`, one array of shape (N,) a joint; None where they must be read one by
+            one.
+
+        """
+        columns = self._reader.read_many(raws)
+        return None if columns is None else (columns[1], columns[2::2], columns[3::2])
 
 
 class JointStateDecoder:
     """
-    Reads one joint of sensor_msgs/msg/JointState.
+    Read one joint of sensor_msgs/msg/JointState.
 
     Parameters
     ----------
-    codec : Codec
-        The message library.
     joint : str
         Name of the joint; '' is the only joint of the message.
 
     """
 
-    def __init__(self, codec: Codec, joint: str = '') -> None:
-        self._joint = joint
-        self._reader = NumberReader(codec, JOINT_STATE_TYPE, self._plan)
+    def __init__(self, joint: str = '') -> None:
+        offsets_of = partial(_joint_state_offsets, (joint,))
+        self._reader = StampedReader('sensor_msgs/msg/JointState', offsets_of)
 
     def decode(self, raw: bytes) -> JointReading:
         """
@@ -185,8 +210,8 @@ class JointStateDecoder:
             With reason 'malformed', 'joint_empty', 'joint_unknown' or 'joint_ambiguous'.
 
         """
-        sec, nanosec, position, velocity = self._reader.read(raw)
-        return JointReading(sec * _NS_PER_S + nanosec, position, velocity)
+        sec, nanosec, _, position, velocity = self._reader.read(raw)
+        return JointReading(sec * NS_PER_S + nanosec, position, velocity)
 
     def decode_many(self, raws: Sequence[bytes]) -> tuple[Any, ...] | None:
         """
@@ -204,41 +229,24 @@ class JointStateDecoder:
             by one.
 
         """
-        return _with_stamps(self._reader.read_many(raws))
-
-    def _plan(self, message: Any) -> Plan:
-        """List the numbers of a joint state and choose those of the joint."""
-        fields = [*_STAMP, *sequences(message, (), ('position', 'velocity', 'effort'))]
-        try:
-            place = _joint_place(self._joint, message.name, len(message.position))
-        except MessageError as trouble:
-            return Plan(fields, _STAMP, trouble=trouble)
-        chosen = [_element(fields, (), name, place) for name in ('position', 'velocity')]
-        if chosen[0] is None:
-            return Plan(fields, _STAMP, trouble=MessageError(
-                'joint_empty',
-                f'joint state of {_names(message.name)} has {len(message.position)} positions, '
-                f'expected one for the joint at place {place}; the publisher must fill position',
-            ))
-        return Plan(fields, (*_STAMP, *chosen))
+        columns = self._reader.read_many(raws)
+        return None if columns is None else columns[1:]
 
 
 class TrajectoryDecoder:
     """
-    Reads one joint of the first point of trajectory_msgs/msg/JointTrajectory.
+    Read one joint of the first point of trajectory_msgs/msg/JointTrajectory.
 
     Parameters
     ----------
-    codec : Codec
-        The message library.
     joint : str
         Name of the joint; '' is the only joint of the message.
 
     """
 
-    def __init__(self, codec: Codec, joint: str = '') -> None:
-        self._joint = joint
-        self._reader = NumberReader(codec, TRAJECTORY_TYPE, self._plan)
+    def __init__(self, joint: str = '') -> None:
+        offsets_of = partial(_trajectory_offsets, joint)
+        self._reader = StampedReader('trajectory_msgs/msg/JointTrajectory', offsets_of)
 
     def decode(self, raw: bytes) -> TrajectoryReading:
         """
@@ -260,45 +268,101 @@ class TrajectoryDecoder:
             With reason 'malformed', 'trajectory_empty', 'joint_unknown' or 'joint_ambiguous'.
 
         """
-        sec, nanosec, position, velocity, acceleration, effort = self._reader.read(raw)
-        return TrajectoryReading(
-            sec * _NS_PER_S + nanosec, position, velocity, acceleration, effort
+        sec, nanosec, _, *point = self._reader.read(raw)
+        return TrajectoryReading(sec * NS_PER_S + nanosec, *point)
+
+
+def decode_string(raw: bytes) -> str:
+    """
+    Read std_msgs/msg/String.
+
+    Parameters
+    ----------
+    raw : bytes
+        CDR with its encapsulation header.
+
+    Returns
+    -------
+    text : str
+        Content of the message.
+
+    Raises
+    ------
+    MessageError
+        With reason 'malformed'.
+
+    """
+    try:
+        cursor = CdrCursor(raw)
+        text = cursor.text()
+        cursor.finish()
+    except ValueError as error:
+        raise malformed(raw, STRING_TYPE, error) from error
+    return text
+
+
+def _wrench_offsets(cursor: CdrCursor) -> Sequence[int]:
+    """Find the force: header, force (x, y, z), torque (x, y, z)."""
+    force = cursor.doubles(3)
+    cursor.doubles(3)  # torque
+    cursor.finish()
+    return force
+
+
+def _vector_offsets(cursor: CdrCursor) -> Sequence[int]:
+    """Find the vector: header, vector (x, y, z)."""
+    vector = cursor.doubles(3)
+    cursor.finish()
+    return vector
+
+
+def _joint_state_offsets(joints: Sequence[str], cursor: CdrCursor) -> list[int | None]:
+    """Find position and velocity of joints: header, name[], position[], velocity[], effort[]."""
+    names = cursor.texts()
+    position, velocity = cursor.doubles(), cursor.doubles()
+    cursor.doubles()  # effort
+    cursor.finish()
+    offsets: list[int | None] = []
+    for joint in joints:
+        place = _joint_place(joint, names, len(position))
+        if place >= len(position):
+            raise MessageError(
+                'joint_empty',
+                f'joint state of {_listed(names)} has {len(position)} positions, expected one '
+                f'for joint number {place + 1}; the publisher must fill position',
+            )
+        offsets += [position[place], _element(velocity, place)]
+    return offsets
+
+
+def _trajectory_offsets(joint: str, cursor: CdrCursor) -> list[int | None]:
+    """
+    Find the first point: header, joint_names[], points[].
+
+    A point is positions[], velocities[], accelerations[], effort[], time_from_start (int32 and
+    uint32).
+
+    """
+    names = cursor.texts()
+    points = []
+    for _ in range(cursor.length()):
+        points.append([cursor.doubles() for _ in range(4)])
+        cursor.skip(8, 4)
+    cursor.finish()
+    first = points[0] if points else [range(0)]
+    place = _joint_place(joint, names, len(first[0])) if first[0] else 0
+    if place >= len(first[0]):
+        raise MessageError(
+            'trajectory_empty',
+            f'trajectory of {_listed(names)} has {len(points)} points with {len(first[0])} '
+            f'positions in the first, expected a position for joint number {place + 1}',
         )
-
-    def _plan(self, message: Any) -> Plan:
-        """List the numbers of a trajectory and choose those of the joint in the first point."""
-        fields = list(_STAMP)
-        for number in range(len(message.points)):
-            path = ('points', number)
-            fields += sequences(message, path, _POINT_SEQUENCES)
-            fields += scalars((*path, 'time_from_start'), {'sec': INT32, 'nanosec': UINT32})
-        positions = len(message.points[0].positions) if len(message.points) else 0
-        if positions == 0:
-            return Plan(fields, _STAMP, trouble=MessageError(
-                'trajectory_empty',
-                f'trajectory of {_names(message.joint_names)} has {len(message.points)} points '
-                'and no position in the first, expected one point with a position',
-            ))
-        try:
-            place = _joint_place(self._joint, message.joint_names, positions)
-        except MessageError as trouble:
-            return Plan(fields, _STAMP, trouble=trouble)
-        chosen = [_element(fields, ('points', 0), name, place) for name in _POINT_SEQUENCES]
-        if chosen[0] is None:
-            return Plan(fields, _STAMP, trouble=MessageError(
-                'trajectory_empty',
-                f'trajectory of {_names(message.joint_names)} has {positions} positions in its '
-                f'first point, expected one for the joint at place {place}',
-            ))
-        return Plan(fields, (*_STAMP, *chosen))
+    return [_element(sequence, place) for sequence in first]
 
 
-def _with_stamps(columns: tuple[Any, ...] | None) -> tuple[Any, ...] | None:
-    """Put seconds and nanoseconds together."""
-    if columns is None:
-        return None
-    sec, nanosec, *values = columns
-    return (sec.astype(np.int64) * _NS_PER_S + nanosec, *values)
+def _element(sequence: range, place: int) -> int | None:
+    """Return the offset of one element, None where the sequence is too short."""
+    return sequence[place] if place < len(sequence) else None
 
 
 def _joint_place(joint: str, names: Sequence[str], positions: int) -> int:
@@ -308,26 +372,18 @@ def _joint_place(joint: str, names: Sequence[str], positions: int) -> int:
             return list(names).index(joint)
         raise MessageError(
             'joint_unknown',
-            f'joint {joint!r} is not in the message, which has {_names(names)}; '
+            f'joint {joint!r} is not in the message, which has {_listed(names)}; '
             'choose one of these with the parameter joint or --joint',
         )
     if max(len(names), positions) > 1:
         raise MessageError(
             'joint_ambiguous',
-            f'the message has {max(len(names), positions)} joints: {_names(names)}; '
+            f'the message has {max(len(names), positions)} joints: {_listed(names)}; '
             'choose one with the parameter joint or --joint',
         )
     return 0
 
 
-def _element(
-    fields: Sequence[Field], path: tuple[str | int, ...], name: str, place: int
-) -> Field | None:
-    """Return the field of one element of a sequence, None where the sequence is too short."""
-    field = Field(path, name, place, FLOAT64)
-    return field if field in fields else None
-
-
-def _names(names: Sequence[str]) -> str:
+def _listed(names: Sequence[str]) -> str:
     """Write joint names for an error text."""
     return ', '.join(repr(name) for name in names) or 'no joint names'

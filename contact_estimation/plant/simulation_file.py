@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import Iterator
 
 from .simulation import Simulation
-from ..messages import JointStateEncoder, RosbagsCodec, TrajectoryEncoder, WrenchEncoder
+from ..messages import JointStateEncoder, TrajectoryEncoder, WrenchEncoder
 from ..recordings.topic_names import canonical
 from ..recordings.writing import RecordingWriter
 
@@ -55,10 +55,9 @@ def write_simulation(
         If the file exists or cannot be written.
 
     """
-    codec = RosbagsCodec()
     entries = [
-        *_references(simulation, TrajectoryEncoder(codec, frame_id, joint)),
-        *_samples(simulation, codec, axis, joint, frame_id),
+        *_references(simulation, TrajectoryEncoder(frame_id, joint)),
+        *_samples(simulation, axis, joint, frame_id),
     ]
     entries.sort(key=lambda entry: entry[0])
     with RecordingWriter.file(path) as writer:
@@ -72,13 +71,11 @@ def _references(simulation: Simulation, encoder: TrajectoryEncoder) -> Iterator[
         yield stamp_ns, 'reference_trajectory', _TRAJECTORY, encoder.encode(stamp_ns, *row)
 
 
-def _samples(
-    simulation: Simulation, codec: RosbagsCodec, axis: str, joint: str, frame_id: str
-) -> Iterator[Entry]:
+def _samples(simulation: Simulation, axis: str, joint: str, frame_id: str) -> Iterator[Entry]:
     force, position, velocity = simulation.measured.tolist()
     published = all(v == v for v in velocity)
-    wrenches = WrenchEncoder(codec, frame_id)
-    joints = JointStateEncoder(codec, frame_id, joint, published)
+    wrenches = WrenchEncoder(frame_id)
+    joints = JointStateEncoder(frame_id, joint, published)
     place = 'xyz'.index(axis)
     for stamp_ns, F, x, v in zip(simulation.stamp_ns.tolist(), force, position, velocity):
         vector = [0.0, 0.0, 0.0]

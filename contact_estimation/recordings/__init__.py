@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Recordings: MCAP files and rosbag2 folders, written so that a kill loses at most a second."""
+"""MCAP files and rosbag2 folders; a killed recorder loses at most the last second."""
 
 from .qos import OfferedQos
 from .reading import RecordedMessage, RecordingReader

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Which MCAP files make up a recording."""
+"""The MCAP files of a recording."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def recording_files(path: Path) -> list[Path]:
     Raises
     ------
     RecordingError
-        If there is nothing that can be read.
+        If there is no readable recording.
 
     """
     if not path.exists():
@@ -104,12 +104,12 @@ def _listed_files(folder: Path, information: dict[str, Any]) -> list[Path]:
 
 
 def _natural_order(path: Path) -> list[tuple[int, str]]:
-    """Sort bag_10.mcap after bag_9.mcap."""
+    """Return a sorting key that puts bag_10.mcap after bag_9.mcap."""
     return [(int(part), '') if part.isdigit() else (-1, part)
             for part in re.split(r'(\d+)', path.name)]
 
 
 def _content(folder: Path) -> str:
-    """Name some of what is in a folder."""
+    """List the first entries of a folder."""
     names = sorted(entry.name for entry in folder.iterdir())
     return ', '.join(names[:3]) + (' and more' if len(names) > 3 else '') or 'nothing'

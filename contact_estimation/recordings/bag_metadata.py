@@ -16,9 +16,10 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 import os
 from pathlib import Path
-from typing import Any, NamedTuple, Sequence
+from typing import Any, Collection
 
 import yaml
 
@@ -27,18 +28,34 @@ from .qos import OfferedQos
 FILE_NAME = 'metadata.yaml'
 
 
-class TopicSummary(NamedTuple):
-    """What the metadata say about one topic."""
+@dataclass
+class RecordedTopic:
+    """
+    A topic of a recording.
+
+    Attributes
+    ----------
+    name, type_name, type_hash : str
+        Name of the topic, type of its messages and RIHS01 hash of the type.
+    qos : OfferedQos
+        Of the publisher.
+    channel : int
+        Channel in the MCAP file.
+    message_count : int
+        Messages so far.
+
+    """
 
     name: str
     type_name: str
     type_hash: str
     qos: OfferedQos
-    message_count: int
+    channel: int
+    message_count: int = 0
 
 
 def bag_information(
-    file_name: str, topics: Sequence[TopicSummary], start_ns: int, end_ns: int
+    file_name: str, topics: Collection[RecordedTopic], start_ns: int, end_ns: int
 ) -> dict[str, Any]:
     """
     Describe a bag of one file as rosbag2 does.
@@ -47,7 +64,7 @@ def bag_information(
     ----------
     file_name : str
         Name of the .mcap file in the folder.
-    topics : sequence of TopicSummary
+    topics : collection of RecordedTopic
         The topics in the order of their first message.
     start_ns, end_ns : int
         Log time of the first and the last message [ns].
@@ -85,7 +102,7 @@ def bag_information(
 
 
 def write_bag_metadata(folder: Path, information: dict[str, Any]) -> None:
-    """Write metadata.yaml, whole or not at all."""
+    """Write metadata.yaml atomically."""
     temporary = folder / (FILE_NAME + '.tmp')
     temporary.write_text(
         yaml.safe_dump({'rosbag2_bagfile_information': information}, sort_keys=False),
@@ -94,7 +111,7 @@ def write_bag_metadata(folder: Path, information: dict[str, Any]) -> None:
     os.replace(temporary, folder / FILE_NAME)
 
 
-def _topic_entry(topic: TopicSummary) -> dict[str, Any]:
+def _topic_entry(topic: RecordedTopic) -> dict[str, Any]:
     """Describe one topic."""
     return {
         'topic_metadata': {

@@ -29,9 +29,9 @@ _OTHER_RECORD_BYTES = 128  # at least what a schema or channel record adds to it
 
 class ChunkWriter:
     """
-    Writes messages in chunks that are small in bytes and short in time.
+    Write messages in chunks that are small in bytes and short in time.
 
-    What a SIGKILL destroys is the chunk in progress: at most 0.5 s of log time.
+    SIGKILL destroys only the chunk in progress: at most 0.5 s of log time.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ class ChunkWriter:
         self._bytes += len(data) + _MESSAGE_RECORD_BYTES
         if self._start_ns is None:
             self._start_ns = log_time_ns
-        # The absolute value, because a simulation that restarts sets its clock back.
+        # Absolute value: the clock of a simulation jumps back when the simulation restarts.
         span = abs(log_time_ns - self._start_ns)
         if self._bytes > CHUNK_BYTES or span >= CHUNK_SPAN_NS:
             self.flush()
@@ -100,8 +100,8 @@ def _chunk_finisher(writer: Writer) -> Callable[[], None]:
     """
     Find how to end a chunk early.
 
-    `Writer.flush` came late to the package mcap; older ones have a private method only. Without
-    both, chunks end at 64 KiB and a kill at a low message rate loses more than half a second.
+    Older versions of the package mcap have a private method instead of `Writer.flush`. Without
+    either, chunks end at 64 KiB, and a kill at a low message rate loses more than 0.5 s.
 
     """
     public = getattr(writer, 'flush', None)

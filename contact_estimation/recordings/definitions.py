@@ -17,10 +17,9 @@
 from __future__ import annotations
 
 import functools
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-from ..exceptions import RecordingError
-from ..messages.typestore import jazzy_typestore
+from ..exceptions import MissingPackageError, RecordingError
 
 
 class MessageDefinition(NamedTuple):
@@ -38,6 +37,33 @@ class MessageDefinition(NamedTuple):
 
     text: str
     type_hash: str
+
+
+@functools.lru_cache(maxsize=None)
+def jazzy_typestore() -> Any:
+    """
+    Load the message types of ROS 2 Jazzy.
+
+    Imported here and not at the top: only writing needs rosbags, and loading takes 0.1 s.
+
+    Returns
+    -------
+    typestore : rosbags.typesys.store.Typestore
+        The same object at every call.
+
+    Raises
+    ------
+    MissingPackageError
+        If rosbags is not installed.
+
+    """
+    try:
+        from rosbags.typesys import get_typestore, Stores
+    except ImportError as error:
+        raise MissingPackageError.of(
+            'rosbags', 'writing recordings, which hold message definitions'
+        ) from error
+    return get_typestore(Stores.ROS2_JAZZY)
 
 
 @functools.lru_cache(maxsize=None)

@@ -12,27 +12,34 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""One MCAP file, whole or not: its messages, topics and metadata."""
+"""Messages, topics and metadata of one MCAP file, complete or cut."""
 
 from __future__ import annotations
 
-import functools
+from contextlib import contextmanager
+from copy import copy
+from functools import cached_property
 from pathlib import Path
-from typing import Any, BinaryIO, Collection, Iterator, Mapping
+from struct import Struct
+from typing import BinaryIO, Collection, Iterator, Mapping
 
-from .chunk_reader import Channels, read_chunk, RecordedMessage, walk
-from .mcap_format import CHANNEL, ContentReader, MAGIC, MESSAGE, SCHEMA
-from .mcap_summary import read_summary, Summary, survey
-from .record_scanner import Record, RecordScanner
+from mcap.opcode import Opcode
+from mcap.records import Metadata
+
+from .chunk_reader import Channels, parsed, read_chunk, RecordedMessage, walk
+from .mcap_summary import read_summary, Summary
+from .record_scanner import MAGIC, Record, RECORD_HEAD, RecordScanner
 from .topic_names import canonical
 from ..exceptions import RecordingError
 
 _BLOCK = 1 << 20
+_LOOSE = (Opcode.MESSAGE, Opcode.SCHEMA, Opcode.CHANNEL)
+_TIMES = Struct('<QQ')  # of the first and last message of a chunk
 
 
 class McapFile:
     """
-    Reads one file; it is opened anew for each pass.
+    Read one file, which is opened anew for each pass.
 
     Parameters
     ----------
@@ -44,7 +51,7 @@ class McapFile:
     size : int
         Bytes at the time of opening.
     position : int
-        How far the current or last pass over the messages came [bytes].
+        End of the bytes read in the current or last pass over the messages.
     damaged : int
         Chunks and records skipped in that pass.
 
@@ -74,17 +81,13 @@ class McapFile:
         wanted : mapping of str to str or None
             Canonical topic names and what to call them; None reads all topics.
 
-        Yields
-        ------
-        messages : list of RecordedMessage
+        Returns
+        -------
+        batches : iterator of list of RecordedMessage
             In file order, never empty.
 
         """
-        channels = Channels(wanted)
-        self.summary.teach(channels)
-        for messages in self._walks(channels):
-            if messages:
-                yield messages
+        return filter(None, self._stretches(Channels(wanted)))
 
     def topics(self, asked: Collection[str] | None) -> dict[str, str]:
         """
@@ -102,77 +105,97 @@ class McapFile:
 
         """
         channels = Channels({})
-        self.summary.teach(channels)
-        if self.summary.lists_topics:
+        self._describe(channels)
+        if self.summary.complete:
             return channels.types
         missing = None if asked is None else {canonical(topic) for topic in asked}
-        for _ in self._walks(channels):
+        for _ in copy(self)._stretches(channels):  # progress and damage of this one stay
             if missing is not None and missing <= {canonical(topic) for topic in channels.types}:
                 break
         return channels.types
 
     def metadata(self) -> dict[str, dict[str, str]]:
         """Read the metadata records; where several have one name, later values count."""
-        known = self.summary if self.summary.lists_metadata else self._survey
+        places = (self.summary if self.summary.complete else self._survey).metadata
         found: dict[str, dict[str, str]] = {}
         with _opened(self.path) as stream:
-            for place, length in known.metadata_at:
-                stream.seek(place)
-                fields = ContentReader(stream.read(length))
-                try:
-                    found.setdefault(fields.text(), {}).update(fields.texts())
-                except ValueError:
-                    continue  # damaged: the others are still of use
+            for place in places:
+                stream.seek(place.start + RECORD_HEAD.size)
+                record = parsed(Metadata, stream.read(place.end - place.start - RECORD_HEAD.size))
+                if record is not None:  # damaged ones are skipped: the others are still of use
+                    found.setdefault(record.name, {}).update(record.metadata)
         return found
 
     def time_span(self) -> tuple[int, int] | None:
         """Return the log times of the first and the last message [ns], None if unknown."""
-        known = self.summary if self.summary.start_ns is not None else self._survey
-        if known.start_ns is None or known.end_ns is None:
-            return None
-        return known.start_ns, known.end_ns
+        return self.summary.span_ns or self._survey.span_ns
 
-    @functools.cached_property
+    @cached_property
     def _survey(self) -> Summary:
-        """Look through a file whose summary does not tell."""
-        with _opened(self.path) as stream:
-            return survey(RecordScanner(stream, self.size))
-
-    def _walks(self, channels: Channels) -> Iterator[list[RecordedMessage]]:
-        """Read all that may hold messages or channels."""
+        """Find metadata and time span where the summary does not list them."""
+        places: list[Record] = []
+        spans: list[tuple[int, int]] = []
         with _opened(self.path) as stream:
             scanner = RecordScanner(stream, self.size)
-            self.damaged = 0
-            while (record := scanner.advance()) is not None:
-                if record.chunk is not None:
-                    messages = _chunk_messages(scanner, record, channels)
-                elif record.opcode in (MESSAGE, SCHEMA, CHANNEL):
-                    messages = _loose_messages(scanner, record, channels)
-                else:
-                    continue
-                self.position, self.damaged = scanner.position, scanner.damaged
-                yield messages
-            self.position, self.damaged = self.size, scanner.damaged
+            for record in scanner:
+                if record.opcode == Opcode.CHUNK:
+                    scanner.check(intact=True)
+                    begin = record.start + RECORD_HEAD.size
+                    spans.append(_TIMES.unpack(scanner.read(begin, begin + _TIMES.size)))
+                elif record.opcode == Opcode.METADATA:
+                    places.append(record)
+        found = Summary(metadata=places)
+        if spans:
+            found.span_ns = min(begin for begin, _ in spans), max(end for _, end in spans)
+        return found
 
+    def _describe(self, channels: Channels) -> None:
+        """Add the channels of the summary, so that damage to their chunk does no harm."""
+        for record in self.summary.descriptions:
+            channels.add(record)
 
-def _chunk_messages(
-    scanner: RecordScanner, record: Record, channels: Channels
-) -> list[RecordedMessage]:
-    """Read a chunk; a damaged one is counted and has no messages."""
-    assert record.chunk is not None
-    result = read_chunk(scanner.read(record.content, record.length), record.chunk, channels)
-    if result is None:
-        scanner.reject()
-        return []
-    scanner.confirm()
-    return result.messages
+    def _stretches(self, channels: Channels) -> Iterator[list[RecordedMessage]]:
+        """Read all that may hold messages or channels: by the index, else record by record."""
+        self._describe(channels)
+        self.damaged = 0
+        # Without chunks there are no messages, or all stand outside chunks.
+        indexed = self.summary.complete and self.summary.chunks
+        with _opened(self.path) as stream:
+            yield from (self._indexed if indexed else self._scanned)(stream, channels)
+        self.position = self.size
+
+    def _indexed(self, stream: BinaryIO, channels: Channels) -> Iterator[list[RecordedMessage]]:
+        """Read the chunks that hold a wanted channel."""
+        for start, end, present in self.summary.chunks:
+            if present and present.isdisjoint(channels.handed_out):
+                continue
+            stream.seek(start + RECORD_HEAD.size)
+            messages = read_chunk(stream.read(end - start - RECORD_HEAD.size), channels)
+            self.damaged += messages is None
+            self.position = end
+            yield messages or []
+
+    def _scanned(self, stream: BinaryIO, channels: Channels) -> Iterator[list[RecordedMessage]]:
+        """Read record by record up to the end or a cut."""
+        scanner = RecordScanner(stream, self.size)
+        for record in scanner:
+            if record.opcode == Opcode.CHUNK:
+                messages = read_chunk(scanner.content(record), channels)
+                scanner.check(intact=messages is not None)
+            elif record.opcode in _LOOSE:
+                messages = _loose_messages(scanner, record, channels)
+            else:
+                continue
+            self.position, self.damaged = scanner.position, scanner.damaged
+            yield messages or []
+        self.damaged = scanner.damaged
 
 
 def _loose_messages(
     scanner: RecordScanner, record: Record, channels: Channels
 ) -> list[RecordedMessage]:
     """Read records that stand outside chunks, a block of them at a time."""
-    block = scanner.read(record.start, max(_BLOCK, record.end - record.start))
+    block = scanner.read(record.start, max(record.start + _BLOCK, record.end))
     result = walk(block, channels)
     if result.end:
         scanner.move(record.start + result.end, record.start + result.last)
@@ -180,7 +203,7 @@ def _loose_messages(
 
 
 def _require_magic(path: Path, start: bytes, size: int) -> None:
-    """Explain what a file is that is no MCAP file."""
+    """Raise an error that names the kind of a file that is not MCAP."""
     if start.startswith(MAGIC):
         return
     if size == 0:
@@ -210,13 +233,14 @@ def database_error(path: Path) -> RecordingError:
     )
 
 
-def _opened(path: Path) -> Any:
-    """Open a file for reading."""
+@contextmanager
+def _opened(path: Path) -> Iterator[BinaryIO]:
+    """Open a file for reading; explain what the file system refuses."""
     try:
-        stream: BinaryIO = open(path, 'rb')
+        with open(path, 'rb') as stream:
+            yield stream
     except OSError as error:
         raise RecordingError(
             f'cannot read recording {path}: {error.strerror}; give an existing .mcap file or '
-            'rosbag2 folder'
+            'rosbag2 folder and check disk and permissions'
         ) from error
-    return stream

@@ -12,34 +12,44 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The summary at the end of an MCAP file, and what stands in for it where there is none."""
+"""The summary of an MCAP file: topics, time span, and where chunks and metadata are."""
 
 from __future__ import annotations
 
-import dataclasses
-from typing import BinaryIO
+from dataclasses import dataclass, field
+from io import BytesIO
+from typing import BinaryIO, Iterable, NamedTuple
 import zlib
 
-from .chunk_reader import Channels
-from .mcap_format import (
-    CHANNEL,
-    ContentReader,
-    FOOTER,
-    MAGIC,
-    METADATA,
-    METADATA_INDEX,
-    RECORD_HEAD,
-    SCHEMA,
-    STATISTICS,
+from mcap.opcode import Opcode
+from mcap.records import (
+    Channel,
+    ChunkIndex,
+    Footer,
+    McapRecord,
+    MetadataIndex,
+    Schema,
+    Statistics,
 )
-from .record_scanner import RecordScanner
+from mcap.stream_reader import StreamReader
 
-_FOOTER_CONTENT = 20
-_TAIL = RECORD_HEAD.size + _FOOTER_CONTENT + len(MAGIC)
-_LARGEST_METADATA = 1 << 26
+from .chunk_reader import parsed
+from .record_scanner import MAGIC, Record, RECORD_HEAD
+
+_FOOTER_HEAD = RECORD_HEAD.pack(Opcode.FOOTER, 20)
+_TAIL = len(_FOOTER_HEAD) + 20 + len(MAGIC)
+_AFTER_CRC = 4 + len(MAGIC)
 
 
-@dataclasses.dataclass
+class ChunkPlace(NamedTuple):
+    """A chunk in the file, and its channels; none are known where it has no message index."""
+
+    start: int
+    end: int
+    channels: frozenset[int]
+
+
+@dataclass
 class Summary:
     """
     What is known about a file without reading its messages.
@@ -48,31 +58,26 @@ class Summary:
     ----------
     whole : bool
         The file ends as it should; False where its recorder was killed.
-    lists_topics : bool
-        All topics are in `records`.
-    lists_metadata : bool
-        All metadata records are in `metadata_at`.
-    records : list of tuple
-        Opcode and content of the schemas and channels.
-    metadata_at : list of tuple
-        Place and length of the metadata records' content in the file.
-    start_ns, end_ns : int or None
-        Log times of the first and the last message [ns].
+    descriptions : list of Schema or Channel
+        Those listed.
+    complete : bool
+        All channels, chunks and metadata records are listed.
+    chunks : list of ChunkPlace
+        In file order.
+    metadata : list of Record
+        Metadata records.
+    span_ns : tuple of int or None
+        Log times of the first and the last message [ns]; None if there is no message or the
+        times are not known.
 
     """
 
     whole: bool = False
-    lists_topics: bool = False
-    lists_metadata: bool = False
-    records: list[tuple[int, bytes]] = dataclasses.field(default_factory=list)
-    metadata_at: list[tuple[int, int]] = dataclasses.field(default_factory=list)
-    start_ns: int | None = None
-    end_ns: int | None = None
-
-    def teach(self, channels: Channels) -> None:
-        """Hand the schemas and channels on, so that damage to their chunk does no harm."""
-        for opcode, content in self.records:
-            channels.learn(opcode, content)
+    descriptions: list[Schema | Channel] = field(default_factory=list)
+    complete: bool = False
+    chunks: list[ChunkPlace] = field(default_factory=list)
+    metadata: list[Record] = field(default_factory=list)
+    span_ns: tuple[int, int] | None = None
 
 
 def read_summary(stream: BinaryIO, size: int) -> Summary:
@@ -94,78 +99,48 @@ def read_summary(stream: BinaryIO, size: int) -> Summary:
     """
     stream.seek(max(size - _TAIL, 0))
     tail = stream.read(_TAIL)
-    if len(tail) < _TAIL or tail[-len(MAGIC):] != MAGIC:
+    if not (tail.startswith(_FOOTER_HEAD) and tail.endswith(MAGIC) and len(tail) == _TAIL):
         return Summary()
-    if RECORD_HEAD.unpack_from(tail) != (FOOTER, _FOOTER_CONTENT):
-        return Summary()
-    fields = ContentReader(tail[RECORD_HEAD.size:])
-    start, _, crc = fields.number(8), fields.number(8), fields.number(4)
-    if not len(MAGIC) <= start <= size - _TAIL:
+    footer: Footer = parsed(Footer, tail[len(_FOOTER_HEAD):])
+    if not len(MAGIC) <= footer.summary_start <= size - _TAIL:
         return Summary(whole=True)
-    stream.seek(start)
-    content = stream.read(size - _TAIL - start)
-    # The CRC covers the summary and the footer up to the CRC itself.
-    if crc and zlib.crc32(content + tail[:RECORD_HEAD.size + 16]) != crc:
+    stream.seek(footer.summary_start)
+    content = stream.read(size - footer.summary_start)
+    if footer.summary_crc and zlib.crc32(content[:-_AFTER_CRC]) != footer.summary_crc:
         return Summary(whole=True)
     try:
-        return _parse(content)
-    except ValueError:
+        return _collected(StreamReader(BytesIO(content), skip_magic=True).records)
+    except Exception:  # damaged numbers and texts raise almost anything
         return Summary(whole=True)
 
 
-def survey(scanner: RecordScanner) -> Summary:
-    """
-    Find metadata records and the time span of a file without summary, passing over the messages.
-
-    Parameters
-    ----------
-    scanner : RecordScanner
-        At the start of the file.
-
-    Returns
-    -------
-    summary : Summary
-        Without topics: these may stand within chunks.
-
-    """
-    found = Summary(lists_metadata=True)
-    spans = []
-    while (record := scanner.advance()) is not None:
-        if record.chunk is not None:
-            scanner.confirm()
-            spans.append((record.chunk.start_ns, record.chunk.end_ns))
-        elif record.opcode == METADATA and record.length <= _LARGEST_METADATA:
-            found.metadata_at.append((record.content, record.length))
-    if spans:
-        found.start_ns = min(start for start, _ in spans)
-        found.end_ns = max(end for _, end in spans)
-    return found
-
-
-def _parse(content: bytes) -> Summary:
-    """Take what is needed from the records of a summary; ValueError if they are damaged."""
+def _collected(records: Iterable[McapRecord]) -> Summary:
+    """Collect what is needed from the records of a summary."""
     found = Summary(whole=True)
-    channel_count = metadata_count = None
-    at = 0
-    while at + RECORD_HEAD.size <= len(content):
-        opcode, length = RECORD_HEAD.unpack_from(content, at)
-        at += RECORD_HEAD.size
-        record = content[at:at + length]
-        at += length
-        fields = ContentReader(record)
-        if opcode in (SCHEMA, CHANNEL):
-            found.records.append((opcode, record))
-        elif opcode == METADATA_INDEX:
-            place, whole_length = fields.number(8), fields.number(8)
-            found.metadata_at.append(
-                (place + RECORD_HEAD.size, whole_length - RECORD_HEAD.size)
-            )
-        elif opcode == STATISTICS:
-            messages, _, channel_count = fields.number(8), fields.number(2), fields.number(4)
-            _, metadata_count, _ = fields.number(4), fields.number(4), fields.number(4)
-            times = fields.number(8), fields.number(8)
-            found.start_ns, found.end_ns = times if messages else (None, None)
-    listed = {record[:2] for opcode, record in found.records if opcode == CHANNEL}
-    found.lists_topics = len(listed) == channel_count
-    found.lists_metadata = len(found.metadata_at) == metadata_count
+    statistics = None
+    known: dict[frozenset[int], frozenset[int]] = {}  # most chunks have the same channels
+    for record in records:
+        if isinstance(record, (Schema, Channel)):
+            found.descriptions.append(record)
+        elif isinstance(record, ChunkIndex):
+            present = frozenset(record.message_index_offsets)
+            start = record.chunk_start_offset
+            found.chunks.append(ChunkPlace(
+                start, start + record.chunk_length, known.setdefault(present, present)
+            ))
+        elif isinstance(record, MetadataIndex):
+            found.metadata.append(Record(
+                int(Opcode.METADATA), record.offset, record.offset + record.length
+            ))
+        elif isinstance(record, Statistics):
+            statistics = record
+    found.chunks.sort()
+    if statistics is not None:
+        channels = {record.id for record in found.descriptions if isinstance(record, Channel)}
+        counts = len(channels), len(found.chunks), len(found.metadata)
+        found.complete = counts == (
+            statistics.channel_count, statistics.chunk_count, statistics.metadata_count
+        )
+        if statistics.message_count:
+            found.span_ns = statistics.message_start_time, statistics.message_end_time
     return found

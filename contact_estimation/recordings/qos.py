@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The quality of service under which a topic was published, as rosbag2 notes it."""
+"""The quality of service under which a topic was published, as rosbag2 records it."""
 
 from __future__ import annotations
 

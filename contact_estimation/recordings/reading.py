@@ -23,14 +23,13 @@ from .bag_folder import recording_files
 from .chunk_reader import RecordedMessage
 from .mcap_file import McapFile
 from .topic_names import canonical, require_topics
-from ..exceptions import RecordingError
 
 __all__ = ['RecordedMessage', 'RecordingReader']
 
 
 class RecordingReader:
     """
-    Reads an MCAP file or a rosbag2 folder chunk by chunk.
+    Read an MCAP file or a rosbag2 folder chunk by chunk.
 
     Memory is bounded by one chunk. Files that were cut short are read up to the cut; damaged
     chunks are skipped and counted.
@@ -56,10 +55,7 @@ class RecordingReader:
 
     def __init__(self, path: Path | str) -> None:
         self.path = Path(path)
-        try:
-            self._files = [McapFile(file) for file in recording_files(self.path)]
-        except OSError as error:
-            raise self._unreadable(error) from error
+        self._files = [McapFile(file) for file in recording_files(self.path)]
         self.truncated = not all(file.summary.whole for file in self._files)
 
     @property
@@ -69,19 +65,19 @@ class RecordingReader:
 
     @property
     def progress(self) -> float:
-        """Fraction of the bytes that the current pass over the messages has behind it."""
+        """Fraction of the bytes read in the current pass over the messages."""
         total = sum(file.size for file in self._files)
         return sum(file.position for file in self._files) / total
 
     @property
     def start_ns(self) -> int | None:
-        """Log time of the first message [ns], None where this is not known without reading."""
+        """Log time of the first message [ns], None if unknown without reading all."""
         spans = self._time_spans()
         return min(start for start, _ in spans) if spans else None
 
     @property
     def end_ns(self) -> int | None:
-        """Log time of the last message [ns], None where this is not known without reading."""
+        """Log time of the last message [ns], None if unknown without reading all."""
         spans = self._time_spans()
         return max(end for _, end in spans) if spans else None
 
@@ -101,11 +97,11 @@ class RecordingReader:
 
         """
         types: dict[str, str] = {}
-        wanted = None if asked is None else {canonical(topic) for topic in asked}
+        missing = None if asked is None else {canonical(topic) for topic in asked}
         for file in self._files:
-            types.update(self._guarded_topics(file, wanted))
-            if wanted is not None:
-                wanted -= {canonical(topic) for topic in types}
+            types.update(file.topics(missing))
+            if missing is not None:
+                missing -= {canonical(topic) for topic in types}
         return types
 
     def metadata(self) -> dict[str, dict[str, str]]:
@@ -119,12 +115,9 @@ class RecordingReader:
 
         """
         found: dict[str, dict[str, str]] = {}
-        try:
-            for file in self._files:
-                for name, values in file.metadata().items():
-                    found.setdefault(name, {}).update(values)
-        except OSError as error:
-            raise self._unreadable(error) from error
+        for file in self._files:
+            for name, values in file.metadata().items():
+                found.setdefault(name, {}).update(values)
         return found
 
     def messages(self, topics: Collection[str] | None = None) -> Iterator[RecordedMessage]:
@@ -181,32 +174,10 @@ class RecordingReader:
         """Read one file after the other."""
         for file in self._files:
             file.position = file.damaged = 0
-        try:
-            for file in self._files:
-                yield from file.batches(wanted)
-        except OSError as error:
-            raise self._unreadable(error) from error
-
-    def _guarded_topics(self, file: McapFile, wanted: set[str] | None) -> dict[str, str]:
-        """Find the topics of one file without leaving traces in progress and damage."""
-        before = file.position, file.damaged
-        try:
-            return file.topics(wanted)
-        except OSError as error:
-            raise self._unreadable(error) from error
-        finally:
-            file.position, file.damaged = before
+        for file in self._files:
+            yield from file.batches(wanted)
 
     def _time_spans(self) -> list[tuple[int, int]]:
         """Collect the time spans of the files that have one."""
-        try:
-            spans = [file.time_span() for file in self._files]
-        except OSError as error:
-            raise self._unreadable(error) from error
+        spans = (file.time_span() for file in self._files)
         return [span for span in spans if span is not None]
-
-    def _unreadable(self, error: OSError) -> RecordingError:
-        """Explain that the file system refused."""
-        return RecordingError(
-            f'cannot read recording {self.path}: {error.strerror}; check disk and permissions'
-        )

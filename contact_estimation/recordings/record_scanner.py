@@ -12,69 +12,47 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Top-level records of an MCAP file one after the other, across damage and up to a cut."""
+"""Top-level records of an MCAP file without usable index, across damage and up to a cut."""
 
 from __future__ import annotations
 
 import re
-from typing import BinaryIO, NamedTuple
+from struct import Struct
+from typing import BinaryIO, Iterator, NamedTuple
 
-from .mcap_format import (
-    CHUNK,
-    ChunkHead,
-    DATA_END,
-    FOOTER,
-    MAGIC,
-    parse_chunk_head,
-    RECORD_HEAD,
-    SHORTEST,
-)
+from mcap.opcode import Opcode
 
-_WINDOW = 1 << 20
-_FIRST_PRIVATE_OPCODE = 0x80
+MAGIC = b'\x89MCAP0\r\n'
+RECORD_HEAD = Struct('<BQ')  # opcode and length of the content
+
+_CHUNK = int(Opcode.CHUNK)
+_ENDS = (Opcode.DATA_END, Opcode.FOOTER)
+_ANY = 1 << 63
+# Shortest content of the records 0x01 to 0x0F; see https://mcap.dev/spec.
+_SHORTEST = (8, 20, 14, 16, 22, 40, 6, 64, 36, 48, 46, 8, 20, 17, 4)
+_LENGTHS = {
+    **{opcode: range(shortest, _ANY) for opcode, shortest in enumerate(_SHORTEST, 1)},
+    **{opcode: range(_ANY) for opcode in range(0x80, 0x100)},  # private records
+    Opcode.DATA_END: range(4, 5),
+    Opcode.FOOTER: range(20, 21),
+}
 # An opcode and a length below 4 GiB; looking ahead, because candidates may overlap.
 _CANDIDATE = re.compile(rb'(?s)(?=[\x02-\x0f].{4}\x00{4})')
-_FIXED = {FOOTER: 20, DATA_END: 4}
-# Enough for the description of any chunk with a known compression.
-_HEAD_BYTES = 64
+_WINDOW = 1 << 20
+_LONGEST_NAME = 16
 
 
 class Record(NamedTuple):
-    """
-    Place of a top-level record.
-
-    Attributes
-    ----------
-    opcode : int
-        Its kind.
-    start : int
-        Place of its opcode in the file.
-    length : int
-        Bytes of its content.
-    chunk : ChunkHead or None
-        Description of the chunk where it is one.
-
-    """
+    """Opcode of a record and where it begins and ends in the file."""
 
     opcode: int
     start: int
-    length: int
-    chunk: ChunkHead | None = None
-
-    @property
-    def content(self) -> int:
-        """Place of the content in the file."""
-        return self.start + RECORD_HEAD.size
-
-    @property
-    def end(self) -> int:
-        """Place of the next record."""
-        return self.content + self.length
+    end: int
 
 
 class RecordScanner:
     """
-    Walks over the records of a file; where one makes no sense, searches the next that does.
+    Walk over the records of a file; where one is not plausible, search the next that is.
 
     Parameters
     ----------
@@ -97,104 +75,86 @@ class RecordScanner:
         self.damaged = 0
         self._stream = stream
         self._size = size
-        self._resume = self.position
+        self._search_from = self.position
         self._counted = False
 
-    def advance(self) -> Record | None:
-        """
-        Find the next record.
-
-        Returns
-        -------
-        record : Record or None
-            None at the end of the data, or where the file is cut.
-
-        """
-        record = self._record_at(self.position)
-        if record is None or not self._credible(record):
-            if self._is_cut_chunk():
-                return None
-            record = self._search()
-            if record is None:
-                return None
-            self.damaged += not self._counted
-        self._counted = False
-        self.move(record.end, record.start)
-        return None if record.opcode in (DATA_END, FOOTER) else record
+    def __iter__(self) -> Iterator[Record]:
+        """Yield the records up to the end of the data or to where the file is cut."""
+        while (record := self._next()) is not None and record.opcode not in _ENDS:
+            yield record
 
     def move(self, position: int, last: int) -> None:
-        """Go on at `position`; should that fail, search from just after `last`."""
+        """Continue at `position`; should no record be there, search from just after `last`."""
         self.position = position
-        self._resume = last + 1
+        self._search_from = last + 1
 
-    def confirm(self) -> None:
-        """Take note that the last record was whole, so that nothing is searched within it."""
-        self._resume = self.position
+    def check(self, intact: bool) -> None:
+        """Count the last record as damaged or, if intact, search no record within it."""
+        if intact:
+            self._search_from = self.position
+        else:
+            self.damaged += 1
+            self._counted = True
 
-    def reject(self) -> None:
-        """Count the last record as damaged."""
-        self.damaged += 1
-        self._counted = True
-
-    def read(self, start: int, size: int) -> bytes:
+    def read(self, start: int, end: int) -> bytes:
         """Read some bytes of the file, fewer at its end."""
         self._stream.seek(start)
-        return self._stream.read(min(size, max(self._size - start, 0)))
+        return self._stream.read(max(min(end, self._size) - start, 0))
+
+    def content(self, record: Record) -> bytes:
+        """Read the content of a record."""
+        return self.read(record.start + RECORD_HEAD.size, record.end)
+
+    def _next(self) -> Record | None:
+        """Return the next record."""
+        record = self._record_at(self.position)
+        if record is None:
+            record = self._search()
+            self.damaged += record is not None and not self._counted
+        if record is None or record.end > self._size:
+            return None
+        self._counted = False
+        self.move(record.end, record.start)
+        return record
 
     def _record_at(self, start: int) -> Record | None:
-        """Read the head of a record and check what can be checked."""
-        head = self.read(start, RECORD_HEAD.size)
+        """Return the record at some place if it is plausible; only a chunk may be cut."""
+        head = self.read(start, start + RECORD_HEAD.size)
         if len(head) < RECORD_HEAD.size:
             return None
         opcode, length = RECORD_HEAD.unpack(head)
-        record = Record(opcode, start, length)
-        if record.end > self._size or length < SHORTEST.get(opcode, 0):
+        record = Record(opcode, start, start + RECORD_HEAD.size + length)
+        if length not in _LENGTHS.get(opcode, ()):
             return None
-        if length != _FIXED.get(opcode, length):
-            return None
-        if opcode != CHUNK:
-            return record
-        chunk = parse_chunk_head(self.read(record.content, min(length, _HEAD_BYTES)), length)
-        return None if chunk is None else record._replace(chunk=chunk)
+        plausible = self._is_chunk(record) if opcode == _CHUNK else record.end <= self._size
+        return record if plausible else None
 
-    def _credible(self, record: Record) -> bool:
-        """Tell whether a record may stand here; unknown ones must be followed by a known one."""
-        if record.opcode in SHORTEST:
-            return True
-        following = self._record_at(record.end)
-        known = following is not None and following.opcode in SHORTEST
-        return record.opcode >= _FIRST_PRIVATE_OPCODE and known
-
-    def _is_cut_chunk(self) -> bool:
-        """Tell whether a good chunk reaches beyond the end: killed while writing it."""
-        head = self.read(self.position, RECORD_HEAD.size + _HEAD_BYTES)
-        if len(head) < RECORD_HEAD.size or head[0] != CHUNK:
-            return False
-        length = RECORD_HEAD.unpack_from(head)[1]
-        return parse_chunk_head(head[RECORD_HEAD.size:], length) is not None
+    def _is_chunk(self, record: Record) -> bool:
+        """Check that the lengths within a chunk agree with that of its record."""
+        name = record.start + RECORD_HEAD.size + 32  # behind two times, size, CRC and length
+        head = self.read(name - 4, name + _LONGEST_NAME + 8)
+        data = 4 + int.from_bytes(head[:4], 'little')
+        length = int.from_bytes(head[data:data + 8], 'little')
+        return data + 8 <= len(head) and name + data + 4 + length == record.end
 
     def _search(self) -> Record | None:
-        """Find the next place from which on the records make sense."""
-        start = self._resume
-        while start < self._size:
-            window = self.read(start, _WINDOW + RECORD_HEAD.size)
+        """Find the next place from which on the records are plausible."""
+        for start in range(self._search_from, self._size, _WINDOW):
+            window = self.read(start, start + _WINDOW + RECORD_HEAD.size)
             for candidate in _CANDIDATE.finditer(window):
                 record = self._record_at(start + candidate.start())
                 if record is not None and self._is_followed(record):
                     return record
-            start += _WINDOW
         return None
 
     def _is_followed(self, record: Record) -> bool:
         """Check the next two records, or that the file ends there."""
-        if record.chunk is not None:
-            return True  # its lengths agree, which no accident brings about
-        end = record.end
+        following: Record | None = record
         for _ in range(2):
-            if end in (self._size, self._size - len(MAGIC)):
+            # The lengths within a chunk do not agree by accident.
+            if following is None or following.opcode == _CHUNK:
+                return following is not None
+            if following.end in (self._size, self._size - len(MAGIC)):
                 return True
-            following = self._record_at(end)
-            if following is None or following.opcode not in SHORTEST:
-                return False
-            end = following.end
-        return True
+            following = self._record_at(following.end)
+        return following is not None

@@ -23,17 +23,11 @@ from typing import Any, Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from .reading import RecordingReader
 from .source import RecordingSource
 from .topic_names import canonical
 from ..exceptions import MessageError, RecordingError
-from ..messages import (
-    FORCE_OF_AXIS,
-    JointStateDecoder,
-    RosbagsCodec,
-    TrajectoryDecoder,
-    WrenchDecoder,
-)
-from ..recordings import RecordingReader
+from ..messages import FORCE_OF_AXIS, JointStateDecoder, TrajectoryDecoder, WrenchDecoder
 
 Row = tuple[int, tuple[float, ...]]
 
@@ -41,12 +35,12 @@ Row = tuple[int, tuple[float, ...]]
 @dataclass(frozen=True)
 class Signal:
     """
-    One topic of the contact axis, in the order of its stamps and without what is not finite.
+    One topic of the contact axis, sorted by stamp, without non-finite samples.
 
     Attributes
     ----------
     stamp_ns : ndarray of int64, shape (N,)
-        Header stamps [ns], growing.
+        Header stamps [ns], strictly increasing.
     values : ndarray, shape (n, N)
         wrench: F_e [N]; joint_states: x [m] and its rate [m/s], NaN where not recorded;
         reference_trajectory: x_r [m], its rate [m/s] and acceleration [m/s^2], F_r [N].
@@ -57,14 +51,14 @@ class Signal:
     values: NDArray[np.float64]
 
     def __len__(self) -> int:
-        """Count the samples."""
+        """Return the number of samples."""
         return len(self.stamp_ns)
 
 
 @dataclass(frozen=True)
 class RecordedSignals:
     """
-    What a recording tells of the contact axis.
+    The signals of the contact axis in a recording.
 
     Attributes
     ----------
@@ -96,14 +90,14 @@ def read_signals(
     source : RecordingSource
         Its topics.
     axis : str
-        Of the force: 'x', 'y' or 'z'.
+        Axis of the force: 'x', 'y' or 'z'.
     joint : str
-        Name; '' is the only one.
+        Name of the joint; '' is the only joint of the message.
 
     Returns
     -------
     signals : RecordedSignals
-        Of equal stamps the first.
+        Of samples with equal stamps, the first is kept.
 
     Raises
     ------
@@ -112,12 +106,11 @@ def read_signals(
 
     """
     asked = [source.wrench, source.joint_states]
-    there = {canonical(name) for name in reader.topics()}
-    if canonical(source.reference_trajectory) in there:
+    recorded = {canonical(name) for name in reader.topics()}
+    if canonical(source.reference_trajectory) in recorded:
         asked.append(source.reference_trajectory)
-    codec = RosbagsCodec()
-    wrenches = WrenchDecoder(codec)
-    decode = _decoders(codec, wrenches, source, axis, joint)
+    wrenches = WrenchDecoder()
+    decode = _decoders(wrenches, source, axis, joint)
     rows: dict[str, list[Row]] = {name: [] for name in decode}
     refused: dict[str, str] = {}
     for topic, _, data in reader.messages(asked):
@@ -138,9 +131,9 @@ def read_signals(
 
 
 def _decoders(
-    codec: RosbagsCodec, wrenches: WrenchDecoder, source: RecordingSource, axis: str, joint: str
+    wrenches: WrenchDecoder, source: RecordingSource, axis: str, joint: str
 ) -> dict[str, Callable[[bytes], Row]]:
-    joints, references = JointStateDecoder(codec, joint), TrajectoryDecoder(codec, joint)
+    joints, references = JointStateDecoder(joint), TrajectoryDecoder(joint)
     force_of = FORCE_OF_AXIS[axis]
 
     def force(data: bytes) -> Row:
@@ -153,7 +146,7 @@ def _decoders(
 
     def reference(data: bytes) -> Row:
         stamp_ns, x, *rest = references.decode(data)
-        # What a reference does not say is 0: no feed-forward, no force wanted.
+        # Missing entries of a reference are 0: no feed-forward, no desired force.
         return stamp_ns, (x, *(0.0 if value != value else value for value in rest))
 
     return {source.wrench: force, source.joint_states: motion,
@@ -161,7 +154,7 @@ def _decoders(
 
 
 def _stacked(rows: list[Row], width: int) -> Signal:
-    """Sort by stamp; of equal stamps the first stays, what has no finite value goes."""
+    """Sort by stamp; drop non-finite samples and all but the first of equal stamps."""
     finite = [row for row in rows if isfinite(row[1][0])]
     stamps: Any = np.array([stamp for stamp, _ in finite], np.int64)
     stamps, first = np.unique(stamps, return_index=True)

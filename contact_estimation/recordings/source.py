@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Which topics of a recording hold the contact signals."""
+"""Topics of a recording that hold the contact signals."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from dataclasses import dataclass
 @dataclass(frozen=True)
 class RecordingSource:
     """
-    Where in a recording the contact signals are.
+    Topics of a recording that hold the contact signals.
 
     Attributes
     ----------

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Topic names as people write them and as recordings hold them."""
+"""Topic names with and without leading slash, and checks that topics are recorded."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def canonical(topic: str) -> str:
 
 def require_topics(asked: Collection[str], types: Mapping[str, str], where: str) -> None:
     """
-    Check that a recording has the topics that are asked for.
+    Check that a recording has the requested topics.
 
     Parameters
     ----------
@@ -45,7 +45,7 @@ def require_topics(asked: Collection[str], types: Mapping[str, str], where: str)
     Raises
     ------
     RecordingError
-        If one is missing; names those that are there and how to choose one.
+        If a topic is missing; the error lists the recorded topics and how to choose one.
 
     """
     present = {canonical(topic) for topic in types}
@@ -55,7 +55,7 @@ def require_topics(asked: Collection[str], types: Mapping[str, str], where: str)
     there = ', '.join(f'{topic} ({types[topic]})' for topic in sorted(types)) or 'no topics'
     role = missing[0].rsplit('/', 1)[-1]
     likewise = ''
-    if role not in _ROLES:  # it was chosen with --topic already: for which role is not known here
+    if role not in _ROLES:  # chosen with --topic for an unknown role
         role, likewise = _ROLES[0], f' (likewise {", ".join(_ROLES[1:])})'
     raise RecordingError(
         f'{where} has no topic {", ".join(canonical(topic) for topic in missing)}; it has: '

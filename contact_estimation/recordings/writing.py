@@ -16,14 +16,15 @@
 
 from __future__ import annotations
 
+from contextlib import contextmanager
 from pathlib import Path
 import threading
 from types import TracebackType
-from typing import Any
+from typing import Iterator
 
 import yaml
 
-from .bag_metadata import bag_information, TopicSummary, write_bag_metadata
+from .bag_metadata import bag_information, RecordedTopic, write_bag_metadata
 from .chunk_writer import ChunkWriter
 from .definitions import message_definition
 from .qos import OfferedQos
@@ -32,22 +33,9 @@ from ..exceptions import RecordingError
 _DEFAULT_QOS = OfferedQos()
 
 
-class _Topic:
-    """A topic while it is recorded."""
-
-    __slots__ = ('channel', 'count', 'qos', 'type_hash', 'type_name')
-
-    def __init__(self, channel: int, type_name: str, type_hash: str, qos: OfferedQos) -> None:
-        self.channel = channel
-        self.count = 0
-        self.qos = qos
-        self.type_hash = type_hash
-        self.type_name = type_name
-
-
 class RecordingWriter:
     """
-    Writes messages as they come; made by `folder` or by `file`.
+    Write messages as they arrive; created by `folder` or `file`.
 
     Methods may be called from several threads: a timer flushes while another thread writes.
 
@@ -62,9 +50,8 @@ class RecordingWriter:
         self.path = path
         self._bag_folder = bag_folder
         self._lock = threading.Lock()
-        self._topics: dict[str, _Topic] = {}
-        self._start_ns: int | None = None
-        self._end_ns = 0
+        self._topics: dict[str, RecordedTopic] = {}
+        self._span_ns: tuple[int, int] | None = None
         self._closed = False
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
@@ -148,11 +135,11 @@ class RecordingWriter:
         data : bytes
             CDR with its encapsulation header.
         log_time_ns : int
-            When the message was received [ns].
+            Time of reception [ns].
         publish_time_ns : int, optional
-            When it was published [ns]; the log time by default.
+            Time of publication [ns]; the log time by default.
         qos : OfferedQos, optional
-            Of the publisher; counts at the first message of a topic.
+            Quality of service of the publisher; only that of the first message of a topic is used.
 
         Raises
         ------
@@ -161,7 +148,7 @@ class RecordingWriter:
             is full or the recording is closed.
 
         """
-        with self._lock:
+        with self._writing():
             self._require_open()
             entry = self._topics.get(topic) or self._add_topic(topic, type_name, qos)
             if entry.type_name != type_name:
@@ -170,12 +157,10 @@ class RecordingWriter:
                     'record it under another name'
                 )
             published = log_time_ns if publish_time_ns is None else publish_time_ns
-            try:
-                self._chunks.add_message(entry.channel, log_time_ns, published, data)
-            except OSError as error:
-                raise self._broken(error) from error
-            entry.count += 1
-            self._note_time(log_time_ns)
+            self._chunks.add_message(entry.channel, log_time_ns, published, data)
+            entry.message_count += 1
+            begin, end = self._span_ns or (log_time_ns, log_time_ns)
+            self._span_ns = min(begin, log_time_ns), max(end, log_time_ns)
 
     def write_metadata(self, name: str, values: dict[str, str]) -> None:
         """
@@ -194,33 +179,22 @@ class RecordingWriter:
             If the disk is full or the recording is closed.
 
         """
-        with self._lock:
+        with self._writing():
             self._require_open()
-            try:
-                self._chunks.add_metadata(name, values)
-            except OSError as error:
-                raise self._broken(error) from error
+            self._chunks.add_metadata(name, values)
 
     def flush(self) -> None:
         """Hand everything written so far to the operating system, where a kill cannot reach."""
-        with self._lock:
-            if self._closed:
-                return
-            try:
+        with self._writing():
+            if not self._closed:
                 self._chunks.flush()
-            except OSError as error:
-                raise self._broken(error) from error
 
     def close(self) -> None:
         """Finish the recording; further calls do nothing."""
-        with self._lock:
-            if self._closed:
-                return
-            self._closed = True
-            try:
+        with self._writing():
+            if not self._closed:
+                self._closed = True
                 self._finish()
-            except OSError as error:
-                raise self._broken(error) from error
 
     def __enter__(self) -> 'RecordingWriter':
         """Return the writer."""
@@ -232,15 +206,17 @@ class RecordingWriter:
         error: BaseException | None,
         traceback: TracebackType | None,
     ) -> None:
-        """Finish the recording, also after an error: what was recorded is worth keeping."""
+        """Finish the recording, also after an error, to keep what was recorded."""
         self.close()
 
     def _finish(self) -> None:
-        """Write what rosbag2 adds at the end and close the file."""
+        """Write the metadata that rosbag2 adds at the end and close the file."""
         if self._bag_folder is None:
             self._chunks.close()
             return
-        information = self._information()
+        information = bag_information(
+            self.path.name, self._topics.values(), *(self._span_ns or (0, 0))
+        )
         self._chunks.flush()
         # rosbag2 keeps a copy of metadata.yaml in the file, for `ros2 bag info FILE`.
         self._chunks.add_metadata(
@@ -249,15 +225,7 @@ class RecordingWriter:
         self._chunks.close()
         write_bag_metadata(self._bag_folder, information)
 
-    def _information(self) -> dict[str, Any]:
-        """Describe the whole recording for metadata.yaml."""
-        topics = [
-            TopicSummary(name, entry.type_name, entry.type_hash, entry.qos, entry.count)
-            for name, entry in self._topics.items()
-        ]
-        return bag_information(self.path.name, topics, self._start_ns or 0, self._end_ns)
-
-    def _add_topic(self, topic: str, type_name: str, qos: OfferedQos) -> _Topic:
+    def _add_topic(self, topic: str, type_name: str, qos: OfferedQos) -> RecordedTopic:
         """Register a topic as rosbag2 does."""
         definition = message_definition(type_name)
         channel = self._chunks.add_topic(
@@ -266,28 +234,26 @@ class RecordingWriter:
             definition.text,
             {'offered_qos_profiles': qos.as_text(), 'topic_type_hash': definition.type_hash},
         )
-        entry = _Topic(channel, type_name, definition.type_hash, qos)
+        entry = RecordedTopic(topic, type_name, definition.type_hash, qos, channel)
         self._topics[topic] = entry
         return entry
 
-    def _note_time(self, log_time_ns: int) -> None:
-        """Widen the time span of the recording."""
-        if self._start_ns is None or log_time_ns < self._start_ns:
-            self._start_ns = log_time_ns
-        if log_time_ns > self._end_ns:
-            self._end_ns = log_time_ns
-
     def _require_open(self) -> None:
-        """Refuse to write after the end."""
+        """Raise an error if the recording is closed."""
         if self._closed:
-            raise RecordingError(f'recording {self.path} is closed; open a new one to write on')
+            raise RecordingError(f'recording {self.path} is closed; open a new one')
 
-    def _broken(self, error: OSError) -> RecordingError:
-        """Explain that the file system refused."""
-        return RecordingError(
-            f'cannot write to recording {self.path}: {error.strerror}; what was written before '
-            'can be read'
-        )
+    @contextmanager
+    def _writing(self) -> Iterator[None]:
+        """Keep other threads out; explain what the file system refuses."""
+        with self._lock:
+            try:
+                yield
+            except OSError as error:
+                raise RecordingError(
+                    f'cannot write to recording {self.path}: {error.strerror}; what was written '
+                    'before can be read'
+                ) from error
 
 
 def _exists(path: Path) -> RecordingError:

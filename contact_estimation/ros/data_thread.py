@@ -31,7 +31,7 @@ from rclpy.callback_groups import CallbackGroup
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 
-from .rclpy_codec import message_class
+from .message_classes import message_class
 
 try:
     from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy

@@ -22,10 +22,10 @@ from typing import Any, Callable
 from geometry_msgs.msg import PoseStamped
 from rclpy.node import Node
 
-from .rclpy_codec import message_class, RclpyCodec
+from .message_classes import message_class
 from .topics import OUTPUT_QOS, REFERENCE, STRING, TRAJECTORY, VECTOR3
 from ..estimation.result import Result
-from ..messages import StringEncoder, TrajectoryEncoder, Vector3StampedEncoder
+from ..messages import encode_string, TrajectoryEncoder, Vector3StampedEncoder
 
 _ALWAYS: dict[str, Callable[[Any], float]] = {
     'stiffness': lambda estimate: estimate.stiffness,
@@ -53,7 +53,7 @@ class EstimatePublishers:
     """
 
     def __init__(self, node: Node, joint: str) -> None:
-        self._joint, self._codec = joint or 'contact_axis', RclpyCodec()
+        self._joint = joint or 'contact_axis'
         vector = message_class(VECTOR3)
         self._publishers = {
             name: node.create_publisher(vector, f'~/{name}', OUTPUT_QOS)
@@ -62,7 +62,6 @@ class EstimatePublishers:
         self._reference = node.create_publisher(message_class(TRAJECTORY), REFERENCE, OUTPUT_QOS)
         self._status = node.create_publisher(message_class(STRING), '~/status', OUTPUT_QOS)
         self._pose = node.create_publisher(PoseStamped, '~/target_pose', OUTPUT_QOS)
-        self._strings = StringEncoder(self._codec)
         self._wanted: list[tuple[Any, Callable[[Any], float]]] = []
         self._last_status: tuple[str, str] | None = None
         self._places = [0]
@@ -82,8 +81,8 @@ class EstimatePublishers:
         """
         self.frame_id, self._further_axes = frame_id, axes[1:]
         self._places = ['xyz'.index(axis) for axis in axes]
-        self._vectors = Vector3StampedEncoder(self._codec, frame_id)
-        self._trajectories = TrajectoryEncoder(self._codec, frame_id, self._joint)
+        self._vectors = Vector3StampedEncoder(frame_id)
+        self._trajectories = TrajectoryEncoder(frame_id, self._joint)
 
     def look_for_subscribers(self) -> None:
         """Find the optional topics that have subscribers; too slow for every sample."""
@@ -145,7 +144,7 @@ class EstimatePublishers:
         """
         if (status, reason) != self._last_status:
             self._last_status = (status, reason)
-            self._status.publish(self._strings.encode(f'{status}: {reason}' if reason else status))
+            self._status.publish(encode_string(f'{status}: {reason}' if reason else status))
 
     def _publish_pose(self, stamp_ns: int, position: float) -> None:
         message = PoseStamped()

@@ -30,7 +30,6 @@ from .estimate_publishers import EstimatePublishers
 from .estimator_diagnostics import EstimatorDiagnostics
 from .estimator_node_parameters import EstimatorNodeParameters
 from .parameters import declare, serve_changes
-from .rclpy_codec import RclpyCodec
 from .running import run_node
 from ..estimation.events import biases, CHANGE, EstimationEvent, event_now, RESET, START, TARE
 from ..estimation.inputs import MessageInputs
@@ -91,9 +90,8 @@ class EstimatorNode(Node):
         serve_changes(self, all_specifications(), self._change_parameters)
 
     def _subscribe(self) -> None:
-        codec = RclpyCodec()
-        self._inputs = MessageInputs(self._session, codec)
-        self._desired = TrajectoryDecoder(codec)
+        self._inputs = MessageInputs(self._session)
+        self._desired = TrajectoryDecoder()
         data = RawSubscriptions(self, self._own.dedicated_wait_set)
         # Served in this order: setpoint and motion of an instant precede its wrench.
         for topic, type_name, callback, wakes in (

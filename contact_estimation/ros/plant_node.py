@@ -27,10 +27,10 @@ from rclpy.node import Node
 
 from . import topics
 from .data_thread import RawSubscriptions
+from .message_classes import message_class
 from .parameters import declare, serve_changes
 from .plant_node_parameters import PlantNodeParameters
 from .plant_statistics import PlantStatistics
-from .rclpy_codec import message_class, RclpyCodec
 from .running import run_node
 from ..exceptions import MessageError, ParameterRangeError
 from ..messages import JointStateEncoder, TrajectoryDecoder, TrajectoryEncoder, WrenchEncoder
@@ -87,13 +87,13 @@ class PlantNode(Node):
         self._thread = Thread(target=self._run, name='plant', daemon=True)
 
     def _connect(self) -> None:
-        codec, own = RclpyCodec(), self._own
-        self._wrenches = WrenchEncoder(codec, own.frame_id)
+        own = self._own
+        self._wrenches = WrenchEncoder(own.frame_id)
         self._joint_states = JointStateEncoder(
-            codec, own.frame_id, own.joint, self._plant.sensors.publish_velocity
+            own.frame_id, own.joint, self._plant.sensors.publish_velocity
         )
-        self._wishes = TrajectoryEncoder(codec, own.frame_id, own.joint)
-        self._references = TrajectoryDecoder(codec)
+        self._wishes = TrajectoryEncoder(own.frame_id, own.joint)
+        self._references = TrajectoryDecoder()
 
         def publisher(type_name: str, topic: str) -> Any:
             return self.create_publisher(message_class(type_name), topic, topics.OUTPUT_QOS)

@@ -26,10 +26,10 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy
 from . import topics
 from .data_thread import DataThread, RawSubscriptions
 from .parameters import declare
-from .rclpy_codec import RclpyCodec
 from .running import run_node
 from ..estimation.events import EstimationEvent, START
 from ..exceptions import ContactEstimationError, ParameterRangeError
+from ..messages import decode_string
 from ..parameters.specification import parameter, ParameterGroup, specifications
 from ..parameters.values import build
 from ..recordings import OfferedQos, RecordingWriter
@@ -106,7 +106,6 @@ class RecorderNode(Node):
                 '--ros-args -p output:=FOLDER'
             )
         self._writer = RecordingWriter.folder(own.output)
-        self._codec = RclpyCodec()
         self._data = RawSubscriptions(self)
         for topic, (type_name, qos) in recorded_topics(own.estimator).items():
             self._data.subscribe(topic, type_name, qos, self._recording(topic, type_name, qos))
@@ -139,7 +138,7 @@ class RecorderNode(Node):
 
     def _keep_start(self, raw: bytes) -> None:
         """Store the estimator's initial parameters as MCAP metadata."""
-        event = EstimationEvent.from_text(self._codec.deserialize(raw, topics.STRING).data)
+        event = EstimationEvent.from_text(decode_string(raw))
         if event.kind == START:
             self._writer.write_metadata(RECORD, to_metadata(event.parameters))
 

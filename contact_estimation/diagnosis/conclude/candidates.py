@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Experiments that could come next, all within what the recordings reached."""
+"""Candidates for the next experiment, all within the reach of the recordings."""
 
 from __future__ import annotations
 
@@ -29,16 +29,16 @@ _TOUCHES = 3  # so that one can be held out
 
 class Reach(NamedTuple):
     """
-    How far the recordings went.
+    The reach of the recordings.
 
     Attributes
     ----------
     location, gap : float
-        Surface of the wall, and how far before it the tool was [m].
+        Surface of the wall, and greatest distance of the tool before it [m].
     depth : float
         Penetration [m].
     gain : float
-        x_d beyond the surface, a unit of penetration at rest: 1 + K_e / K_t.
+        x_d beyond the surface per penetration at rest: 1 + K_e / K_t.
     speed, touch_down_speed : float
         Greatest, and typical at touch-down [m/s].
 
@@ -53,16 +53,16 @@ class Reach(NamedTuple):
 
     @property
     def start(self) -> float:
-        """Where a touch begins [m]: a quarter of the stroke before the wall, if it was there."""
+        """Start of a touch [m]: a quarter of the stroke before the wall, within reach."""
         gap = min(self.gap, 0.25 * self.gain * self.depth)
         return self.location - max(_LEAST_GAP, gap)
 
     def position(self, depth: float) -> float:
-        """Tell which x_d [m] presses to a depth [m]."""
+        """Return the x_d [m] that presses to a depth [m]."""
         return self.location + self.gain * depth
 
-    def way(self, depth: float, speed: float) -> float:
-        """Tell how long a quintic to a depth [m] takes that never exceeds a speed [m/s]."""
+    def duration(self, depth: float, speed: float) -> float:
+        """Return the duration [s] of a quintic to a depth [m] within a speed [m/s]."""
         return _PEAK * (self.position(depth) - self.start) / speed
 
 
@@ -73,7 +73,7 @@ class Candidate(NamedTuple):
     Attributes
     ----------
     words : str
-        What to do, to be read after 'please', in a sentence.
+        What to do, as an imperative within a sentence.
     experiment : Experiment
         One touch.
 
@@ -83,14 +83,14 @@ class Candidate(NamedTuple):
     experiment: Experiment
 
     def repeated(self) -> Experiment:
-        """Touch several times: one of them can then be held out."""
+        """Return several touches, so that one can be held out."""
         once = self.experiment
         return Experiment(once.name, once.start, once.segments * _TOUCHES)
 
 
 def candidates(reach: Reach) -> list[Candidate]:
     """
-    List what could be run.
+    List the candidates.
 
     Parameters
     ----------
@@ -100,7 +100,7 @@ def candidates(reach: Reach) -> list[Candidate]:
     Returns
     -------
     candidates : list of Candidate
-        Fast and slow, deep and shallow, short and long, swings at one frequency and at many.
+        Fast and slow, deep and shallow, short and long, at one frequency and at several.
 
     """
     made = [
@@ -123,7 +123,7 @@ def press(reach: Reach, share: float, pace: float, dwell: float) -> Candidate:
     reach : Reach
         Limits.
     share, pace : float
-        Of their depth and speed.
+        Fractions of the depth and speed reached.
     dwell : float
         Time at depth [s].
 
@@ -150,11 +150,11 @@ def swing(reach: Reach, frequencies: Sequence[float], share: float, width: float
     Parameters
     ----------
     reach : Reach
-        Limits; the swing is narrower where it would be faster than they allow.
+        Limits; the amplitude is reduced to stay within the speed.
     frequencies : sequence of float
         One after the other [Hz].
     share, width : float
-        Of the depth: middle and amplitude.
+        Mean and amplitude, as fractions of the depth reached.
 
     Returns
     -------
@@ -163,7 +163,7 @@ def swing(reach: Reach, frequencies: Sequence[float], share: float, width: float
 
     """
     depth, swings, widest = share * reach.depth, [], 0.0
-    into = 0.5 / frequencies[0]  # from one swing to the next, which may be narrower, in its time
+    into = 0.5 / frequencies[0]  # time to the next swing, which may be narrower
     for frequency in frequencies:
         half = 0.5 / frequency
         amplitude = min(width * reach.depth, 0.5 * half * reach.speed / _PEAK)
@@ -181,23 +181,23 @@ def swing(reach: Reach, frequencies: Sequence[float], share: float, width: float
 def _touch(
     reach: Reach, name: str, depth: float, speed: float, held: Sequence[Segment]
 ) -> Experiment:
-    """Approach, do what is asked for at depth, withdraw; at no time does x_d jump."""
-    way, deep = reach.way(depth, speed), reach.position(depth)
+    """Approach, execute the segments at depth, withdraw; x_d never jumps."""
+    travel, deep = reach.duration(depth, speed), reach.position(depth)
     last = held[-1].position
     back = [Segment(_REST_S, deep)] if last != deep else []
     return Experiment(name, reach.start, (
         Segment(_REST_S, reach.start),
-        Segment(way, deep),
+        Segment(travel, deep),
         *held,
         *back,
-        Segment(way, reach.start),
+        Segment(travel, reach.start),
         Segment(_REST_S, reach.start),
     ))
 
 
 def scaling_test(reach: Reach) -> Candidate:
     """
-    Touch at two depths and two speeds: what the unknown scales with tells what it is.
+    Touch at two depths and two speeds, to find what the unknown physics scale with.
 
     Parameters
     ----------
@@ -215,10 +215,9 @@ def scaling_test(reach: Reach) -> Candidate:
     words = (
         'No effect of the library explains this. Press '
         f'{1e3 * depths[0]:.2g} and {1e3 * depths[1]:.2g} mm deep, each at up to '
-        f'{speeds[0]:.2g} and {speeds[1]:.2g} m/s (half and twice the speed of the touch-downs '
-        'here): what is left and grows with depth belongs to the spring, what grows with speed '
-        'to damping or to the timing of the sensors, what grows with neither to friction or to '
-        'an offset.'
+        f'{speeds[0]:.2g} and {speeds[1]:.2g} m/s (half and twice the speed of the present '
+        'touch-downs): residuals that grow with depth point to the spring, with speed to damping '
+        'or sensor timing, with neither to friction or an offset.'
     )
     touches = [_touch(reach, '', depth, speed, [_hold(reach, depth, 1.0)]).segments
                for depth in depths for speed in speeds]

@@ -13,11 +13,11 @@
 # limitations under the License.
 
 """
-On what the residuals of each port depend, and how much of that could be chance.
+Dependence of the residuals of each channel on time, motion, frequency and their own past.
 
 The residual is averaged over bins of a quantity. Stretches of half a second are drawn with
-replacement for the bands of these means (block bootstrap, Kuensch 1989), and put in another order
-for what chance would give: within a stretch residuals may be correlated in any way.
+replacement for the bands of these means (block bootstrap, Kuensch 1989), and permuted for the
+distribution without dependence: within a stretch residuals may be correlated in any way.
 """
 
 from __future__ import annotations
@@ -30,7 +30,8 @@ from numpy.typing import NDArray
 
 from .location import phases
 from ..observe.model import Model
-from ..observe.ports import Ports
+from ..observe.prepared_recording import PreparedRecording
+from ..observe.residuals import residuals
 
 Array = NDArray[np.float64]
 Places = NDArray[np.int_]
@@ -38,31 +39,31 @@ Places = NDArray[np.int_]
 _STRETCH_S = 0.5
 _DRAWS = 400
 _BAND = (2.5, 97.5)
-_BY_CHANCE = 99.0  # percentile
+_SIGNIFICANCE = 99.0  # percentile of the distribution without dependence
 _BINS = 12
 _PAST = 5  # blocks
 _LEAST_STRETCHES = 8
 _SEGMENT = 4  # stretches: lowest frequency of the spectrum
-_WORTH_A_WORD = 0.05  # share; a right model on smoothed motion leaves up to so much
+_LEAST_SHARE = 0.05  # a correct model on smoothed motion leaves up to so much
 
 
 class Dependence(NamedTuple):
     """
-    How the residual of a port depends on a quantity.
+    Dependence of the residuals of a channel on a quantity.
 
     Attributes
     ----------
-    port : str
+    channel : str
         'force' or 'motion'.
     on, unit : str
-        The quantity, such as 'velocity'; unit '' where `names` tells the bins.
+        The quantity, such as 'velocity'; unit '' if the bins have `names`.
     share : float
-        Of the residual's mean square, explained by the means of the bins; for 'its own past' by
-        the blocks just before; for 'frequency' 1 less the spectral flatness.
+        Of the mean square of the residual: explained by the means of the bins; for 'its own past'
+        by the blocks just before; for 'frequency' 1 less the spectral flatness.
     chance : float
-        That chance stays below in 99 of 100 cases.
+        99 % quantile of the share without dependence.
     names : tuple of str
-        Of the bins, where they have names.
+        Of the bins, if they have names.
     middle : ndarray, shape (bins,)
         Of the quantity in each bin; for 'its own past' lags [s].
     mean, low, high : ndarray, shape (bins,)
@@ -71,7 +72,7 @@ class Dependence(NamedTuple):
 
     """
 
-    port: str
+    channel: str
     on: str
     unit: str
     share: float
@@ -84,12 +85,12 @@ class Dependence(NamedTuple):
 
     @property
     def is_real(self) -> bool:
-        """Whether there is more than chance gives, and enough for a word."""
-        return self.share > max(self.chance, _WORTH_A_WORD)
+        """Whether the share is significant and not negligible."""
+        return self.share > max(self.chance, _LEAST_SHARE)
 
 
 class _Binned(NamedTuple):
-    """A quantity cut into bins; `bins` tells the bin of each block."""
+    """A quantity cut into bins; `bins` holds the bin of each block."""
 
     on: str
     unit: str
@@ -98,56 +99,59 @@ class _Binned(NamedTuple):
     bins: Places
 
 
-def dependences(port: Ports, model: Model, generator: Generator) -> list[Dependence]:
+def dependences(
+    recording: PreparedRecording, model: Model, generator: Generator
+) -> list[Dependence]:
     """
-    Test what a model leaves at each port.
+    Test the residuals of a model, channel by channel.
 
     Parameters
     ----------
-    port : Ports
+    recording : PreparedRecording
         The recording.
     model : Model
         Fitted.
     generator : numpy.random.Generator
-        Of the draws.
+        Of the bootstrap.
 
     Returns
     -------
     dependences : list of Dependence
-        Of the force, then of the motion; empty where the recording is too short to tell.
+        Of the force, then of the motion; empty if the recording is too short.
 
     """
-    parts = port.split(port.residuals(model, robust=False))
-    names = ('motion',) if port.driven_by_force(model) else ('force', 'motion')
+    parts = recording.split(residuals(recording, model, robust=False))
+    channels = {'force': recording.force, 'motion': recording.motion}
+    if recording.driven_by_force(model):
+        del channels['force']
+    span = max(1, round(_STRETCH_S / recording.block_s))
     found = []
-    for name, part in zip(names, parts):
-        use = np.flatnonzero(port.filled(name))
-        span = max(1, round(_STRETCH_S / (port.observed.h * port.block)))
+    for (name, channel), part in zip(channels.items(), parts):
+        use = np.flatnonzero(channel.filled)
         count = len(use) // span
         if count < _LEAST_STRETCHES:
             continue
         use = use[:count * span]
         residual = part[use]
-        for binned in _quantities(port, model, use):
+        for binned in _quantities(recording, model, use):
             found.append(_dependence(name, residual, binned, count, generator))
-        step = port.observed.h * port.block
-        found.append(_on_frequency(name, residual, step, count, generator))
-        found.append(_on_past(name, residual, step, count, generator))
+        found.append(_on_frequency(name, residual, recording.block_s, count, generator))
+        found.append(_on_past(name, residual, recording.block_s, count, generator))
     return found
 
 
-def _quantities(port: Ports, model: Model, use: Places) -> list[_Binned]:
-    o = port.observed
-    depth = port.blocks(o.x - model.nominal.environment.location)[use]
-    v = port.blocks(o.v)[use]
+def _quantities(recording: PreparedRecording, model: Model, use: Places) -> list[_Binned]:
+    o = recording.observed
+    depth = recording.blocks(o.x - model.nominal.environment.location)[use]
+    v = recording.blocks(o.v)[use]
     found = [
         _cut('depth', 'm', depth), _cut('velocity', 'm/s', v),
-        _cut('acceleration', 'm/s^2', port.blocks(o.a)[use]),
-        _cut('time', 's', port.blocks(o.t)[use]),
+        _cut('acceleration', 'm/s^2', recording.blocks(o.a)[use]),
+        _cut('time', 's', recording.blocks(o.t)[use]),
     ]
-    way = np.where(port.touching(model)[use], np.where(v > 0.0, 0, 1), 2)
-    found.append(_named('direction', ('pressing further', 'letting go', 'free'), way))
-    marks = phases(port, model)
+    direction = np.where(recording.touching(model)[use], np.where(v > 0.0, 0, 1), 2)
+    found.append(_named('direction', ('loading', 'unloading', 'free'), direction))
+    marks = phases(recording, model)
     phase = np.full(len(use), len(marks))
     for place, where in enumerate(marks.values()):
         phase[where[use]] = place
@@ -155,7 +159,7 @@ def _quantities(port: Ports, model: Model, use: Places) -> list[_Binned]:
 
 
 def _cut(on: str, unit: str, values: Array) -> _Binned:
-    """Cut a quantity into bins of as many blocks each."""
+    """Cut a quantity into bins of equally many blocks."""
     edges = np.unique(np.percentile(values, np.linspace(0.0, 100.0, _BINS + 1)[1:-1]))
     bins = np.searchsorted(edges, values)
     counts = np.bincount(bins, minlength=len(edges) + 1)
@@ -164,14 +168,14 @@ def _cut(on: str, unit: str, values: Array) -> _Binned:
 
 
 def _named(on: str, names: tuple[str, ...], bins: Places) -> _Binned:
-    """Keep the bins that there are."""
+    """Keep the bins that are not empty."""
     there, bins = np.unique(bins, return_inverse=True)
     kept = tuple(names[place] for place in there.tolist())
     return _Binned(on, '', kept, np.arange(len(kept), dtype=np.float64), bins)
 
 
 def _dependence(
-    port: str, residual: Array, binned: _Binned, count: int, generator: Generator
+    channel: str, residual: Array, binned: _Binned, count: int, generator: Generator
 ) -> Dependence:
     bins, size = binned.bins, len(binned.middle)
     rows = residual.reshape(count, -1)
@@ -184,28 +188,28 @@ def _dependence(
     low, high = np.nanpercentile(means, _BAND, axis=0)
     mean = sums.sum(axis=0) / counts.sum(axis=0)
     total = counts.sum(axis=0)
-    by_chance = []
+    permuted = []
     for _ in range(_DRAWS):
         other = np.bincount(bins, rows[generator.permutation(count)].ravel(), size) / total
-        by_chance.append(float(total @ other**2))
+        permuted.append(float(total @ other**2))
     square = max(float(residual @ residual), 1e-300)
     return Dependence(
-        port, binned.on, binned.unit, float(total @ mean**2) / square,
-        float(np.percentile(by_chance, _BY_CHANCE)) / square, binned.names, binned.middle, mean,
+        channel, binned.on, binned.unit, float(total @ mean**2) / square,
+        float(np.percentile(permuted, _SIGNIFICANCE)) / square, binned.names, binned.middle, mean,
         low, high,
     )
 
 
 def _drawn(count: int, generator: Generator) -> Array:
-    """Draw stretches with replacement: how often each comes, shape (draws, count)."""
+    """Draw stretches with replacement; return how often each is drawn, (draws, count)."""
     drawn = generator.multinomial(count, np.full(count, 1.0 / count), _DRAWS)
     return np.asarray(drawn, np.float64)
 
 
 def _on_frequency(
-    port: str, residual: Array, step: float, count: int, generator: Generator
+    channel: str, residual: Array, step: float, count: int, generator: Generator
 ) -> Dependence:
-    """Tell how far the spectrum, octave by octave, is from that of noise."""
+    """Compare the spectrum, octave by octave, with that of white noise."""
     segments = max(1, count // _SEGMENT)
     length = len(residual) // segments
     window = np.hanning(length)
@@ -226,24 +230,24 @@ def _on_frequency(
     powers = octave_powers(residual)
     drawn = _drawn(segments, generator)
     low, high = np.percentile(drawn @ powers / segments, _BAND, axis=0)
-    by_chance = [uneven(octave_powers(generator.permutation(residual)))
-                 for _ in range(_DRAWS // 4)]
+    permuted = [uneven(octave_powers(generator.permutation(residual)))
+                for _ in range(_DRAWS // 4)]
     middle = np.bincount(bins, frequencies)[1:] / lines[1:]
     return Dependence(
-        port, 'frequency', 'Hz', uneven(powers), float(np.percentile(by_chance, _BY_CHANCE)), (),
-        middle, powers.mean(axis=0), low, high,
+        channel, 'frequency', 'Hz', uneven(powers),
+        float(np.percentile(permuted, _SIGNIFICANCE)), (), middle, powers.mean(axis=0), low, high,
     )
 
 
 def _past_of(series: Array) -> Array:
-    """Give what came before each block from the sixth on, a row for each lag."""
+    """Return the values before each block from the sixth on, a row for each lag."""
     return np.array([series[_PAST - lag:-lag] for lag in range(1, _PAST + 1)])
 
 
 def _on_past(
-    port: str, residual: Array, step: float, count: int, generator: Generator
+    channel: str, residual: Array, step: float, count: int, generator: Generator
 ) -> Dependence:
-    """Tell how much of the residual its own past foretells: whether it is white."""
+    """Compute how much of the residual its own past predicts: 0 for white noise."""
     here = residual[_PAST:]
     square = max(float(here @ here), 1e-300)
     products = here * _past_of(residual)
@@ -255,14 +259,14 @@ def _on_past(
     ratios = drawn_sums[:, 0] / np.maximum(drawn_sums[:, 1], 1e-300)
     low, high = np.percentile(ratios, _BAND, axis=0)
 
-    def foretold(series: Array) -> float:
+    def predictable_share(series: Array) -> float:
         past = _past_of(series).T
         left = series[_PAST:] - past @ np.linalg.lstsq(past, series[_PAST:], rcond=None)[0]
         return 1.0 - float(left @ left) / square
 
-    by_chance = [foretold(generator.permutation(residual)) for _ in range(_DRAWS // 4)]
+    permuted = [predictable_share(generator.permutation(residual)) for _ in range(_DRAWS // 4)]
     return Dependence(
-        port, 'its own past', 's', foretold(residual),
-        float(np.percentile(by_chance, _BY_CHANCE)), (), step * np.arange(1.0, _PAST + 1.0),
+        channel, 'its own past', 's', predictable_share(residual),
+        float(np.percentile(permuted, _SIGNIFICANCE)), (), step * np.arange(1.0, _PAST + 1.0),
         products.sum(axis=1) / square, low, high,
     )

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""How well models predict what no fit has seen."""
+"""How well models predict held-out data."""
 
 from __future__ import annotations
 
@@ -21,17 +21,18 @@ from typing import NamedTuple, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from .finding import Errors, HeldOutErrors
+from .result import Errors, HeldOutErrors
 from ..observe.model import Model
 from ..observe.observed import START_S
-from ..observe.ports import Ports
+from ..observe.prepared_recording import PreparedRecording
+from ..observe.residuals import force_residual, motion_residual
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 _BLOCK_S = 0.25
 _DRAWS = 400
-_NOTHING = 1.0  # of cost: what no test could see
+_NEGLIGIBLE = 1.0  # difference of cost
 
 
 class Part(NamedTuple):
@@ -47,7 +48,9 @@ class Part(NamedTuple):
     samples : ndarray, shape (blocks,)
         Samples in them.
     motion : ndarray, shape (models, blocks), or None
-        Sums of squared position errors [m^2], and samples.
+        Sums of squared position errors [m^2].
+    motion_samples : ndarray, shape (blocks,)
+        Samples in them.
 
     """
 
@@ -59,18 +62,18 @@ class Part(NamedTuple):
 
 
 def measure_part(
-    name: str, port: Ports, samples: Flags, models: Sequence[Model],
+    name: str, recording: PreparedRecording, samples: Flags, models: Sequence[Model],
     runs: Sequence[Array] | None,
 ) -> Part:
     """
-    Measure the models' errors on one part.
+    Measure the errors of models on one part.
 
     Parameters
     ----------
     name : str
         Of the part.
-    port : Ports
-        The recording.
+    recording : PreparedRecording
+        With the part among its samples that count.
     samples : ndarray of bool, shape (N,)
         The part.
     models : sequence of Model
@@ -84,15 +87,15 @@ def measure_part(
         Block sums.
 
     """
-    o = port.observed
-    touching = samples & port.use & o.measured
+    o = recording.observed
+    touching = samples & recording.use & o.measured
     law = models[-1].laws().contact
     if law.unilateral:
         inside = law.contact(o.t, o.x, o.v)
         if (touching & inside).any():
             touching &= inside
     span = max(1, round(_BLOCK_S / o.h))
-    squares = [(port.force_residual(model) * touching) ** 2 for model in models]
+    squares = [(force_residual(recording, model) * touching) ** 2 for model in models]
     moved = samples & (o.t >= START_S)
     motion = None
     if runs is not None:
@@ -179,15 +182,16 @@ def improvement_interval(
 
 
 def as_good(
-    port: Ports, samples: Flags, best: Model, rival: Model, generator: np.random.Generator
+    recording: PreparedRecording, samples: Flags, best: Model, rival: Model,
+    generator: np.random.Generator,
 ) -> bool:
     """
-    Tell whether a rival predicts held-out data no worse than by the width of the interval.
+    Return whether a rival predicts held-out data no worse than by the width of the interval.
 
     Parameters
     ----------
-    port : Ports
-        The recording.
+    recording : PreparedRecording
+        With the part among its samples that count.
     samples : ndarray of bool, shape (N,)
         The held-out part.
     best, rival : Model
@@ -198,27 +202,27 @@ def as_good(
     Returns
     -------
     as_good : bool
-        By a paired bootstrap of 95 % over blocks of time.
+        By a paired 95 % bootstrap over blocks of time.
 
     """
-    o, span = port.observed, max(1, round(_BLOCK_S / port.observed.h))
-    use = samples & port.use
+    o, span = recording.observed, max(1, round(_BLOCK_S / recording.observed.h))
+    use = samples & recording.use
     differences = np.zeros(len(_sums(use.astype(float), span)))
     for noise, residual in (
-        (port.force_noise, Ports.force_residual), (port.motion_noise, Ports.motion_residual),
+        (recording.force.noise, force_residual), (recording.motion.noise, motion_residual),
     ):
-        here, there = residual(port, best), residual(port, rival)
+        here, there = residual(recording, best), residual(recording, rival)
         if here is None or there is None:
             continue
         mask = use & o.measured
-        low = [_smoothed(part * mask / noise, port.block) ** 2 for part in (there, here)]
-        differences += _sums(low[0] - low[1], span)
+        squares = [_smoothed(part * mask / noise, recording.block) ** 2 for part in (there, here)]
+        differences += _sums(squares[0] - squares[1], span)
     blocks = np.flatnonzero(_sums(use.astype(float), span) > 0.0)
     if len(blocks) < 2:
         return False
     drawn = generator.choice(blocks, (_DRAWS, len(blocks)))
     low, high = np.percentile(differences[drawn].sum(axis=1), (2.5, 97.5))
-    return bool(differences.sum() <= max(high - low, _NOTHING))
+    return bool(differences.sum() <= max(high - low, _NEGLIGIBLE))
 
 
 def _smoothed(signal: Array, block: int) -> Array:

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Where a mismatch sits: port, time, phase of the contact, region of the motion, band."""
+"""Location of a mismatch: port, time, phase of the contact, region of the motion, band."""
 
 from __future__ import annotations
 
@@ -23,7 +23,8 @@ from numpy.typing import NDArray
 from scipy.signal import periodogram
 
 from ..observe.model import Model
-from ..observe.ports import Ports
+from ..observe.prepared_recording import PreparedRecording
+from ..observe.residuals import force_residual, motion_residual, residuals, response_to
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -32,25 +33,25 @@ _WINDOW_S = 0.1
 _STRONG = 2.5  # mean square of the residual in a window, in those of the noise
 _GAP_S = 0.3  # intervals closer than this are one
 _MOST_INTERVALS = 12
-_SILENT = 0.02  # of the force port's excess; less is no answer of the motion
+_SILENT = 0.02  # of the excess in the force; less in the motion is no response
 _ENTRY_S = 0.15
 _SLOW = 0.15  # of the speed that 95 % of the contact stays below
 
 
 class Location(NamedTuple):
     """
-    Where a mismatch sits.
+    Location of a mismatch.
 
     Attributes
     ----------
     port : str
         'contact', 'force_sensor' or 'robot'.
     intervals_s : list of (float, float)
-        When [s].
+        Times of large residuals [s].
     phase : str
         'free', 'entry', 'loading', 'hold', 'unloading' or 'all'.
     region : str
-        In words.
+        Of depth and speed, in words.
     band_hz : (float, float)
         Frequencies between which four fifths of the residual's energy lie.
 
@@ -63,7 +64,7 @@ class Location(NamedTuple):
     band_hz: tuple[float, float]
 
     def as_dict(self) -> dict[str, Any]:
-        """Give the report's form."""
+        """Return the form of the report."""
         return {
             'port': self.port,
             'intervals_s': [[round(a, 3), round(b, 3)] for a, b in self.intervals_s],
@@ -72,45 +73,44 @@ class Location(NamedTuple):
         }
 
 
-def locate(port: Ports, model: Model, acting: str | None = None) -> Location:
+def locate(recording: PreparedRecording, model: Model, acting: str | None = None) -> Location:
     """
-    Locate what a model leaves unexplained.
+    Locate the misfit of a model.
 
     Parameters
     ----------
-    port : Ports
+    recording : PreparedRecording
         The recording.
     model : Model
-        Fitted without what is looked for.
+        Fitted without the effect that is located.
     acting : str, optional
-        The port, where it is known from the effect's name.
+        The port, if it is known.
 
     Returns
     -------
     location : Location
-        Of the residual's energy.
+        Of the energy of the residuals.
 
     """
-    parts = port.split(port.residuals(model)) ** 2
-    which = acting or guess_port(port, model)
-    chosen = parts[-1] if which == 'robot' else parts[0]
+    parts = recording.split(residuals(recording, model)) ** 2
+    port = acting or guess_port(recording, model)
+    energy = parts[-1] if port == 'robot' else parts[0]
     return Location(
-        which, intervals(port, chosen), _phase(chosen, phases(port, model)),
-        _region(port, model, chosen), _band(port, model, which),
+        port, intervals(recording, energy), _phase(energy, phases(recording, model)),
+        _region(recording, model, energy), _band(recording, model, port),
     )
 
 
-def guess_port(port: Ports, model: Model) -> str:
+def guess_port(recording: PreparedRecording, model: Model) -> str:
     """
-    Tell the port from where the residuals are.
+    Infer the port from the channels in which residuals are.
 
-    What the wall does and the model does not know is missing in the measured force and, as a
-    push, in the motion; what the sensor does, in the force alone; what the robot does, in the
-    motion alone.
+    A missing effect of the wall shows in the measured force and, as a push, in the motion; one of
+    the sensor in the force alone; one of the robot in the motion alone.
 
     Parameters
     ----------
-    port, model
+    recording, model
         As for `locate`.
 
     Returns
@@ -119,17 +119,17 @@ def guess_port(port: Ports, model: Model) -> str:
         'contact', 'force_sensor' or 'robot'.
 
     """
-    missing = port.force_residual(model)
-    answer = port.answer_to(missing * port.use, model)
-    innovations = port.motion_residual(model)
-    if answer is None or innovations is None:
+    missing = force_residual(recording, model)
+    response = response_to(recording, missing * recording.use, model)
+    innovations = motion_residual(recording, model)
+    if response is None or innovations is None:
         return 'contact'
-    force = port.average('force', missing, port.force_noise)
-    motion = port.average('motion', innovations, port.motion_noise)
+    force = recording.force.average(missing)
+    motion = recording.motion.average(innovations)
     excess = [max(0.0, float(np.sum(part**2 - 1.0))) for part in (force, motion)]
     if excess[1] < _SILENT * excess[0]:
         return 'force_sensor'
-    pushed = port.average('motion', answer, port.motion_noise)
+    pushed = recording.motion.average(response)
     share = float(pushed @ motion) / max(float(pushed @ pushed), 1e-300)
     explained = 1.0 - float(np.sum((motion - share * pushed) ** 2)) / float(np.sum(motion**2))
     if explained > 0.5 and share > 0.5:
@@ -137,16 +137,16 @@ def guess_port(port: Ports, model: Model) -> str:
     return 'force_sensor' if float(pushed @ pushed) > float(motion @ motion) else 'robot'
 
 
-def intervals(port: Ports, energy: Array) -> list[tuple[float, float]]:
+def intervals(recording: PreparedRecording, energy: Array) -> list[tuple[float, float]]:
     """
-    Find when the residual is larger than the noise.
+    Find the times at which residuals exceed the noise.
 
     Parameters
     ----------
-    port : Ports
+    recording : PreparedRecording
         The recording.
     energy : ndarray, shape (blocks,)
-        Squared residuals in those of the noise.
+        Squared residuals, in variances of the noise.
 
     Returns
     -------
@@ -154,7 +154,7 @@ def intervals(port: Ports, energy: Array) -> list[tuple[float, float]]:
         Times [s]; the strongest few, in order.
 
     """
-    step = port.observed.h * port.block
+    step = recording.block_s
     span = max(1, round(_WINDOW_S / step))
     mean = np.convolve(energy, np.ones(span) / span, mode='same')
     strong = mean > max(_STRONG, 0.05 * float(np.max(mean)))
@@ -169,13 +169,13 @@ def intervals(port: Ports, energy: Array) -> list[tuple[float, float]]:
     return sorted((a * step, b * step) for a, b in merged[:_MOST_INTERVALS])
 
 
-def phases(port: Ports, model: Model) -> dict[str, Flags]:
+def phases(recording: PreparedRecording, model: Model) -> dict[str, Flags]:
     """
     Divide a recording into the phases of its contacts.
 
     Parameters
     ----------
-    port : Ports
+    recording : PreparedRecording
         The recording.
     model : Model
         Fitted.
@@ -183,17 +183,17 @@ def phases(port: Ports, model: Model) -> dict[str, Flags]:
     Returns
     -------
     phases : dict of str to ndarray of bool, shape (blocks,)
-        By name; those of a permanently attached wall are loading and unloading alone.
+        By name; only loading and unloading for a permanently attached wall.
 
     """
-    o, law = port.observed, model.laws().contact
-    v = port.blocks(o.v)
+    o, law = recording.observed, model.laws().contact
+    v = recording.blocks(o.v)
     if not law.unilateral:
         return {'loading': v > 0.0, 'unloading': v <= 0.0}
-    inside = port.touching(model)
+    inside = recording.touching(model)
     since = np.zeros(len(v))
     for k in range(1, len(v)):
-        since[k] = since[k - 1] + o.h * port.block if inside[k] else 0.0
+        since[k] = since[k - 1] + recording.block_s if inside[k] else 0.0
     speed = np.percentile(np.abs(v[inside]), 95) if inside.any() else 1.0
     entry, slow = inside & (since < _ENTRY_S), np.abs(v) < _SLOW * speed
     rest = inside & ~entry
@@ -202,7 +202,7 @@ def phases(port: Ports, model: Model) -> dict[str, Flags]:
 
 
 def _phase(energy: Array, marks: dict[str, Flags]) -> str:
-    """Name the phase in which the residual is strongest, where one stands out."""
+    """Return the phase with the largest residuals, if one stands out."""
     mean = {name: float(np.mean(energy[where])) for name, where in marks.items() if where.any()}
     ranked = sorted(mean, key=lambda name: -mean[name])
     if len(ranked) > 1 and mean[ranked[0]] < 1.5 * mean[ranked[1]]:
@@ -210,11 +210,11 @@ def _phase(energy: Array, marks: dict[str, Flags]) -> str:
     return ranked[0] if ranked else 'all'
 
 
-def _region(port: Ports, model: Model, energy: Array) -> str:
-    """Say in words where in the plane of depth and rate the residual is strong."""
-    o, law = port.observed, model.laws().contact
-    d = port.blocks(law.penetration(o.t, o.x, o.v, law.states_along(o.t, o.x, o.v), np)[0])
-    v = port.blocks(o.v)
+def _region(recording: PreparedRecording, model: Model, energy: Array) -> str:
+    """Describe where in the plane of depth and rate the residuals are large."""
+    o, law = recording.observed, model.laws().contact
+    d = recording.blocks(law.penetration(o.t, o.x, o.v, law.states_along(o.t, o.x, o.v), np)[0])
+    v = recording.blocks(o.v)
     use = d > 0.0 if law.unilateral else np.ones(len(d), bool)
     if use.sum() < 20:
         return 'free flight'
@@ -229,12 +229,13 @@ def _region(port: Ports, model: Model, energy: Array) -> str:
     return ', '.join(words) or 'all over the contact'
 
 
-def _band(port: Ports, model: Model, which: str) -> tuple[float, float]:
-    motion = which == 'robot' and port.observed.reference is not None
-    residual = port.motion_residual(model) if motion else port.force_residual(model)
+def _band(recording: PreparedRecording, model: Model, port: str) -> tuple[float, float]:
+    motion = port == 'robot' and recording.observed.reference is not None
+    residual = (motion_residual if motion else force_residual)(recording, model)
     assert residual is not None
-    frequencies, power = periodogram(np.where(port.use, residual, 0.0), 1.0 / port.observed.h)
-    floor = float(np.median(power[frequencies > 0.25 / port.observed.h / 2.0]))
+    rate = 1.0 / recording.observed.h
+    frequencies, power = periodogram(np.where(recording.use, residual, 0.0), rate)
+    floor = float(np.median(power[frequencies > 0.25 / recording.observed.h / 2.0]))
     energy = np.cumsum(np.maximum(power - floor, 0.0))
     if energy[-1] <= 0.0:
         return 0.0, float(frequencies[-1])

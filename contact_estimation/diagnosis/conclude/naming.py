@@ -12,174 +12,187 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The names of a diagnosis: how sure each is, what else it could be, and where it shows."""
+"""The names of a diagnosis: probability, rivals, location."""
 
 from __future__ import annotations
 
 from math import exp
-from typing import Sequence
+from typing import NamedTuple, Sequence
 
 import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
 
-from .finding import NamedEffect, Value
 from .held_out import as_good
-from .location import locate, Location
+from .location import locate
+from .result import NamedEffect, Value
+from ..fit.criteria import enough, noise_scale, PRICE
 from ..fit.fitting import Fit, fit
-from ..fit.selection import enough, Finding, PRICE, scale_of
-from ..observe.case import Case
+from ..fit.selection import Selection
 from ..observe.model import Model, names_of
-from ..observe.ports import Ports
+from ..observe.prepared_recording import PreparedRecording, Recordings
 from ...parameters.specification import specifications
 from ...physics import EFFECTS
 
 Array = NDArray[np.float64]
 
-_TEMPERATURE = 10.0  # serial correlation: costs are worth less than independent samples say
-_BY_CHANCE = 4.0  # cost that a parameter more gains
+_TEMPERATURE = 10.0  # residuals are correlated: costs count less than those of independent ones
+_CHANCE_GAIN = 4.0  # of cost by a further parameter
 _NEAREST, _MOST_RIVALS = 4, 2
-_NEAR = 3.0  # times the best cost: rivals beyond are out of the question
+_NEAR = 3.0  # times the best cost: other rivals are out of the question
 
 
-class Naming:
+class Names(NamedTuple):
     """
-    Words for the effects of a model.
+    The effects of a model, with what they could be confused with.
+
+    Attributes
+    ----------
+    effects : list of NamedEffect
+        First the one whose omission costs most.
+    rivals : dict of str to Model
+        Fitted models with an indistinguishable effect in the place of a named one, by its name.
+
+    """
+
+    effects: list[NamedEffect]
+    rivals: dict[str, Model]
+
+
+def name_effects(
+    best: Fit, stds: Array, selection: Selection, recordings: Recordings,
+    shown: PreparedRecording, generator: Generator,
+) -> Names:
+    """
+    Name every effect of a model.
 
     Parameters
     ----------
-    finding : Finding
-        Of the search: its rivals.
-    cases : sequence of Case
-        That were fitted.
+    best : Fit
+        The model.
+    stds : ndarray, shape (P,)
+        Standard deviations of all its values.
+    selection : Selection
+        With the rivals of the effects.
+    recordings : sequence of PreparedRecording
+        As fitted.
+    shown : PreparedRecording
+        In which the effects are located.
     generator : numpy.random.Generator
         Of the bootstraps.
 
+    Returns
+    -------
+    names : Names
+        None for a model without effects.
+
     """
-
-    def __init__(self, finding: Finding, cases: Sequence[Case], generator: Generator) -> None:
-        self._finding, self._cases, self._generator = finding, cases, generator
-        self._ports = [case.port for case in cases]
-        self._refitted: dict[str, list[Fit]] = {}
-
-    def names(self, best: Fit, stds: Array, seen: Ports) -> list[NamedEffect]:
-        """
-        Name every effect of a model.
-
-        Parameters
-        ----------
-        best : Fit
-            The model.
-        stds : ndarray, shape (P,)
-            Of all its values.
-        seen : Ports
-            The recording in which they are located.
-
-        Returns
-        -------
-        names : list of NamedEffect
-            First the one without which most is left.
-
-        """
-        dropped = {name: fit(self._ports, best.model.without(name), steps=8)
-                   for name in best.model.effects}
-        order = sorted(best.model.effects, key=lambda name: -dropped[name].cost)
-        return [self._name(best, name, stds, locate(seen, dropped[name].model, EFFECTS[name].port))
-                for name in order]
-
-    def rival(self, name: str, other: str) -> Model:
-        """
-        Give the model with another effect in the place of one.
-
-        Parameters
-        ----------
-        name, other : str
-            An effect that was named, and one that it is indistinguishable from.
-
-        Returns
-        -------
-        model : Model
-            Fitted.
-
-        """
-        fits = self._rivals_of(name)
-        return next(found.model for found in fits if found.model.effects[-1] == other)
-
-    def _name(self, best: Fit, name: str, stds: Array, location: Location) -> NamedEffect:
+    dropped = {name: fit(recordings, best.model.without(name), steps=8)
+               for name in best.model.effects}
+    effects, rival_models = [], {}
+    for name in sorted(dropped, key=lambda name: -dropped[name].cost):
+        rivals = _rivals(selection, name, recordings)
+        alike = _alike(best, name, rivals, recordings, generator)
+        rival_models.update({rival.model.effects[-1]: rival.model for rival in alike})
         cls = EFFECTS[name]
-        place = best.model.place(name)
-        units = [spec.unit for spec in specifications(cls.Parameters)]
-        values = {
-            parameter: Value(value, float(std), unit) for parameter, value, std, unit in zip(
-                names_of(name), best.model.values[place], stds[place], units)
-        }
-        alike = self._alike(best, name)
-        return NamedEffect(
-            name, cls.port, cls.equation, self._probability(best, name), values, alike, location)
+        effects.append(NamedEffect(
+            name, cls.port, cls.equation, _probability(best, rivals), _values(best, name, stds),
+            [rival.model.effects[-1] for rival in alike],
+            locate(shown, dropped[name].model, cls.port)))
+    return Names(effects, rival_models)
 
-    def _rivals_of(self, name: str) -> list[Fit]:
-        """Fit the nearest rivals to the motion as it is smoothed now; the rest are far behind."""
-        if name not in self._refitted:
-            near = _NEAR * self._finding.best.cost
-            rivals = [rival for rival in self._finding.rivals.get(name, [])[:_NEAREST]
-                      if rival.cost < near]
-            fits = [fit(self._ports, rival.model, steps=8) for rival in rivals]
-            plausible = [found for found in fits if found.model.plausible()]
-            self._refitted[name] = sorted(plausible, key=lambda found: found.cost)
-        return self._refitted[name]
 
-    def _probability(self, best: Fit, name: str) -> float:
-        scale = _TEMPERATURE * scale_of(best)
-        weights = []
-        for rival in self._rivals_of(name):
-            more = max(len(rival.model.values) - len(best.model.values), 0)
-            if more and rival.cost > best.cost - _BY_CHANCE * more:
-                continue  # a law that contains this one says nothing else
-            behind = max(rival.cost - best.cost + PRICE * more, 0.0)
-            weights.append(exp(-min(behind / (2.0 * scale), 700.0)))
-        return 1.0 / (1.0 + sum(weights))
+def _values(best: Fit, name: str, stds: Array) -> dict[str, Value]:
+    place = best.model.place(name)
+    units = [spec.unit for spec in specifications(EFFECTS[name].Parameters)]
+    return {
+        parameter: Value(value, float(std), unit) for parameter, value, std, unit in zip(
+            names_of(name), best.model.values[place], stds[place], units)
+    }
 
-    def _alike(self, best: Fit, name: str) -> list[str]:
-        """Name the rivals that predict held-out data as well, with no more parameters."""
-        alike = []
-        own = len(best.model.values)
-        for rival in self._rivals_of(name):
-            if len(rival.model.values) > own or name == rival.model.effects[-1]:
-                continue
-            if rival.cost - best.cost > PRICE * scale_of(best):
-                continue
-            if enough(rival, best):
-                continue
-            if all(as_good(case.whole(best.model), case.held_out.samples, best.model,
-                           rival.model, self._generator)
-                   for case in self._cases if case.held_out is not None):
-                alike.append(rival.model.effects[-1])
-        return alike[:_MOST_RIVALS]
+
+def _rivals(selection: Selection, name: str, recordings: Recordings) -> list[Fit]:
+    """Fit the nearest rivals to the motion as smoothed now; all others are far behind."""
+    near = _NEAR * selection.best.cost
+    nearest = [rival for rival in selection.rivals.get(name, [])[:_NEAREST] if rival.cost < near]
+    fits = [fit(recordings, rival.model, steps=8) for rival in nearest]
+    return sorted((found for found in fits if found.model.plausible()),
+                  key=lambda found: found.cost)
+
+
+def _probability(best: Fit, rivals: Sequence[Fit]) -> float:
+    scale = _TEMPERATURE * noise_scale(best)
+    weights = []
+    for rival in rivals:
+        more = max(len(rival.model.values) - len(best.model.values), 0)
+        if more and rival.cost > best.cost - _CHANCE_GAIN * more:
+            continue  # a law that contains the named one does not contradict it
+        behind = max(rival.cost - best.cost + PRICE * more, 0.0)
+        weights.append(exp(-min(behind / (2.0 * scale), 700.0)))
+    return 1.0 / (1.0 + sum(weights))
+
+
+def _alike(
+    best: Fit, name: str, rivals: Sequence[Fit], recordings: Recordings, generator: Generator
+) -> list[Fit]:
+    """Select the rivals that predict held-out data as well, with no more parameters."""
+    alike = []
+    for rival in rivals:
+        candidate = (
+            len(rival.model.values) <= len(best.model.values)
+            and name != rival.model.effects[-1]
+            and rival.cost - best.cost <= PRICE * noise_scale(best)
+            and not enough(rival, best)
+        )
+        if candidate and all(
+            as_good(recording.whole(best.model), recording.held_out.samples, best.model,
+                    rival.model, generator)
+            for recording in recordings if recording.held_out is not None
+        ):
+            alike.append(rival)
+    return alike[:_MOST_RIVALS]
 
 
 def advice(names: Sequence[NamedEffect], verdict: str) -> str:
     """
-    Say what to run next.
+    Recommend what to run next.
 
     Parameters
     ----------
     names : sequence of NamedEffect
-        That were given.
+        Of the diagnosis.
     verdict : str
         Of the diagnosis.
 
     Returns
     -------
     advice : str
-        In words; '' where nothing is open.
+        '' if no question is open.
 
     """
-    open_names = [(effect.name, effect.indistinguishable_from) for effect in names
-                  if effect.indistinguishable_from]
-    if open_names:
-        pairs = '; '.join(f'{name} from {" and ".join(others)}' for name, others in open_names)
+    pairs = indistinguishable_pairs(names)
+    if pairs:
         return f'To tell {pairs}, run an experiment in which their predictions differ most.'
     if verdict == 'unexplained':
         return ('No effect of the library explains this. Repeat the same contact at half and at '
-                'twice the speed and depth: what scales with which tells what is missing.')
+                'twice the speed and depth: how the residuals scale shows what is missing.')
     return ''
+
+
+def indistinguishable_pairs(names: Sequence[NamedEffect]) -> str:
+    """
+    List which effects cannot be distinguished from which.
+
+    Parameters
+    ----------
+    names : sequence of NamedEffect
+        Of the diagnosis.
+
+    Returns
+    -------
+    pairs : str
+        Such as 'a from b and c; d from e'; '' if there are none.
+
+    """
+    return '; '.join(f'{effect.name} from {" and ".join(effect.indistinguishable_from)}'
+                     for effect in names if effect.indistinguishable_from)

@@ -13,32 +13,34 @@
 # limitations under the License.
 
 """
-The experiment that separates what a recording could not.
+The experiment that separates effects which the recordings could not.
 
-Each candidate is simulated with the corrected model; then the rival is held to that motion, with
-the values that suit it best and still fit the old recordings. What it cannot follow even so is
-what the diagnosis would see (T-optimality, Atkinson and Fedorov 1975, linearised).
+Each candidate is simulated with the corrected model; then the rival is fitted to that motion and
+to the old recordings together. Its remaining residuals are what the diagnosis would see
+(T-optimality, Atkinson and Fedorov 1975, linearised).
 """
 
 from __future__ import annotations
 
 import dataclasses
 from math import isfinite, sqrt
-from typing import Mapping, NamedTuple, Sequence
+from typing import Mapping, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .candidates import Candidate, candidates, Reach, scaling_test
-from .finding import Diagnosis
+from .naming import indistinguishable_pairs
+from .result import Diagnosis
+from ..fit.criteria import THRESHOLD
 from ..fit.fitting import differentiate_by, residual_function
 from ..fit.free_run import plant_of
-from ..fit.nuisances import doubt
-from ..fit.selection import THRESHOLD
+from ..fit.model_uncertainty import discounted
 from ..observe.episodes import episodes
 from ..observe.model import Model
 from ..observe.observed import Observed
-from ..observe.ports import Ports
+from ..observe.prepared_recording import nominal_observer, PreparedRecording, Recordings
+from ..observe.residuals import residuals
 from ..observe.usable_samples import default_block, usable
 from ...plant.open_loop import simulate_on
 from ...reference.experiment import Experiment
@@ -51,14 +53,14 @@ _LEAST_PACE = 0.1
 
 class Proposal(NamedTuple):
     """
-    What to run next.
+    The experiment to run next.
 
     Attributes
     ----------
     text : str
-        In a sentence, with what it promises.
+        In a sentence, with the expected difference.
     experiment : Experiment
-        To be played.
+        To run.
 
     """
 
@@ -68,14 +70,14 @@ class Proposal(NamedTuple):
 
 class Difference(NamedTuple):
     """
-    What tells two models apart in an experiment.
+    Difference of two models in an experiment.
 
     Attributes
     ----------
     strength : float
-        Mean square of the residuals, in those of the noise.
+        Mean square of the residuals, in that of the noise.
     force, motion : float
-        Greatest difference of each port, in standard deviations of one sample.
+        Greatest difference in each channel, in standard deviations of one sample.
 
     """
 
@@ -96,7 +98,7 @@ def choose(diagnosis: Diagnosis) -> Proposal | None:
     Returns
     -------
     proposal : Proposal or None
-        None where nothing is open, or where there is no robot to play it: a permanently attached
+        None if no question is open, or without a robot to run it: a permanently attached
         environment is driven by a force.
 
     """
@@ -112,7 +114,7 @@ def choose(diagnosis: Diagnosis) -> Proposal | None:
 
 def reach_of(diagnosis: Diagnosis) -> Reach:
     """
-    Measure how far the recordings went: no proposal shall go further.
+    Measure the reach of the recordings, the limit of every proposal.
 
     Parameters
     ----------
@@ -128,14 +130,14 @@ def reach_of(diagnosis: Diagnosis) -> Reach:
     model = diagnosis.recalibrated
     depths, speeds, touching = [], [], []
     x_e = model.nominal.environment.location
-    for port in diagnosis.ports:
-        o = port.observed
+    for recording in diagnosis.recordings:
+        o = recording.observed
         depths.append(float(np.percentile(o.x[o.x > x_e], 98)) - x_e)
         speeds.append(float(np.max(np.abs(o.v))))
         touching += [abs(float(o.v[first])) for first, _ in episodes(model, o)]
-    lowest = min(float(np.min(port.observed.x)) for port in diagnosis.ports)
+    lowest = min(float(np.min(recording.observed.x)) for recording in diagnosis.recordings)
     gain = 1.0 + model.stiffness / max(model.nominal.robot.stiffness, 1e-9)
-    # A touch-down at no speed at all would make the half of it take for ever.
+    # Half of a touch-down speed of 0 would take infinitely long.
     typical = max(float(np.median(touching or speeds)), _LEAST_PACE * max(speeds))
     return Reach(x_e, x_e - lowest, max(depths), gain, max(speeds), typical)
 
@@ -145,9 +147,8 @@ def _separating(diagnosis: Diagnosis) -> Proposal:
     judged = [(judge.least_difference(candidate.experiment), candidate)
               for candidate in candidates(reach_of(diagnosis))]
     difference, best = max(judged, key=lambda pair: pair[0].strength)
-    pairs = '; '.join(f'{effect.name} from {" and ".join(effect.indistinguishable_from)}'
-                      for effect in diagnosis.effects if effect.indistinguishable_from)
-    noise = diagnosis.ports[0].force_noise
+    pairs, noise = (indistinguishable_pairs(diagnosis.effects),
+                    diagnosis.recordings[0].force_noise)
     return Proposal(_sentence(pairs, best, difference, len(judged), noise), best.repeated())
 
 
@@ -159,22 +160,22 @@ def _sentence(
             'motion')
     if difference.strength < THRESHOLD:
         return (
-            f'Within what this recording reached it is hard to tell {pairs}. Of {tried} '
-            f'experiments the best is to {best.words}: whatever the values, the predictions then '
-            f'differ by up to {size}. Deeper or faster than here would tell more.'
+            f'Within the reach of this recording it is hard to tell {pairs}. The best of {tried} '
+            f'experiments is to {best.words}: whatever the values, the predictions then '
+            f'differ by up to {size}. A deeper or faster contact would separate them better.'
         )
     return (f'To tell {pairs}, {best.words}: whatever the values, their predictions then differ '
             f'by up to {size}.')
 
 
 def _short(value: float) -> str:
-    """Write two digits, but none of a power of ten."""
+    """Format with two digits, without an exponent."""
     return f'{value:.0f}' if value >= 10.0 else f'{value:.2g}'
 
 
 class Judge:
     """
-    Tells by how much rivals would differ from the corrected model in an experiment.
+    Predicts by how much rivals would differ from the corrected model in an experiment.
 
     Parameters
     ----------
@@ -185,9 +186,10 @@ class Judge:
 
     def __init__(self, diagnosis: Diagnosis) -> None:
         self._model, self._rivals = diagnosis.corrected, dict(diagnosis.rivals)
-        self._port = diagnosis.ports[0]
+        self._recording = diagnosis.recordings[0]
         self._known: Mapping[str, Array] = {
-            name: _sensitivities(diagnosis.ports, rival) for name, rival in self._rivals.items()
+            name: _sensitivities(diagnosis.recordings, rival)
+            for name, rival in self._rivals.items()
         }
 
     def least_difference(self, experiment: Experiment) -> Difference:
@@ -202,34 +204,34 @@ class Judge:
         Returns
         -------
         difference : Difference
-            From the rival that is nearest.
+            From the nearest rival.
 
         """
-        port = self._played(experiment)
-        doubt(port, self._model)
-        true = port.residuals(self._model, robust=False)
-        differences = (self._difference(port, true, name) for name in self._rivals)
+        played = discounted(self._played(experiment), self._model)
+        true = residuals(played, self._model, robust=False)
+        differences = (self._difference(played, true, name) for name in self._rivals)
         return min(differences, key=lambda difference: difference.strength)
 
-    def _difference(self, port: Ports, true: Array, name: str) -> Difference:
+    def _difference(self, played: PreparedRecording, true: Array, name: str) -> Difference:
         rival, known = self._rivals[name], self._known[name]
-        off = port.residuals(rival, robust=False) - true
-        new = _sensitivities([port], rival)
+        off = residuals(played, rival, robust=False) - true
+        new = _sensitivities([played], rival)
         target = np.concatenate((np.zeros(len(known)), -off))
         change = np.linalg.lstsq(np.concatenate((known, new)), target, rcond=1e-10)[0]
-        parts = port.split(off + new @ change)
-        strength = float(np.sum(parts**2)) / port.count
+        parts = played.split(off + new @ change)
+        strength = float(np.sum(parts**2)) / played.residual_count
         if not isfinite(strength):
             return Difference(0.0, 0.0, 0.0)
-        peaks = np.max(np.abs(parts), axis=1) / sqrt(port.block)
+        peaks = np.max(np.abs(parts), axis=1) / sqrt(played.block)
         return Difference(strength, float(peaks[0]), float(peaks[1]))
 
-    def _played(self, experiment: Experiment) -> Ports:
-        """Play an experiment with the corrected model, free of noise."""
-        o, h = self._port.observed, self._port.observed.h
+    def _played(self, experiment: Experiment) -> PreparedRecording:
+        """Simulate an experiment with the corrected model, without noise."""
+        old = self._recording
+        o, h = old.observed, old.observed.h
         t: Array = h * np.arange(round(experiment.duration / h), dtype=np.float64)
-        wanted = [experiment.desired(now) for now in t.tolist()]
-        reference = np.array([(*desired[:3], 0.0) for desired in wanted]).T
+        setpoints = [experiment.desired(now) for now in t.tolist()]
+        reference = np.array([(*desired[:3], 0.0) for desired in setpoints]).T
         parameters = dataclasses.replace(
             plant_of(self._model), sample_rate=1.0 / h,
             integration_rate=max(_INTEGRATION_RATE, 1.0 / h),
@@ -238,12 +240,14 @@ class Judge:
         _, x, v, a, _, force = np.array(truths, np.float64).T
         observed = Observed(t, h, force, np.ones(len(t), bool), x, x, v, a, reference,
                             o.position_noise, o.cutoff)
-        return Ports(observed, self._port.force_noise, self._port.motion_noise,
-                     usable(self._model, observed), default_block(observed))
+        return PreparedRecording(
+            experiment.name, observed, old.force_noise, old.motion_noise,
+            usable(self._model, observed), default_block(observed),
+            observer=nominal_observer(self._model, observed), motion_misfit=old.motion_misfit)
 
 
-def _sensitivities(ports: Sequence[Ports], model: Model) -> Array:
+def _sensitivities(recordings: Recordings, model: Model) -> Array:
     """Differentiate the residuals by the relative change of each free value."""
-    function = residual_function(ports, model, robust=False)
+    function = residual_function(recordings, model, robust=False)
     values = model.coordinates
     return differentiate_by(values, model.steps, function, function(values))

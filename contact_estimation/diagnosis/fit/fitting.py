@@ -12,25 +12,26 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Fitting a model to the ports: several starts, Gauss-Newton steps, then a bounded search."""
+"""Fitting a model to recordings: Gauss-Newton steps, then a bounded search."""
 
 from __future__ import annotations
 
-from typing import Callable, NamedTuple, Sequence
+from typing import Callable, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from ..observe.model import Model
-from ..observe.ports import Ports
+from ..observe.prepared_recording import Recordings
+from ..observe.residuals import residuals
 
 Array = NDArray[np.float64]
 
 _STEP = 1e-4  # relative, of the finite differences
-_MOST_GOES, _SLOWLY = 4, 0.99  # times 25 steps; less gained than a hundredth is no gain
-_AT_END = 1e-6  # of its size: a value that has come to the end of its range
-_BEYOND_MEASURE = 1e6  # standard deviations: a model that has run away
+_MOST_SEARCHES, _SLOWLY = 4, 0.99  # of 25 steps; less than a hundredth is no progress
+_AT_BOUND = 1e-6  # of its typical change: a value at the lower bound of its range
+_LARGEST = 1e6  # standard deviations, also for what is not finite: a diverged model
 
 
 class Fit(NamedTuple):
@@ -45,34 +46,35 @@ class Fit(NamedTuple):
         Sum of the squared residuals, in standard deviations.
     residuals : ndarray, shape (R,)
         At the best values.
-    filled : int
+    residual_count : int
         Number of residuals that are not empty.
     ended : bool
-        False where the search ran out of steps while it still got better.
+        False if the search ran out of steps while the cost was still falling.
 
     """
 
     model: Model
     cost: float
     residuals: Array
-    filled: int
+    residual_count: int
     ended: bool = True
 
 
 def residual_function(
-    ports: Sequence[Ports], model: Model, robust: bool = True, briefly: bool = False
+    recordings: Recordings, model: Model, robust: bool = True,
+    briefly: bool = False,
 ) -> Callable[[Array], Array]:
     """
-    Make the function that is minimised.
+    Return the function whose squares are minimised.
 
     Parameters
     ----------
-    ports : sequence of Ports
-        Recordings, fitted together.
+    recordings : sequence of PreparedRecording
+        Fitted together.
     model : Model
         Its `coordinates` are the unknowns.
     robust, briefly : bool
-        As for `Ports.residuals`.
+        As for `residuals`.
 
     Returns
     -------
@@ -81,31 +83,30 @@ def residual_function(
 
     """
 
-    def residuals(values: Array) -> Array:
+    def stacked_residuals(values: Array) -> Array:
         there = model.with_free(values)
         with np.errstate(all='ignore'):
-            stacked = np.concatenate([port.residuals(there, robust, briefly) for port in ports])
-        return np.where(np.abs(stacked) < _BEYOND_MEASURE, stacked, _BEYOND_MEASURE)
+            stacked = np.concatenate(
+                [residuals(recording, there, robust, briefly) for recording in recordings])
+        return np.where(np.abs(stacked) < _LARGEST, stacked, _LARGEST)
 
-    return residuals
+    return stacked_residuals
 
 
-def fit(
-    ports: Sequence[Ports], model: Model, steps: int = 25, briefly: bool = False
-) -> Fit:
+def fit(recordings: Recordings, model: Model, steps: int = 25, briefly: bool = False) -> Fit:
     """
     Search from the model's own values.
 
     Parameters
     ----------
-    ports : sequence of Ports
-        Recordings, fitted together.
+    recordings : sequence of PreparedRecording
+        Fitted together.
     model : Model
-        Start, and what is free.
+        Start; its free values are searched.
     steps : int
         Most steps of the search; with few of them it also ends at a thousandth of the cost.
     briefly : bool
-        As for `Ports.residuals`.
+        As for `residuals`.
 
     Returns
     -------
@@ -113,40 +114,40 @@ def fit(
         The best found.
 
     """
-    function = residual_function(ports, model, briefly=briefly)
+    function = residual_function(recordings, model, briefly=briefly)
     (low, high), size = model.ranges, model.steps
-    with np.errstate(all='ignore'):  # far off the truth costs are beyond all measure
+    with np.errstate(all='ignore'):  # costs may overflow far from the optimum
         found = least_squares(
             function, np.clip(model.coordinates, low + 1e-9 * size, high), bounds=(low, high),
             x_scale=size, diff_step=_STEP, max_nfev=steps, xtol=1e-6, gtol=1e-12,
             ftol=1e-3 if steps < 10 else 1e-6,
         )
-    there = model.with_free(np.where(found.x - low < _AT_END * size, low, found.x))
-    filled = sum(port.count for port in ports)
-    return Fit(there, 2.0 * found.cost, found.fun, filled, bool(found.status > 0))
+    there = model.with_free(np.where(found.x - low < _AT_BOUND * size, low, found.x))
+    count = sum(recording.residual_count for recording in recordings)
+    return Fit(there, 2.0 * found.cost, found.fun, count, bool(found.status > 0))
 
 
-def fit_to_end(ports: Sequence[Ports], found: Fit) -> Fit:
+def fit_to_end(recordings: Recordings, found: Fit) -> Fit:
     """
-    Go on with a search that ran out of steps.
+    Continue a search that ran out of steps.
 
     Parameters
     ----------
-    ports : sequence of Ports
-        Recordings, fitted together.
+    recordings : sequence of PreparedRecording
+        Fitted together.
     found : Fit
         So far.
 
     Returns
     -------
     fit : Fit
-        From where no step gains much.
+        At which no further step gains much.
 
     """
-    for _ in range(_MOST_GOES):
+    for _ in range(_MOST_SEARCHES):
         if found.ended:
             break
-        before, found = found.cost, fit(ports, found.model)
+        before, found = found.cost, fit(recordings, found.model)
         if found.cost > _SLOWLY * before:
             break
     return found
@@ -162,9 +163,9 @@ def differentiate_by(
     Parameters
     ----------
     values : ndarray, shape (P,)
-        Where.
+        The point.
     size : ndarray, shape (P,)
-        By the relative change of what.
+        Typical change of each value.
     function : callable
         Values to residuals.
     here : ndarray, shape (R,)
@@ -186,27 +187,28 @@ def differentiate_by(
     return columns
 
 
-def step(ports: Sequence[Ports], model: Model) -> tuple[float, Model]:
+def step(recordings: Recordings, model: Model) -> tuple[float, Model]:
     """
     Take one Gauss-Newton step, exact for what is linear.
 
     Parameters
     ----------
-    ports : sequence of Ports
-        Recordings.
+    recordings : sequence of PreparedRecording
+        Fitted together.
     model : Model
         Start.
 
     Returns
     -------
     cost : float
-        After the step, or before it where the step makes things worse.
+        After the step; before it if the step would raise the cost.
     model : Model
-        There.
+        At that cost.
 
     """
-    # Bent residuals would hide from a first step how far it has to go.
-    straight, bent = (residual_function(ports, model, robust, True) for robust in (False, True))
+    # Bent residuals would make the first step too short.
+    straight = residual_function(recordings, model, robust=False, briefly=True)
+    bent = residual_function(recordings, model, briefly=True)
     (low, high), size = model.ranges, model.steps
     start = np.clip(model.coordinates, low, high)
     at_start = straight(start)
@@ -222,14 +224,14 @@ def step(ports: Sequence[Ports], model: Model) -> tuple[float, Model]:
     return best_cost, model.with_free(best)
 
 
-def cost_of(ports: Sequence[Ports], model: Model) -> float:
+def cost_of(recordings: Recordings, model: Model) -> float:
     """
-    Evaluate a model as it is.
+    Return the cost of a model at its values.
 
     Parameters
     ----------
-    ports : sequence of Ports
-        Recordings.
+    recordings : sequence of PreparedRecording
+        Fitted together.
     model : Model
         With its values.
 
@@ -239,7 +241,7 @@ def cost_of(ports: Sequence[Ports], model: Model) -> float:
         Sum of the squared residuals, in standard deviations.
 
     """
-    return _sum_of_squares(residual_function(ports, model)(model.coordinates))
+    return _sum_of_squares(residual_function(recordings, model)(model.coordinates))
 
 
 def _sum_of_squares(residuals: Array) -> float:

@@ -13,10 +13,10 @@
 # limitations under the License.
 
 """
-Whether a flexible smoother still predicts what a model leaves: structure, or noise.
+Whether residuals are structured or noise: how well a flexible smoother predicts them.
 
 Ridge regression on penetration, rate, acceleration, force and their products, present and past,
-learned on one part of the recording and judged on another.
+fitted on one part of the recording and evaluated on another.
 """
 
 from __future__ import annotations
@@ -25,7 +25,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..observe.model import Model
-from ..observe.ports import Ports
+from ..observe.prepared_recording import PreparedRecording
+from ..observe.residuals import residuals
 
 Array = NDArray[np.float64]
 
@@ -34,47 +35,47 @@ _RIDGE = 1e-3
 _FOLDS = 4
 
 
-def predictable_share(port: Ports, model: Model) -> float:
+def predictable_share(recording: PreparedRecording, model: Model) -> float:
     """
-    Tell how much of the residuals a smoother predicts in blocks it has not seen.
+    Compute how much of the residuals a smoother predicts in blocks it was not fitted on.
 
     Parameters
     ----------
-    port : Ports
-        A recording.
+    recording : PreparedRecording
+        Any.
     model : Model
         Fitted.
 
     Returns
     -------
     share : float
-        Of the residuals' variance, the larger of both ports; below 0 where there is nothing.
+        Of the residuals' variance, the larger of both channels; below 0 for noise.
 
     """
-    features = _features(port, model)
-    return max(_cross_validated(features, part) for part in port.split(port.residuals(model)))
+    features, left = _features(recording, model), residuals(recording, model)
+    return max(_cross_validated(features, part) for part in recording.split(left))
 
 
-def memory(port: Ports, model: Model) -> float:
+def autocorrelation(recording: PreparedRecording, model: Model) -> float:
     """
-    Tell how much neighbouring residuals know of each other.
+    Compute the largest autocorrelation of neighbouring residuals.
 
     Parameters
     ----------
-    port : Ports
-        A recording.
+    recording : PreparedRecording
+        Any.
     model : Model
         Fitted.
 
     Returns
     -------
     correlation : float
-        Largest size of the autocorrelation over the next five blocks, of the ports whose residual
-        is larger than its noise; 0 for noise, however loud.
+        Largest magnitude over the next five blocks, of the channels whose residual exceeds its
+        noise; 0 for noise of any level.
 
     """
     largest = 0.0
-    for part in port.split(port.residuals(model)):
+    for part in recording.split(residuals(recording, model)):
         power = float(part @ part)
         if power < 1.5 * len(part):
             continue
@@ -83,20 +84,20 @@ def memory(port: Ports, model: Model) -> float:
     return largest
 
 
-def _features(port: Ports, model: Model) -> Array:
-    o, law = port.observed, model.laws().contact
+def _features(recording: PreparedRecording, model: Model) -> Array:
+    o, law = recording.observed, model.laws().contact
     force, d = law.force_and_depth(o.t, o.x, o.v, o.a)
     inside = (force != 0.0).astype(float)
     signals = [inside, inside * d, inside * o.v, inside * o.a, force, o.x, o.v, o.a,
                inside * np.tanh(o.v / 2e-3), np.tanh(o.v / 2e-3)]
     if o.reference is not None:
         signals += list(o.reference[:3])
-    rows = [port.blocks(signal) for signal in signals]
+    rows = [recording.blocks(signal) for signal in signals]
     count = len(rows[0])
     unit = [(row - row.mean()) / (row.std() + 1e-12) for row in rows]
     columns = []
     for lag in _LAGS_S:
-        shift = round(lag / (o.h * port.block))
+        shift = round(lag / recording.block_s)
         columns += [np.concatenate((np.full(shift, row[0]), row[:count - shift]))
                     for row in unit]
     products = [a * b for k, a in enumerate(unit[:5]) for b in unit[k:5]]
@@ -104,7 +105,7 @@ def _features(port: Ports, model: Model) -> Array:
 
 
 def _cross_validated(features: Array, target: Array) -> float:
-    """Predict contiguous folds from the others; give 1 - error / variance."""
+    """Predict contiguous folds from the others; return 1 - error / variance."""
     folds = np.array_split(np.arange(len(target)), _FOLDS)
     error = 0.0
     for fold in folds:

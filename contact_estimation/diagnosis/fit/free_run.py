@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""A model run free: from its command, or a wall without a robot from the measured force."""
+"""The free run of a model, from its command or, for a wall without a robot, the force."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ _WALL_STEPS = 2  # Runge-Kutta steps a sample of a wall without a robot
 
 def plant_of(model: Model) -> PlantParameters:
     """
-    Write a fitted model as the parameters of a plant.
+    Convert a fitted model to the parameters of a plant.
 
     Parameters
     ----------
@@ -78,7 +78,7 @@ class Run(NamedTuple):
     position : ndarray, shape (N,)
         x [m].
     force : ndarray, shape (N,)
-        What the force sensor would read without noise [N].
+        Output of the force sensor without noise [N].
 
     """
 
@@ -87,14 +87,14 @@ class Run(NamedTuple):
 
 
 def _steps(model: Model, o: Observed) -> int:
-    """Choose Runge-Kutta steps a sample so that drag that is steep at standstill stays stable."""
+    """Return the Runge-Kutta steps a sample at which steep drag at standstill is stable."""
     laws, wall = model.laws(), model.nominal.environment
     x, states = wall.location + 0.5 * max(float(np.max(o.x)) - wall.location, 1e-4), (0.0,) * 99
-    little = 0.1 * SIGN_VELOCITY
+    slow = 0.1 * SIGN_VELOCITY
     touch = [laws.contact.touch(0.0, x, v, states[:laws.contact.states], math).resistance
-             for v in (0.0, little)]
-    drag = [laws.robot.force(x, v, (x, v, 0.0, 0.0), math) for v in (0.0, little)]
-    steepness = (touch[1] - touch[0] + drag[0] - drag[1]) / little / laws.robot.mass
+             for v in (0.0, slow)]
+    drag = [laws.robot.force(x, v, (x, v, 0.0, 0.0), math) for v in (0.0, slow)]
+    steepness = (touch[1] - touch[0] + drag[0] - drag[1]) / slow / laws.robot.mass
     return max(1, math.ceil(o.h * steepness / _STABLE))
 
 
@@ -107,12 +107,12 @@ def free_run(model: Model, observed: Observed) -> Run:
     model : Model
         Fitted.
     observed : Observed
-        Gives the reference trajectory (or the force), and where things are at first.
+        Source of the reference trajectory (or the force) and the initial position.
 
     Returns
     -------
     run : Run
-        Free of noise.
+        Without noise.
 
     """
     o = observed
@@ -127,7 +127,7 @@ def free_run(model: Model, observed: Observed) -> Run:
 
 
 def _free_wall(model: Model, o: Observed) -> Array:
-    """Iterate, or integrate step by step where a wall is too far from linear for that."""
+    """Iterate; integrate step by step if the wall is too nonlinear for convergence."""
     with np.errstate(all='ignore'):
         wall = DrivenWall(model, o)
         run, further = (wall.free(_PICARD + more)[0] for more in (0, 1))

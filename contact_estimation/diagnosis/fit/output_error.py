@@ -15,132 +15,164 @@
 """
 The last refinement: output error of the free run.
 
-The ports take the measured motion for true, which costs a little accuracy where the motion is
-sharpest. Run free from its command, the model needs no measured motion; its errors against
-measured position and force are noise when the values are right (Ljung 1999, section 3.3).
+The residuals take the measured motion for true, which costs some accuracy where the motion is
+sharpest. The free run from the command needs no measured motion; its errors against measured
+position and force are noise if the values are right (Ljung 1999, section 3.3).
 """
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .fitting import differentiate_by, Fit, fit, fit_to_end
+from .criteria import penalty
+from .fitting import cost_of, differentiate_by, Fit, fit, fit_to_end
 from .free_run import free_run, Run
 from ..observe.model import Model
-from ..observe.ports import huber, Ports
+from ..observe.prepared_recording import PreparedRecording, Recordings
+from ..observe.residuals import huber
 
 Array = NDArray[np.float64]
 
 _STEP = 1e-3  # relative, of the finite differences
 _CLOSE = 4.0  # standard deviations of the position noise, within which a run is refined
-_AT_NOISE = 1.5  # times the noise: a free run that misses no more is right
+_AT_NOISE = 1.5  # times the noise: largest error of a correct free run
 _PICARD = 8  # rounds in which the free run of a wall converges
-_AGAIN, _SLOWLY = 3, 0.99  # a search that ran out of steps goes on
-_WORSE = 4.0  # times: a wall's free run may miss more than with its effects at measured motion
+_MOST_STEPS, _SLOWLY = 3, 0.99  # of Gauss and Newton; less than a hundredth is no progress
+_WORSE = 4.0  # times the cost with effects at the measured motion: the iteration diverged
 
 
-def refine(ports: Sequence[Ports], found: Fit) -> Fit:
+def refine(recordings: Recordings, found: Fit) -> tuple[Recordings, Fit]:
     """
-    Take Gauss-Newton steps on the output error.
+    Minimise the output error.
 
     Parameters
     ----------
-    ports : sequence of Ports
-        Recordings with a robot, or of a permanently attached wall.
+    recordings : sequence of PreparedRecording
+        With a robot, or of a permanently attached wall.
     found : Fit
         Start.
 
     Returns
     -------
+    recordings : sequence of PreparedRecording
+        With the rounds of Picard's iteration that residuals of the refined model need.
     refined : Fit
-        With the values of least output error; cost and residuals are still those of the ports.
-        The start itself where that does not make the output error smaller, or where the command is
-        not known well enough for a free run to follow the motion.
+        With the values of least output error. For a robot cost and residuals are still those of
+        the start; so are the values if the output error does not fall, or if the command is not
+        known well enough for a free run to follow the motion.
 
     """
     if not found.model.nominal.environment.unilateral:
-        return _refine_wall(ports, found)
-    runs = [free_run(found.model, port.observed) for port in ports]
-    if not all(_close(port, run, _CLOSE) for port, run in zip(ports, runs)):
-        return found
-    model, here = found.model, _errors(ports, runs)
-    for _ in range(_AGAIN):
-        tried = _better(ports, model, here)
-        there = _errors_at(ports, tried)
+        return _refine_wall(recordings, found)
+    runs = _free_runs(recordings, found.model)
+    if not all(_close(one, run, _CLOSE) for one, run in zip(recordings, runs)):
+        return recordings, found
+    model, here = found.model, _errors(recordings, runs)
+    for _ in range(_MOST_STEPS):
+        tried = _better(recordings, model, here)
+        there = _errors_at(recordings, tried)
         if float(there @ there) >= float(here @ here):
             break
         slowly = float(there @ there) > _SLOWLY * float(here @ here)
         model, here = tried, there
         if slowly:
             break
-    return found._replace(model=model) if model.plausible() else found
+    return recordings, found._replace(model=model) if model.plausible() else found
 
 
-def _better(ports: Sequence[Ports], model: Model, here: Array) -> Model:
-    """Take a Gauss-Newton step from a model with the errors `here`."""
-    values, size = model.coordinates, model.steps
-
-    def errors(these: Array) -> Array:
-        return _errors_at(ports, model.with_free(these))
-
-    jacobian = differentiate_by(values, size, errors, here, _STEP)
-    change = np.linalg.lstsq(jacobian, -here, rcond=1e-9)[0] * size
-    return model.with_free(np.clip(values + change, *model.ranges))
-
-
-def runs_true(ports: Sequence[Ports], model: Model) -> bool:
+def refine_and_prune(recordings: Recordings, found: Fit) -> tuple[Recordings, Fit]:
     """
-    Tell whether a model, run free from its command, predicts motion and force to their noise.
+    Minimise the output error, and drop effects that then no longer reduce the cost.
 
     Parameters
     ----------
-    ports : sequence of Ports
-        Recordings with a robot.
+    recordings, found
+        As for `refine`.
+
+    Returns
+    -------
+    recordings, refined
+        As of `refine`; at least one effect stays.
+
+    """
+    recordings, best = refine(recordings, found)
+    cost = cost_of(recordings, best.model)
+    for name in best.model.effects:
+        rest = best.model.without(name)
+        price = penalty(best.model) - penalty(rest)
+        if rest.effects and cost_of(recordings, rest) <= cost + price:
+            return refine_and_prune(recordings, fit(recordings, rest))
+    return recordings, best
+
+
+def runs_true(recordings: Recordings, model: Model) -> bool:
+    """
+    Return whether the free run of a model predicts motion and force to their noise.
+
+    Parameters
+    ----------
+    recordings : sequence of PreparedRecording
+        With a robot.
     model : Model
         Refined.
 
     Returns
     -------
     true : bool
-        Nothing is missing then, whatever the ports leave.
+        If so, the model is complete, whatever the residuals.
 
     """
-    for port in ports:
-        o, run = port.observed, free_run(model, port.observed)
-        touching = port.use & o.measured
-        force_error = float(np.std((o.force - run.force)[touching]))
-        if not _close(port, run, _AT_NOISE) or force_error > _AT_NOISE * port.force_noise:
+    for recording, run in zip(recordings, _free_runs(recordings, model)):
+        o = recording.observed
+        force_error = float(np.std((o.force - run.force)[recording.use & o.measured]))
+        if (not _close(recording, run, _AT_NOISE)
+                or force_error > _AT_NOISE * recording.force_noise):
             return False
     return True
 
 
-def _close(port: Ports, run: Run, bound: float) -> bool:
-    error = (port.observed.raw_position - run.position)[port.use]
-    return float(np.std(error)) < bound * port.motion_noise
-
-
-def _refine_wall(ports: Sequence[Ports], found: Fit) -> Fit:
-    for port in ports:
-        port.rounds = _PICARD
-    refined = fit_to_end(ports, fit(ports, found.model))
+def _refine_wall(recordings: Recordings, found: Fit) -> tuple[Recordings, Fit]:
+    iterated = [replace(recording, picard_rounds=_PICARD) for recording in recordings]
+    refined = fit_to_end(iterated, fit(iterated, found.model))
     if refined.cost <= _WORSE * found.cost and refined.model.plausible():
-        return refined
-    for port in ports:  # the iteration does not converge where the wall is far from linear
-        port.rounds = 1
-    return found
+        return iterated, refined
+    # The iteration does not converge for a strongly nonlinear wall.
+    return [replace(recording, picard_rounds=1) for recording in recordings], found
 
 
-def _errors_at(ports: Sequence[Ports], model: Model) -> Array:
-    return _errors(ports, [free_run(model, port.observed) for port in ports])
+def _better(recordings: Recordings, model: Model, here: Array) -> Model:
+    """Take a Gauss-Newton step from a model with the errors `here`."""
+    values, size = model.coordinates, model.steps
+
+    def errors(these: Array) -> Array:
+        return _errors_at(recordings, model.with_free(these))
+
+    jacobian = differentiate_by(values, size, errors, here, _STEP)
+    change = np.linalg.lstsq(jacobian, -here, rcond=1e-9)[0] * size
+    return model.with_free(np.clip(values + change, *model.ranges))
 
 
-def _errors(ports: Sequence[Ports], runs: Sequence[Run]) -> Array:
+def _close(recording: PreparedRecording, run: Run, bound: float) -> bool:
+    error = (recording.observed.raw_position - run.position)[recording.use]
+    return float(np.std(error)) < bound * recording.motion.noise
+
+
+def _free_runs(recordings: Recordings, model: Model) -> list[Run]:
+    return [free_run(model, recording.observed) for recording in recordings]
+
+
+def _errors_at(recordings: Recordings, model: Model) -> Array:
+    return _errors(recordings, _free_runs(recordings, model))
+
+
+def _errors(recordings: Recordings, runs: Sequence[Run]) -> Array:
     parts = []
-    for port, run in zip(ports, runs):
-        o = port.observed
-        parts.append(port.average('motion', o.raw_position - run.position, port.motion_noise))
-        parts.append(port.average('force', o.force - run.force, port.force_noise))
+    for recording, run in zip(recordings, runs):
+        o = recording.observed
+        parts += [recording.motion.average(o.raw_position - run.position),
+                  recording.force.average(o.force - run.force)]
     return huber(np.concatenate(parts))

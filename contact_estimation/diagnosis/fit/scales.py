@@ -12,43 +12,41 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""How large things are in a recording."""
+"""The magnitudes of motion and forces in recordings."""
 
 from __future__ import annotations
-
-from typing import Sequence
 
 import numpy as np
 
 from .fitting import Fit
-from ..observe.observed import Observed
-from ..observe.ports import Ports
+from ..observe.prepared_recording import PreparedRecording, Recordings
+from ..observe.residuals import force_residual
 from ...physics.physics import Scales
 
 _PEAKS, _HIGHEST_HZ = 3, 20.0
 
 
-def measure_scales(ports: Sequence[Ports], base: Fit) -> Scales:
+def measure_scales(recordings: Recordings, base: Fit) -> Scales:
     """
     Measure depth, speed, forces and the periodic part of the contact residual.
 
     Parameters
     ----------
-    ports : sequence of Ports
-        Recordings; the first one's spectrum is taken.
+    recordings : sequence of PreparedRecording
+        The spectrum is that of the first.
     base : Fit
-        The model without the effect that is searched for.
+        Without the effect that is searched for.
 
     Returns
     -------
     scales : Scales
-        None of them 0.
+        All above 0.
 
     """
     model, laws = base.model, base.model.laws()
     depth = speed = force = control = pull = duration = 1e-9
-    for port in ports:
-        o = port.observed
+    for recording in recordings:
+        o = recording.observed
         inside = laws.contact.contact(o.t, o.x, o.v) if laws.contact.unilateral else o.t >= 0.0
         if not inside.any():
             continue
@@ -62,18 +60,18 @@ def measure_scales(ports: Sequence[Ports], base: Fit) -> Scales:
             control = max(control, float(np.max(np.abs(u))))
     return Scales(
         depth, speed, force, control, pull, duration, max(model.stiffness, 1e-9),
-        max(model.damping, 1e-9), laws.robot.mass, _spectrum(ports[0], base),
+        max(model.damping, 1e-9), laws.robot.mass, _spectrum(recordings[0], base),
     )
 
 
-def _spectrum(port: Ports, base: Fit) -> tuple[tuple[float, complex], ...]:
+def _spectrum(recording: PreparedRecording, base: Fit) -> tuple[tuple[float, complex], ...]:
     """Find the largest peaks of the contact residual on a grid finer than 1 / duration."""
-    o: Observed = port.observed
+    o = recording.observed
     law = base.model.laws().contact
     if not law.unilateral:
         return ()
-    residual = port.force_residual(base.model)
-    use = port.use & o.measured & (law.force(o.t, o.x, o.v, o.a) < 0.0)
+    residual = force_residual(recording, base.model)
+    use = recording.use & o.measured & (law.force(o.t, o.x, o.v, o.a) < 0.0)
     stride = max(1, round(0.02 / o.h))
     t, r = o.t[use][::stride], residual[use][::stride]
     if len(t) < 50:

@@ -16,47 +16,44 @@
 
 from __future__ import annotations
 
-from typing import Sequence
-
 import numpy as np
 from numpy.typing import NDArray
 
 from .fitting import differentiate_by, Fit, residual_function
-from ..observe.ports import Ports
+from ..observe.prepared_recording import Recordings
 
 Array = NDArray[np.float64]
 
 _CLUSTER_S = 0.5
 
 
-def standard_deviations(ports: Sequence[Ports], found: Fit) -> Array:
+def standard_deviations(recordings: Recordings, found: Fit) -> Array:
     """
-    Estimate the spread of fitted values, clustered in time (Liang and Zeger 1986).
+    Estimate standard deviations of fitted values, clustered in time (Liang and Zeger 1986).
 
-    Within half a second residuals may be correlated in any way, across they are taken for
-    independent; the result is never below that of independent residuals.
+    Residuals may be correlated in any way within half a second and are independent across; the
+    result is never below that for independent residuals.
 
     Parameters
     ----------
-    ports : sequence of Ports
-        Recordings, as fitted.
+    recordings : sequence of PreparedRecording
+        As fitted.
     found : Fit
-        The best.
+        To them.
 
     Returns
     -------
     std : ndarray, shape (P,)
-        Of all values; NaN for those that were not fitted, or stand at the end of their range.
+        Of all values; NaN for those that are not fitted or at a bound of their range.
 
     """
     model = found.model
-    function = residual_function(ports, model)
+    function = residual_function(recordings, model)
     values, size = model.coordinates, model.steps
     here = function(values)
     jacobian = differentiate_by(values, size, function, here)
     inverse = np.linalg.pinv(jacobian.T @ jacobian, rcond=1e-13)
-    port = ports[0]
-    span = max(1, round(_CLUSTER_S / (port.observed.h * port.block)))
+    span = max(1, round(_CLUSTER_S / recordings[0].block_s))
     scores = np.add.reduceat(jacobian * here[:, None], np.arange(0, len(here), span), axis=0)
     clustered = np.diag(inverse @ (scores.T @ scores) @ inverse)
     independent = np.diag(inverse) * max(1.0, float(np.mean(here**2)))

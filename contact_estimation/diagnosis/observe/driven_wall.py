@@ -15,9 +15,9 @@
 """
 A permanently attached wall that moves under the measured force.
 
-Run free, it adds up the force's noise for as long as it remembers, a drive without a spring for
-ever. Its innovations are those of the Kalman filter that trusts force and position as much as
-their noise allows; with a force that is known well they are the misfit of the free run.
+A free run accumulates the force noise over the memory of the dynamics, which is infinite for a
+drive without a spring. The innovations are those of the Kalman filter that weighs force and
+position by their noise; for a force without noise they are the misfit of the free run.
 """
 
 from __future__ import annotations
@@ -35,18 +35,18 @@ from ...plant.between_samples import NOISE, smooth
 
 Array = NDArray[np.float64]
 
-_WITHIN = np.linspace(-0.5, 0.5, 9)  # of a sample, where a jump is looked for
-_ENOUGH = 1e-9  # of the largest position: Picard's iteration has converged
+_WITHIN = np.linspace(-0.5, 0.5, 9)  # of a sample, within which a force may jump
+_CONVERGED = 1e-9  # change of the motion by a round, of the largest position
 
 
 class DrivenWall:
     """
     The wall of a model under the force of a recording.
 
-    M_e x'' + B_e v + K_e delta = -F_e - effects is solved exactly for the line that comes nearest
-    to the restoring force over the measured motion. What the effects add to that line is taken at
-    the measured motion, then at the motion just predicted (Picard's iteration), which makes it a
-    free run. It begins with the state that fits the first half second best.
+    M_e x'' + B_e v + K_e delta = -F_e - effects is solved exactly for the line nearest to the
+    restoring force over the measured motion. The difference of the effects from that line is
+    evaluated at the measured motion, then at the motion just predicted (Picard's iteration), which
+    makes the prediction a free run. Its initial state fits the first half second best.
 
     Parameters
     ----------
@@ -75,7 +75,7 @@ class DrivenWall:
         return -law.force(self._observed.t, x, v, a) - law.inertia * a
 
     def _nearest_line(self) -> tuple[float, float]:
-        """Fit B v + K x + constant to the restoring force; neither drives the wall."""
+        """Fit B v + K x + constant to the restoring force; keep both above 0."""
         damping, stiffness = (self._observed.nearest_line @ self._at_measured).tolist()
         if not isfinite(damping + stiffness):
             return self._damping, self._stiffness
@@ -96,12 +96,12 @@ class DrivenWall:
 
     def free(self, rounds: int) -> Array:
         """
-        Predict the motion with the effects where they come to be.
+        Predict the motion with the effects at the predicted motion (Picard's iteration).
 
         Parameters
         ----------
         rounds : int
-            Most of them; without effects one is enough.
+            At most; one without effects.
 
         Returns
         -------
@@ -121,7 +121,7 @@ class DrivenWall:
             misfit = (o.raw_position - x)[begin]
             x, v = np.array([x, v]) + np.tensordot(
                 np.linalg.lstsq(free[:, 0, begin].T, misfit, rcond=1e-6)[0], free, 1)
-            if float(np.max(np.abs(x - before))) < _ENOUGH * float(np.max(np.abs(x))):
+            if float(np.max(np.abs(x - before))) < _CONVERGED * float(np.max(np.abs(x))):
                 break
             if left > 1:
                 a = (push - self._damping * v - self._stiffness * x) / self._mass
@@ -129,7 +129,7 @@ class DrivenWall:
         return np.array([x, v])
 
     def _push_of(self, restoring: Array, x: Array, v: Array, a: Array) -> Array:
-        """Give what drives the line: the force, less what the wall adds to the line."""
+        """Return the force on the line: the input less the wall's deviation from the line."""
         beyond = restoring - self._damping * v - self._stiffness * x
         push = self._push
         for effect in self._law.effects:
@@ -142,21 +142,19 @@ class DrivenWall:
     def _driven(self, push: Array) -> Array:
         return run(self.system, push, float(self._observed.x[0]), self._stiffness)
 
-    def innovations(
-        self, rounds: int, force_noise: float, memory: float = np.inf
-    ) -> Array:
+    def innovations(self, rounds: int, force_noise: float, memory: float = np.inf) -> Array:
         """
-        Compute what is not foretold of the position from all that came before.
+        Compute the one-step prediction errors of the position.
 
         Parameters
         ----------
         rounds : int
-            1: the effects at the measured motion; more: as of `free`.
+            1: the effects at the measured motion; more: as for `free`.
         force_noise : float
             Standard deviation [N].
         memory : float
-            Most that is remembered [s]. What a short memory leaves is nearly linear in K_e, B_e
-            and M_e, however the wall resonates.
+            Longest memory of the filter [s]. With a short one the innovations are nearly linear
+            in K_e, B_e and M_e, even for a resonant wall.
 
         Returns
         -------
@@ -174,7 +172,7 @@ class DrivenWall:
 
     def kalman_filter(self, force_noise: float) -> tuple[Array, float]:
         """
-        Design the filter that trusts force and position as their noise allows.
+        Design the filter that weighs force and position by their noise.
 
         Parameters
         ----------

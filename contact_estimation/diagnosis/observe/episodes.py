@@ -28,19 +28,19 @@ from ...exceptions import RecordingError
 Flags = NDArray[np.bool_]
 
 _LEAST_CONTACT_S = 0.2
-_BLOCKS = 5  # of a recording without episodes; the fourth is held out
+_BLOCKS = 5  # of a single episode or an attached wall; the fourth is held out
 
 
 class HeldOut(NamedTuple):
     """
-    A part of a recording that no fit sees.
+    The part of a recording that is excluded from fitting.
 
     Attributes
     ----------
     name : str
         Such as 'episode 2'.
     samples : ndarray of bool, shape (N,)
-        Where it is.
+        Its samples.
 
     """
 
@@ -50,12 +50,12 @@ class HeldOut(NamedTuple):
 
 def episodes(model: Model, observed: Observed) -> list[tuple[int, int]]:
     """
-    Find the stretches of contact, those too short to tell anything left out.
+    Find the contacts; short ones are left out.
 
     Parameters
     ----------
     model : Model
-        Tells where the surface is.
+        Defines where the surface is.
     observed : Observed
         The recording.
 
@@ -77,7 +77,7 @@ def episodes(model: Model, observed: Observed) -> list[tuple[int, int]]:
 
 def require_contact(model: Model, observed: Observed, name: str) -> None:
     """
-    Check that there is something to explain.
+    Check that the recording has a contact.
 
     Parameters
     ----------
@@ -86,7 +86,7 @@ def require_contact(model: Model, observed: Observed, name: str) -> None:
     observed : Observed
         The recording.
     name : str
-        For the error's text.
+        For the error message.
 
     Raises
     ------
@@ -107,13 +107,13 @@ def hold_out(model: Model, observed: Observed) -> HeldOut:
     """
     Choose the part of a recording that is held out: a whole episode, or a late block.
 
-    Neither the deepest episode, which would be extrapolation, nor one after it where that can be
-    helped. With one episode it is a block from its second half.
+    Never the deepest episode, which would be extrapolation; the middle one, or the one before it.
+    A single episode gives a block of its second half.
 
     Parameters
     ----------
     model : Model
-        Tells where the surface is.
+        Defines where the surface is.
     observed : Observed
         The recording.
 

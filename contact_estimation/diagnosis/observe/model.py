@@ -32,7 +32,8 @@ from ...plant.plant_parameters import PlantParameters
 
 Array = NDArray[np.float64]
 
-_NO_WALL = 1e-3  # N/m or N s/m: as good as no spring, no damper
+_NO_WALL = 1e-3  # N/m or N s/m: practically no spring, no damper
+_LARGEST_LOGARITHM = 345.0  # e^345 = 1e150: beyond, products of such a value overflow
 
 
 class Laws(NamedTuple):
@@ -44,7 +45,7 @@ class Laws(NamedTuple):
     contact : ContactLaw
         Wall.
     chain : list of ForceSensorEffect
-        What the force sensor does, in order.
+        Force sensor, in order of action.
     robot : RobotLaw
         Robot.
 
@@ -63,7 +64,7 @@ class Model:
     Attributes
     ----------
     nominal : PlantParameters
-        What is not fitted comes from here.
+        The source of all values that are not fitted.
     effects : tuple of str
         Names.
     values : tuple of float
@@ -80,7 +81,7 @@ class Model:
 
     @classmethod
     def of(cls, nominal: PlantParameters) -> 'Model':
-        """Take the nominal model without effects."""
+        """Return the nominal model without effects."""
         wall = nominal.environment
         with_inertia = wall.inertia > 0.0
         base = (wall.stiffness, wall.damping) + ((wall.inertia,) if with_inertia else ())
@@ -102,18 +103,18 @@ class Model:
         return self.values[1]
 
     def with_effect(self, name: str, values: tuple[float, ...]) -> 'Model':
-        """Add an effect."""
+        """Return the model with one more effect."""
         return replace(self, effects=(*self.effects, name), values=(*self.values, *values))
 
     def without(self, name: str) -> 'Model':
-        """Leave an effect out."""
+        """Return the model without an effect."""
         place = self.place(name)
         values = self.values[:place.start] + self.values[place.stop:]
         names = tuple(effect for effect in self.effects if effect != name)
         return replace(self, effects=names, values=values)
 
     def place(self, name: str) -> slice:
-        """Tell where an effect's parameters are in `values`."""
+        """Return the place of an effect's parameters in `values`."""
         first = self.base_count
         for effect in self.effects:
             count = len(names_of(effect))
@@ -123,20 +124,21 @@ class Model:
         raise KeyError(name)
 
     def with_free(self, coordinates: Array) -> 'Model':
-        """Take other values of what is free, as of `coordinates`; the rest stays."""
+        """Return the model at other `coordinates`; values that are not free stay."""
         every = np.array(self.values)
         every[self.free] = coordinates
-        every[self._logarithmic] = np.exp(every[self._logarithmic])
+        logarithms = np.minimum(every[self._logarithmic], _LARGEST_LOGARITHM)
+        every[self._logarithmic] = np.exp(logarithms)
         return self.at(every)
 
     def _of_free(self, values: Array) -> Array:
-        """Take the free ones, in the coordinates of searches."""
-        with np.errstate(divide='ignore'):  # the logarithm's range has no lower end
+        """Convert values to coordinates of the free ones."""
+        with np.errstate(divide='ignore'):  # the logarithm of a minimum of 0
             return np.where(self._logarithmic, np.log(np.abs(values)), values)[self.free]
 
     @property
     def coordinates(self) -> Array:
-        """What searches vary: the free values, some in their logarithm."""
+        """The unknowns of a search: the free values, some as logarithms."""
         return self._of_free(np.array(self.values))
 
     @property
@@ -147,12 +149,12 @@ class Model:
 
     @property
     def steps(self) -> Array:
-        """How large a change of each coordinate is: that by which its value changes by `sizes`."""
+        """Typical change of each coordinate: that which changes its value by `sizes`."""
         return np.where(self._logarithmic[self.free], 1.0, self.sizes[self.free])
 
     @property
     def sizes(self) -> Array:
-        """How large a change of each of all values is: its own size, or a little where it is 0."""
+        """Typical change of each of all values: its magnitude, or 1 if it is 0."""
         values = np.abs(np.array(self.values))
         sizes = np.where(values > 0.0, values, 1.0)
         sizes[:2] = np.maximum(values[:2], _NO_WALL)
@@ -166,20 +168,20 @@ class Model:
 
     @property
     def at_end(self) -> NDArray[np.bool_]:
-        """Which of all values stand at the end of their range, as does next to no wall."""
+        """Which of all values are at a bound of their range; practically no wall is one."""
         values, (low, high) = np.array(self.values), self.bounds
         little = 1e-6 * np.abs(values)
         little[:2] = _NO_WALL
         return np.asarray((values - low <= little) | (high - values <= little))
 
     def at(self, values: Any) -> 'Model':
-        """Take other values."""
+        """Return the model with other values."""
         return replace(self, values=tuple(float(value) for value in values))
 
     @property
     def bounds(self) -> tuple[Array, Array]:
-        """Ranges of all values: those of the parameters, none of the wall's below 0."""
-        # A wall that moves under a force has to have some mass.
+        """Ranges of all values: those of the parameters, the wall's from 0."""
+        # A wall driven by a force needs some mass.
         low = [0.0, 0.0, 1e-3 * self.nominal.environment.inertia][:self.base_count]
         high = [np.inf] * self.base_count
         for effect in self.effects:
@@ -189,7 +191,7 @@ class Model:
         return np.array(low), np.array(high)
 
     def made_effects(self) -> list[Effect]:
-        """Make the effects with their values, in the order of the registry."""
+        """Construct the effects with their values, in the order of the registry."""
         found = {}
         for name in self.effects:
             cls = EFFECTS[name]
@@ -197,7 +199,7 @@ class Model:
         return [found[name] for name in EFFECTS if name in found]
 
     def plausible(self) -> bool:
-        """Tell whether every effect's values are physics together."""
+        """Return whether the values of each effect are physically plausible together."""
         return all(type(effect).plausible(effect.values) for effect in self.made_effects())
 
     def laws(self) -> Laws:
@@ -209,13 +211,13 @@ class Model:
         chain = [effect for effect in effects if isinstance(effect, ForceSensorEffect)]
         return Laws(contact, chain, RobotLaw(robot.mass, robot.damping, robot.stiffness, effects))
 
-    def _replaces(self, what: str) -> bool:
+    def _replaces(self, flag: str) -> bool:
         contact = (EFFECTS[name] for name in self.effects)
-        return any(issubclass(c, ContactEffect) and getattr(c, what) for c in contact)
+        return any(issubclass(c, ContactEffect) and getattr(c, flag) for c in contact)
 
     @cached_property
     def free(self) -> NDArray[np.bool_]:
-        """Which values are fitted: not K_e or B_e where an effect takes their place."""
+        """Which values are fitted: not K_e or B_e if an effect replaces them."""
         free = np.ones(len(self.values), bool)
         free[0] = not self._replaces('replaces_stiffness')
         free[1] = not self._replaces('replaces_damping')

@@ -31,13 +31,13 @@ def force_noise(model: Model, observed: Observed) -> float:
     """
     Estimate the standard deviation of the force noise.
 
-    From free flight, each tenth of a second less its own line, so that bias, drift and the slow
-    force of a tool's mass do not count; else from fourth differences of the whole recording.
+    From free flight, each tenth of a second less its own line: bias, drift and the slow force of a
+    tool's mass do not count. Without free flight, from the top of the spectrum.
 
     Parameters
     ----------
     model : Model
-        Nominal: tells where the surface is.
+        Nominal: defines where the surface is.
     observed : Observed
         The recording.
 
@@ -63,7 +63,7 @@ def force_noise(model: Model, observed: Observed) -> float:
                 squares.append(float(np.sum((window - project @ window) ** 2)) / (span - 2))
         if len(squares) >= _LEAST_WINDOWS:
             # The median is that of a chi-square over its degrees of freedom (Wilson and
-            # Hilferty 1931), and does not see the windows in which something happened.
+            # Hilferty 1931); few windows with a disturbance do not change it.
             freedom = float(span - 2)
             bias = (1.0 - 2.0 / (9.0 * freedom)) ** 3
             return max(float(np.sqrt(np.median(squares) / bias)), least)
@@ -72,7 +72,7 @@ def force_noise(model: Model, observed: Observed) -> float:
 
 def motion_noise(model: Model, observed: Observed, force_noise: float) -> float:
     """
-    Give the standard deviation of the motion port's residual where the model is right.
+    Return the standard deviation of the motion error of a correct model.
 
     Parameters
     ----------

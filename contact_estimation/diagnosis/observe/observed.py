@@ -18,15 +18,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline
 
 from .observer import discretise, run
+from .signals import check_signals, Signals
 from .smoothing import differentiate, smooth_enough, white_noise_std
-from ...exceptions import RecordingError
 from ...physics.robot_law import RobotLaw
 from ...plant.between_samples import BETWEEN
 from ...plant.plant_parameters import PlantParameters
@@ -34,41 +33,14 @@ from ...plant.plant_parameters import PlantParameters
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
-LEAST_DURATION_S = 2.0
-
 START_S = 0.5
-"""In which a free run forgets that its initial state was not known."""
+"""Time in which a free run forgets its initial state, which is not known."""
 
 
-class Signals(NamedTuple):
-    """
-    What a recording holds, each signal with stamps of its own [s] from the first wrench.
-
-    Attributes
-    ----------
-    wrench_t, force : ndarray, shape (N,)
-        Measured F_e [N].
-    joint_t, position : ndarray, shape (J,)
-        x [m].
-    reference_t : ndarray, shape (R,)
-        Empty where there is no reference trajectory.
-    reference : ndarray, shape (4, R)
-        x_r [m], its rate [m/s] and acceleration [m/s^2], F_r [N]; no NaN.
-
-    """
-
-    wrench_t: Array
-    force: Array
-    joint_t: Array
-    position: Array
-    reference_t: Array
-    reference: Array
-
-
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Observed:
     """
-    A recording as the diagnosis sees it.
+    A recording on an even grid.
 
     Attributes
     ----------
@@ -77,7 +49,7 @@ class Observed:
     h : float
         Sample period [s].
     force : ndarray, shape (N,)
-        Measured F_e [N]; straight over dropped samples.
+        Measured F_e [N]; straight lines over dropped samples.
     measured : ndarray of bool, shape (N,)
         Where a force was measured.
     raw_position : ndarray, shape (N,)
@@ -89,11 +61,11 @@ class Observed:
     position_noise : float
         Standard deviation [m].
     jitter : float
-        By how much the stamps of the positions stray from an even beat, standard deviation [s].
+        Standard deviation of the stamps of the positions from an even grid [s].
     cutoff : float
         Of the smoothing [Hz].
     between : str
-        How the force that drives a wall goes on between its samples, see `BETWEEN`.
+        Course of the force that drives a wall between its samples, see `BETWEEN`.
 
     """
 
@@ -113,32 +85,32 @@ class Observed:
 
     @cached_property
     def driving(self) -> Array:
-        """The measured force whose straight lines move a wall without a robot, shape (N,) [N]."""
+        """Force whose straight lines move a wall without a robot, shape (N,) [N]."""
         return BETWEEN[self.between](self.force)
 
     @cached_property
     def nearest_line(self) -> Array:
-        """What takes a force over the motion to its slopes over v and x, shape (2, N)."""
+        """Map from a force to its slopes over v and x, shape (2, N)."""
         columns = np.array([self.v, self.x, np.ones(len(self.t))])
         return np.linalg.solve(columns @ columns.T, columns)[:2]
 
     def driven_by_force(self, nominal: PlantParameters) -> bool:
-        """Tell whether there is no robot, and a wall whose mass the measured force moves."""
+        """Return whether there is no robot, but a wall whose mass the measured force moves."""
         wall = nominal.environment
         return self.reference is None and not wall.unilateral and wall.inertia > 0.0
 
     def has_dynamics(self, nominal: PlantParameters) -> bool:
-        """Tell whether a model can be run free: from a reference, or a wall from its force."""
+        """Return whether a model can be run free: from a reference, or a wall from its force."""
         return self.reference is not None or self.driven_by_force(nominal)
 
     def reference_at(self, delay: float) -> Array:
         """
-        Give the reference as a robot that hears it late sees it.
+        Return the reference as it reaches a robot after a delay.
 
         Parameters
         ----------
         delay : float
-            Time by which it is late [s].
+            Delay [s].
 
         Returns
         -------
@@ -159,8 +131,9 @@ def observe(
     """
     Put a recording on the grid of its wrenches and smooth its motion.
 
-    What the model's robot (or, without one, its wall) does under the measured force is taken out
-    before smoothing and put back after: it has the sharp bends of impacts, what is left has not.
+    The motion of the model's robot (or, without one, its wall) under the measured force is
+    subtracted before smoothing and added after: it has the sharp bends of impacts, the difference
+    has not.
 
     Parameters
     ----------
@@ -182,10 +155,10 @@ def observe(
     Raises
     ------
     RecordingError
-        If there is too little of a signal, or one does not move.
+        If a signal is too short, not finite or constant.
 
     """
-    _check(signals)
+    check_signals(signals)
     span = float(signals.wrench_t[-1])
     # Step by step: the median of rounded or jittered stamps drifts off by whole samples.
     steps = np.diff(signals.wrench_t)
@@ -193,7 +166,7 @@ def observe(
     h = span / (count - 1)
     t: Array = np.asarray(h * np.arange(count), np.float64)
     force, measured = _on_grid(signals.wrench_t, signals.force, t, h)
-    position, seen = _on_grid(signals.joint_t, signals.position, t, h)
+    position, sampled = _on_grid(signals.joint_t, signals.position, t, h)
     with_robot = len(signals.reference_t) > 1 and model.environment.unilateral
     reference = None
     if with_robot:
@@ -206,11 +179,11 @@ def observe(
     # motion to better than a hundred thousandth, even without noise.
     left_raw = signals.position - np.interp(signals.joint_t, t, carried)
     noise = max(white_noise_std(left_raw), 1e-5 * float(np.ptp(position)))
-    weight = np.where(seen, 1.0, 1e-3)
+    weight = np.where(sampled, 1.0, 1e-3)
     left, cutoff = smooth_enough(position - carried, weight, h, noise)
     x, v, a = differentiate(carried + left, h)
     # A straight line over a dropped sample cuts the bend, and innovations would ring from it.
-    position = np.where(seen, position, x)
+    position = np.where(sampled, position, x)
     return Observed(t, h, force, measured, position, x, v, a, reference, noise, cutoff,
                     _jitter(signals.joint_t), between)
 
@@ -218,7 +191,7 @@ def observe(
 def _carried(
     model: PlantParameters, reference: Array | None, force: Array, position: Array, h: float
 ) -> Array:
-    """Let the nominal robot, or the permanently attached wall, follow the measured force."""
+    """Simulate the nominal robot, or an attached wall, under the measured force."""
     wall, robot = model.environment, model.robot
     if reference is not None:
         law = RobotLaw(robot.mass, robot.damping, robot.stiffness, ())
@@ -233,57 +206,33 @@ def _carried(
 
 
 def _jitter(stamps: Array) -> float:
-    """Measure how far stamps stray from their neighbours' middle; gaps do not count."""
-    strays = 0.5 * (stamps[2:] + stamps[:-2]) - stamps[1:-1]
+    """Measure the deviation of stamps from their neighbours' middle; gaps do not count."""
+    deviations = 0.5 * (stamps[2:] + stamps[:-2]) - stamps[1:-1]
     even = np.abs(np.diff(stamps, 2)) < 0.5 * float(np.median(np.diff(stamps)))
-    # A middle of two strays too: three independent ones have the variance 1 + 1/4 + 1/4.
-    return float(np.std(strays[even]) / np.sqrt(1.5)) if even.any() else 0.0
+    # The middle of two deviates too: the variances 1, 1/4 and 1/4 add up.
+    return float(np.std(deviations[even]) / np.sqrt(1.5)) if even.any() else 0.0
 
 
 def _on_grid(stamps: Array, values: Array, t: Array, h: float) -> tuple[Array, Flags]:
-    """Interpolate, and tell which grid points have a sample of their own."""
-    there = np.zeros(len(t), bool)
+    """Interpolate; return also which grid points have a sample of their own."""
+    sampled = np.zeros(len(t), bool)
     index = np.round(stamps / h).astype(int)
-    there[index[(index >= 0) & (index < len(t))]] = True
-    return np.interp(t, stamps, values), there
+    sampled[index[(index >= 0) & (index < len(t))]] = True
+    return np.interp(t, stamps, values), sampled
 
 
 def _reference_on_grid(stamps: Array, values: Array, t: Array) -> Array:
     """
-    Interpolate a reference: straight between samples, as robots do, but bent where some dropped.
+    Interpolate a reference: straight lines as in a robot, but splines over dropped samples.
 
-    The robot has seen those; position and velocity are followed with their recorded rates.
+    The robot has received those; position and velocity are interpolated with recorded rates.
     """
     reference = np.array([np.interp(t, stamps, row) for row in values])
     after = np.clip(np.searchsorted(stamps, t), 1, len(stamps) - 1)
     steps = np.diff(stamps)
     in_gap = steps[after - 1] > 1.5 * np.median(steps)
     for row in (0, 1):
-        if in_gap.any() and values[row + 1].any():  # rates of 0 throughout were not recorded
+        if in_gap.any() and values[row + 1].any():  # all rates 0: they were not recorded
             bent = CubicHermiteSpline(stamps, values[row], values[row + 1])
             reference[row, in_gap] = bent(t[in_gap])
     return reference
-
-
-def _check(signals: Signals) -> None:
-    for name, stamps in (('wrench', signals.wrench_t), ('joint_states', signals.joint_t)):
-        span = float(stamps[-1] - stamps[0]) if len(stamps) > 1 else 0.0
-        if span < LEAST_DURATION_S:
-            raise RecordingError(
-                f'{name} spans {span:.2f} s, expected at least {LEAST_DURATION_S:g} s; '
-                'record longer'
-            )
-    for name, values in (
-        ('wrench', signals.force), ('joint_states', signals.position),
-        ('reference_trajectory', signals.reference),
-    ):
-        if not np.isfinite(values).all():
-            raise RecordingError(
-                f'{name} must have finite values only, got NaN or infinity; leave such samples out'
-            )
-    for name, values in (('wrench', signals.force), ('joint_states', signals.position)):
-        if float(np.ptp(values)) == 0.0:
-            raise RecordingError(
-                f'{name} is constant at {values[0]:g}, expected a signal that changes; check '
-                'topic, axis and joint'
-            )

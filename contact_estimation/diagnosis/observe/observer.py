@@ -17,11 +17,12 @@ Second-order dynamics driven by a force, and the innovations of an observer of i
 
 A model's misfit in position, run free, keeps every error for as long as the dynamics remember it.
 The innovations x - x_predicted of an observer with cut-off omega_o forget it after 1 / omega_o,
-and stay white where the model is right.
+and are white if the model is correct.
 """
 
 from __future__ import annotations
 
+from functools import lru_cache
 from math import exp
 from typing import NamedTuple, Sequence
 
@@ -31,6 +32,9 @@ from scipy.linalg import expm
 from scipy.signal import lfilter
 
 Array = NDArray[np.float64]
+
+OBSERVER_CUTOFF = 50.0
+"""omega_o [rad/s]: errors in the time of an impact are forgotten within 40 ms."""
 
 
 class SecondOrder(NamedTuple):
@@ -44,7 +48,7 @@ class SecondOrder(NamedTuple):
     position, velocity : ndarray, shape (3,)
         Numerators.
     transition : ndarray, shape (2, 2)
-        What a sample period makes of position and velocity without a force.
+        Of position and velocity over a sample period without a force.
 
     """
 
@@ -54,6 +58,7 @@ class SecondOrder(NamedTuple):
     transition: Array
 
 
+@lru_cache(maxsize=64)
 def discretise(mass: float, damping: float, stiffness: float, h: float) -> SecondOrder:
     """
     Discretise with a first-order hold.
@@ -87,7 +92,7 @@ def discretise(mass: float, damping: float, stiffness: float, h: float) -> Secon
 
 def run(system: SecondOrder, force: Array, position: float, stiffness: float) -> Array:
     """
-    Let the dynamics run free from rest.
+    Simulate the dynamics from rest.
 
     Parameters
     ----------
@@ -96,7 +101,7 @@ def run(system: SecondOrder, force: Array, position: float, stiffness: float) ->
     force : ndarray, shape (N,)
         f [N].
     position : float
-        Where it rests at first [m].
+        Initial position [m].
     stiffness : float
         K [N/m]: f = K position holds it there.
 
@@ -112,7 +117,7 @@ def run(system: SecondOrder, force: Array, position: float, stiffness: float) ->
 
 def run_velocity(system: SecondOrder, force: Array, position: float, stiffness: float) -> Array:
     """
-    Let the dynamics run free from rest; parameters as `run`.
+    Simulate the dynamics from rest; parameters as `run`.
 
     Returns
     -------
@@ -125,7 +130,7 @@ def run_velocity(system: SecondOrder, force: Array, position: float, stiffness: 
 
 def coast(system: SecondOrder, count: int) -> Array:
     """
-    Let the dynamics move without a force.
+    Simulate the dynamics without a force.
 
     Parameters
     ----------
@@ -137,7 +142,7 @@ def coast(system: SecondOrder, count: int) -> Array:
     Returns
     -------
     motions : ndarray, shape (2, 2, N)
-        Position and velocity, from a position of 1 at first and from a velocity of 1.
+        Position and velocity, from an initial position of 1 and from a velocity of 1.
 
     """
     pulse = np.zeros(count)
@@ -153,7 +158,7 @@ def coast(system: SecondOrder, count: int) -> Array:
 
 def innovations(misfit: Array, system: SecondOrder, cutoff: float, h: float) -> Array:
     """
-    Turn the misfit of a free run into the innovations of an observer.
+    Filter the misfit of a free run to the innovations of an observer.
 
     Parameters
     ----------
@@ -181,7 +186,7 @@ def kalman_filter(
     weights: Sequence[float] = (1.0,),
 ) -> tuple[Array, float]:
     """
-    Design the stationary Kalman filter of dynamics that a noisy force drives.
+    Design the stationary Kalman filter of dynamics driven by a noisy force.
 
     With a and b the polynomials of the position's transfer function, the spectra of both noises
     add up to S |c|^2 = force_noise^2 |b|^2 + position_noise^2 |a|^2; the misfit of a free run
@@ -194,12 +199,12 @@ def kalman_filter(
     force_noise, position_noise : float
         Standard deviations of the white noise of both [N], [m].
     weights : sequence of float
-        With which W samples of the force's noise act at a time.
+        Of the W samples of force noise that act at a time.
 
     Returns
     -------
     denominator : ndarray, shape (W + 2,)
-        c; with a quiet force that of the system, so that innovations are the misfit itself.
+        c; that of the system for a force without noise: innovations are then the misfit itself.
     std : float
         Of the innovations, sqrt(S) [m].
 
@@ -208,7 +213,7 @@ def kalman_filter(
     a = np.pad(a, (0, len(b) - len(a)))
     spectrum = (force_noise**2 * np.correlate(b, b, 'full')
                 + position_noise**2 * np.correlate(a, a, 'full'))
-    if not np.isfinite(spectrum).all():  # a search far off the truth
+    if not np.isfinite(spectrum).all():  # values far from the optimum
         return a, np.inf
     roots = np.roots(spectrum)
     count = len(b) - 1

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Smooth motion from noisy positions, with as little bandwidth as it takes."""
+"""Smooth motion from noisy positions, with the least bandwidth that leaves only noise."""
 
 from __future__ import annotations
 
@@ -111,7 +111,7 @@ def white_noise_std(signal: Array) -> float:
     Returns
     -------
     std : float
-        In the signal's unit; few outliers such as impacts do not count.
+        In the signal's unit; robust to a few outliers such as impacts.
 
     """
     span = min(256, len(signal) // 4)
@@ -123,7 +123,7 @@ def white_noise_std(signal: Array) -> float:
 
 def smooth_enough(signal: Array, weight: Array, h: float, noise: float) -> tuple[Array, float]:
     """
-    Smooth with the lowest cut-off that leaves nothing but noise.
+    Smooth with the lowest cut-off whose residual is only noise.
 
     Parameters
     ----------
@@ -139,7 +139,7 @@ def smooth_enough(signal: Array, weight: Array, h: float, noise: float) -> tuple
     smoothed : ndarray, shape (N,)
         Without phase shift.
     cutoff : float
-        The one chosen [Hz].
+        Chosen from `CUTOFFS_HZ` [Hz].
 
     """
     measured = weight > 0.5

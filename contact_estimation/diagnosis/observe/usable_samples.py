@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Which samples of a recording a model can be held to, and how many make one residual."""
+"""Which samples of a recording count, and how many make one residual."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ from ...physics.physics import stretches
 Flags = NDArray[np.bool_]
 
 _DROP_S, _LEAST_DROPS = 0.5, 3
-_IMPACT_BEFORE, _IMPACT_AFTER = 2, 3  # samples around touch-down that no one can predict
+_IMPACT_BEFORE, _IMPACT_AFTER = 2, 3  # unpredictable samples around touch-down
 
 
 def usable(model: Model, observed: Observed) -> Flags:
     """
-    Tell which samples a model can be held to.
+    Find the samples that a model can be expected to predict.
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ def usable(model: Model, observed: Observed) -> Flags:
     Returns
     -------
     use : ndarray of bool, shape (N,)
-        False around touch-downs, whose instant within a sample nobody knows.
+        False around touch-downs, whose instant within a sample is unknown.
 
     """
     o = observed
@@ -51,7 +51,7 @@ def usable(model: Model, observed: Observed) -> Flags:
     use[:5] = use[-5:] = False
     law = model.laws().contact
     if not law.unilateral:
-        use[:round(START_S / o.h)] = False  # its state at first is not known
+        use[:round(START_S / o.h)] = False  # its initial state is unknown
     else:
         inside = law.contact(o.t, o.x, o.v)
         for first in np.flatnonzero(np.diff(inside.astype(int)) > 0).tolist():
@@ -61,7 +61,7 @@ def usable(model: Model, observed: Observed) -> Flags:
 
 def force_drops(observed: Observed, noise: float) -> Flags | None:
     """
-    Find where the force vanishes in the midst of a contact.
+    Find the samples at which the force vanishes during contact.
 
     Parameters
     ----------
@@ -73,17 +73,17 @@ def force_drops(observed: Observed, noise: float) -> Flags | None:
     Returns
     -------
     dropped : ndarray of bool, shape (N,), or None
-        No force, between samples of much force less than half a second apart; None where there
-        are fewer than three such drops.
+        No force between pressing samples less than half a second apart; None with fewer than
+        three such drops.
 
     """
     o = observed
     strong = max(20.0 * noise, 0.05 * float(np.max(np.abs(o.force))))
-    little, much = np.abs(o.force) < 5.0 * noise, o.force < -strong
+    weak, pressing = np.abs(o.force) < 5.0 * noise, o.force < -strong
     dropped, drops = np.zeros(len(o.t), bool), 0
-    for first, stop in stretches(little):
-        inside = little[first] and 0 < first and stop < len(o.t)
-        if inside and (stop - first) * o.h < _DROP_S and much[first - 1] and much[stop]:
+    for first, stop in stretches(weak):
+        inside = weak[first] and 0 < first and stop < len(o.t)
+        if inside and (stop - first) * o.h < _DROP_S and pressing[first - 1] and pressing[stop]:
             dropped[first:stop] = True
             drops += 1
     return dropped if drops >= _LEAST_DROPS else None

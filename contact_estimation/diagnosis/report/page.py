@@ -25,7 +25,7 @@ from .page_style import STYLE
 from .pictures import draw
 from .report import place_of, PORTS
 from .written_numbers import plain, with_std
-from ..conclude.finding import Diagnosis, Errors, NamedEffect
+from ..conclude.result import Diagnosis, Errors, NamedEffect
 from ...parameters.specification import specifications
 from ...physics import EFFECTS
 
@@ -236,14 +236,14 @@ def _located(d: Diagnosis) -> str:
         return ''
     return (f'<p class="warning">What no effect explains sits '
             f'{PORTS[d.location.port]}, {escape(place_of(d.location))}. It is '
-            f'{d.left:.3g} times the noise in mean square.</p>')
+            f'{d.residual_power:.3g} times the noise in mean square.</p>')
 
 
 def _shown(d: Diagnosis) -> str:
-    if len(d.ports) == 1:
+    if len(d.recordings) == 1:
         return ''
     return (f'<p class="muted">Shown is {escape(d.shown)}, the recording of '
-            f'{len(d.ports)} that the refitted model explains worst.</p>')
+            f'{len(d.recordings)} that the refitted model explains worst.</p>')
 
 
 def _values(d: Diagnosis) -> str:

@@ -23,7 +23,7 @@ import numpy as np
 
 from .seen import Before, held_out_spans, Seen, seen, Span
 from ..conclude.dependence import Dependence
-from ..conclude.finding import Diagnosis
+from ..conclude.result import Diagnosis
 from ...optional_packages import require_matplotlib
 
 _INK, _MUTED, _GRID = '#1f2933', '#9aa5b1', '#e4e7eb'
@@ -64,7 +64,7 @@ def draw(diagnosis: Diagnosis) -> dict[str, bytes]:
         'plane': _plane(pyplot, data),
         'evidence': _evidence(pyplot, diagnosis),
     }
-    depends = {name: [one for one in found if one.port == diagnosis.located_port]
+    depends = {name: [one for one in found if one.channel == diagnosis.located_channel]
                for name, found in diagnosis.dependences.items()}
     if all(depends.values()):
         figures['dependence'] = _dependence(pyplot, depends)

@@ -21,8 +21,8 @@ from typing import Any
 
 import yaml
 
-from ..conclude.finding import Diagnosis, Errors, NamedEffect, Value
 from ..conclude.location import Location
+from ..conclude.result import Diagnosis, Errors, NamedEffect, Value
 from ..fit.free_run import plant_of
 from ..observe.model import Model
 from ...parameters.values import flatten
@@ -84,12 +84,12 @@ def as_dict(diagnosis: Diagnosis, experiment_file: str | None = None) -> dict[st
                 for part in d.holdouts
             ],
             'force_between_samples': d.between_samples,
-            'left_over_noise': d.left,
+            'left_over_noise': d.residual_power,
             'left_predictable': d.predictable,
         },
         'evidence': d.evidence,
         'dependence': {
-            name: [{'port': one.port, 'on': one.on, 'share': one.share, 'chance': one.chance}
+            name: [{'port': one.channel, 'on': one.on, 'share': one.share, 'chance': one.chance}
                    for one in found]
             for name, found in d.dependences.items()
         },
@@ -150,7 +150,7 @@ def as_text(diagnosis: Diagnosis) -> str:
     if d.location is not None and (d.verdict == 'unexplained' or not d.effects):
         where = f'{PORTS[d.location.port]}, {place_of(d.location)}'
         lines += [f'What no effect explains sits {where}.']
-    if d.location is not None and len(d.ports) > 1:
+    if d.location is not None and len(d.recordings) > 1:
         lines += [f'Times are those of {d.shown}, the recording that is explained worst.']
     if d.location is not None:
         lines += _dependence_lines(d)
@@ -164,7 +164,7 @@ def _dependence_lines(d: Diagnosis) -> list[str]:
     """Say on what the rest depends before the correction, and after it."""
     said = []
     for name in d.pair:
-        tested = [one for one in d.dependences[name] if one.port == d.located_port]
+        tested = [one for one in d.dependences[name] if one.channel == d.located_channel]
         if not tested:
             return []  # the recording is too short to tell
         found = sorted((one for one in tested if one.is_real),
@@ -172,7 +172,7 @@ def _dependence_lines(d: Diagnosis) -> list[str]:
         said.append(', '.join(f'{one.on} ({100.0 * one.share:.0f} %)' for one in found)
                     or 'nothing beyond chance')
     before, after = d.pair
-    return [f'What the {before} model leaves in the {d.located_port} depends on {said[0]}; '
+    return [f'What the {before} model leaves in the {d.located_channel} depends on {said[0]}; '
             f'what the {after} one leaves, on {said[1]}.']
 
 

@@ -22,9 +22,10 @@ from typing import Mapping, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..conclude.finding import Diagnosis
+from ..conclude.result import Diagnosis
 from ..observe.model import Model
-from ..observe.ports import Ports
+from ..observe.prepared_recording import PreparedRecording
+from ..observe.residuals import force_residual, motion_residual
 from ..observe.usable_samples import usable
 
 Array = NDArray[np.float64]
@@ -152,78 +153,79 @@ def seen(diagnosis: Diagnosis) -> Seen:
         Of the recording that is shown.
 
     """
-    port, pair = diagnosis.ports[0], diagnosis.pair
+    recording, pair = diagnosis.recordings[0], diagnosis.pair
     names = tuple(dict.fromkeys(('nominal', *pair)))
     models: dict[str, Model] = {name: getattr(diagnosis, name) for name in names}
-    o = port.observed
-    left = {name: port.force_residual(model) for name, model in models.items()}
+    o = recording.observed
+    left = {name: force_residual(recording, model) for name, model in models.items()}
     force = Before('force [N]', o.force, {name: o.force - e for name, e in left.items()})
     position = None
     if diagnosis.free_runs:
         runs = {name: 1e3 * diagnosis.free_runs[name] for name in names}
         position = Before('position, free run [mm]', 1e3 * o.raw_position, runs)
-    in_motion = diagnosis.located_port == 'motion'
-    residuals = _residuals(port, models, left, in_motion)
+    in_motion = diagnosis.located_channel == 'motion'
+    residuals = _residuals(recording, models, left, in_motion)
     shown = residuals[-1 if in_motion else 0]
-    close_up = _close_up(port, shown.left[pair[0]])
+    close_up = _close_up(recording, shown.left[pair[0]])
     span = float(o.t[close_up.start]), float(o.t[close_up.stop - 1])
-    count = len(o.t) // port.block
-    block_t: Array = o.h * port.block * (0.5 + np.arange(count, dtype=np.float64))
-    plane = _plane(port, models[pair[-1]], shown, in_motion)
+    count = len(o.t) // recording.block
+    block_t: Array = o.h * recording.block * (0.5 + np.arange(count, dtype=np.float64))
+    plane = _plane(recording, models[pair[-1]], shown, in_motion)
     return Seen(pair, o.t, force, position, block_t, residuals, plane, close_up, span)
 
 
 def _residuals(
-    port: Ports, models: Mapping[str, Model], left: Mapping[str, Array], in_motion: bool
+    recording: PreparedRecording, models: Mapping[str, Model], left: Mapping[str, Array],
+    in_motion: bool,
 ) -> list[Left]:
-    noise = port.force_noise / sqrt(port.block)
-    rows = [Left('force left over [N]', {name: port.blocks(e) for name, e in left.items()},
-                 noise, not in_motion)] if not port.driven_by_force(models['nominal']) else []
-    motion = {name: port.motion_residual(model) for name, model in models.items()}
+    noise = recording.force_noise / sqrt(recording.block)
+    rows = [Left('force left over [N]', {name: recording.blocks(e) for name, e in left.items()},
+                 noise, not in_motion)] if not recording.driven_by_force(models['nominal']) else []
+    motion = {name: motion_residual(recording, model) for name, model in models.items()}
     innovations = {name: e for name, e in motion.items() if e is not None}
     if len(innovations) == len(models):
         # Innovations: what of the motion the model did not foresee at each instant.
         rows.append(Left(
             'motion left over [µm]',
-            {name: 1e6 * port.blocks(e) for name, e in innovations.items()},
-            1e6 * port.observed.position_noise / sqrt(port.block), in_motion,
+            {name: 1e6 * recording.blocks(e) for name, e in innovations.items()},
+            1e6 * recording.observed.position_noise / sqrt(recording.block), in_motion,
         ))
     return rows
 
 
-def _close_up(port: Ports, strongest: Array) -> slice:
+def _close_up(recording: PreparedRecording, strongest: Array) -> slice:
     """Choose the stretch with the most left over, the few samples of an impact set aside."""
-    o = port.observed
+    o = recording.observed
     swings = np.count_nonzero(np.diff(np.sign(o.x - np.median(o.x)))) / float(o.t[-1])  # [1/s]
     duration = min(_CLOSE_UP_S, _MOST_SWINGS / max(swings, 1e-9))
     span = min(len(o.t), max(2, round(duration / o.h)))
     bent = np.minimum(np.abs(strongest), np.percentile(np.abs(strongest), 99.0))
-    width = max(1, span // port.block)
+    width = max(1, span // recording.block)
     energy = np.convolve(bent**2, np.ones(width), mode='valid')
-    first = min(int(np.argmax(energy)) * port.block, len(o.t) - span)
+    first = min(int(np.argmax(energy)) * recording.block, len(o.t) - span)
     return slice(first, first + span)
 
 
-def _plane(port: Ports, model: Model, row: Left, in_motion: bool) -> Plane:
-    o, law = port.observed, model.laws().contact
-    x, v = (port.blocks(signal) for signal in (o.x - model.nominal.environment.location, o.v))
+def _plane(recording: PreparedRecording, model: Model, row: Left, in_motion: bool) -> Plane:
+    o, law = recording.observed, model.laws().contact
+    x, v = (recording.blocks(signal) for signal in (o.x - model.nominal.environment.location, o.v))
     use = np.ones(len(x), bool)
     label = 'position before and in the wall [mm]'
     if law.unilateral and not in_motion:
-        use = port.touching(model)
+        use = recording.touching(model)
         label = 'depth in the wall [mm]'
     if not law.unilateral:
         label = 'deflection [mm]'
-    use &= port.blocks(port.use.astype(float)) + _unused(port, model) > 0.5
+    use &= recording.blocks(recording.use.astype(float)) + _unused(recording, model) > 0.5
     some = np.flatnonzero(use)
     some = some[::max(1, len(some) // _MOST_DOTS)]
     left = {name: e[some] / row.noise for name, e in row.left.items()}
     return Plane('motion' if in_motion else 'force', label, x[some], v[some], left)
 
 
-def _unused(port: Ports, model: Model) -> Array:
+def _unused(recording: PreparedRecording, model: Model) -> Array:
     """Tell which blocks are held out, though any model could be held to them."""
-    return port.blocks((usable(model, port.observed) & ~port.use).astype(float))
+    return recording.blocks((usable(model, recording.observed) & ~recording.use).astype(float))
 
 
 def held_out_spans(diagnosis: Diagnosis) -> list[Span]:
@@ -241,9 +243,9 @@ def held_out_spans(diagnosis: Diagnosis) -> list[Span]:
         Times [s].
 
     """
-    port = diagnosis.ports[0]
-    o = port.observed
-    held = usable(diagnosis.nominal, o) & ~port.use
+    recording = diagnosis.recordings[0]
+    o = recording.observed
+    held = usable(diagnosis.nominal, o) & ~recording.use
     spans: list[Span] = []
     edges = np.flatnonzero(np.diff(held.astype(int), prepend=0, append=0))
     for first, stop in zip(edges[::2].tolist(), edges[1::2].tolist()):

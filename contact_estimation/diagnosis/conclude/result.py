@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What a diagnosis says: plain data that report, pictures and model files are made of."""
+"""The result of a diagnosis: plain data for report, figures and model files."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from .dependence import Dependence
 from .location import Location
 from ..observe.model import Model
-from ..observe.ports import Ports
+from ..observe.prepared_recording import Recordings
 
 Array = NDArray[np.float64]
 
@@ -37,7 +37,7 @@ class Value:
     Attributes
     ----------
     value, std : float
-        Standard deviation from residuals clustered in blocks of time.
+        Estimate, and its standard deviation for residuals correlated in time.
     unit : str
         SI.
 
@@ -51,20 +51,20 @@ class Value:
 @dataclass(frozen=True)
 class NamedEffect:
     """
-    An effect that was found.
+    An effect that the recordings ask for.
 
     Attributes
     ----------
     name, port, equation : str
         As in the registry.
     probability : float
-        Of this name among the rivals, given that one of them is true.
+        That this effect, and none of its rivals, is the right one; one of them is assumed to be.
     parameters : dict of str to Value
         Fitted.
     indistinguishable_from : list of str
-        Names that predict held-out data as well.
+        Effects that predict held-out data as well.
     location : Location
-        Where it was seen.
+        Of the misfit without it.
 
     """
 
@@ -85,7 +85,7 @@ class Errors:
     Attributes
     ----------
     nominal, recalibrated, corrected : float or None
-        None where there is nothing to compare.
+        None without held-out data.
 
     """
 
@@ -97,7 +97,7 @@ class Errors:
 @dataclass(frozen=True)
 class HeldOutErrors:
     """
-    Errors on one part that no fit has seen.
+    Errors on one held-out part.
 
     Attributes
     ----------
@@ -113,10 +113,10 @@ class HeldOutErrors:
     motion: Errors
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Diagnosis:
     """
-    The result.
+    The result of `diagnose`.
 
     Attributes
     ----------
@@ -125,7 +125,7 @@ class Diagnosis:
     effects : list of NamedEffect
         Strongest first.
     location : Location or None
-        Of what the recalibrated model leaves; None where that is noise.
+        Of the misfit of the recalibrated model; None if that is noise.
     nominal, recalibrated, corrected : Model
         The three models; the last with the effects.
     stiffness, damping : Value
@@ -139,23 +139,21 @@ class Diagnosis:
     holdouts : list of HeldOutErrors
         Part by part.
     next_experiment : str
-        What to run, in words; '' where nothing is open.
+        Recommendation; '' if no question is open.
     rivals : dict of str to Model
-        Models that the next experiment would tell from the corrected one, by effect.
+        Models that the next experiment would distinguish from the corrected one, by effect.
     evidence : dict of str to float
         Share of the misfit that each candidate alone explains, by name.
-    left : float
-        Mean square of what the corrected model leaves, in those of the noise.
+    residual_power : float
+        Mean square of the residuals of the corrected model, in that of the noise.
     predictable : float
-        Share of it that a flexible smoother predicts in blocks it has not seen.
+        Share of it that a flexible smoother predicts in blocks it was not fitted on.
     dependences : dict of str to list of Dependence
-        On what the residuals of the shown recording depend, for each model of `pair`.
-    shown : str
-        Name of the recording that is located and shown: the worst.
-    ports : list of Ports
-        The recordings, for pictures, the shown one first.
+        Of the residuals of the shown recording, for each model of `pair`.
+    recordings : list of PreparedRecording
+        As fitted; the first has the largest misfit, is located and shown.
     free_runs : dict of str to ndarray
-        Positions of its free runs, by model.
+        Positions of the free runs of the shown recording, by model.
 
     """
 
@@ -175,34 +173,39 @@ class Diagnosis:
     next_experiment: str
     rivals: dict[str, Model]
     evidence: dict[str, float]
-    left: float
+    residual_power: float
     predictable: float
     dependences: dict[str, list[Dependence]] = field(repr=False)
-    shown: str
-    ports: list[Ports] = field(repr=False)
+    recordings: Recordings = field(repr=False)
     free_runs: dict[str, Array] = field(repr=False)
 
     @property
+    def shown(self) -> str:
+        """Name of the recording that is located and shown."""
+        return self.recordings[0].name
+
+    @property
     def pair(self) -> tuple[str, str]:
-        """The models to be compared: before and after what the diagnosis changes."""
+        """The models to compare: before and after the correction."""
         return pair_of(bool(self.effects))
 
     @property
-    def located_port(self) -> str:
-        """The port that shows the mismatch: 'motion' or 'force'."""
-        in_motion = self.location is not None and self.location.port == 'robot'
-        return 'motion' if in_motion or self.ports[0].driven_by_force(self.nominal) else 'force'
+    def located_channel(self) -> str:
+        """The channel that shows the mismatch: 'motion' or 'force'."""
+        in_robot = self.location is not None and self.location.port == 'robot'
+        driven = self.recordings[0].driven_by_force(self.nominal)
+        return 'motion' if in_robot or driven else 'force'
 
     @property
     def between_samples(self) -> str | None:
-        """How the force that drives a wall goes on between samples; None with a robot."""
-        driven = self.ports[0].driven_by_force(self.nominal)
-        return self.ports[0].observed.between if driven else None
+        """Course of the force that drives a wall between samples; None with a robot."""
+        shown = self.recordings[0]
+        return shown.observed.between if shown.driven_by_force(self.nominal) else None
 
 
 def pair_of(with_effects: bool) -> tuple[str, str]:
     """
-    Tell which models a diagnosis compares.
+    Return which models a diagnosis compares.
 
     Parameters
     ----------

@@ -12,15 +12,13 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The message library of a running ROS node, for the decoders and encoders."""
+"""Message classes by type name."""
 
 from __future__ import annotations
 
 from functools import lru_cache
 from importlib import import_module
-from typing import Any, Sequence
-
-from rclpy.serialization import deserialize_message, serialize_message
+from typing import Any
 
 
 @lru_cache(maxsize=None)
@@ -41,23 +39,3 @@ def message_class(type_name: str) -> Any:
     """
     package, kind, name = type_name.split('/')
     return getattr(import_module(f'{package}.{kind}'), name)
-
-
-class RclpyCodec:
-    """`messages.codec.Codec` with rclpy's own serialisation."""
-
-    def serialize(self, message: Any, type_name: str) -> bytes:
-        """Return the CDR of a message with its encapsulation header."""
-        return bytes(serialize_message(message))
-
-    def deserialize(self, data: bytes, type_name: str) -> Any:
-        """Return the message of a CDR."""
-        return deserialize_message(data, message_class(type_name))
-
-    def new(self, type_name: str) -> Any:
-        """Return a message with default values."""
-        return message_class(type_name)()
-
-    def floats(self, values: Sequence[float]) -> Any:
-        """Return numbers as a float64 sequence field requires."""
-        return [float(value) for value in values]

@@ -1,0 +1,188 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The decision: which effects are named, and whether something remains unexplained."""
+
+from __future__ import annotations
+
+from typing import NamedTuple, Sequence
+
+import numpy as np
+
+from ..fit.criteria import explained_share, noise_scale, THRESHOLD
+from ..fit.fitting import Fit, fit
+from ..fit.flexible import autocorrelation, predictable_share
+from ..fit.output_error import refine, runs_true
+from ..fit.search import Progress
+from ..fit.selection import Selection
+from ..fit.uncertainty import standard_deviations
+from ..observe.model import Model, names_of
+from ..observe.prepared_recording import Recordings
+from ..observe.residuals import residuals
+from ...physics import EFFECTS
+
+LEFT = 0.5
+"""Mean square of the residuals beyond that of the noise, from which on something is missing."""
+
+EXPLAINED = 0.9
+"""Least share of the misfit that effects must explain to be named at all."""
+
+FULLY = 0.97
+"""Share of the misfit from which on the rest is the method's own error."""
+
+_PREDICTABLE = 0.1  # share of the residual that a smoother predicts: structure, not noise
+_SIGNIFICANT = 3.0  # standard deviations
+_HELD_OUT_POWER = 2.0  # mean square of held-out residuals, in that of the noise, of a wrong model
+_HELD_OUT_EXPLAINED = 0.5  # least share of the held-out misfit that names must explain
+_AUTOCORRELATION = 0.25  # of neighbouring residuals: structure that no smoother predicts
+
+
+class Decision(NamedTuple):
+    """
+    What to say of a selection.
+
+    Attributes
+    ----------
+    best : Fit
+        The model with the effects that are named; the recalibrated one if none is.
+    unexplained : bool
+        Whether something is missing beside them.
+    predictable : float
+        Share of the residuals that a flexible smoother predicts in blocks it was not fitted on.
+
+    """
+
+    best: Fit
+    unexplained: bool
+    predictable: float
+
+
+def decide(
+    selection: Selection, recordings: Recordings, whole: Recordings, odd_robot: bool,
+    progress: Progress,
+) -> Decision:
+    """
+    Decide which effects are named and whether something remains unexplained.
+
+    Parameters
+    ----------
+    selection : Selection
+        Of the effects.
+    recordings : sequence of PreparedRecording
+        As fitted.
+    whole : sequence of PreparedRecording
+        The same with their held-out parts.
+    odd_robot : bool
+        Whether the motion was taken for noise, because no effect explains it.
+    progress : callable
+        Called with a description of each stage.
+
+    Returns
+    -------
+    decision : Decision
+        Names and whether they suffice.
+
+    """
+    best, base = selection.best, selection.base
+    named, releases = bool(best.model.effects), _releases_contact(recordings, best.model)
+    with_robot = recordings[0].observed.reference is not None
+    explained = explained_share(base.cost, best.cost, base.residual_count)
+    predictable, unexplained = 0.0, False
+    if best.cost > (1.0 + LEFT) * base.residual_count:
+        progress('structure of the residuals')
+        predictable = max(predictable_share(one, best.model) for one in recordings)
+        structured = predictable > _PREDICTABLE or _AUTOCORRELATION < max(
+            autocorrelation(one, best.model) for one in recordings)
+        # A real wall that a force drives is measured to more digits than laws hold.
+        unexplained = structured and (with_robot or not named or explained < FULLY)
+    if named and releases:
+        unexplained = False  # the rest is the instant, within a sample, of the release
+    elif named and with_robot:
+        powers = _held_out_powers(whole, best.model)
+        unexplained = unexplained or _is_wrong(powers)
+        # Where a robot sticks, velocities are not known well enough for the residuals.
+        unexplained = unexplained and not runs_true(whole, refine(recordings, best)[1].model)
+        if any(after > _HELD_OUT_POWER
+               and explained_share(before, after, 1.0) < _HELD_OUT_EXPLAINED
+               for before, after in zip(_held_out_powers(whole, base.model), powers)):
+            explained = 0.0
+    if named and unexplained and explained < EXPLAINED:
+        best = base  # a false name is worse than no name
+    best = _significant(recordings, best)
+    if not best.model.effects:
+        unexplained = unexplained or _is_wrong(_held_out_powers(whole, best.model))
+    return Decision(best, unexplained or (odd_robot and not releases), predictable)
+
+
+def verdict_of(decision: Decision, base: Fit, nominal_cost: float) -> str:
+    """
+    Return the verdict.
+
+    Parameters
+    ----------
+    decision : Decision
+        On the names.
+    base : Fit
+        Recalibrated model.
+    nominal_cost : float
+        Of the nominal model.
+
+    Returns
+    -------
+    verdict : str
+        'consistent', 'recalibrate', 'physics_missing' or 'unexplained'.
+
+    """
+    if decision.unexplained:
+        return 'unexplained'
+    if decision.best.model.effects:
+        return 'physics_missing'
+    least = THRESHOLD * base.residual_count * noise_scale(base)
+    return 'consistent' if nominal_cost - base.cost < least else 'recalibrate'
+
+
+def _is_wrong(held_out_powers: Sequence[float]) -> bool:
+    return any(power > _HELD_OUT_POWER for power in held_out_powers)
+
+
+def _held_out_powers(whole: Recordings, model: Model) -> list[float]:
+    """Return the mean square residual in each channel of each held-out part."""
+    powers: list[float] = []
+    for recording in whole:
+        if recording.held_out is None:
+            continue
+        held_out = (recording.held_out.samples & recording.use).astype(float)
+        there = recording.blocks(held_out) > 0.5
+        parts = recording.split(residuals(recording, model))[:, there]
+        powers += np.mean(parts**2, axis=1).tolist() if there.any() else []
+    return powers
+
+
+def _releases_contact(recordings: Recordings, model: Model) -> bool:
+    """Return whether the force vanishes during contacts and an effect of the model does so."""
+    effects = [getattr(EFFECTS[name], 'lets_go', False) for name in model.effects]
+    return any(effects) and all(recording.dropped is not None for recording in recordings)
+
+
+def _significant(recordings: Recordings, best: Fit) -> Fit:
+    """Drop effects of which no parameter differs significantly from that of no effect."""
+    stds = standard_deviations(recordings, best)
+    for name in best.model.effects:
+        place, neutral = best.model.place(name), EFFECTS[name].neutral
+        away = [abs(value - neutral.get(parameter, 0.0)) > _SIGNIFICANT * std
+                for parameter, value, std in zip(
+                    names_of(name), best.model.values[place], stds[place])]
+        if not any(away):
+            return _significant(recordings, fit(recordings, best.model.without(name)))
+    return best

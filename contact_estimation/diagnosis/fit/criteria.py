@@ -1,0 +1,107 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""When an effect is worth its parameters; thresholds calibrated on worlds without effects."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .fitting import Fit
+from ..observe.model import Model
+
+THRESHOLD = 0.1
+"""Least gain of an effect, as a share of the number of residuals: calibrated false alarms."""
+
+PRICE = 25.0
+"""Cost of a further parameter; BIC would ask 8, but the laws are nested."""
+
+SHARE = 0.3
+"""Least share of the misfit above the noise that a further effect must explain."""
+
+
+def noise_scale(found: Fit) -> float:
+    """
+    Return the variance of the residuals in that of the noise, at least 1.
+
+    Parameters
+    ----------
+    found : Fit
+        The best known.
+
+    Returns
+    -------
+    scale : float
+        Variance.
+
+    """
+    return max(1.0, found.cost / found.residual_count)
+
+
+def penalty(model: Model) -> float:
+    """
+    Price the free parameters of the effects.
+
+    Parameters
+    ----------
+    model : Model
+        With effects.
+
+    Returns
+    -------
+    penalty : float
+        In units of cost for residuals of variance 1.
+
+    """
+    return PRICE * float(np.count_nonzero(model.free) - model.base_count)
+
+
+def enough(before: Fit, after: Fit) -> bool:
+    """
+    Return whether a further effect is worth its parameters.
+
+    Parameters
+    ----------
+    before, after : Fit
+        Without and with it.
+
+    Returns
+    -------
+    enough : bool
+        The gain is significant and a fair share of the unexplained misfit.
+
+    """
+    gain, count = before.cost - after.cost, after.residual_count
+    excess = max(before.cost - count, 0.0)
+    least = noise_scale(after) * (
+        THRESHOLD * count + penalty(after.model) - penalty(before.model))
+    return gain > least and gain > SHARE * excess
+
+
+def explained_share(before: float, after: float, noise: float) -> float:
+    """
+    Return the share of a misfit above the noise that a model explains.
+
+    Parameters
+    ----------
+    before, after, noise : float
+        Costs or mean squares: without the model, with it, of the noise.
+
+    Returns
+    -------
+    share : float
+        1 where there was no misfit.
+
+    """
+    return 1.0 - (after - noise) / (before - noise) if before > noise else 1.0

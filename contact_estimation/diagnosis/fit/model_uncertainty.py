@@ -1,0 +1,125 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The model uncertainty: parameters known only within a tolerance, not to be named as physics."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import median_filter
+
+from ..observe.discount import Discount
+from ..observe.model import Model
+from ..observe.observer import OBSERVER_CUTOFF
+from ..observe.prepared_recording import PreparedRecording
+from ..observe.residuals import residuals, response_to
+
+Array = NDArray[np.float64]
+
+UNCERTAINTIES = (
+    ('impedance_mismatch', (1.0, 1.0, 1.002)),
+    ('command_delay', (3e-5,)),
+    ('force_delay', (3e-5,)),
+)
+"""Effects at one standard deviation: M_t is known to 0.2 %, stamps to 0.03 ms."""
+
+_MOST_STEPS = 200
+_LEAST_STEP = 0.1  # standard deviations of the motion
+_STANDS_OUT = 10.0  # times the median: else it is not a step
+_AROUND = 5  # samples among which it stands out
+_UNIFORM = 1.0 / sqrt(12.0)  # standard deviation of an instant within a sample
+
+
+def discounted(recording: PreparedRecording, model: Model) -> PreparedRecording:
+    """
+    Return a recording whose residuals discount the model uncertainty.
+
+    Beside `UNCERTAINTIES` these are the instant, within a sample, at which the reference steps,
+    and whether the robot holds the desired acceleration between samples or interpolates it.
+
+    Parameters
+    ----------
+    recording : PreparedRecording
+        Its present discount, if any, is replaced.
+    model : Model
+        Fitted, at which the derivatives are taken.
+
+    Returns
+    -------
+    recording : PreparedRecording
+        Without a discount for a wall driven by a force: its whole motion determines when the
+        force arrived and what it was between samples.
+
+    """
+    recording = replace(recording, discount=None)
+    if recording.driven_by_force(model):
+        return recording
+    here = residuals(recording, model, robust=False)
+    robot = recording.observed.reference is not None
+    columns = [
+        residuals(recording, model.with_effect(name, values), robust=False) - here
+        for name, values in UNCERTAINTIES
+        if name not in model.effects and (robot or name == 'force_delay')
+    ]
+    if robot:
+        responses = (_held_acceleration(recording, model),
+                     *_steps_of_reference(recording, model))
+        columns += [_of_motion(recording, innovations) for innovations in responses]
+    return replace(recording, discount=Discount.of(np.array(columns).T))
+
+
+def _of_motion(recording: PreparedRecording, innovations: Array) -> Array:
+    """Return the residuals of innovations in the motion alone."""
+    motion = recording.motion.average(innovations)
+    return np.concatenate((np.zeros(len(motion)), motion))
+
+
+def _response(recording: PreparedRecording, push: Array, model: Model) -> Array:
+    innovations = response_to(recording, push, model)
+    assert innovations is not None
+    return innovations
+
+
+def _held_acceleration(recording: PreparedRecording, model: Model) -> Array:
+    """Return the innovations if the robot holds the desired acceleration over each sample."""
+    reference, mass = recording.observed.reference, model.laws().robot.mass
+    assert reference is not None
+    return _response(recording, -0.5 * mass * np.gradient(reference[2]), model)
+
+
+def _steps_of_reference(recording: PreparedRecording, model: Model) -> list[Array]:
+    """Return the innovations if a step of the reference comes a fraction of a sample off."""
+    o, robot = recording.observed, model.laws().robot
+    assert o.reference is not None
+    x_r, v_r, a_r = o.reference[:3]
+    pushes = np.diff(robot.mass * a_r + robot.damping * v_r + robot.stiffness * x_r)
+    jumps = pushes - median_filter(pushes, _AROUND)
+    size = np.abs(jumps) * o.h  # impulse of a whole sample [N s]
+    least = max(_LEAST_STEP * recording.motion.noise * OBSERVER_CUTOFF * robot.mass,
+                _STANDS_OUT * float(np.median(size)))
+    steps = np.argsort(-size)[:_MOST_STEPS]
+    pulse = np.zeros(len(o.t))
+    pulse[0] = 1.0
+    response = _response(recording, pulse, model)
+    responses = []
+    for k in steps[size[steps] > least].tolist():
+        for first in (k, k + 1):  # two pulses span its possible courses within the sample
+            moved = np.zeros(len(o.t))
+            moved[first:] = response[:len(o.t) - first] * jumps[k] * _UNIFORM
+            responses.append(moved)
+    return responses

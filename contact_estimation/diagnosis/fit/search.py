@@ -1,0 +1,112 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The search for one more effect: every candidate is fitted beside those of the model."""
+
+from __future__ import annotations
+
+from typing import Callable, Sequence
+
+from .criteria import noise_scale, penalty
+from .fitting import cost_of, Fit, fit, fit_to_end, step
+from .scales import measure_scales
+from ..observe.model import Model
+from ..observe.prepared_recording import Recordings
+from ...physics import EFFECTS
+from ...physics.physics import RobotEffect
+
+_FOLLOWED, _TO_END = 6, 2  # candidates that are refined, and those of them fitted to the end
+_FAR = 2.0  # times the noise: power of the residuals
+
+Progress = Callable[[str], None]
+
+
+def candidates_for(model: Model, with_robot: bool) -> list[str]:
+    """
+    List the effects that may be added.
+
+    Parameters
+    ----------
+    model : Model
+        Its effects are no candidates.
+    with_robot : bool
+        Whether robot effects are.
+
+    Returns
+    -------
+    names : list of str
+        In the order of the registry; effects of touching only for a unilateral wall.
+
+    """
+    wall = model.nominal.environment
+    return [
+        name for name, cls in EFFECTS.items()
+        if name not in model.effects
+        and (with_robot or not issubclass(cls, RobotEffect))
+        and (wall.unilateral or not cls.needs_touch)
+        and not (name == 'environment_inertia' and model.with_inertia)
+    ]
+
+
+def search(
+    recordings: Recordings, base: Fit, names: Sequence[str], progress: Progress
+) -> list[Fit]:
+    """
+    Fit each candidate beside the effects of a model.
+
+    Parameters
+    ----------
+    recordings : sequence of PreparedRecording
+        Fitted together.
+    base : Fit
+        Without the candidates.
+    names : sequence of str
+        Candidates.
+    progress : callable
+        Called with the name of each.
+
+    Returns
+    -------
+    fits : list of Fit
+        Plausible ones, best first by penalised cost; the best few are fitted to the end.
+
+    """
+    scales = measure_scales(recordings, base)
+    started: list[Fit] = []
+    for name in names:
+        progress(name)
+        starts = [base.model.with_effect(name, values) for values in EFFECTS[name].starts(scales)]
+        started.append(fit(recordings, _best_start(recordings, starts), steps=4))
+    started.sort(key=lambda found: found.cost + penalty(found.model))
+    fits = [fit(recordings, found.model, steps=8) for found in started[:_FOLLOWED]]
+    fits.sort(key=lambda found: found.cost)
+    fits[:_TO_END] = [fit_to_end(recordings, found) for found in fits[:_TO_END]]
+    fits = [found for found in fits + started[_FOLLOWED:] if found.model.plausible()]
+    scale = noise_scale(min(fits, key=lambda found: found.cost)) if fits else 1.0
+    return sorted(fits, key=lambda found: found.cost + scale * penalty(found.model))
+
+
+def _best_start(recordings: Recordings, starts: Sequence[Model]) -> Model:
+    """Return the best model one step from the starts."""
+    steps = [step(recordings, model) for model in starts]
+    best = min(range(len(steps)), key=lambda k: steps[k][0])
+    near = steps[best][1]
+    driven = all(recording.driven_by_force(near) for recording in recordings)
+    count = sum(recording.residual_count for recording in recordings)
+    if not driven or cost_of(recordings, near) < _FAR * count:
+        return near
+    # Far from the optimum the memory of a resonant wall misleads the search, and one step is too
+    # long for a strongly nonlinear law.
+    brief = fit(recordings, starts[best], steps=8, briefly=True).model
+    return min((*starts, near, brief), key=lambda model: cost_of(recordings, model))

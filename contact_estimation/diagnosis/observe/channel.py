@@ -1,0 +1,102 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""A measured and predicted signal: its noise, and the samples that count, block by block."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class Channel:
+    """
+    How the errors of one signal, force or motion, become residuals.
+
+    Attributes
+    ----------
+    noise : float
+        Standard deviation of the error of a correct model, a sample [N] or [m].
+    spread : ndarray, shape (N,)
+        Factor by which jitter of the stamps widens the noise of each sample.
+    use : ndarray of bool, shape (N,)
+        Samples that count.
+    block : int
+        Samples averaged to one residual.
+
+    """
+
+    noise: float
+    spread: Array
+    use: Flags
+    block: int
+
+    @cached_property
+    def counts(self) -> Array:
+        """Samples that count in each block, shape (blocks,)."""
+        return sum_blocks(self.use.astype(float), self.block)
+
+    @cached_property
+    def filled(self) -> Flags:
+        """Blocks with samples that count, shape (blocks,); the residual is 0 elsewhere."""
+        return self.counts > 0.0
+
+    @cached_property
+    def _block_noise(self) -> Array:
+        return self.noise * np.sqrt(np.maximum(self.counts, 1.0))
+
+    def average(self, error: Array) -> Array:
+        """
+        Average an error over blocks.
+
+        Parameters
+        ----------
+        error : ndarray, shape (N,)
+            Measured less predicted, in the unit of the noise.
+
+        Returns
+        -------
+        averaged : ndarray, shape (blocks,)
+            In standard deviations of a block's mean; 0 for empty blocks.
+
+        """
+        return sum_blocks(error / self.spread * self.use, self.block) / self._block_noise
+
+
+def sum_blocks(signal: Array, block: int) -> Array:
+    """
+    Sum a signal over blocks; an incomplete last block is left out.
+
+    Parameters
+    ----------
+    signal : ndarray, shape (N,)
+        Any.
+    block : int
+        Samples in a block.
+
+    Returns
+    -------
+    sums : ndarray, shape (N // block,)
+        In the signal's unit.
+
+    """
+    count = len(signal) // block
+    return np.asarray(signal[:count * block].reshape(count, block).sum(axis=1))

@@ -1,0 +1,78 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Residual directions that model uncertainty could explain, weighed down."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Discount:
+    """
+    The whitening of residuals r with covariance I + C C^T, C the columns given to `of`.
+
+    Attributes
+    ----------
+    directions : ndarray, shape (R, C)
+        Orthonormal.
+    shares : ndarray, shape (C,)
+        The part of the residuals along each direction that is taken away, 0 to 1.
+
+    """
+
+    directions: Array
+    shares: Array
+
+    @classmethod
+    def of(cls, columns: Array) -> 'Discount':
+        """
+        Discount what uncertain parameters could explain.
+
+        Parameters
+        ----------
+        columns : ndarray, shape (R, C)
+            Change of the residuals by one standard deviation of each uncertain parameter.
+
+        Returns
+        -------
+        discount : Discount
+            By the singular value decomposition of the columns.
+
+        """
+        directions, sizes, _ = np.linalg.svd(columns, full_matrices=False)
+        return cls(directions, 1.0 - 1.0 / np.sqrt(1.0 + sizes**2))
+
+    def apply(self, residuals: Array) -> Array:
+        """
+        Whiten residuals.
+
+        Parameters
+        ----------
+        residuals : ndarray, shape (R,)
+            In standard deviations of the sensor noise.
+
+        Returns
+        -------
+        whitened : ndarray, shape (R,)
+            Never larger in norm.
+
+        """
+        return residuals - self.directions @ (self.shares * (self.directions.T @ residuals))

@@ -1,0 +1,293 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""A recording that is ready to be fitted: smoothed, its noise known, a part held out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .channel import Channel, sum_blocks
+from .discount import Discount
+from .episodes import HeldOut, hold_out, require_contact
+from .model import Model
+from .noise import force_noise, motion_noise
+from .observed import observe, Observed
+from .observer import discretise, OBSERVER_CUTOFF, SecondOrder
+from .signals import Recording
+from .usable_samples import default_block, force_drops, usable
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+_SLOPE_S = 0.02  # over which the rate of the force is averaged
+_FORGOTTEN = 4.0  # times 1 / omega_o: the observer has forgotten an error
+
+
+@dataclass(frozen=True, eq=False)
+class PreparedRecording:
+    """
+    Everything but the model that residuals depend on, see `residuals`.
+
+    Attributes
+    ----------
+    name : str
+        That of the recording.
+    observed : Observed
+        Force and motion on an even grid.
+    force_noise, motion_noise : float
+        Standard deviations of the errors of a correct model, a sample [N], [m].
+    use : ndarray of bool, shape (N,)
+        Samples that count.
+    block : int
+        Samples averaged to one residual.
+    held_out : HeldOut or None
+        The part excluded from fitting; None where all is fitted.
+    dropped : ndarray of bool, shape (N,), or None
+        Samples at which the force vanished during contact, see `force_drops`. A model without an
+        effect that releases the contact is charged for each of them.
+    observer : SecondOrder or None
+        Robot dynamics that whiten the motion: the nominal ones for all models, or their residuals
+        could not be compared. None without a robot.
+    discount : Discount or None
+        Directions weighed down for model uncertainty; None as long as they are not known.
+    motion_misfit : float
+        Factor by which the motion is trusted less than its noise allows, see `trust_motion_less`.
+    picard_rounds : int
+        Of Picard's iteration for a wall without a robot; 1: effects at the measured motion.
+
+    """
+
+    name: str
+    observed: Observed
+    force_noise: float
+    motion_noise: float
+    use: Flags
+    block: int
+    held_out: HeldOut | None = None
+    dropped: Flags | None = None
+    observer: SecondOrder | None = None
+    discount: Discount | None = None
+    motion_misfit: float = 1.0
+    picard_rounds: int = 1
+
+    @classmethod
+    def of(
+        cls, name: str, observed: Observed, model: Model, held_out: HeldOut | None = None
+    ) -> 'PreparedRecording':
+        """
+        Measure the noise of a smoothed recording and choose the samples that count.
+
+        Parameters
+        ----------
+        name : str
+            For texts.
+        observed : Observed
+            The recording.
+        model : Model
+            Nominal.
+        held_out : HeldOut, optional
+            The part excluded from fitting.
+
+        Returns
+        -------
+        prepared : PreparedRecording
+            Without a discount.
+
+        """
+        o, use = observed, usable(model, observed)
+        if held_out is not None:
+            use = use & ~held_out.samples
+        noise = force_noise(model, o)
+        return cls(
+            name, o, noise, motion_noise(model, o, noise), use, default_block(o), held_out,
+            dropped=force_drops(o, noise) if model.nominal.environment.unilateral else None,
+            observer=nominal_observer(model, o),
+        )
+
+    @cached_property
+    def force(self) -> Channel:
+        """The force channel: samples with a measured force, none at the edges of drops."""
+        o = self.observed
+        use = self.use & o.measured
+        if self.dropped is not None:  # the instant of release within a sample is unknown
+            use = use.copy()
+            for edge in _edges(self.dropped):
+                use[max(0, edge - 1):edge + 3] = False
+        rate = np.gradient(o.force, o.h) if o.jitter * o.h > 0.0 else np.zeros(len(o.t))
+        span = max(1, round(_SLOPE_S / o.h))
+        slope = np.convolve(rate, np.ones(span) / span, mode='same')
+        spread = np.hypot(1.0, slope * o.jitter / self.force_noise)
+        return Channel(self.force_noise, spread, use, self.block)
+
+    @cached_property
+    def motion(self) -> Channel:
+        """The motion channel: innovations of the position."""
+        o, use = self.observed, self.use
+        if self.dropped is not None:
+            use = use.copy()
+            for edge in _edges(self.dropped):
+                use[edge:edge + round(_FORGOTTEN / (OBSERVER_CUTOFF * o.h))] = False
+        spread = np.hypot(1.0, o.v * o.jitter / self.motion_noise)
+        return Channel(self.motion_noise * self.motion_misfit, spread, use, self.block)
+
+    @property
+    def residual_count(self) -> int:
+        """Number of residuals that are not empty."""
+        both = self.observed.reference is not None
+        channels = (self.force, self.motion) if both else (self.force,)
+        return sum(int(np.count_nonzero(channel.filled)) for channel in channels)
+
+    @property
+    def block_count(self) -> int:
+        """Number of blocks."""
+        return len(self.observed.t) // self.block
+
+    @property
+    def block_s(self) -> float:
+        """Duration of a block [s]."""
+        return self.observed.h * self.block
+
+    def driven_by_force(self, model: Model) -> bool:
+        """Return whether there is no robot, but a wall whose mass the measured force moves."""
+        return self.observed.driven_by_force(model.nominal)
+
+    def with_force_between_samples(self, between: str, model: Model) -> 'PreparedRecording':
+        """Return the recording with another course of the force between samples, `BETWEEN`."""
+        observed = replace(self.observed, between=between)
+        noise = motion_noise(model, observed, self.force_noise)
+        return replace(self, observed=observed, motion_noise=noise, discount=None)
+
+    def whole(self, model: Model) -> 'PreparedRecording':
+        """
+        Return the recording with its held-out part among the samples that count.
+
+        Parameters
+        ----------
+        model : Model
+            Defines where the surface is.
+
+        Returns
+        -------
+        whole : PreparedRecording
+            Without a discount: that was of the other samples.
+
+        """
+        return replace(self, use=usable(model, self.observed), discount=None)
+
+    def split(self, residuals: Array) -> Array:
+        """
+        Split stacked residuals into channels.
+
+        Parameters
+        ----------
+        residuals : ndarray, shape (R,)
+            Of `residuals`.
+
+        Returns
+        -------
+        parts : ndarray, shape (channels, blocks)
+            Of the force, unless it drives the wall; of the motion, where there is one.
+
+        """
+        return residuals.reshape(-1, self.block_count)
+
+    def blocks(self, signal: Array) -> Array:
+        """Return the mean of a signal, shape (N,), over each block, shape (blocks,)."""
+        return sum_blocks(signal, self.block) / self.block
+
+    def touching(self, model: Model) -> Flags:
+        """
+        Find the blocks in contact.
+
+        Parameters
+        ----------
+        model : Model
+            Defines where the surface is.
+
+        Returns
+        -------
+        touching : ndarray of bool, shape (blocks,)
+            For most of their samples; everywhere for a permanently attached wall.
+
+        """
+        o, law = self.observed, model.laws().contact
+        if not law.unilateral:
+            return np.ones(self.block_count, bool)
+        return self.blocks(law.contact(o.t, o.x, o.v).astype(float)) > 0.5
+
+
+Recordings = Sequence[PreparedRecording]
+
+
+def prepare(recording: Recording, model: Model, hold: bool) -> PreparedRecording:
+    """
+    Smooth a recording, measure its noise, hold a part out.
+
+    Parameters
+    ----------
+    recording : Recording
+        As recorded.
+    model : Model
+        Nominal.
+    hold : bool
+        Whether a part is held out.
+
+    Returns
+    -------
+    prepared : PreparedRecording
+        Ready to be fitted.
+
+    Raises
+    ------
+    RecordingError
+        If it has too little data, no contact or a constant signal.
+
+    """
+    observed = observe(recording.signals, model.nominal)
+    require_contact(model, observed, recording.name)
+    held_out = hold_out(model, observed) if hold else None
+    return PreparedRecording.of(recording.name, observed, model, held_out)
+
+
+def nominal_observer(model: Model, observed: Observed) -> SecondOrder | None:
+    """
+    Discretise the robot of the nominal model, which whitens the motion for all models.
+
+    Parameters
+    ----------
+    model : Model
+        Its effects do not count.
+    observed : Observed
+        With the sample period.
+
+    Returns
+    -------
+    observer : SecondOrder or None
+        None without a reference trajectory.
+
+    """
+    robot = model.nominal.robot
+    if observed.reference is None:
+        return None
+    return discretise(robot.mass, robot.damping, robot.stiffness, observed.h)
+
+
+def _edges(flags: Flags) -> list[int]:
+    return np.flatnonzero(np.diff(flags.astype(int))).tolist()

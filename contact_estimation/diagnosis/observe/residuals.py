@@ -1,0 +1,273 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+"""
+The residuals of a model in the channels of a recording: pure functions of both.
+
+Force: measured force less the sensor chain applied to the wall's force for the measured motion.
+Motion: innovations of the robot (or of a permanently attached wall) driven by its reference and
+the wall's force. A contact effect shows in both channels, a sensor effect in the force alone, a
+robot effect in the motion alone; the noise of the two is independent.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .channel import sum_blocks
+from .driven_wall import DrivenWall
+from .model import Laws, Model
+from .observer import discretise, innovations, OBSERVER_CUTOFF, run
+from .prepared_recording import PreparedRecording
+
+Array = NDArray[np.float64]
+
+ROBUST = 5.0
+"""Residuals count linearly beyond so many standard deviations (Huber 1964)."""
+
+_DROP = 5.0  # standard deviations: the charge for a sample at which the force vanished
+
+
+def residuals(
+    recording: PreparedRecording, model: Model, robust: bool = True, briefly: bool = False
+) -> Array:
+    """
+    Stack the residuals of both channels, less the recording's discount.
+
+    Parameters
+    ----------
+    recording : PreparedRecording
+        Signals, noise, observer, discount.
+    model : Model
+        With its values.
+    robust : bool
+        Whether to bend large ones, see `huber`; without impacts there is no need to.
+    briefly : bool
+        Whether the innovations of a wall without a robot forget within the wall's own time, see
+        `DrivenWall.innovations`: less sharp, but a step from afar goes in the right direction.
+
+    Returns
+    -------
+    residuals : ndarray, shape (R,)
+        In standard deviations; white, of variance 1 for a correct model.
+
+    """
+    laws = model.laws()
+    if recording.driven_by_force(model):
+        memory = _wall_time(model) if briefly else np.inf
+        stacked = recording.motion.average(_wall_innovations(recording, model, memory))
+    else:
+        stacked = _of_channels(recording, laws)
+    if recording.dropped is not None and not any(e.lets_go for e in laws.contact.effects):
+        charge = _DROP * np.sqrt(sum_blocks(recording.dropped.astype(float), recording.block))
+        stacked[:len(charge)] = np.hypot(stacked[:len(charge)], charge)
+    if recording.discount is not None:
+        stacked = recording.discount.apply(stacked)
+    return huber(stacked) if robust and laws.contact.unilateral else stacked
+
+
+def _of_channels(recording: PreparedRecording, laws: Laws) -> Array:
+    force, d = _wall_force(recording, laws)
+    parts = [recording.force.average(_force_error(recording, laws, force))]
+    if recording.observed.reference is not None:
+        parts.append(recording.motion.average(_robot_innovations(recording, laws, force, d)))
+    return np.concatenate(parts)
+
+
+def force_residual(recording: PreparedRecording, model: Model) -> Array:
+    """
+    Subtract the predicted from the measured force.
+
+    Parameters
+    ----------
+    recording : PreparedRecording
+        Force and motion.
+    model : Model
+        With its values.
+
+    Returns
+    -------
+    residual : ndarray, shape (N,)
+        [N].
+
+    """
+    laws = model.laws()
+    return _force_error(recording, laws, _wall_force(recording, laws)[0])
+
+
+def motion_residual(recording: PreparedRecording, model: Model) -> Array | None:
+    """
+    Compute the innovations of the motion channel; parameters as `force_residual`.
+
+    Returns
+    -------
+    innovations : ndarray, shape (N,), or None
+        [m]; None without a robot, unless a force drives the wall.
+
+    """
+    if recording.observed.reference is not None:
+        laws = model.laws()
+        return _robot_innovations(recording, laws, *_wall_force(recording, laws))
+    if recording.driven_by_force(model):
+        return _wall_innovations(recording, model)
+    return None
+
+
+def response_to(recording: PreparedRecording, push: Array, model: Model) -> Array | None:
+    """
+    Compute the innovations that an unknown force on the robot would leave.
+
+    Parameters
+    ----------
+    recording : PreparedRecording
+        With the observer.
+    push : ndarray, shape (N,)
+        Force that the model does not contain [N].
+    model : Model
+        Fitted.
+
+    Returns
+    -------
+    innovations : ndarray, shape (N,), or None
+        [m]; None without a robot.
+
+    """
+    if recording.observer is None:
+        return None
+    robot, h = model.laws().robot, recording.observed.h
+    moved = run(discretise(robot.mass, robot.damping, robot.stiffness, h), push, 0.0, 0.0)
+    return innovations(moved, recording.observer, OBSERVER_CUTOFF, h)
+
+
+def trust_motion_less(recording: PreparedRecording, model: Model) -> PreparedRecording:
+    """
+    Return the recording with the motion misfit of a model taken for noise.
+
+    Parameters
+    ----------
+    recording : PreparedRecording
+        Any.
+    model : Model
+        Fitted.
+
+    Returns
+    -------
+    recording : PreparedRecording
+        With the `motion_misfit` at which the model's motion residuals have a mean square of at
+        most 1.
+
+    """
+    motion = motion_residual(recording, model)
+    if motion is None:
+        return recording
+    left = recording.motion.average(motion)[recording.motion.filled]
+    misfit = max(1.0, float(np.sqrt(np.mean(left**2))))
+    return replace(recording, motion_misfit=recording.motion_misfit * misfit)
+
+
+def _wall_force(recording: PreparedRecording, laws: Laws) -> tuple[Array, Array]:
+    """Return the wall's force [N] at the measured motion, and the penetration [m]."""
+    o = recording.observed
+    force, d = laws.contact.force_and_depth(o.t, o.x, o.v, o.a)
+    if recording.dropped is not None:
+        force = np.where(recording.dropped, 0.0, force)
+    return force, d
+
+
+def _force_error(recording: PreparedRecording, laws: Laws, force: Array) -> Array:
+    o = recording.observed
+    for effect in laws.chain:
+        force = effect.sense_along(o.t, force, o.a)
+    return o.force - force
+
+
+def _robot_innovations(recording: PreparedRecording, laws: Laws, force: Array, d: Array) -> Array:
+    """Run the robot free under its reference and the wall's force on the measured motion."""
+    o, robot = recording.observed, laws.robot
+    assert recording.observer is not None
+    reference = o.reference_at(robot.reference_delay)
+    if robot.is_linear:
+        push = robot.wanted(0.0, 0.0, reference)
+    else:
+        push = (robot.force(o.x, o.v, reference, np) + robot.damping * o.v
+                + robot.stiffness * o.x)
+    push = push + (at_touch_down(force, d) if laws.contact.unilateral else force)
+    system = discretise(robot.mass, robot.damping, robot.stiffness, o.h)
+    misfit = o.raw_position - run(system, push, float(o.x[0]), robot.stiffness)
+    return innovations(misfit, recording.observer, OBSERVER_CUTOFF, o.h)
+
+
+def _wall_innovations(recording: PreparedRecording, model: Model, memory: float = np.inf) -> Array:
+    wall = DrivenWall(model, recording.observed)
+    return wall.innovations(recording.picard_rounds, recording.force_noise, memory)
+
+
+def _wall_time(model: Model) -> float:
+    """Return the time in which the nominal wall springs back [s]."""
+    wall = model.nominal.environment
+    return 0.5 / max(OBSERVER_CUTOFF, np.sqrt(wall.stiffness / wall.inertia))
+
+
+def huber(values: Array) -> Array:
+    """
+    Bend residuals so that their squares are Huber's loss.
+
+    Parameters
+    ----------
+    values : ndarray
+        In standard deviations.
+
+    Returns
+    -------
+    bent : ndarray
+        Unchanged up to `ROBUST`.
+
+    """
+    size = np.abs(values)
+    far = size > ROBUST
+    if not far.any():
+        return values
+    bent = values.copy()
+    bent[far] = np.sign(values[far]) * np.sqrt(ROBUST * (2.0 * size[far] - ROBUST))
+    return bent
+
+
+def at_touch_down(force: Array, d: Array) -> Array:
+    """
+    Keep the impulse of a force that begins between two samples.
+
+    The force straight between samples would begin at the sample before touch-down. Its value
+    there is set so that the area under the two lines that meet there is that of the true force.
+
+    Parameters
+    ----------
+    force, d : ndarray, shape (N,)
+        F_e [N] and penetration [m].
+
+    Returns
+    -------
+    force : ndarray, shape (N,)
+        Changed at the samples before touch-down alone.
+
+    """
+    begins = np.flatnonzero((force[:-1] == 0.0) & (d[:-1] <= 0.0) & (d[1:] > 0.0))
+    d_0, d_1 = d[begins], d[begins + 1]
+    share = d_1 / (d_1 - d_0)  # of the step that is spent in contact
+    changed = force.copy()
+    # The damper's part is there at once, the spring's grows from 0; the measured force at the
+    # first sample is nearly all damper.
+    changed[begins] = force[begins + 1] * (share - 0.5)
+    return changed

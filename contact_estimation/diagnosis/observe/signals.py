@@ -1,0 +1,139 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""A recording and its signals, each with stamps of its own."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...exceptions import RecordingError
+from ...recordings.recorded_signals import RecordedSignals
+
+Array = NDArray[np.float64]
+
+LEAST_DURATION_S = 2.0
+
+
+class Signals(NamedTuple):
+    """
+    The content of a recording; times are counted from the first wrench [s].
+
+    Attributes
+    ----------
+    wrench_t, force : ndarray, shape (N,)
+        Measured F_e [N].
+    joint_t, position : ndarray, shape (J,)
+        x [m].
+    reference_t : ndarray, shape (R,)
+        Empty without a reference trajectory.
+    reference : ndarray, shape (4, R)
+        x_r [m], its rate [m/s] and acceleration [m/s^2], F_r [N]; no NaN.
+
+    """
+
+    wrench_t: Array
+    force: Array
+    joint_t: Array
+    position: Array
+    reference_t: Array
+    reference: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """
+    A recording to be diagnosed.
+
+    Attributes
+    ----------
+    name : str
+        For texts.
+    signals : Signals
+        As recorded.
+
+    """
+
+    name: str
+    signals: Signals
+
+
+def signals_of(recorded: RecordedSignals) -> Signals:
+    """
+    Convert recorded stamps to seconds from the first wrench.
+
+    Parameters
+    ----------
+    recorded : RecordedSignals
+        As read.
+
+    Returns
+    -------
+    signals : Signals
+        For `observe`.
+
+    """
+    start = int(recorded.wrench.stamp_ns[0])
+
+    def seconds(stamps: NDArray[np.int64]) -> Array:
+        return np.asarray((stamps - start) * 1e-9, np.float64)
+
+    wrench, joints = recorded.wrench, recorded.joint_states
+    reference = recorded.reference_trajectory
+    return Signals(
+        seconds(wrench.stamp_ns), wrench.values[0], seconds(joints.stamp_ns), joints.values[0],
+        seconds(reference.stamp_ns), reference.values,
+    )
+
+
+def check_signals(signals: Signals) -> None:
+    """
+    Check that the signals are long enough, finite and not constant.
+
+    Parameters
+    ----------
+    signals : Signals
+        The content of a recording.
+
+    Raises
+    ------
+    RecordingError
+        If one of them is not.
+
+    """
+    for name, stamps in (('wrench', signals.wrench_t), ('joint_states', signals.joint_t)):
+        span = float(stamps[-1] - stamps[0]) if len(stamps) > 1 else 0.0
+        if span < LEAST_DURATION_S:
+            raise RecordingError(
+                f'{name} spans {span:.2f} s, expected at least {LEAST_DURATION_S:g} s; '
+                'record longer'
+            )
+    for name, values in (
+        ('wrench', signals.force), ('joint_states', signals.position),
+        ('reference_trajectory', signals.reference),
+    ):
+        if not np.isfinite(values).all():
+            raise RecordingError(
+                f'{name} must have finite values only, got NaN or infinity; remove these samples'
+            )
+    for name, values in (('wrench', signals.force), ('joint_states', signals.position)):
+        if float(np.ptp(values)) == 0.0:
+            raise RecordingError(
+                f'{name} is constant at {values[0]:g}, expected a signal that changes; check '
+                'topic, axis and joint'
+            )
