@@ -16,8 +16,7 @@
 
 from __future__ import annotations
 
-from itertools import chain
-from typing import Any, Iterator, NamedTuple, Sequence
+from typing import Any, NamedTuple
 
 from contact_estimation.estimation.parameters import EstimationParameters
 from contact_estimation.estimation.result import Result
@@ -79,11 +78,6 @@ def moved_instants(samples: list[Instant], begin_ns: int) -> list[Instant]:
     return [sample._replace(stamp_ns=sample.stamp_ns + begin_ns) for sample in samples]
 
 
-def in_turn(positions: Sequence[float], velocities: Sequence[float]) -> Iterator[float]:
-    """Order motions as `add_motion` takes them: position and velocity of each axis in turn."""
-    return chain.from_iterable(zip(positions, velocities))
-
-
 def session_of_axes(generate_reference: bool = True, **estimation: Any) -> ContactSession:
     """Make a session of all three axes; double underscores stand for dots."""
     names = {name.replace('__', '.'): value for name, value in estimation.items()}
@@ -104,7 +98,7 @@ def feed_axes(session: ContactSession, samples: list[Instant]) -> list[Result]:
     """Pass samples to a session of all axes."""
     results: list[Result] = []
     for stamp_ns, positions, velocities, forces in samples:
-        results += session.add_motion(stamp_ns, *in_turn(positions, velocities))
+        results += session.add_motion(stamp_ns, *positions, *velocities)
         results += session.add_wrench(stamp_ns, *forces)
     return results
 

@@ -23,7 +23,6 @@ from axes_runs import (
     AXES,
     feed_axes,
     feed_axis,
-    in_turn,
     Instant,
     instants,
     JOINTS,
@@ -155,7 +154,7 @@ def test_after_time_was_set_back_and_with_missing_joints_each_is_as_if_alone() -
     for k, (stamp_ns, positions, velocities, forces) in enumerate(again):
         results += together.add_wrench(stamp_ns, *forces)
         if k % 3:  # the others are interpolated
-            results += together.add_motion(stamp_ns, *in_turn(positions, velocities))
+            results += together.add_motion(stamp_ns, *positions, *velocities)
     assert together.time_jumps == 1
     for axis, given in estimates_by_axis(results).items():
         session = session_of_axis(axis)

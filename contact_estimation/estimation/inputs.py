@@ -16,7 +16,6 @@
 
 from __future__ import annotations
 
-from itertools import chain
 from operator import itemgetter
 from typing import Any, Callable, Sequence
 
@@ -104,8 +103,7 @@ class MessageInputs:
         except MessageError as error:
             self._session.count_rejected(f'joint_states_{error.reason}')
             return []
-        motion = chain.from_iterable(zip(positions, velocities))
-        return self._session.add_motion(stamp_ns, *motion)
+        return self._session.add_motion(stamp_ns, *positions, *velocities)
 
     def process_pairs(
         self, wrenches: Sequence[bytes], joints: Sequence[bytes]

@@ -128,7 +128,8 @@ class ContactSession:
         stamp_ns : int
             Header stamp [ns].
         *motion : float
-            x [m] and its rate [m/s], NaN where not measured, of each axis of `pipelines` in turn.
+            x of each axis of `pipelines` [m], then its rate of each axis [m/s], NaN where not
+            measured.
 
         Returns
         -------

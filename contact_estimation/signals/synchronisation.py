@@ -154,7 +154,7 @@ class Synchroniser:
         stamp_ns : int
             Header stamp [ns].
         motion : sequence of float
-            x [m] and its rate [m/s], NaN where not measured, of each axis in turn.
+            x of each axis [m], then its rate of each axis [m/s], NaN where not measured.
 
         Returns
         -------
@@ -167,7 +167,7 @@ class Synchroniser:
                 return _NOTHING
             self._motions.clear()
         self._last_motion_ns = stamp_ns
-        for position, velocity in zip(motion[::2], motion[1::2]):
+        for position, velocity in zip(motion, motion[len(motion) // 2:]):
             too_fast = self._largest_velocity < abs(velocity) < inf  # infinite: not measured
             if too_fast or not abs(position) <= self._largest_position:
                 self._reject('joint', position)
@@ -226,7 +226,8 @@ class Synchroniser:
         )))
         self._last_wrench_ns = self._last_motion_ns = stamps[-1]
         self._motions.clear()
-        self._motions.append((stamps[-1], [value for s in samples[-1] for value in s[1:3]]))
+        positions_now, velocities_now, _ = zip(*(sample[1:] for sample in samples[-1]))
+        self._motions.append((stamps[-1], positions_now + velocities_now))
         return samples
 
     def _reject(self, kind: str, value: float) -> None:
@@ -295,4 +296,5 @@ class Synchroniser:
 
 
 def _sample(stamp_ns: int, motion: Sequence[float], forces: Sequence[float]) -> AxesSample:
-    return tuple(map(ContactSample, repeat(stamp_ns), motion[::2], motion[1::2], forces))
+    velocities = motion[len(forces):]
+    return tuple(map(ContactSample, repeat(stamp_ns), motion, velocities, forces))
