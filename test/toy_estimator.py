@@ -20,7 +20,12 @@ from dataclasses import dataclass
 from math import nan
 from typing import Sequence
 
-from contact_estimation.estimators.estimator import Held, OnlineEstimator, Snapshot, TimedRow
+from contact_estimation.estimators.estimator import (
+    Frozen,
+    OnlineEstimator,
+    ParameterEstimate,
+    TimedRow,
+)
 from contact_estimation.parameters.specification import parameter, ParameterGroup
 
 
@@ -45,17 +50,17 @@ class ToyEstimator(OnlineEstimator):
         """Start from given values."""
         self.stiffness, self.damping = stiffness, damping
 
-    def learn(
-        self, rows: Sequence[TimedRow], noise_variance: float, held: Held
-    ) -> list[Snapshot]:
+    def update(
+        self, rows: Sequence[TimedRow], noise_variance: float, frozen: Frozen
+    ) -> list[ParameterEstimate]:
         """Step once per row."""
-        snapshots = []
+        estimates = []
         for _, (y, phi_K, phi_B, *_) in rows:
             error = y - self.stiffness * phi_K - self.damping * phi_B
             self.stiffness += self._gain * error / max(phi_K, 1e-3)
-            snapshots.append(self.snapshot())
-        return snapshots
+            estimates.append(self.current())
+        return estimates
 
-    def snapshot(self) -> Snapshot:
+    def current(self) -> ParameterEstimate:
         """Return the present estimate."""
-        return Snapshot(self.stiffness, self.damping, nan, nan, 0.0, nan)
+        return ParameterEstimate(self.stiffness, self.damping, nan, nan, 0.0, nan)

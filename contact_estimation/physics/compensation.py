@@ -34,6 +34,7 @@ from typing import Any, Callable, NamedTuple, Sequence
 from .contact_law import ContactLaw
 from .effect import Effect
 from .force_sensor_effect import ForceSensorEffect
+from ..signals.compensated_sample import CompensatedSample
 
 _STEPS = 4  # integration steps of internal states per sample
 _NEAR = 1e-7  # step of the difference quotient of phi_K [m]
@@ -42,46 +43,13 @@ State = tuple[float, ...]
 Memory = Callable[[float, float, float], float]  # time, time step, value -> value
 
 
-class Known(NamedTuple):
-    """
-    Quantities of one sample that the known effects determine.
-
-    Attributes
-    ----------
-    depth : float
-        Penetration below the known surface [m].
-    pressing : float
-        -F_e without the additive effects of the sensor [N]; decides contact.
-    rest : float
-        `pressing` less S[c R] [N]: the force that K_e and B_e explain.
-    travel : float
-        Displacement whose rate B_e multiplies [m].
-    velocity : float
-        Rate of `travel` [m/s], NaN where not measured.
-    stiffness_column, constant_column : float
-        phi_K [m], and its slope over the depth.
-    usable : bool
-        Whether the relation holds at this sample.
-
-    """
-
-    depth: float
-    pressing: float
-    rest: float
-    travel: float
-    velocity: float
-    stiffness_column: float
-    constant_column: float
-    usable: bool
-
-
 class _Past(NamedTuple):
     """Motion at a sample, and its known quantities without inertia."""
 
     depth: float
     velocity: float
     contact: float
-    known: Known
+    known: CompensatedSample
 
 
 class Compensation:
@@ -131,7 +99,7 @@ class Compensation:
 
     def take(
         self, stamp_ns: int, depth: float, velocity: float, force: float, pressing: float
-    ) -> Known:
+    ) -> CompensatedSample:
         """
         Process one sample.
 
@@ -148,7 +116,7 @@ class Compensation:
 
         Returns
         -------
-        known : Known
+        known : CompensatedSample
             Quantities of the relation.
 
         """
@@ -194,7 +162,7 @@ class Compensation:
             moved = tuple([s + h * r for s, r in zip(self._states, rates)])
             self._states = law.settle(now + h, x, v, moved)
 
-    def _at_wall(self, t: float, x: float, velocity: float, v: float) -> Known:
+    def _at_wall(self, t: float, x: float, velocity: float, v: float) -> CompensatedSample:
         """Evaluate the wall without sensor and inertia; `rest` is R here."""
         law, states = self._law, self._states
         d, rate, engaged = law.penetration(t, x, v, states, math)
@@ -207,7 +175,7 @@ class Compensation:
             slope = (self._column(t, x + _NEAR, v) - self._column(t, x - _NEAR, v)) / (2.0 * _NEAR)
         measured = rate if velocity == velocity else nan
         travel = law.travel(t, x, states, math)
-        return Known(d, 0.0, R, travel, measured, column, slope, bool(engaged))
+        return CompensatedSample(d, 0.0, R, travel, measured, column, slope, bool(engaged))
 
     def _column(self, t: float, x: float, v: float) -> float:
         unit, law, states = self._unit, self._law, self._states
@@ -215,8 +183,8 @@ class Compensation:
                      - law.resistance(t, x, v, states, math))
 
     def _late(
-        self, t: float, dt: float, c: float, known: Known, wall: float, tool: float
-    ) -> tuple[Known, float, float]:
+        self, t: float, dt: float, c: float, known: CompensatedSample, wall: float, tool: float
+    ) -> tuple[CompensatedSample, float, float]:
         """Pass all columns through the lag and delay of the sensor."""
         depth, _, R, travel, v, column, slope, _ = known
         columns = (c * R, c * travel, c * v if v == v else 0.0, c * column, c * slope, wall, tool)
@@ -224,7 +192,7 @@ class Compensation:
             memory(t, dt, value) for memory, value in zip(self._memories, columns)
         )
         v = rate if v == v else v
-        return Known(depth, 0.0, R, travel, v, column, slope, True), wall, tool
+        return CompensatedSample(depth, 0.0, R, travel, v, column, slope, True), wall, tool
 
     def _inertial_forces(
         self, dt: float, depth: float, velocity: float, contact: float
@@ -242,7 +210,7 @@ class Compensation:
             a = (last.depth - 2.0 * middle.depth + first.depth) / dt**2
         return middle.contact * self._law.inertia * a, self._tool * a
 
-    def _averaged(self, known: Known, inertial_force: float) -> Known:
+    def _averaged(self, known: CompensatedSample, inertial_force: float) -> CompensatedSample:
         """
         Average the last three samples with the weights of eq. (31).
 
@@ -257,11 +225,12 @@ class Compensation:
             0.25 * (a + b + b + c) for a, b, c in zip(first[2:7], middle[2:7], last[2:7])
         )
         usable = first.usable and middle.usable and last.usable and len(past) == 3
-        return Known(known.depth, known.pressing, rest - inertial_force, travel, v, column, slope,
-                     usable)
+        return CompensatedSample(
+            known.depth, known.pressing, rest - inertial_force, travel, v, column, slope, usable
+        )
 
 
-_NOTHING = Known(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, False)
+_NOTHING = CompensatedSample(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, False)
 
 
 def _sensors(effects: Sequence[Effect]) -> list[Any]:

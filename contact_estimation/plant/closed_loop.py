@@ -22,7 +22,8 @@ from math import isnan
 from .plant_parameters import PlantParameters
 from .sensors import Sensors
 from .world import Truth, World
-from ..estimation.session import ContactSession, Result
+from ..estimation.result import Result
+from ..estimation.session import ContactSession
 from ..exceptions import ParameterRangeError
 from ..reference.experiment import Experiment
 from ..reference.setpoints import Reference, ReferenceAt
