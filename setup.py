@@ -41,7 +41,7 @@ setup(
     packages=find_packages(include=[package_name, package_name + '.*']),
     package_data={
         package_name: ['py.typed'],
-        package_name + '.diagnosis.report': ['templates/*'],
+        package_name + '.diagnosis.report.page': ['templates/*'],
     },
     data_files=[
         ('share/ament_index/resource_index/packages', ['resource/' + package_name]),

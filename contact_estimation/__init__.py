@@ -24,7 +24,8 @@ from importlib import import_module
 from typing import Any, TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from .api import diagnose, read_model, read_recording
+    from .diagnosis.conclude.diagnose import diagnose
+    from .diagnosis.observe.read_recording import read_recording
     from .estimation.parameters import EstimationParameters
     from .estimation.pipeline import EstimationPipeline
     from .estimation.session import ContactSession
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
     from .exceptions import ContactEstimationError
     from .physics import EFFECTS
     from .plant.closed_loop import run_closed_loop
+    from .plant.model_file import read_model
     from .plant.plant_parameters import PlantParameters, SensorParameters
     from .reference.experiments import experiment_named
 
@@ -54,15 +56,15 @@ __all__ = [
 _MODULES = {
     'ContactEstimationError': 'exceptions',
     'ContactSession': 'estimation.session',
-    'diagnose': 'api',
+    'diagnose': 'diagnosis.conclude.diagnose',
     'EFFECTS': 'physics',
     'ESTIMATORS': 'estimators',
     'EstimationParameters': 'estimation.parameters',
     'EstimationPipeline': 'estimation.pipeline',
     'experiment_named': 'reference.experiments',
     'PlantParameters': 'plant.plant_parameters',
-    'read_model': 'api',
-    'read_recording': 'api',
+    'read_model': 'plant.model_file',
+    'read_recording': 'diagnosis.observe.read_recording',
     'run_closed_loop': 'plant.closed_loop',
     'SensorParameters': 'plant.plant_parameters',
 }

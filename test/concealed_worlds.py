@@ -21,8 +21,8 @@ from math import pi
 from typing import Any, Sequence
 
 from contact_estimation.blind_trials.unknown_effects import make_unknown
+from contact_estimation.diagnosis.conclude.diagnose import diagnose
 from contact_estimation.diagnosis.conclude.result import Diagnosis
-from contact_estimation.diagnosis.diagnosis import diagnose
 from contact_estimation.diagnosis.observe.model import Model
 from contact_estimation.diagnosis.observe.observed import observe
 from contact_estimation.diagnosis.observe.prepared_recording import PreparedRecording
@@ -180,7 +180,7 @@ def attached(*changes: tuple[str, float]) -> Signals:
 
 def diagnosed(signals: Signals, model: PlantParameters | None = None) -> Diagnosis:
     """Diagnose one recording."""
-    return diagnose([Recording('world', signals)], [], model or nominal())
+    return diagnose(Recording('world', signals), model or nominal())
 
 
 def named(diagnosis: Diagnosis) -> list[str]:

@@ -21,14 +21,10 @@ from math import pi
 from pathlib import Path
 from typing import Any
 
+from contact_estimation.diagnosis.conclude.diagnose import diagnose
 from contact_estimation.diagnosis.conclude.result import Diagnosis
-from contact_estimation.diagnosis.diagnosis import diagnose
 from contact_estimation.diagnosis.observe.signals import Recording, Signals
-from contact_estimation.messages import (
-    JointStateEncoder,
-    TrajectoryEncoder,
-    WrenchEncoder,
-)
+from contact_estimation.messages import JointStateEncoder, TrajectoryEncoder, WrenchEncoder
 from contact_estimation.parameters.values import build
 from contact_estimation.plant.open_loop import run_open_loop
 from contact_estimation.plant.plant_parameters import PlantParameters
@@ -95,7 +91,7 @@ def diagnosed(name: str) -> Diagnosis:
         'friction': lambda: recorded(physics__coulomb_friction__F_c=2.0),
         'unknown': lambda: with_unknown_force(recorded()),
     }[name]()
-    return diagnose([Recording(f'{name}.mcap', signals)], [], nominal())
+    return diagnose(Recording(f'{name}.mcap', signals), nominal())
 
 
 def with_unknown_force(signals: Signals) -> Signals:

@@ -21,7 +21,6 @@ from pathlib import Path
 import sys
 from typing import Any
 
-from contact_estimation.api import read_model
 from contact_estimation.blind_trials.trial import plan_effects
 from contact_estimation.commands.write_config import config_files
 from contact_estimation.diagnosis.fit.search import candidates_for
@@ -30,6 +29,7 @@ from contact_estimation.estimation.parameters import EstimationParameters
 from contact_estimation.estimation.session import ContactSession
 from contact_estimation.parameters.values import build
 from contact_estimation.plant.closed_loop import ClosedLoopRun, run_closed_loop
+from contact_estimation.plant.model_file import read_model
 from contact_estimation.plant.plant_parameters import PlantParameters
 from contact_estimation.reference.excitation import Sine
 from contact_estimation.reference.experiment import Experiment, Segment

@@ -24,9 +24,9 @@ from contact_estimation.estimation.parameters import EstimationParameters
 from contact_estimation.parameters.file import read_parameter_file
 from contact_estimation.parameters.specification import ParameterGroup, specifications
 from contact_estimation.parameters.values import build, flatten, without
+from contact_estimation.plant.plant_node_parameters import PlantNodeParameters
 from contact_estimation.plant.plant_parameters import PlantParameters
 from contact_estimation.ros.estimator_node_parameters import EstimatorNodeParameters
-from contact_estimation.ros.plant_node_parameters import PlantNodeParameters
 import pytest
 import yaml
 

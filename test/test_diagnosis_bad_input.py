@@ -19,7 +19,7 @@ from __future__ import annotations
 from typing import Any
 
 from concealed_worlds import diagnosed, nominal, physics, recorded, touches
-from contact_estimation.diagnosis.diagnosis import diagnose
+from contact_estimation.diagnosis.conclude.diagnose import diagnose
 from contact_estimation.diagnosis.observe.observed import observe
 from contact_estimation.diagnosis.observe.signals import LEAST_DURATION_S, Recording, Signals
 from contact_estimation.exceptions import ContactEstimationError, RecordingError
@@ -75,13 +75,14 @@ def test_hardly_any_wrench_is_refused() -> None:
 def test_recording_without_contact_is_refused_by_name() -> None:
     away = changed(position=recorded().position - 0.05)
     with pytest.raises(RecordingError, match='monday has no contact of 0.2 s.*location'):
-        diagnose([Recording('monday', away)], [], nominal())
+        diagnose(Recording('monday', away), nominal())
 
 
 def test_holdout_without_contact_is_refused_by_name() -> None:
     away = changed(position=recorded().position - 0.05)
     with pytest.raises(RecordingError, match='tuesday has no contact'):
-        diagnose([Recording('monday', recorded())], [Recording('tuesday', away)], nominal())
+        diagnose(
+            Recording('monday', recorded()), nominal(), held_out=[Recording('tuesday', away)])
 
 
 @pytest.mark.parametrize('row', ['force', 'position'])

@@ -34,8 +34,8 @@ from concealed_worlds import (
 )
 from contact_estimation.blind_trials.trial import port_of
 from contact_estimation.blind_trials.unknown_effects import UNKNOWN
+from contact_estimation.diagnosis.conclude.diagnose import diagnose
 from contact_estimation.diagnosis.conclude.result import Diagnosis
-from contact_estimation.diagnosis.diagnosis import diagnose
 from contact_estimation.diagnosis.observe.model import names_of
 from contact_estimation.diagnosis.observe.residuals import force_residual
 from contact_estimation.diagnosis.observe.signals import Recording
@@ -245,7 +245,7 @@ def test_free_run_of_a_strongly_bent_wall_does_not_run_away() -> None:
 def test_recordings_are_fitted_together() -> None:
     both = [Recording(str(seed), recorded(seed=seed, **physics('coulomb_friction', 2.0)))
             for seed in (1, 2)]
-    found = diagnose(both, [Recording('clean', recorded(seed=3))], nominal())
+    found = diagnose(both, nominal(), held_out=[Recording('clean', recorded(seed=3))])
     assert named(found) == ['coulomb_friction']
     assert [part.name for part in found.holdouts] == ['clean']
 
@@ -253,7 +253,7 @@ def test_recordings_are_fitted_together() -> None:
 def test_recording_that_is_explained_worst_is_the_one_that_is_located() -> None:
     smooth = Recording('smooth', recorded(seed=4))
     rough = Recording('rough', recorded(seed=1, **physics('coulomb_friction', 4.0)))
-    found = diagnose([smooth, rough], [], nominal())
+    found = diagnose([smooth, rough], nominal())
     assert found.shown == as_dict(found)['located_in'] == 'rough'
     assert found.location is not None
     assert 'All times are those of rough' in as_text(found)

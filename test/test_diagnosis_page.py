@@ -23,9 +23,9 @@ from pathlib import Path
 import subprocess
 import sys
 
-from contact_estimation.diagnosis.report import page as page_module
 from contact_estimation.diagnosis.report.number_format import plain, with_std
-from contact_estimation.diagnosis.report.page import as_html, SECTIONS
+from contact_estimation.diagnosis.report.page import builder
+from contact_estimation.diagnosis.report.page.builder import as_html, SECTIONS
 from contact_estimation.diagnosis.report.wording import headline, meaning
 from contact_estimation.exceptions import MissingPackageError
 from contact_estimation.physics import EFFECTS
@@ -34,7 +34,7 @@ import pytest
 
 NAMES = ('clean', 'stiffer', 'friction', 'unknown')
 VOID = {'meta', 'img'}  # elements without an end tag
-TEMPLATES = Path(page_module.__file__).parent / 'templates'
+TEMPLATES = Path(builder.__file__).parent / 'templates'
 ROOT = Path(__file__).resolve().parent.parent
 
 

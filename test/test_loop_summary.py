@@ -19,11 +19,15 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from contact_estimation.loop.configuration import configure, LoopConfiguration, write_parameters
-from contact_estimation.loop.recorded_run import RecordedRun
-from contact_estimation.loop.summary import summarise
-from contact_estimation.loop.summary_figure import plot_run
 from contact_estimation.parameters.file import read_parameter_file
+from contact_estimation.ros.loop_configuration import (
+    configure,
+    LoopConfiguration,
+    write_parameters,
+)
+from contact_estimation.ros.loop_figure import plot_run
+from contact_estimation.ros.loop_run import RecordedRun
+from contact_estimation.ros.loop_summary import summarise
 import numpy as np
 import pytest
 

@@ -21,11 +21,10 @@ from pathlib import Path
 import sys
 from typing import Any, Callable, Iterable, NoReturn, Sequence
 
-from ..exceptions import ContactEstimationError, RecordingError, UnknownNameError
-from ..recordings.source import RecordingSource
+from ..exceptions import ContactEstimationError, RecordingError
+from ..recordings.source import RecordingSource, TOPICS
 
 _MCAP_MAGIC = b'\x89MCAP0\r\n'
-TOPICS = ('wrench', 'joint_states', 'reference_trajectory')
 
 
 class Parser(argparse.ArgumentParser):
@@ -92,7 +91,7 @@ def add_source_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--joint', help='joint of the contact axis (default: the only one)')
 
 
-def source_of(options: Any) -> RecordingSource:
+def topics_of(options: Any) -> dict[str, str]:
     """
     Return the topics chosen with --topic.
 
@@ -103,26 +102,37 @@ def source_of(options: Any) -> RecordingSource:
 
     Returns
     -------
-    source : RecordingSource
-        Default names where none was chosen.
+    topics : dict of str to str
+        Recorded topic by name; without those that were not chosen.
 
     Raises
     ------
-    ContactEstimationError
-        If a --topic is not NAME:=TOPIC with a known name.
+    RecordingError
+        If a --topic is not NAME:=TOPIC.
 
     """
-    names: dict[str, str] = {}
+    topics: dict[str, str] = {}
     for remap in options.topic:
         name, found, topic = remap.partition(':=')
         if not found or not topic:
             raise RecordingError(
                 f'--topic must be NAME:=TOPIC, got {remap!r}; example: wrench:=/fts/wrench'
             )
-        if name.strip('/') not in TOPICS:
-            raise UnknownNameError.among('--topic', name, TOPICS)
-        names[name.strip('/')] = topic
-    return RecordingSource(**names)
+        topics[name] = topic
+    return topics
+
+
+def source_of(options: Any) -> RecordingSource:
+    """
+    Return the topics of a recording, with those chosen by --topic; see `topics_of`.
+
+    Raises
+    ------
+    UnknownNameError
+        If the name of a chosen topic is unknown.
+
+    """
+    return RecordingSource.of_topics(topics_of(options))
 
 
 def new_file(path: str) -> Path:

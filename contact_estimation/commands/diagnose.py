@@ -21,23 +21,19 @@ import json
 from pathlib import Path
 from typing import Any, Iterable
 
-from .command_line import add_source_options, command, different_files, new_file, Parser, source_of
+from .command_line import add_source_options, command, different_files, new_file, Parser, topics_of
 from .progress import Progress
-from ..api import read_model
+from ..diagnosis.conclude.diagnose import diagnose
 from ..diagnosis.conclude.next_experiment import choose, Proposal
 from ..diagnosis.conclude.result import Diagnosis
-from ..diagnosis.diagnosis import diagnose
-from ..diagnosis.observe.signals import Recording, signals_of
+from ..diagnosis.observe.read_recording import read_recording
 from ..diagnosis.report.corrected_model import model_file
 from ..diagnosis.report.json_report import as_dict
-from ..diagnosis.report.page import as_html
+from ..diagnosis.report.page.builder import as_html
 from ..diagnosis.report.text_report import as_text
-from ..exceptions import ModelFileError, ParameterRangeError
+from ..exceptions import ModelFileError
 from ..figures import require_matplotlib
-from ..physics import effects_that_are_on
-from ..plant.plant_parameters import PlantParameters
-from ..recordings import RecordingReader
-from ..recordings.recorded_signals import read_signals
+from ..plant.model_file import read_model
 from ..reference.experiment_file import experiment_text
 
 
@@ -79,8 +75,6 @@ def run(options: Any) -> int:
         0.
 
     """
-    if options.seed < 0:
-        raise ParameterRangeError(f'--seed must be >= 0, got {options.seed}')
     outputs = (options.json, options.html, options.write_model, _experiment_file(options))
     different_files(outputs)
     for path in outputs:
@@ -88,7 +82,7 @@ def run(options: Any) -> int:
             new_file(path)
     if options.html:
         require_matplotlib()
-    nominal = _without_physics(read_model(options.nominal), options.nominal)
+    nominal = read_model(options.nominal)
     _refuse_to_replace(options.nominal, outputs)
     progress = Progress('diagnose')
     stages: list[str] = []
@@ -97,11 +91,13 @@ def run(options: Any) -> int:
         stages.append(text)
         progress.show(min(0.95, len(stages) / 80.0), text)
 
-    recordings, holdouts = (
-        [_read(path, options) for path in paths]
+    topics, axis, joint = topics_of(options), options.axis or 'x', options.joint or ''
+    recordings, held_out = (
+        [read_recording(path, topics=topics, axis=axis, joint=joint) for path in paths]
         for paths in (options.recordings, options.holdout)
     )
-    diagnosis = diagnose(recordings, holdouts, nominal, options.seed, report_stage)
+    diagnosis = diagnose(
+        recordings, nominal, held_out=held_out, seed=options.seed, progress=report_stage)
     progress.done()
     proposal = choose(diagnosis)
     if proposal is not None:
@@ -109,16 +105,6 @@ def run(options: Any) -> int:
     _write(diagnosis, proposal, options)  # before the text: piped into `head`, it may end here
     print(as_text(diagnosis))
     return 0
-
-
-def _without_physics(model: PlantParameters, path: str) -> PlantParameters:
-    named = [effect.name for effect in effects_that_are_on(model.physics)]
-    if named:
-        raise ModelFileError(
-            f'model file {path} must have no physics, got {", ".join(named)}; remove it: '
-            'diagnose names the physics that a model without any lacks'
-        )
-    return model
 
 
 def _refuse_to_replace(nominal: str, outputs: Iterable[str | None]) -> None:
@@ -129,12 +115,6 @@ def _refuse_to_replace(nominal: str, outputs: Iterable[str | None]) -> None:
                 f'cannot write {path}: it is the nominal model file, which would be lost; '
                 'choose another file'
             )
-
-
-def _read(path: str, options: Any) -> Recording:
-    recorded = read_signals(
-        RecordingReader(path), source_of(options), options.axis or 'x', options.joint or '')
-    return Recording(str(Path(path).name), signals_of(recorded))
 
 
 def _write(diagnosis: Diagnosis, proposal: Proposal | None, options: Any) -> None:

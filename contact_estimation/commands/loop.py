@@ -28,13 +28,13 @@ from .progress import Progress
 from ..estimators import ESTIMATORS
 from ..exceptions import MissingPackageError, RecordingError
 from ..figures import as_png, require_matplotlib
-from ..loop.configuration import configure, LoopConfiguration, write_parameters
-from ..loop.processes import LoopProcesses
-from ..loop.recorded_run import read_run
-from ..loop.summary import summarise
-from ..loop.summary_figure import plot_run
 from ..recordings.definitions import jazzy_typestore
 from ..reference.experiments import EXPERIMENTS
+from ..ros.loop_configuration import configure, LoopConfiguration, write_parameters
+from ..ros.loop_figure import plot_run
+from ..ros.loop_processes import LoopProcesses
+from ..ros.loop_run import read_run
+from ..ros.loop_summary import summarise
 
 _EQ20_NOTE = ' (eq. 20 alone reaches about half; see reference_law series or force tracking)'
 

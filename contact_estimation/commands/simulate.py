@@ -22,16 +22,16 @@ from typing import Any
 import numpy as np
 
 from .command_line import add_source_options, command, Parser, source_of
-from ..api import read_model
 from ..exceptions import ParameterRangeError, RecordingError
 from ..plant.between_samples import BETWEEN
+from ..plant.model_file import read_model
+from ..plant.plant_node_parameters import PlantNodeParameters
 from ..plant.plant_parameters import PlantParameters
 from ..plant.simulation import simulate_command, simulate_experiment, simulate_force, Simulation
 from ..plant.simulation_file import write_simulation
 from ..recordings import RecordingReader
 from ..recordings.recorded_signals import read_signals, RecordedSignals
 from ..reference.experiments import experiment_named, EXPERIMENTS
-from ..ros.plant_node_parameters import PlantNodeParameters
 
 
 def make_parser() -> Parser:

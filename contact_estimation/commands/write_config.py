@@ -27,9 +27,9 @@ from .command_line import command, Parser
 from ..estimation.parameters import EstimationParameters
 from ..parameters.template import parameter_file
 from ..parameters.values import build
+from ..plant.plant_node_parameters import PlantNodeParameters
 from ..plant.plant_parameters import PAPER_NOISE, PlantParameters
 from ..ros.estimator_node_parameters import EstimatorNodeParameters
-from ..ros.plant_node_parameters import PlantNodeParameters
 
 
 def config_files() -> dict[str, str]:

@@ -17,6 +17,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Mapping
+
+from ..exceptions import UnknownNameError
+
+TOPICS = ('wrench', 'joint_states', 'reference_trajectory')
 
 
 @dataclass(frozen=True)
@@ -37,3 +42,29 @@ class RecordingSource:
     joint_states: str = 'joint_states'
     reference_trajectory: str = 'reference_trajectory'
     events: str = 'estimator_node/events'
+
+    @classmethod
+    def of_topics(cls, topics: Mapping[str, str]) -> 'RecordingSource':
+        """
+        Return the source with other topics than the default ones.
+
+        Parameters
+        ----------
+        topics : mapping of str to str
+            Recorded topic by its name here, one of `TOPICS`.
+
+        Returns
+        -------
+        source : RecordingSource
+            A topic that is not given keeps its default.
+
+        Raises
+        ------
+        UnknownNameError
+            If a name is not one of `TOPICS`.
+
+        """
+        for name in topics:
+            if name.strip('/') not in TOPICS:
+                raise UnknownNameError.among('topic', name, TOPICS)
+        return cls(**{name.strip('/'): topic for name, topic in topics.items()})

@@ -29,7 +29,6 @@ from . import topics
 from .data_thread import RawSubscriptions
 from .message_classes import message_class
 from .parameters import declare, serve_changes
-from .plant_node_parameters import PlantNodeParameters
 from .plant_statistics import PlantStatistics
 from .running import run_node
 from ..exceptions import MessageError, ParameterRangeError
@@ -37,6 +36,7 @@ from ..messages import JointStateEncoder, TrajectoryDecoder, TrajectoryEncoder, 
 from ..parameters.specification import ParameterSpecification, specifications
 from ..parameters.values import build, changed, divided
 from ..plant.closed_loop import extrapolate
+from ..plant.plant_node_parameters import PlantNodeParameters
 from ..plant.plant_parameters import PlantParameters
 from ..plant.sensors import Sensors
 from ..plant.world import World

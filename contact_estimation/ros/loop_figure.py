@@ -21,7 +21,7 @@ from typing import Any
 
 import numpy as np
 
-from .recorded_run import RecordedRun
+from .loop_run import RecordedRun
 from ..figures import BLUE, figure_style, INK, MUTED, new_figure, ORANGE
 from ..plant.plant_parameters import WallParameters
 

@@ -22,8 +22,8 @@ from typing import Any
 
 import numpy as np
 
-from .configuration import LoopConfiguration
-from .recorded_run import RecordedRun
+from .loop_configuration import LoopConfiguration
+from .loop_run import RecordedRun
 from ..reference.experiment import Experiment
 
 

@@ -20,23 +20,25 @@ from typing import Sequence
 
 import numpy as np
 
-from .conclude.conclusion import conclude, Fitted
-from .conclude.decision import EXPLAINED, LEFT
-from .conclude.location import guess_port
-from .conclude.result import Diagnosis
-from .fit.criteria import penalty, SHARE, THRESHOLD
-from .fit.fitting import cost_of, Fit, fit
-from .fit.free_run import free_run
-from .fit.model_uncertainty import discounted
-from .fit.search import Progress
-from .fit.selection import select, Selection
-from .observe.model import Model
-from .observe.observed import observe
-from .observe.prepared_recording import prepare, PreparedRecording, Recordings
-from .observe.residuals import trust_motion_less
-from .observe.signals import Recording
-from ..plant.between_samples import BETWEEN
-from ..plant.plant_parameters import PlantParameters
+from .conclusion import conclude, Fitted
+from .decision import EXPLAINED, LEFT
+from .location import guess_port
+from .result import Diagnosis
+from ..fit.criteria import penalty, SHARE, THRESHOLD
+from ..fit.fitting import cost_of, Fit, fit
+from ..fit.free_run import free_run
+from ..fit.model_uncertainty import discounted
+from ..fit.search import Progress
+from ..fit.selection import select, Selection
+from ..observe.model import Model
+from ..observe.observed import observe
+from ..observe.prepared_recording import prepare, PreparedRecording, Recordings
+from ..observe.residuals import trust_motion_less
+from ..observe.signals import Recording
+from ...exceptions import ModelFileError, ParameterRangeError
+from ...physics import effects_that_are_on
+from ...plant.between_samples import BETWEEN
+from ...plant.plant_parameters import PlantParameters
 
 _FIRST = 2  # effects selected before the course of a force between its samples is chosen
 _DIVERGED = 1e3  # times the range of the motion
@@ -44,57 +46,64 @@ _UNCHANGED = 0.02  # of the misfit: best model after smoothing again
 
 
 def diagnose(
-    recordings: Sequence[Recording], holdouts: Sequence[Recording], nominal: PlantParameters,
-    seed: int = 0, progress: Progress = lambda text: None,
+    recordings: Recording | Sequence[Recording], model: PlantParameters, *,
+    held_out: Sequence[Recording] = (), seed: int = 0,
+    progress: Progress = lambda text: None,
 ) -> Diagnosis:
     """
-    Compare recordings with the model that should describe them.
+    Compare recordings with the model that simulates them, and name the physics it lacks.
 
     Parameters
     ----------
-    recordings : sequence of Recording
-        Fitted together.
-    holdouts : sequence of Recording
-        Never fitted; if empty, a part of each recording is held out.
-    nominal : PlantParameters
-        The model of the simulation.
+    recordings : Recording or sequence of Recording
+        From `read_recording`; several are fitted together.
+    model : PlantParameters
+        Nominal model, from `read_model`, without extra physics.
+    held_out : sequence of Recording
+        Recordings that are excluded from fitting; without any, a part of each recording is.
     seed : int
-        Of the bootstraps.
+        Seed of the bootstraps, >= 0.
     progress : callable
         Called with a description of each stage.
 
     Returns
     -------
     diagnosis : Diagnosis
-        Verdict, names, parameters, held-out errors.
+        `verdict`, `effects` with fitted parameters, `stiffness`, `damping` and held-out errors.
 
     Raises
     ------
+    ModelFileError
+        If the model already has extra physics.
+    ParameterRangeError
+        If there is no recording or `seed` is negative.
     RecordingError
         If a recording has too little data, no contact or a constant signal.
 
     """
-    model = Model.of(nominal)
+    fitted = [recordings] if isinstance(recordings, Recording) else list(recordings)
+    _refuse_wrong_input(fitted, model, seed)
+    nominal = Model.of(model)
     progress('noise and alignment')
-    prepared: Recordings = [prepare(one, model, hold=not holdouts) for one in recordings]
-    others: Recordings = [prepare(one, model, hold=False) for one in holdouts]
+    prepared: Recordings = [prepare(one, nominal, hold=not held_out) for one in fitted]
+    others: Recordings = [prepare(one, nominal, hold=False) for one in held_out]
     progress('recalibration')
-    prepared, base = _recalibrate(prepared, model)
+    prepared, base = _recalibrate(prepared, nominal)
     selection = None
-    if all(one.driven_by_force(model) for one in prepared):
+    if all(one.driven_by_force(nominal) for one in prepared):
         selection = select(prepared, base, progress, most=_FIRST)
         between = _likeliest_between_samples(prepared, selection)
         if between != prepared[0].observed.between:
             prepared, others = (
-                [one.with_force_between_samples(between, model) for one in group]
+                [one.with_force_between_samples(between, nominal) for one in group]
                 for group in (prepared, others))
-            prepared, base = _recalibrate(prepared, model)
+            prepared, base = _recalibrate(prepared, nominal)
             selection = None
         elif len(selection.best.model.effects) == _FIRST:
             selection = None  # there may be more effects
-    nominal_cost = cost_of(prepared, model)
+    nominal_cost = cost_of(prepared, nominal)
     selection = selection or select(prepared, base, progress)
-    prepared, selection = _smooth_again(recordings, prepared, selection, model, progress)
+    prepared, selection = _smooth_again(fitted, prepared, selection, nominal, progress)
     odd_robot = _robot_is_odd(prepared, selection)
     if odd_robot:
         progress('selection without the motion')
@@ -102,8 +111,23 @@ def diagnose(
     # The largest misfit first: that recording is located and shown.
     prepared = sorted(prepared, key=lambda one: -cost_of([one], selection.base.model)
                       / one.residual_count)
-    fitted = Fitted(model, nominal_cost, selection, prepared, others, odd_robot)
-    return conclude(fitted, seed, progress)
+    return conclude(
+        Fitted(nominal, nominal_cost, selection, prepared, others, odd_robot), seed, progress)
+
+
+def _refuse_wrong_input(
+    recordings: Sequence[Recording], model: PlantParameters, seed: int
+) -> None:
+    if not recordings:
+        raise ParameterRangeError('recordings must hold at least one recording, got none')
+    if seed < 0:
+        raise ParameterRangeError(f'seed must be >= 0, got {seed}')
+    named = [effect.name for effect in effects_that_are_on(model.physics)]
+    if named:
+        raise ModelFileError(
+            f'the nominal model must have no physics, got {", ".join(named)}; remove it: '
+            'diagnose names the physics that a model without any lacks'
+        )
 
 
 def _recalibrate(recordings: Recordings, model: Model) -> tuple[Recordings, Fit]:

@@ -16,7 +16,8 @@
 """
 The report as one self-contained HTML page.
 
-Each section is a module of `sections`, which prepares its data, and a template of the same name.
+Each section is a module of this package, which prepares its data, and a template of the same
+name.
 """
 
 from __future__ import annotations
@@ -26,9 +27,7 @@ from typing import Any, Callable, Mapping
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
-from .number_format import plain, with_std
-from .plot_data import plot_data
-from .sections import (
+from . import (
     comparison,
     effects,
     evidence,
@@ -38,10 +37,12 @@ from .sections import (
     parameters,
     summary,
 )
-from .sections.inputs import Inputs
-from .wording import headline, meaning, place_of, PORTS
-from ..conclude.result import Diagnosis
-from ...figures import as_png
+from .inputs import Inputs
+from ..number_format import plain, with_std
+from ..plot_data import plot_data
+from ..wording import headline, meaning, place_of, PORTS
+from ...conclude.result import Diagnosis
+from ....figures import as_png
 
 SECTIONS: Mapping[str, Callable[[Inputs], Mapping[str, Any] | None]] = {
     'summary': summary.prepare,

@@ -22,16 +22,16 @@ from typing import Any, Mapping, NamedTuple
 
 import yaml
 
+from .estimator_node_parameters import EstimatorNodeParameters
 from ..estimation.parameters import EstimationParameters
 from ..exceptions import ParameterRangeError
 from ..parameters.file import read_parameter_file
 from ..parameters.values import build, without
+from ..plant.plant_node_parameters import PlantNodeParameters
 from ..plant.plant_parameters import PAPER_NOISE, PlantParameters
 from ..reference.experiment import Experiment
 from ..reference.experiments import experiment_named, EXPERIMENTS
 from ..reference.reference_generator import refuse_double_tracking
-from ..ros.estimator_node_parameters import EstimatorNodeParameters
-from ..ros.plant_node_parameters import PlantNodeParameters
 
 _LONGEST_S = 1e6
 

@@ -26,12 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..exceptions import RecordingError
-from ..messages import (
-    JointStateDecoder,
-    TrajectoryDecoder,
-    Vector3StampedDecoder,
-    WrenchDecoder,
-)
+from ..messages import JointStateDecoder, TrajectoryDecoder, Vector3StampedDecoder, WrenchDecoder
 from ..recordings import RecordingReader
 
 Series = NDArray[np.float64]

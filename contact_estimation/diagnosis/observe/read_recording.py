@@ -1,0 +1,67 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Recordings as the diagnosis takes them."""
+
+from __future__ import annotations
+
+from os import PathLike
+from pathlib import Path
+from typing import Mapping
+
+from .signals import Recording, signals_of
+from ...exceptions import UnknownNameError
+from ...messages import FORCE_OF_AXIS
+from ...recordings import RecordingReader
+from ...recordings.recorded_signals import read_signals
+from ...recordings.source import RecordingSource
+
+
+def read_recording(
+    path: str | PathLike[str], *, topics: Mapping[str, str] | None = None, axis: str = 'x',
+    joint: str = '',
+) -> Recording:
+    """
+    Read the signals of a recording.
+
+    Parameters
+    ----------
+    path : str or path-like
+        An `.mcap` file or a rosbag2 folder.
+    topics : mapping of str to str, optional
+        Recorded topic names by 'wrench', 'joint_states' and 'reference_trajectory'. A topic that
+        is not given has that name.
+    axis : {'x', 'y', 'z'}
+        Force axis of the wrench.
+    joint : str
+        Joint of the contact axis; '' if the recording has only one.
+
+    Returns
+    -------
+    recording : Recording
+        Name and signals, time in seconds from the first wrench.
+
+    Raises
+    ------
+    RecordingError
+        If the recording cannot be read or lacks wrenches or joint states.
+    UnknownNameError
+        If `axis` or a key of `topics` is unknown.
+
+    """
+    if axis not in FORCE_OF_AXIS:
+        raise UnknownNameError.among('axis', axis, FORCE_OF_AXIS)
+    source = RecordingSource.of_topics(topics or {})
+    signals = read_signals(RecordingReader(str(path)), source, axis, joint)
+    return Recording(Path(path).name, signals_of(signals))
