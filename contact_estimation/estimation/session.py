@@ -185,10 +185,9 @@ class ContactSession:
 
     def _process_run(self, run: Sequence[AxesSample]) -> list[Result]:
         """Process samples between two changes; only one where the reference is generated."""
-        columns = [
-            pipeline.process(samples, reference)
-            for pipeline, samples, reference in zip(self._pipelines, zip(*run), self._followed)
-        ]
+        columns = list(map(
+            EstimationPipeline.process, self._pipelines, zip(*run), self._followed
+        ))
         self.last_stamp_ns = run[-1][0].stamp_ns
         period_ns = self._stream.period_ns
         reference = None

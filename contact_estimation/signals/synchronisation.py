@@ -296,5 +296,7 @@ class Synchroniser:
 
 
 def _sample(stamp_ns: int, motion: Sequence[float], forces: Sequence[float]) -> AxesSample:
+    if len(forces) == 1:
+        return (ContactSample(stamp_ns, motion[0], motion[1], forces[0]),)
     velocities = motion[len(forces):]
     return tuple(map(ContactSample, repeat(stamp_ns), motion, velocities, forces))
