@@ -39,7 +39,10 @@ setup(
     maintainer_email='maintainers@example.com',
     license='Apache-2.0',
     packages=find_packages(include=[package_name, package_name + '.*']),
-    package_data={package_name: ['py.typed']},
+    package_data={
+        package_name: ['py.typed'],
+        package_name + '.diagnosis.report': ['templates/*'],
+    },
     data_files=[
         ('share/ament_index/resource_index/packages', ['resource/' + package_name]),
         ('share/' + package_name, ['package.xml']),
@@ -48,27 +51,37 @@ setup(
     ],
     entry_points={
         'console_scripts': [
-            'blind_trials = contact_estimation.commands.blind_trials:main',
+            'blind_trials = contact_estimation.commands.entry_points:blind_trials',
             'estimator_node = contact_estimation.ros.estimator_node:main',
             'plant_node = contact_estimation.ros.plant_node:main',
             'recorder_node = contact_estimation.ros.recorder_node:main',
-            'loop = contact_estimation.commands.loop:main',
-            'diagnose = contact_estimation.commands.diagnose:main',
-            'replay = contact_estimation.commands.replay:main',
-            'reproduce = contact_estimation.commands.reproduce:main',
-            'simulate = contact_estimation.commands.simulate:main',
+            'loop = contact_estimation.commands.entry_points:loop',
+            'diagnose = contact_estimation.commands.entry_points:diagnose',
+            'replay = contact_estimation.commands.entry_points:replay',
+            'reproduce = contact_estimation.commands.entry_points:reproduce',
+            'simulate = contact_estimation.commands.entry_points:simulate',
         ],
     },
     python_requires='>=3.10',
-    # Lower bounds of numpy, scipy and PyYAML: Ubuntu 24.04, the platform of Jazzy.
+    # Lower bounds of numpy, scipy, PyYAML and tqdm: Ubuntu 24.04, the platform of Jazzy.
     install_requires=[
         'filterpy>=2.0',
+        'jinja2>=3.1',
+        'markupsafe>=2.0',
         'mcap>=1.1',
         'numpy>=1.26',
         'pyyaml>=6.0',
         'scipy>=1.11',
+        'tqdm>=4.66',
     ],
     extras_require={
+        'doc': [
+            'furo',
+            'matplotlib>=3.6',
+            'myst-parser>=3.0',
+            'numpydoc>=1.7',
+            'sphinx>=7.3',
+        ],
         # The Jazzy line on PyPI; on a machine with /opt/ros leave this extra out.
         'ros': [
             'ros-jazzy-rclpy[fastrtps]==7.1.6',
@@ -98,6 +111,7 @@ setup(
             'mypy>=1.9',
             'pydocstyle>=6.3',
             'pytest>=7.4',
+            'pytest-xdist>=3.7',
             'rosbags>=0.11',
             'setuptools',
             'types-PyYAML',

@@ -1,0 +1,84 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+On-line estimation of contact stiffness and damping, and diagnosis of simulation models.
+
+``import contact_estimation as ce`` gives the names of `__all__`. Each name is imported when it is
+first used, so importing the package is fast and needs neither numpy nor ROS.
+
+"""
+
+from importlib import import_module
+from typing import Any, TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from .api import diagnose, read_model, read_recording
+    from .estimation.parameters import EstimationParameters
+    from .estimation.pipeline import EstimationPipeline
+    from .estimation.session import ContactSession
+    from .estimators import ESTIMATORS
+    from .exceptions import ContactEstimationError
+    from .physics import EFFECTS
+    from .plant.closed_loop import run_closed_loop
+    from .plant.plant_parameters import PlantParameters, SensorParameters
+    from .reference.experiments import experiment_named
+
+__all__ = [
+    'ContactEstimationError',
+    'ContactSession',
+    'diagnose',
+    'EFFECTS',
+    'ESTIMATORS',
+    'EstimationParameters',
+    'EstimationPipeline',
+    'experiment_named',
+    'PlantParameters',
+    'read_model',
+    'read_recording',
+    'run_closed_loop',
+    'SensorParameters',
+]
+
+_MODULES = {
+    'ContactEstimationError': 'exceptions',
+    'ContactSession': 'estimation.session',
+    'diagnose': 'api',
+    'EFFECTS': 'physics',
+    'ESTIMATORS': 'estimators',
+    'EstimationParameters': 'estimation.parameters',
+    'EstimationPipeline': 'estimation.pipeline',
+    'experiment_named': 'reference.experiments',
+    'PlantParameters': 'plant.plant_parameters',
+    'read_model': 'api',
+    'read_recording': 'api',
+    'run_closed_loop': 'plant.closed_loop',
+    'SensorParameters': 'plant.plant_parameters',
+}
+
+if not TYPE_CHECKING:  # a type checker would accept any name of a module that has __getattr__
+    def __getattr__(name: str) -> Any:
+        """Import a public name on first use."""
+        if name not in _MODULES:
+            raise AttributeError(
+                f'module {__name__!r} has no attribute {name!r}; expected one of '
+                f'{", ".join(__all__)}'
+            )
+        value = getattr(import_module(f'.{_MODULES[name]}', __name__), name)
+        globals()[name] = value
+        return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

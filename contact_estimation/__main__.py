@@ -12,9 +12,10 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""`python -m contact_estimation`: the whole way round, see `commands/demonstrate.py`."""
 
-from .commands.demonstrate import main
+"""`python -m contact_estimation`: the demonstration, see `commands/demonstrate.py`."""
+
+from .commands.entry_points import demonstrate
 
 if __name__ == '__main__':
-    raise SystemExit(main())
+    raise SystemExit(demonstrate())

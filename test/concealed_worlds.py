@@ -20,7 +20,7 @@ from functools import lru_cache
 from math import pi
 from typing import Any, Sequence
 
-from contact_estimation.blind_trials.unknown import made
+from contact_estimation.blind_trials.unknown_effects import make_unknown
 from contact_estimation.diagnosis.conclude.result import Diagnosis
 from contact_estimation.diagnosis.diagnosis import diagnose
 from contact_estimation.diagnosis.observe.model import Model
@@ -30,7 +30,7 @@ from contact_estimation.diagnosis.observe.signals import Recording, Signals
 from contact_estimation.parameters.specification import specifications
 from contact_estimation.parameters.values import build
 from contact_estimation.physics import EFFECTS
-from contact_estimation.physics.physics import Effect
+from contact_estimation.physics.effect import Effect
 from contact_estimation.plant.open_loop import run_open_loop
 from contact_estimation.plant.plant_parameters import PlantParameters
 from contact_estimation.plant.simulation import simulate_force
@@ -152,7 +152,7 @@ def record(
 @lru_cache(maxsize=None)
 def with_unknown(name: str, *values: tuple[str, float]) -> Signals:
     """Record a world with an effect outside the library."""
-    return record(_world(1, {}), further=(made(name, dict(values)),))
+    return record(_world(1, {}), further=(make_unknown(name, dict(values)),))
 
 
 def softened(first: float, last: float) -> Signals:

@@ -67,9 +67,14 @@ def world(**changes: Any) -> PlantParameters:
 
 
 def recorded(experiment: Experiment = TWO_TOUCHES, seed: int = 1, **changes: Any) -> Signals:
-    """Record an experiment in a noisy world."""
+    """Record an experiment in a noisy world; equal requests share one simulation."""
+    return _recorded(experiment, seed, tuple(changes.items()))
+
+
+@lru_cache(maxsize=None)
+def _recorded(experiment: Experiment, seed: int, changes: tuple[Any, ...]) -> Signals:
     plant = world(sensors__force_noise=0.3, sensors__position_noise=3e-6, sample_rate=RATE_HZ,
-                  seed=seed, **changes)
+                  seed=seed, **dict(changes))
 
     def reference(t: float) -> tuple[float, float, float, float]:
         return (*experiment.desired(t)[:3], 0.0)

@@ -23,6 +23,7 @@ every wait is for a condition, with a time limit that a busy machine does not re
 
 from __future__ import annotations
 
+from contextlib import suppress
 from itertools import count
 from math import nan
 import os
@@ -102,6 +103,12 @@ def wait_until(condition: Callable[[], Any], what: str, every_s: float = 0.02) -
         time.sleep(every_s)
 
 
+def descendants(pid: int) -> list[int]:
+    """Return the processes that a process has started, and theirs."""
+    children = Path(f'/proc/{pid}/task/{pid}/children').read_text().split()
+    return [p for child in map(int, children) for p in (child, *descendants(child))]
+
+
 class Finished(NamedTuple):
     """How a process has ended and what it has said."""
 
@@ -128,11 +135,15 @@ class ModuleProcess:
 
     def __exit__(self, *trouble: object) -> None:
         if self.running:
+            family = [self.pid, *descendants(self.pid)]
             self._process.send_signal(signal.SIGINT)
             try:
                 self._process.wait(PATIENCE_S)
             except subprocess.TimeoutExpired:
-                self._process.kill()
+                # A child left behind would answer the tests that follow.
+                for pid in family:
+                    with suppress(ProcessLookupError):
+                        os.kill(pid, signal.SIGKILL)
                 self._process.wait()
 
     @property

@@ -25,11 +25,10 @@ import pytest
 
 ROOT = Path(contact_estimation.__file__).parent
 LAYERS = [
-    'exceptions', 'optional_packages', 'parameters', 'messages', 'recordings', 'signals',
-    'physics', 'reference', 'estimators', 'estimation', 'plant',
-    'reproduction', 'diagnosis.observe', 'diagnosis.fit', 'diagnosis.conclude',
-    'diagnosis.report', 'diagnosis', 'blind_trials', 'ros', 'commands', 'benchmarks',
-    'several_points',
+    'exceptions', 'figures', 'parameters', 'messages', 'recordings', 'signals', 'physics',
+    'reference', 'estimators', 'estimation', 'plant', 'several_points', 'reproduction',
+    'diagnosis.observe', 'diagnosis.fit', 'diagnosis.conclude', 'diagnosis.report', 'diagnosis',
+    'blind_trials', 'ros', 'loop', 'api', 'commands', 'benchmarks',
 ]
 
 
@@ -49,14 +48,16 @@ def imported(file: Path) -> Iterator[str]:
 
 @pytest.mark.parametrize('package', LAYERS)
 def test_a_package_imports_only_packages_listed_before_it(package: str) -> None:
-    place = ROOT / package.replace('.', '/')
-    files = place.glob('*.py') if place.is_dir() else [place.with_suffix('.py')]
-    used = {package_of(module) for file in files for module in imported(file) if module}
+    files = [f for f in ROOT.rglob('*.py') if f.parent != ROOT or f.stem in LAYERS]
+    names = {f: '.'.join(f.relative_to(ROOT).with_suffix('').parts) for f in files}
+    of_package = [f for f, name in names.items() if package_of(name) == package]
+    used = {package_of(module) for f in of_package for module in imported(f) if module}
+    assert of_package
     below = LAYERS[:LAYERS.index(package) + 1]
     assert not used - set(below)
 
 
 def test_every_module_belongs_to_a_listed_package() -> None:
-    modules = [f.relative_to(ROOT) for f in ROOT.rglob('*.py')]
-    named = {'.'.join(f.with_suffix('').parts) for f in modules if f.parts[0][:2] != '__'}
-    assert all(package_of(module) for module in named)
+    names = {f.relative_to(ROOT).parts[0].removesuffix('.py') for f in ROOT.rglob('*.py')}
+    listed = {layer.partition('.')[0] for layer in LAYERS}
+    assert {name for name in names if not name.startswith('__')} == listed

@@ -47,6 +47,7 @@ NO_REFERENCE = (np.empty(0), np.empty((4, 0)))
 MASS, DRAG, DRY, BIAS = 90.0, 200.0, 20.0, 3.0  # of a linear drive
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('name', WORLDS)
 def test_effect_of_an_attached_wall_is_named(name: str) -> None:
     values = WORLDS[name]
@@ -95,6 +96,7 @@ def of_drive() -> Diagnosis:
         environment__unilateral=False))
 
 
+@pytest.mark.slow
 def test_dry_friction_and_bias_of_a_drive_are_named() -> None:
     found = of_drive()
     assert found.verdict == 'physics_missing'
@@ -104,6 +106,7 @@ def test_dry_friction_and_bias_of_a_drive_are_named() -> None:
     assert values['force_bias']['bias'].value == pytest.approx(BIAS, rel=0.02)
 
 
+@pytest.mark.slow
 def test_drag_of_a_drive_is_found_and_no_spring() -> None:
     found = of_drive()
     assert found.damping.value == pytest.approx(DRAG, rel=0.01)
@@ -111,6 +114,7 @@ def test_drag_of_a_drive_is_found_and_no_spring() -> None:
     assert found.corrected.values[2] == pytest.approx(MASS, rel=0.01)
 
 
+@pytest.mark.slow
 def test_force_of_a_controller_is_seen_to_be_held_between_samples() -> None:
     assert of_drive().recordings[0].observed.between == 'held'
 

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Studies of blind_trials: what is sealed, what is handed over, and going on after a stop."""
+"""Studies of blind_trials: files of a trial, separation of the truth, resuming."""
 
 from __future__ import annotations
 
@@ -20,11 +20,17 @@ import json
 from pathlib import Path
 from typing import Any
 
-from blind_setups import answer, short_trial, truth
+from blind_worlds import answer, short_trial, truth
 from contact_estimation.blind_trials import study
-from contact_estimation.blind_trials.blind_diagnosis import command_line, diagnose_blind
-from contact_estimation.blind_trials.handing_over import hand_over, Handed, write_json
-from contact_estimation.blind_trials.study import plan, Planned, run_study, run_trial
+from contact_estimation.blind_trials.study import (
+    diagnose_blind,
+    diagnose_command,
+    plan_study,
+    PlannedTrial,
+    run_study,
+    run_trial,
+)
+from contact_estimation.blind_trials.trial_files import TrialFiles, write_json, write_trial
 from contact_estimation.commands.blind_trials import main
 from contact_estimation.diagnosis.observe.signals import signals_of
 from contact_estimation.parameters.file import read_parameter_file
@@ -35,48 +41,48 @@ from contact_estimation.recordings.source import RecordingSource
 import numpy as np
 import pytest
 
-PLANNED = Planned('trial_x', 'force_bias', (0, 0, 0))
+PLANNED = PlannedTrial('trial_x', 'force_bias', (0, 0, 0))
 
 
 @pytest.fixture(scope='module')
-def handed(tmp_path_factory: pytest.TempPathFactory) -> Handed:
+def files(tmp_path_factory: pytest.TempPathFactory) -> TrialFiles:
     """Write the files of a short trial."""
-    files = Handed.of(tmp_path_factory.mktemp('study'), 'trial_x')
-    hand_over(short_trial('force_bias', bias=2.0), files, np.random.default_rng(0))
-    return files
+    paths = TrialFiles.of(tmp_path_factory.mktemp('study'), 'trial_x')
+    write_trial(short_trial('force_bias', bias=2.0), paths, np.random.default_rng(0))
+    return paths
 
 
-def done(folder: Path, planned: Planned, said: dict[str, Any]) -> Handed:
-    """Leave the files of a trial that is done."""
-    files = Handed.of(folder, planned.name)
+def done(folder: Path, planned: PlannedTrial, said: dict[str, Any]) -> TrialFiles:
+    """Write the files of a finished trial."""
+    files = TrialFiles.of(folder, planned.name)
     told = truth(planned.effect) if planned.effect else truth()
     write_json(files.truth, told)
     write_json(files.report, said)
     return files
 
 
-def test_the_diagnosis_is_never_told_of_the_truth(handed: Handed) -> None:
-    words = command_line(handed.recording, handed.nominal, Path('out.json'))
-    assert not any('truth' in word or handed.truth.parent.name in word for word in words)
-    assert handed.truth.parent not in (handed.recording.parent, handed.nominal.parent)
+def test_the_diagnosis_command_does_not_contain_the_truth(files: TrialFiles) -> None:
+    words = diagnose_command(files.recording, files.nominal, Path('out.json'))
+    assert not any('truth' in word or files.truth.parent.name in word for word in words)
+    assert files.truth.parent not in (files.recording.parent, files.nominal.parent)
 
 
-def test_neither_name_nor_model_file_betrays_the_effect(handed: Handed) -> None:
-    names = {planned.name for planned in plan(30, 10, 3)}
+def test_neither_name_nor_model_file_reveals_the_effect(files: TrialFiles) -> None:
+    names = {planned.name for planned in plan_study(30, 10, 3)}
     assert len(names) == 40
     assert not any(effect in name for name in names for effect in EFFECTS)
     assert {len(name) for name in names} == {len('trial_') + 8}
-    assert 'physics' not in handed.nominal.read_text()
-    assert read_parameter_file(str(handed.nominal), 'plant_node') == {
+    assert 'physics' not in files.nominal.read_text()
+    assert read_parameter_file(str(files.nominal), 'plant_node') == {
         'environment.stiffness': 4400.0, 'environment.damping': 80.0,
         'environment.location': 0.0, 'robot.mass': 20.0, 'robot.damping': 600.0,
         'robot.stiffness': 4000.0,
     }
 
 
-def test_the_recording_is_read_as_it_was_simulated(handed: Handed) -> None:
-    signals = signals_of(read_signals(RecordingReader(handed.recording), RecordingSource()))
-    told = json.loads(handed.truth.read_text())
+def test_the_recording_holds_the_simulated_signals(files: TrialFiles) -> None:
+    signals = signals_of(read_signals(RecordingReader(files.recording), RecordingSource()))
+    told = json.loads(files.truth.read_text())
     free = signals.wrench_t < 0.4
     assert float(np.mean(signals.force[free])) == pytest.approx(2.0, abs=0.1)
     assert float(np.std(signals.force[free])) == pytest.approx(told['force_floor_n'], rel=0.15)
@@ -84,8 +90,8 @@ def test_the_recording_is_read_as_it_was_simulated(handed: Handed) -> None:
     assert float(np.min(signals.force)) < -30.0
 
 
-def test_the_truth_tells_effect_wall_and_concealment(handed: Handed) -> None:
-    told = json.loads(handed.truth.read_text())
+def test_the_truth_holds_effect_wall_and_degree_of_concealment(files: TrialFiles) -> None:
+    told = json.loads(files.truth.read_text())
     assert told['effects'] == [
         {'name': 'force_bias', 'port': 'force_sensor', 'parameters': {'bias': 2.0}}]
     assert (told['stiffness'], told['damping']) == (4000.0, 100.0)
@@ -93,21 +99,21 @@ def test_the_truth_tells_effect_wall_and_concealment(handed: Handed) -> None:
     assert told['concealed'] > 1.2
 
 
-def test_a_larger_study_holds_the_trials_of_a_smaller_one() -> None:
-    assert set(plan(5, 3, 1)) < set(plan(40, 8, 1))
-    assert not set(plan(5, 3, 1)) & set(plan(5, 3, 2))
-    assert set(plan(5, 3, 1, 4)) - set(plan(5, 3, 1)) == set(plan(0, 0, 1, 4))
+def test_a_larger_study_contains_the_trials_of_a_smaller_one() -> None:
+    assert set(plan_study(5, 3, 1)) < set(plan_study(40, 8, 1))
+    assert not set(plan_study(5, 3, 1)) & set(plan_study(5, 3, 2))
+    assert set(plan_study(5, 3, 1, 4)) - set(plan_study(5, 3, 1)) == set(plan_study(0, 0, 1, 4))
 
 
-def test_a_trial_that_is_done_is_not_done_again(
+def test_finished_steps_of_a_trial_are_not_repeated(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     calls: list[str] = []
     monkeypatch.setattr(study, 'draw_trial', lambda *_: calls.append('draw'))
-    monkeypatch.setattr(study, 'hand_over', lambda *_: calls.append('hand over'))
+    monkeypatch.setattr(study, 'write_trial', lambda *_: calls.append('write'))
     monkeypatch.setattr(study, 'diagnose_blind', lambda _: calls.append('diagnose'))
     run_trial(tmp_path, PLANNED)
-    assert calls == ['draw', 'hand over', 'diagnose']
+    assert calls == ['draw', 'write', 'diagnose']
     calls.clear()
     files = done(tmp_path, PLANNED, answer('force_bias'))
     run_trial(tmp_path, PLANNED)
@@ -117,35 +123,36 @@ def test_a_trial_that_is_done_is_not_done_again(
     assert calls == ['diagnose']
 
 
-def test_a_recording_without_truth_was_stopped_amid_and_is_drawn_anew(tmp_path: Path) -> None:
-    files = Handed.of(tmp_path, 'trial_x')
+def test_an_incomplete_recording_is_written_again(tmp_path: Path) -> None:
+    files = TrialFiles.of(tmp_path, 'trial_x')
     files.recording.parent.mkdir()
     files.recording.write_bytes(b'half')
-    hand_over(short_trial(), files, np.random.default_rng(0))
+    write_trial(short_trial(), files, np.random.default_rng(0))
     assert RecordingReader(files.recording).topics()
     assert files.truth.exists()
 
 
-def test_a_study_that_is_done_is_only_scored(tmp_path: Path) -> None:
-    trials = plan(2, 1, 0)
+def test_a_finished_study_is_only_scored(tmp_path: Path) -> None:
+    trials = plan_study(2, 1, 0)
     for planned in trials:
         done(tmp_path, planned, answer(planned.effect) if planned.effect else answer())
     told: list[float] = []
     scores = run_study(tmp_path, trials, 1, lambda share, _: told.append(share))
     assert [s.trial for s in scores] == [planned.name for planned in trials]
-    assert all(s.alone for s in scores if s.effect)
+    assert all(s.found_alone for s in scores if s.effect)
     assert told[-1] == 1.0
 
 
-def test_a_diagnosis_that_fails_leaves_its_complaint(tmp_path: Path) -> None:
-    files = Handed.of(tmp_path, 'trial_x')
-    diagnose_blind(files)  # makes the folder of the reports, which may have been cleared away
+def test_a_failed_diagnosis_leaves_its_error_message(tmp_path: Path) -> None:
+    files = TrialFiles.of(tmp_path, 'trial_x')
+    diagnose_blind(files)  # creates the folder of the reports
     kept = json.loads(files.report.read_text())
     assert kept['report'] is None
     assert str(files.nominal) in kept['error']
 
 
-def test_the_command_draws_diagnoses_and_scores(
+@pytest.mark.slow
+def test_the_command_draws_diagnoses_and_scores_trials(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     target = tmp_path / 'scores.json'
@@ -160,13 +167,13 @@ def test_the_command_draws_diagnoses_and_scores(
     assert (tmp_path / 'study' / 'table.txt').exists()
 
 
-@pytest.mark.parametrize('words, complaint', [
+@pytest.mark.parametrize('words, message', [
     (['--count', '0'], 'all 0'), (['--count', '-1'], '--count must be >= 0, got -1'),
     (['--count', '0', '--unknown', '-1'], '--unknown must be >= 0'),
     (['--count', '1', '--jobs', '0'], '--jobs must be >= 1'),
 ])
-def test_the_command_refuses_what_makes_no_sense(
-    words: list[str], complaint: str, capsys: pytest.CaptureFixture[str]
+def test_the_command_refuses_invalid_counts(
+    words: list[str], message: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(words) == 1
-    assert complaint in capsys.readouterr().err
+    assert message in capsys.readouterr().err

@@ -128,6 +128,7 @@ def assert_found(name: str, estimate: Estimate, bounds: tuple[float, float]) -> 
         assert abs(B) < bounds[1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('name', EFFECTS)
 def test_estimator_in_closed_loop_that_knows_the_effect_is_right(name: str) -> None:
     estimate, force = in_closed_loop(name, True)
@@ -135,6 +136,7 @@ def test_estimator_in_closed_loop_that_knows_the_effect_is_right(name: str) -> N
     assert_found(name, estimate, BOUNDS.get(name, (1.0, 2.0)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('name', [n for n in EFFECTS if n not in HARMLESS | WITHOUT_STIFFNESS])
 def test_estimator_in_closed_loop_that_does_not_know_is_wrong(name: str) -> None:
     wrong, right = (np.abs(errors(in_closed_loop(name, told)[0])) for told in (False, True))
@@ -155,6 +157,7 @@ def test_estimator_of_a_smooth_command_that_knows_the_effect_is_right(
     assert_found(name, pipeline.process(samples[:end])[-1], (1.0, 2.0))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('name', [n for n in EFFECTS if n not in HARMLESS])
 def test_velocity_need_not_be_measured(name: str) -> None:
     samples, end = recorded(name, False)
@@ -163,6 +166,7 @@ def test_velocity_need_not_be_measured(name: str) -> None:
     assert_found(name, pipeline.process(samples[:end])[-1], bounds)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('name', EFFECTS)
 def test_estimates_do_not_depend_on_how_samples_are_cut_into_runs(name: str) -> None:
     samples, end = recorded(name)

@@ -88,7 +88,9 @@ def test_share_is_the_explained_part_of_the_mean_square() -> None:
 
 @pytest.mark.parametrize('name', ['', *EFFECTS])
 def test_bands_hold_the_means(name: str) -> None:
-    for one in dependences(*recalibrated(name), np.random.default_rng(0)):
+    every = dependences(*recalibrated(name), np.random.default_rng(0))
+    assert {one.channel for one in every} == {'force', 'motion'}
+    for one in every:
         assert np.all(one.low <= one.mean) and np.all(one.mean <= one.high)
         assert len(one.middle) == len(one.mean) == (len(one.names) or len(one.mean))
         assert np.all(np.diff(one.middle) > 0.0)
@@ -109,6 +111,7 @@ def test_wall_driven_by_force_has_its_motion_alone() -> None:
 def test_same_seed_gives_the_same_bands() -> None:
     first, second = (dependences(*recalibrated('coulomb_friction'), np.random.default_rng(3))
                      for _ in range(2))
+    assert [one.channel for one in first] == [other.channel for other in second] != []
     for one, other in zip(first, second):
         assert one.chance == other.chance
         np.testing.assert_array_equal(one.low, other.low)

@@ -86,7 +86,9 @@ def test_saturation_is_seen_at_large_depth_or_speed() -> None:
 def test_plastic_set_is_seen_in_contact_only() -> None:
     recording, model = recalibrated(recorded(**physics('plastic_set', 0.06)))
     o = recording.observed
-    for begin, end in locate(recording, model).intervals_s:
+    intervals = locate(recording, model).intervals_s
+    assert intervals
+    for begin, end in intervals:
         inside = o.x[(o.t >= begin) & (o.t < end)] > 0.0
         assert np.mean(inside) > 0.7
 

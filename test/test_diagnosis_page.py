@@ -12,31 +12,34 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The page with pictures: all in one file, in plain words, and nothing that would break it."""
+
+"""The page: self-contained, well formed, complete, and escaped."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 from html.parser import HTMLParser
+from pathlib import Path
+import subprocess
 import sys
 
-from contact_estimation.diagnosis.report.page import as_html, headline, meaning
-from contact_estimation.diagnosis.report.pictures import draw
-from contact_estimation.diagnosis.report.seen import held_out_spans, seen
-from contact_estimation.diagnosis.report.written_numbers import plain, with_std
+from contact_estimation.diagnosis.report import page as page_module
+from contact_estimation.diagnosis.report.number_format import plain, with_std
+from contact_estimation.diagnosis.report.page import as_html, SECTIONS
+from contact_estimation.diagnosis.report.wording import headline, meaning
 from contact_estimation.exceptions import MissingPackageError
 from contact_estimation.physics import EFFECTS
 from diagnosed_worlds import diagnosed
-import numpy as np
 import pytest
 
 NAMES = ('clean', 'stiffer', 'friction', 'unknown')
-EVERY = pytest.mark.parametrize('name', NAMES)
-ALONE = {'meta', 'img', '!doctype'}  # tags that need no end
+VOID = {'meta', 'img'}  # elements without an end tag
+TEMPLATES = Path(page_module.__file__).parent / 'templates'
+ROOT = Path(__file__).resolve().parent.parent
 
 
 class Page(HTMLParser):
-    """Collects tags and text, and checks that they are nested."""
+    """Collects tags and text, and checks that elements are nested."""
 
     def __init__(self, page: str) -> None:
         super().__init__()
@@ -47,13 +50,13 @@ class Page(HTMLParser):
         self.close()
 
     def handle_starttag(self, tag: str, attributes: list[tuple[str, str | None]]) -> None:
-        """Note a tag."""
+        """Record a tag."""
         self.tags.append((tag, dict(attributes)))
-        if tag not in ALONE:
+        if tag not in VOID:
             self.open.append(tag)
 
     def handle_endtag(self, tag: str) -> None:
-        """Close the tag that was opened last."""
+        """Close the element that was opened last."""
         assert self.open.pop() == tag
 
     def handle_data(self, data: str) -> None:
@@ -64,91 +67,98 @@ class Page(HTMLParser):
 
 @pytest.fixture(scope='module', params=NAMES)
 def page(request: pytest.FixtureRequest) -> tuple[str, str]:
-    """Make the page of each world once."""
+    """Build the page of each world once."""
     pytest.importorskip('matplotlib')
     return request.param, as_html(diagnosed(request.param), 'a.mcap')
 
 
-def test_page_needs_nothing_but_itself(page: tuple[str, str]) -> None:
+def test_page_is_self_contained(page: tuple[str, str]) -> None:
     _, text = page
     assert len(text) < 1.5e6
     assert 'http' not in text and 'url(' not in text and '@import' not in text
     tags = Page(text).tags
     assert not {'script', 'link', 'iframe', 'object'} & {tag for tag, _ in tags}
     sources = [attributes['src'] for _, attributes in tags if 'src' in attributes]
-    assert len(sources) == 5
+    assert len(sources) == 7
     assert all((source or '').startswith('data:image/png;base64,iVBOR') for source in sources)
 
 
-def test_page_is_well_formed_and_describes_its_pictures(page: tuple[str, str]) -> None:
+def test_page_is_well_formed_and_describes_its_figures(page: tuple[str, str]) -> None:
     parsed = Page(page[1])
     assert parsed.open == []
-    pictures = [attributes for tag, attributes in parsed.tags if tag == 'img']
-    assert all(len(attributes['alt'] or '') > 20 for attributes in pictures)
+    figures = [attributes for tag, attributes in parsed.tags if tag == 'img']
+    assert all(len(attributes['alt'] or '') > 20 for attributes in figures)
 
 
-def test_page_says_verdict_effects_and_held_out_errors(page: tuple[str, str]) -> None:
+def test_page_gives_verdict_effects_and_held_out_errors(page: tuple[str, str]) -> None:
     name, text = page
-    d, said = diagnosed(name), Page(text).text
-    assert d.verdict.replace('_', ' ') in said and headline(d) in said
+    d, shown = diagnosed(name), Page(text).text
+    assert d.verdict.replace('_', ' ') in shown and headline(d) in shown
     for effect in d.effects:
-        assert effect.name in said and effect.equation in said and meaning(effect.name) in said
-    assert f'{d.holdouts[0].force.nominal:.4g}' in said
-    assert f'{d.noise_floor:.3g} N' in said
+        assert effect.name in shown and effect.equation in shown and meaning(effect.name) in shown
+    assert f'{d.holdouts[0].force.nominal:.4g}' in shown
+    assert f'{d.noise_floor:.3g} N' in shown
 
 
-def test_names_from_outside_are_escaped() -> None:
+def test_page_begins_with_the_headline_and_ends_with_the_next_experiment() -> None:
     pytest.importorskip('matplotlib')
-    nasty = '<script>"&'
+    d = replace(diagnosed('unknown'), next_experiment='press harder')
+    shown = Page(as_html(d, 'a.mcap', 'b.yaml')).text
+    titles = (headline(d), 'Model parameters', 'Recording and simulations',
+              'Where the mismatch sits', 'Errors on held-out data', 'Candidate effects',
+              'press harder', 'loop --experiment b.yaml')
+    places = [shown.index(title) for title in titles]
+    assert places == sorted(places)
+
+
+def test_sections_without_content_are_left_out() -> None:
+    pytest.importorskip('matplotlib')
+    text = as_html(replace(diagnosed('clean'), evidence={}), 'a.mcap')
+    assert 'class="effect"' not in text
+    assert 'Next experiment' not in text and 'Candidate effects' not in text
+
+
+def test_text_from_outside_is_escaped() -> None:
+    pytest.importorskip('matplotlib')
+    hostile = '<script>"&'
     d = diagnosed('friction')
     effect = replace(d.effects[0], indistinguishable_from=['stribeck_friction'])
-    d = replace(d, effects=[effect], holdouts=[replace(d.holdouts[0], name=nasty)],
-                next_experiment=nasty)
-    text = as_html(d, nasty, nasty)
+    d = replace(d, effects=[effect], holdouts=[replace(d.holdouts[0], name=hostile)],
+                next_experiment=hostile)
+    text = as_html(d, hostile, hostile)
     assert '<script' not in text
-    said = Page(text).text
-    assert said.count(nasty) >= 4
-    assert 'cannot tell it from stribeck_friction' in said
+    shown = Page(text).text
+    assert shown.count(hostile) >= 4
+    assert 'cannot distinguish it from stribeck_friction' in ' '.join(shown.split())
 
 
-def test_headline_gives_the_values() -> None:
-    assert headline(diagnosed('friction')).startswith(
-        'The simulation lacks coulomb friction in the contact (F_c = ')
+def test_every_section_has_a_template_and_every_template_is_used() -> None:
+    shared = {'page', 'figure'}
+    assert {path.stem for path in TEMPLATES.glob('*.html')} == {*SECTIONS, *shared}
+
+
+def test_templates_are_installed(tmp_path: Path) -> None:
+    pytest.importorskip('setuptools')
+    subprocess.run([sys.executable, 'setup.py', '-q', 'build_py', '--build-lib', str(tmp_path)],
+                   cwd=ROOT, check=True, capture_output=True)
+    installed = tmp_path / TEMPLATES.relative_to(ROOT)
+    assert {path.name for path in installed.iterdir()} == {p.name for p in TEMPLATES.iterdir()}
+
+
+def test_headline_names_effects_and_refitted_values() -> None:
+    assert headline(diagnosed('friction')) == (
+        'The simulation lacks coulomb friction in the contact')
     K = diagnosed('stiffer').recalibrated.stiffness
-    assert f'K_e is {K:.5g} N/m instead of 5000' in headline(diagnosed('stiffer'))
+    assert f'K_e is {K:.5g} N/m instead of 5000 N/m' in headline(diagnosed('stiffer'))
+    assert headline(diagnosed('unknown')).endswith('no effect of the library explains')
 
 
 @pytest.mark.parametrize('name', EFFECTS)
-def test_every_effect_has_a_meaning_in_one_plain_line(name: str) -> None:
+def test_every_effect_has_a_meaning_of_one_line(name: str) -> None:
     assert 10 < len(meaning(name)) < 99 and meaning(name).endswith('.')
 
 
-@EVERY
-def test_shaded_spans_are_the_samples_that_no_fit_has_used(name: str) -> None:
-    port = diagnosed(name).recordings[0]
-    ((first, last),) = held_out_spans(diagnosed(name))
-    inside = (port.observed.t >= first) & (port.observed.t <= last)
-    assert not port.use[inside].any()
-    assert port.use[~inside].mean() > 0.95
-
-
-def test_close_up_holds_the_greatest_difference() -> None:
-    data = seen(diagnosed('unknown'))
-    before, _ = data.pair
-    left = data.residuals[0].left[before]
-    first, last = data.close_up_span
-    inside = (data.block_t >= first) & (data.block_t <= last)
-    assert np.mean(left[inside] ** 2) > 1.2 * np.mean(left**2)
-
-
-def test_pictures_are_png_of_moderate_size() -> None:
-    pytest.importorskip('matplotlib')
-    pictures = draw(diagnosed('friction'))
-    assert set(pictures) == {'overlay', 'residuals', 'plane', 'dependence', 'evidence'}
-    assert all(data.startswith(b'\x89PNG') and len(data) < 4e5 for data in pictures.values())
-
-
-def test_missing_matplotlib_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_missing_matplotlib_is_an_error_with_remedy(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, 'matplotlib', None)
     with pytest.raises(MissingPackageError, match='matplotlib.*pip install'):
         as_html(diagnosed('clean'), 'a')
@@ -163,11 +173,12 @@ def test_missing_matplotlib_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     (1.5, float('nan'), '1.5'),
     (float('nan'), 1.0, '&ndash;'),
 ])
-def test_numbers_keep_the_digits_that_their_uncertainty_leaves(
+def test_numbers_are_rounded_to_two_digits_of_their_uncertainty(
     value: float, std: float, text: str
 ) -> None:
     assert with_std(value, std) == text
 
 
-def test_plain_numbers_keep_five_digits() -> None:
+def test_plain_numbers_have_five_digits() -> None:
     assert [plain(5000.0), plain(123456.7)] == ['5000', '1.2346 &times; 10<sup>5</sup>']
+    assert plain(None) == '&ndash;'

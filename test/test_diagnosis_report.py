@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The report's data, text and model file: keys, nulls and numbers of the contract."""
+"""The report as JSON, as text and as model file: keys, nulls and numbers."""
 
 from __future__ import annotations
 
@@ -23,7 +23,9 @@ from pathlib import Path
 from typing import Any
 
 from contact_estimation.diagnosis.conclude.result import Errors, Value
-from contact_estimation.diagnosis.report.report import as_dict, as_text, model_file
+from contact_estimation.diagnosis.report.corrected_model import model_file
+from contact_estimation.diagnosis.report.json_report import as_dict
+from contact_estimation.diagnosis.report.text_report import as_text
 from contact_estimation.estimation.parameters import EstimationParameters
 from contact_estimation.parameters.file import read_parameter_file
 from contact_estimation.parameters.values import build
@@ -44,7 +46,7 @@ def test_worlds_get_their_verdicts(name: str) -> None:
 
 
 @EVERY
-def test_report_has_the_keys_of_the_contract(name: str) -> None:
+def test_report_has_the_keys_of_its_schema(name: str) -> None:
     report = as_dict(diagnosed(name))
     assert {'verdict', 'effects', 'location', 'nominal', 'recalibrated', 'corrected', 'fit',
             'next_experiment'} <= set(report)
@@ -66,7 +68,7 @@ def test_corrected_is_recalibrated_where_nothing_is_missing(name: str) -> None:
     assert d.force.corrected == d.force.recalibrated
 
 
-def test_effects_have_the_keys_of_the_contract() -> None:
+def test_effects_have_the_keys_of_their_schema() -> None:
     (effect,) = as_dict(diagnosed('friction'))['effects']
     assert set(effect) == {'name', 'port', 'probability', 'equation', 'parameters',
                            'indistinguishable_from', 'location'}
@@ -90,7 +92,7 @@ def test_mismatch_is_located_only_where_there_is_one(name: str) -> None:
 
 @EVERY
 def test_report_is_json_without_nan(name: str) -> None:
-    wild = replace(diagnosed(name), stiffness=Value(nan, nan, 'N/m'), left=float('inf'))
+    wild = replace(diagnosed(name), stiffness=Value(nan, nan, 'N/m'), residual_power=float('inf'))
     for diagnosis in (diagnosed(name), wild):
         report = as_dict(diagnosis)
         assert json.loads(json.dumps(report, allow_nan=False)) == report
@@ -101,7 +103,7 @@ def test_report_is_json_without_nan(name: str) -> None:
     ('power_law_stiffness', (1.2, 7000.0), None, 'fitted'),
     ('hunt_crossley_damping', (2e4,), 'fitted', 0.0),
 ])
-def test_value_that_an_effect_replaces_is_null_or_zero(
+def test_stiffness_or_damping_replaced_by_an_effect_is_null_or_zero(
     effect: str, values: tuple[float, ...], stiffness: Any, damping: Any
 ) -> None:
     before = diagnosed('clean')
@@ -112,7 +114,7 @@ def test_value_that_an_effect_replaces_is_null_or_zero(
         assert report['corrected'][name]['value'] == value
 
 
-def test_what_does_not_apply_is_null() -> None:
+def test_values_that_do_not_exist_are_null() -> None:
     nothing = Errors(None, None, None)
     part = replace(diagnosed('clean').holdouts[0], motion=nothing)
     fit = as_dict(replace(
@@ -128,26 +130,32 @@ def test_improvement_is_that_of_corrected_over_recalibrated() -> None:
     assert low < 1.0 - errors['corrected'] / errors['recalibrated'] < high
 
 
-def test_text_says_on_what_the_rest_depends_before_and_after() -> None:
+def test_text_lists_significant_dependences_of_the_residuals_before_and_after() -> None:
     d = diagnosed('friction')
-    lines = [line for line in as_text(d).splitlines() if line.startswith('What the recali')]
-    assert len(lines) == 1
-    before, after = lines[0].split(';')
+    lines = as_text(d).splitlines()
+    (before,) = (line for line in lines if line.startswith('  recalibrated model:'))
     shares = [one['share'] for found in as_dict(d)['dependence'].values() for one in found
               if (one['port'], one['on']) == ('force', 'velocity')]
-    assert f'velocity ({100.0 * shares[0]:.0f} %)' in before
-    assert after.startswith(' what the corrected one leaves, on ')
+    assert f'velocity {100.0 * shares[0]:.0f} %' in before
     assert shares[1] < 0.2 * shares[0]
 
 
 @EVERY
-def test_text_says_verdict_effects_and_errors(name: str) -> None:
+def test_text_begins_with_the_verdict_and_gives_effects_and_errors(name: str) -> None:
     d = diagnosed(name)
     text = as_text(d)
-    assert text.splitlines()[0].startswith(d.verdict.replace('_', ' '))
+    assert text.startswith(f'{d.verdict.replace("_", " ")}: the simulation ')
     assert all(f'{effect.name} (in the contact)' in text for effect in d.effects)
     assert f'{d.force.nominal:.4g}' in text
-    assert ('With it: K_e' in text) == bool(d.effects)
+    assert f'{d.stiffness.value:.6g} +- {d.stiffness.std:.2g}' in text
+
+
+def test_text_follows_the_order_of_the_page() -> None:
+    text = as_text(replace(diagnosed('unknown'), next_experiment='press harder'))
+    titles = ('unexplained: ', 'Model parameters', 'Held-out errors', 'Unexplained mismatch',
+              'Next experiment: press harder')
+    places = [text.index(title) for title in titles]
+    assert places == sorted(places)
 
 
 def test_model_file_configures_plant_and_estimator(tmp_path: Path) -> None:

@@ -130,10 +130,11 @@ def test_search_finds_the_depth_of_a_second_spring(K_2: float, depth: float) -> 
     assert found.model.values[2:] == pytest.approx((K_2, depth), rel=0.05)
 
 
-def test_implausible_values_are_not_found() -> None:
+def test_implausible_values_are_not_found(monkeypatch: pytest.MonkeyPatch) -> None:
     recording, base = prepared(*physics('coulomb_friction', 2.0).items())
-    for found in search([recording], base, ['stribeck_friction'], lambda name: None):
-        assert found.model.plausible()
+    assert not search([recording], base, ['stribeck_friction'], lambda name: None)
+    monkeypatch.setattr(Model, 'plausible', lambda self: True)
+    assert search([recording], base, ['stribeck_friction'], lambda name: None)
 
 
 def test_nothing_is_taken_from_a_clean_world() -> None:
@@ -153,6 +154,7 @@ def test_selection_of_an_effect_has_rivals_and_evidence() -> None:
     assert selection.evidence['force_delay'] > 0.9
 
 
+@pytest.mark.slow
 def test_wider_law_does_not_take_the_place_of_the_true_one() -> None:
     pair = {**physics('coulomb_friction', 2.0), **physics('force_delay', 0.006)}
     recording, base = prepared(*pair.items())

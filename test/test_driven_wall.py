@@ -42,6 +42,7 @@ LAWS: dict[str, Any] = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('name', LAWS)
 def test_driven_wall_is_that_of_an_independent_integration(name: str) -> None:
     def rates(t: float, s: list[float]) -> list[float]:

@@ -133,6 +133,7 @@ def test_effect_of_the_sensor_leaves_the_world_alone(name: str) -> None:
     np.testing.assert_array_equal(positions(name), nominal)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('name', EFFECTS)
 def test_two_integration_steps_a_sample_are_enough(name: str) -> None:
     coarse, fine = (positions(name, integration_rate=rate) for rate in (1e3, 5e3))

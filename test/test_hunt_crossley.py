@@ -122,6 +122,7 @@ def test_published_pair_gives_the_force_at_the_mean_penetration() -> None:
     )
 
 
+@pytest.mark.slow
 def test_claims_are_within_a_factor_2_of_the_errors_over_20_seeds() -> None:
     errors = []
     for seed in range(20):
@@ -131,6 +132,7 @@ def test_claims_are_within_a_factor_2_of_the_errors_over_20_seeds() -> None:
     assert np.all((ratio > 0.5) & (ratio < 2.0)), ratio
 
 
+@pytest.mark.slow
 def test_claims_of_the_published_pair_hold_and_are_at_most_2_5_times_too_wide() -> None:
     finals = []
     for seed in range(20):

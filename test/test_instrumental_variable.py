@@ -66,6 +66,7 @@ def damping_errors(name: str, experiment: str) -> tuple[tuple[float, float], ...
     return tuple(found)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('experiment', ['sine', 'multisine', 'none'])
 def test_position_noise_does_not_bias_the_damping(experiment: str) -> None:
     errors = [error for error, _ in damping_errors('instrumental_variable', experiment)]

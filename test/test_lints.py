@@ -19,6 +19,8 @@ import sys
 
 import pytest
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).resolve().parent.parent
 LINTERS = ('flake8', 'pydocstyle', 'mypy')
 PLACES = [

@@ -88,6 +88,7 @@ def rows_of(count: int, seed: int = 0) -> list[tuple[float, float, float]]:
     return [(F, a, b) for F, a, b in columns.tolist()]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('experiment', ['sine', 'none'])
 @pytest.mark.parametrize('arm', CORNERS)
 def test_arm_is_within_a_fifth_of_a_millimetre_of_the_model_after_two_seconds(

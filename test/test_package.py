@@ -32,8 +32,10 @@ ROSDEP_KEYS = {
     'diagnostic_msgs': 'diagnostic_msgs',
     'filterpy': 'python3-filterpy-pip',
     'geometry_msgs': 'geometry_msgs',
+    'jinja2': 'python3-jinja2',
     'launch': 'launch',
     'launch_ros': 'launch_ros',
+    'markupsafe': 'python3-jinja2',  # of which it is part
     'matplotlib': 'python3-matplotlib',
     'mcap': 'mcap-ros2-support',
     'numpy': 'python3-numpy',
@@ -44,6 +46,7 @@ ROSDEP_KEYS = {
     'sensor_msgs': 'sensor_msgs',
     'std_msgs': 'std_msgs',
     'std_srvs': 'std_srvs',
+    'tqdm': 'python3-tqdm',
     'trajectory_msgs': 'trajectory_msgs',
     'yaml': 'python3-yaml',
 }
@@ -69,7 +72,7 @@ def exec_depends() -> set[str]:
 
 
 def python_files() -> list[Path]:
-    places = (PACKAGE, ROOT / 'launch', ROOT / 'test')
+    places = (PACKAGE, ROOT / 'doc', ROOT / 'launch', ROOT / 'test')
     return [ROOT / 'setup.py', *(file for place in places for file in place.rglob('*.py'))]
 
 
@@ -115,13 +118,47 @@ def test_package_xml_declares_every_import() -> None:
     assert {ROSDEP_KEYS[name] for name in imported} <= exec_depends()
 
 
-@pytest.mark.parametrize('given, expected', [({}, '1'), ({'OMP_NUM_THREADS': '3'}, '3')])
-def test_commands_compute_on_one_thread_unless_told(given: dict[str, str], expected: str) -> None:
+def output_of(code: str, **environment: str) -> str:
+    """Run code in a Python of its own, without this one's choice of threads."""
     outer = {key: value for key, value in os.environ.items() if key != 'OMP_NUM_THREADS'}
-    code = 'import contact_estimation.commands, os; print(os.environ["OMP_NUM_THREADS"])'
-    done = subprocess.run([sys.executable, '-c', code], env={**outer, **given}, check=True,
+    done = subprocess.run([sys.executable, '-c', code], env={**outer, **environment}, check=True,
                           capture_output=True, text=True)
-    assert done.stdout.strip() == expected
+    return done.stdout.strip().splitlines()[-1]
+
+
+def test_importing_the_library_leaves_the_environment_unchanged() -> None:
+    code = """
+from importlib import import_module, util
+import os, pkgutil
+import contact_estimation
+with_ros = util.find_spec('rclpy') is not None
+if with_ros:
+    import rclpy  # its wheels set variables of their own
+before = dict(os.environ)
+for module in pkgutil.walk_packages(contact_estimation.__path__, 'contact_estimation.'):
+    if '__main__' not in module.name and (with_ros or '.ros.' not in module.name):
+        import_module(module.name)
+print(dict(os.environ) == before)
+"""
+    assert output_of(code) == 'True'
+
+
+@pytest.mark.skipif(not Path('/proc/self/status').exists(), reason='counts threads in /proc')
+@pytest.mark.parametrize('given, one', [({}, True), ({'OMP_NUM_THREADS': '3'}, False)])
+def test_commands_compute_on_one_thread_unless_the_user_chooses(
+    given: dict[str, str], one: bool
+) -> None:
+    code = """
+import re, sys
+from contact_estimation.commands.entry_points import simulate
+sys.argv[1:] = ['--help']
+try:
+    simulate()
+except SystemExit:
+    import numpy, scipy.linalg
+    print(re.search(r'Threads:\\s*(\\d+)', open('/proc/self/status').read())[1])
+"""
+    assert (int(output_of(code, **given)) == 1) == one
 
 
 def test_every_module_is_installed(setup_arguments: dict[str, Any]) -> None:

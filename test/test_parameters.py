@@ -225,4 +225,5 @@ def test_axis_y_is_taken_as_meant_where_yaml_made_it_true() -> None:
 
 
 def test_number_that_yaml_left_a_text_is_taken_as_meant() -> None:
-    assert build(EstimationParameters, {'tuning.kalman.stiffness_std': '1e5'}) is not None
+    given = build(EstimationParameters, {'tuning.kalman.stiffness_std': '1e5'})
+    assert flatten(given)['tuning.kalman.stiffness_std'] == 1e5

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The command replay: what it writes, and one line on stderr for what it cannot read."""
+"""The command replay: its output files, and one line on stderr for unreadable input."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def command(capfd: pytest.CaptureFixture[str]) -> Command:
 def write_recording(
     path: Path, wrench: str = '/wrench', joints: str = '/joint_states', axis: int = 0
 ) -> Path:
-    """Record the samples, 500 a second of log time."""
+    """Record the samples at 500 Hz."""
     wrenches = WrenchEncoder('tool')
     positions = JointStateEncoder('tool', 'contact_x', True)
     with RecordingWriter.file(path) as writer:
@@ -74,7 +74,7 @@ def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return write_recording(tmp_path_factory.mktemp('replay') / 'a.mcap')
 
 
-def test_csv_has_a_row_a_sample_whose_numbers_keep_their_bits(
+def test_csv_has_one_row_per_sample_with_exact_numbers(
     recording: Path, tmp_path: Path, command: Command
 ) -> None:
     assert command(recording, '--csv', tmp_path / 'a.csv').code == 0
@@ -87,7 +87,7 @@ def test_csv_has_a_row_a_sample_whose_numbers_keep_their_bits(
         assert status == estimate.status.value
 
 
-def test_json_has_the_keys_of_the_contract(
+def test_json_has_the_documented_keys(
     recording: Path, tmp_path: Path, command: Command
 ) -> None:
     assert command(recording, '--json', tmp_path / 'a.json').code == 0
@@ -214,7 +214,7 @@ def test_recording_cut_before_the_first_message_is_refused(
     command.refusal(path)
 
 
-def test_cut_anywhere_never_ends_in_a_traceback(
+def test_recording_cut_anywhere_never_causes_a_traceback(
     recording: Path, tmp_path: Path, command: Command
 ) -> None:
     path, whole = tmp_path / 'cut.mcap', recording.read_bytes()
@@ -224,7 +224,7 @@ def test_cut_anywhere_never_ends_in_a_traceback(
         assert ended.code == 0 or len(ended.err.strip().splitlines()) == 1, size
 
 
-def test_damaged_bytes_amid_the_recording_are_passed_over(
+def test_damaged_bytes_within_a_recording_are_skipped(
     recording: Path, tmp_path: Path, command: Command
 ) -> None:
     path, content = tmp_path / 'damaged.mcap', bytearray(recording.read_bytes())
@@ -237,7 +237,7 @@ def test_damaged_bytes_amid_the_recording_are_passed_over(
     assert json.loads((tmp_path / 'a.json').read_text())['damaged_chunks'] >= 1
 
 
-def test_missing_topic_is_named_with_those_that_are_there(
+def test_missing_topic_is_named_with_the_available_ones(
     tmp_path: Path, command: Command
 ) -> None:
     path = write_recording(tmp_path / 'a.mcap', wrench='/fts/wrench')
@@ -256,7 +256,7 @@ BAD_FILES = {
 
 
 @pytest.mark.parametrize('name', BAD_FILES)
-def test_file_that_is_no_recording_is_refused_by_name(
+def test_file_that_is_not_a_recording_is_refused_by_name(
     tmp_path: Path, command: Command, name: str
 ) -> None:
     (tmp_path / name).write_bytes(BAD_FILES[name])

@@ -31,6 +31,8 @@ from contact_estimation.signals.contact_sample import ContactSample
 import pytest
 from ros_processes import ESTIMATES, node_process, PERIOD_NS, wait_until
 
+pytestmark = pytest.mark.slow
+
 SAMPLES = instants(0.5)
 
 

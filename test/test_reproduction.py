@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The paper's table: what its rows hold, and that runs come from their seeds."""
+"""The paper's table: its rows, and runs determined by their seeds."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ from pathlib import Path
 
 from contact_estimation.commands.reproduce import main
 from contact_estimation.plant.world import Truth
-from contact_estimation.reproduction.cases import BEST, CASES, OnlineCase
-from contact_estimation.reproduction.paper_results import PAPER
-from contact_estimation.reproduction.runs import bounds, Errors, NOISE_VARIANCE, run_case
+from contact_estimation.reproduction.case import BEST, bounds, Case, Errors
+from contact_estimation.reproduction.paper import NOISE_VARIANCE, PAPER
+from contact_estimation.reproduction.simulation_cases import SIMULATION_CASES
 from contact_estimation.reproduction.table import ALL_CASES, as_text, row_of
 import numpy as np
 import pytest
@@ -35,61 +35,61 @@ KEYS = {
 }
 
 
-def case(name: str, estimator: str) -> OnlineCase:
-    """Find an on-line case."""
-    return next(c for c in CASES if isinstance(c, OnlineCase)
-                and (c.case, c.estimator) == (name, estimator))
+def case(name: str, estimator: str) -> Case:
+    """Find a case."""
+    return next(c for c in SIMULATION_CASES if (c.case, c.estimator) == (name, estimator))
 
 
-def test_every_figure_of_the_paper_has_its_row() -> None:
+def test_every_error_printed_in_the_paper_has_a_row() -> None:
     assert set(PAPER) <= {(c.case, c.estimator) for c in ALL_CASES}
 
 
-def test_row_has_the_contract_s_keys_and_the_median_of_absolute_errors() -> None:
+def test_row_has_the_documented_keys_and_the_median_of_absolute_errors() -> None:
     errors = [Errors(-1.0, 2.0, 0.1, 0.2), Errors(3.0, -4.0, 0.1, 0.2), Errors(2.0, 1.0, 0.1, 0.2)]
-    row = row_of(CASES[0], errors)
+    row = row_of(SIMULATION_CASES[0], errors)
     assert KEYS <= set(row)
     assert (row['stiffness_error_percent'], row['damping_error_percent']) == (2.0, 2.0)
 
 
-def test_text_has_a_line_a_row() -> None:
+def test_text_has_one_line_per_row() -> None:
     rows = [row_of(c, [Errors(1.0, 2.0, 0.1, float('nan'))]) for c in ALL_CASES]
     assert len(as_text(rows).splitlines()) == len(ALL_CASES) + 1
 
 
+@pytest.mark.slow
 def test_same_seed_gives_the_same_errors_and_another_does_not() -> None:
     best = case('simulation_sine', BEST)
-    assert run_case(best, 3) == run_case(best, 3) != run_case(best, 4)
+    assert best.run(3) == best.run(3) != best.run(4)
 
 
 @pytest.mark.parametrize('name', ['simulation_sine', 'simulation_none', 'simulation_prbs'])
 def test_best_estimator_is_within_four_bounds(name: str) -> None:
-    errors = run_case(case(name, BEST), 11)
+    errors = case(name, BEST).run(11)
     assert abs(errors.stiffness) < 4.0 * errors.stiffness_bound
     assert abs(errors.damping) < 4.0 * errors.damping_bound
 
 
-def test_plain_rls_survives_the_hold_without_excitation() -> None:
-    errors = run_case(case('simulation_none', 'rls'), 0)
+def test_plain_rls_stays_accurate_through_the_hold_without_excitation() -> None:
+    errors = case('simulation_none', 'rls').run(0)
     assert abs(errors.stiffness) < 1.0
     assert abs(errors.damping) < 15.0
 
 
-def test_mrac_drives_an_arm_of_its_own_to_other_errors_than_indirect_adaptive() -> None:
-    mrac = run_case(case('simulation_none', 'mrac'), 0)
-    adaptive = run_case(case('simulation_none', 'indirect_adaptive'), 0)
+def test_mrac_drives_its_own_arm_and_differs_from_indirect_adaptive() -> None:
+    mrac = case('simulation_none', 'mrac').run(0)
+    adaptive = case('simulation_none', 'indirect_adaptive').run(0)
     assert abs(mrac.stiffness) < 0.2 and abs(mrac.damping) < 1.0
     assert abs(adaptive.damping) > 1.0
     assert mrac.stiffness_bound != adaptive.stiffness_bound
 
 
-def test_every_row_has_a_name_of_its_own() -> None:
+def test_every_row_has_a_unique_name() -> None:
     names = [(row['case'], row['estimator']) for row in
-             (row_of(c, [Errors(1.0, 2.0, 0.1, 0.2)]) for c in CASES)]
+             (row_of(c, [Errors(1.0, 2.0, 0.1, 0.2)]) for c in SIMULATION_CASES)]
     assert len(set(names)) == len(names)
 
 
-def test_bound_is_the_spread_of_least_squares() -> None:
+def test_bound_is_the_standard_deviation_of_least_squares() -> None:
     generator = np.random.default_rng(0)
     phi = np.column_stack([0.01 + 0.002 * np.sin(np.arange(400) / 9.0),
                            0.03 * np.cos(np.arange(400) / 9.0)])
@@ -100,6 +100,7 @@ def test_bound_is_the_spread_of_least_squares() -> None:
     np.testing.assert_allclose(bounds(truths, with_inertia=False), spread, rtol=0.05)
 
 
+@pytest.mark.slow
 def test_command_writes_table_and_figures(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -110,6 +111,6 @@ def test_command_writes_table_and_figures(
     assert 'signal_processing_refined' in capsys.readouterr().out
 
 
-def test_no_seed_at_all_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+def test_zero_seeds_are_refused(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(['--seeds', '0']) == 1
     assert '--seeds must be >= 1' in capsys.readouterr().err

@@ -40,6 +40,8 @@ from ros_processes import (
     wrench,
 )
 
+pytestmark = pytest.mark.slow
+
 TOUCH = contact_samples(0.3, force_noise=0.1)
 LONG = contact_samples(1.0, depth=0.012, amplitude=0.004)
 CUT = 300  # in contact

@@ -23,6 +23,8 @@ from core_runs import contact_samples
 import pytest
 from ros_processes import estimator_and_peer, JOINT, moved, PERIOD_NS, session_results
 
+pytestmark = pytest.mark.slow
+
 K_E = 4800.0
 TOUCH = contact_samples(0.5, force_noise=0.1)
 LONG = contact_samples(1.0, depth=0.012, amplitude=0.004)

@@ -23,6 +23,8 @@ from axes_runs import AXES, feed_axes, instants, moved_instants, PARAMETERS, ses
 import pytest
 from ros_processes import ESTIMATES, JointState, to_stamp
 
+pytestmark = pytest.mark.slow
+
 SAMPLES = instants(0.5)
 
 

@@ -27,6 +27,8 @@ from effect_examples import switched_on
 import pytest
 from ros_processes import estimator_and_peer, Peer
 
+pytestmark = pytest.mark.slow
+
 SPECIFICATIONS = [
     *specifications(EstimationParameters), *specifications(EstimatorNodeParameters)
 ]

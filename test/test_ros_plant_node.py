@@ -32,6 +32,8 @@ from ros_processes import (
     WrenchStamped,
 )
 
+pytestmark = pytest.mark.slow
+
 START = -0.1
 STILL = f'start: {START}\nsegments: [{{duration: 5.0, position: {START}}}]\n'
 
@@ -96,6 +98,7 @@ def noisy_run(folder: Path, seed: int) -> NoisyRun:
         sensors__force_noise=1.0, summary_file=summary, joint='slider', frame_id='probe',
     ) as process:
         user.hear_to_the_end(process, 100)
+        user.spin_until(lambda: all(len(kept) >= 100 for kept in user.heard.values()), 'the rest')
     user.close()
     return NoisyRun(user.heard, json.loads(summary.read_text()))
 

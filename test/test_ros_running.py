@@ -23,6 +23,8 @@ import sys
 import pytest
 from ros_processes import environment
 
+pytestmark = pytest.mark.slow
+
 NODE = """
 import os, signal, sys
 from contact_estimation.ros.running import run_node

@@ -26,6 +26,8 @@ from contact_estimation.parameters.specification import specifications
 import pytest
 from ros_processes import Finished, parameter_arguments, run_module
 
+pytestmark = pytest.mark.slow
+
 WRONG: list[tuple[str, dict[str, Any], list[str]]] = [
     ('estimator_node', {'conditioning.cutoff_frequenzy': 30.0},
      ["did you mean 'conditioning.cutoff_frequency'"]),

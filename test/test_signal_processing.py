@@ -27,7 +27,8 @@ from contact_estimation.estimators.signal_processing import (
     settling_time,
 )
 from contact_estimation.exceptions import EstimationError
-from contact_estimation.reproduction.runs import B_E, K_E, step_recording
+from contact_estimation.reproduction.paper import B_E, K_E
+from contact_estimation.reproduction.simulation_cases import step_recording
 from contact_estimation.signals.contact_recording import ContactRecording
 import numpy as np
 import pytest

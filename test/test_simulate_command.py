@@ -176,7 +176,7 @@ def test_bias_of_the_sensor_does_not_drive_an_attached_wall(tmp_path: Path) -> N
     ({'physics': {'stribeck_friction': {'F_c': 1.0}}}, 'needs all of F_c, F_s, v_s'),
     ({'environment': {'stiffness': -1.0}}, 'environment.stiffness must be a number >= '),
 ])
-def test_model_that_is_no_model_is_refused(
+def test_invalid_model_is_refused_with_a_hint(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], groups: dict[str, Any], text: str
 ) -> None:
     args = ['--model', model_file(tmp_path, **groups), '--experiment', 'sine']
@@ -186,7 +186,7 @@ def test_model_that_is_no_model_is_refused(
     assert not (tmp_path / 'a.mcap').exists()
 
 
-def test_recording_without_reference_is_refused_for_a_wall_that_lets_go(
+def test_recording_without_reference_is_refused_for_a_unilateral_wall(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     driven_recording(tmp_path / 'in.mcap', np.zeros(10))
@@ -227,7 +227,7 @@ def test_nothing_is_overwritten(tmp_path: Path, capsys: pytest.CaptureFixture[st
     assert (tmp_path / 'a.mcap').read_text() == 'precious'
 
 
-def test_file_that_is_no_model_is_refused(
+def test_file_without_a_plant_section_is_refused(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (tmp_path / 'e.yaml').write_text('estimator_node: {ros__parameters: {estimator: rls}}')

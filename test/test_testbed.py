@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The testbed: its wall, its impedance control and what it gives to estimators."""
+"""The testbed: wall, impedance control, sensors."""
 
 from __future__ import annotations
 
@@ -24,24 +24,24 @@ from contact_estimation.parameters.values import build
 from contact_estimation.plant.open_loop import run_open_loop
 from contact_estimation.plant.plant_parameters import PlantParameters
 from contact_estimation.reference.setpoints import Reference
-from contact_estimation.reproduction.arm_identification import identify_arm
-from contact_estimation.reproduction.flexible_wall import (
-    free_rate,
-    moved,
-    pressing_force,
-    WallState,
-)
-from contact_estimation.reproduction.testbed_acquisition import (
-    make_sensors,
-    PaperAcquisition,
-    RawAcquisition,
-)
 from contact_estimation.reproduction.testbed_constants import (
     FlexibleWallConstants,
     TESTBED,
     TestbedConstants,
 )
-from contact_estimation.reproduction.testbed_running import TRACKING_TARGET
+from contact_estimation.reproduction.testbed_identification import identify_arm
+from contact_estimation.reproduction.testbed_runs import TRACKING_TARGET
+from contact_estimation.reproduction.testbed_sensors import (
+    make_sensors,
+    PaperAcquisition,
+    RawAcquisition,
+)
+from contact_estimation.reproduction.testbed_wall import (
+    free_rate,
+    moved,
+    pressing_force,
+    WallState,
+)
 from contact_estimation.reproduction.testbed_world import TestbedWorld
 import numpy as np
 import pytest
@@ -58,7 +58,7 @@ IDEAL = replace(
 
 
 def press(constants: TestbedConstants, depth: float, duration: float) -> list[tuple[float, float]]:
-    """Step x_r from the surface to a depth; force and deflection of every sample."""
+    """Step x_r from the surface to a depth; return force and deflection of every sample."""
     world, seen = TestbedWorld(constants, TRACKING_TARGET, 0.0), []
     period = 1.0 / constants.sample_rate
     for _ in range(round(duration * constants.sample_rate)):
@@ -89,7 +89,7 @@ def test_real_impedance_differs_from_the_target() -> None:
 def test_identified_impedance_of_an_ideal_arm_is_the_target(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr('contact_estimation.reproduction.testbed_running.TESTBED', IDEAL)
+    monkeypatch.setattr('contact_estimation.reproduction.testbed_runs.TESTBED', IDEAL)
     arm = identify_arm(TargetImpedance(), 0)
     assert (arm.mass, arm.damping) == pytest.approx((20.0, 50.0), rel=0.06)
 
@@ -105,7 +105,7 @@ def test_wall_yields_beyond_the_static_friction() -> None:
     assert press(TESTBED, 3.0 * WALL.static_friction / 5000.0, 1.0)[-1][1] > 20.0 * WALL.presliding
 
 
-def test_friction_depends_on_the_way_and_not_on_its_steps() -> None:
+def test_friction_depends_on_the_distance_and_not_on_the_step_size() -> None:
     once = moved(WallState(0.0, -0.4), 3e-5, WALL)
     often = WallState(0.0, -0.4)
     for _ in range(30):
@@ -113,21 +113,21 @@ def test_friction_depends_on_the_way_and_not_on_its_steps() -> None:
     assert often == pytest.approx(once, rel=1e-9)
 
 
-def test_slow_cycle_takes_twice_friction_times_stroke() -> None:
+def test_slow_cycle_dissipates_twice_friction_times_stroke() -> None:
     state, work, rate, step, stroke = WallState(0.0, 0.0), 0.0, 1e-9, 1e-6, 2e-3
-    for _ in range(2):  # the first brings the friction to its loop
+    for _ in range(2):  # the first settles the friction loop
         work = 0.0
         for sign in (1.0, -1.0):
             for _step in range(round(stroke / step)):
                 state = moved(state, sign * step, WALL)
                 work += sign * step * pressing_force(state, sign * rate, WALL)
     full_loop = 2.0 * WALL.static_friction * stroke
-    # Each turn spares the presliding.
+    # Presliding reduces the work at each reversal.
     assert work == pytest.approx(full_loop, rel=0.05)
     assert work < full_loop
 
 
-def test_released_wall_moves_as_its_damper_lets_it() -> None:
+def test_released_wall_moves_without_contact_force() -> None:
     state = WallState(5e-3, -1.0)
     rate = free_rate(state, WALL)
     assert pressing_force(state, rate, WALL) == pytest.approx(0.0, abs=1e-9)
@@ -146,7 +146,7 @@ def test_wall_never_pulls() -> None:
     assert min(forces) < -40.0
 
 
-def test_wall_rests_at_most_where_friction_holds_the_spring() -> None:
+def test_wall_rests_within_the_range_that_friction_holds() -> None:
     world = TestbedWorld(TESTBED, TRACKING_TARGET, 0.0)
     for k in range(1500):
         world.advance(0.002, Reference(0.02 if k < 400 else -0.1, 0, 0, 0), 0.0)
@@ -162,7 +162,7 @@ def test_paper_s_processing_subtracts_the_static_friction() -> None:
     assert (force, position, velocity) == pytest.approx((-34.0, 0.008, 0.0), abs=1e-6)
 
 
-def test_paper_s_processing_gives_the_speed_of_the_wall() -> None:
+def test_paper_s_processing_gives_the_velocity_of_the_wall() -> None:
     acquisition, T = PaperAcquisition(TESTBED), 1.0 / TESTBED.sample_rate
     for k in range(200):
         velocity = acquisition.process(-40.0, 0.03 * k * T)[2]
@@ -174,13 +174,13 @@ def test_paper_s_processing_gives_no_force_in_free_flight() -> None:
     assert {acquisition.process(f, 0.0)[0] for f in (0.9, -0.9, 0.3)} == {0.0}
 
 
-def test_raw_readings_have_no_velocity() -> None:
+def test_raw_samples_have_no_velocity() -> None:
     force, position, velocity = RawAcquisition().process(-3.0, 0.001)
     assert (force, position) == (-3.0, 0.001)
     assert isnan(velocity)
 
 
-def test_potentiometer_has_its_step_and_sensors_their_seed() -> None:
+def test_potentiometer_is_quantised_and_noise_follows_the_seed() -> None:
     truth = TestbedWorld(TESTBED, TRACKING_TARGET, 0.0).truth()
     sensors, twin, other = (make_sensors(TESTBED, seed) for seed in (1, 1, 2))
     read = [sensors.measure(truth) for _ in range(100)]

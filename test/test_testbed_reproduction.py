@@ -12,24 +12,18 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The testbed's rows: what they show, within wide bounds, and where they come from."""
+"""The errors on the testbed, within wide bounds."""
 
 from __future__ import annotations
 
-from contact_estimation.reproduction.cases import BEST
-from contact_estimation.reproduction.paper_results import PAPER
-from contact_estimation.reproduction.runs import Errors
+from contact_estimation.reproduction.case import BEST, Case, Errors
+from contact_estimation.reproduction.paper import PAPER
 from contact_estimation.reproduction.table import row_of
-from contact_estimation.reproduction.testbed_cases import (
-    TESTBED_CASES,
-    TestbedCase,
-    TestbedStepCase,
-)
-from contact_estimation.reproduction.testbed_runs import run_testbed_case
+from contact_estimation.reproduction.testbed_cases import TESTBED_CASES
 import pytest
 
 
-def case(name: str, estimator: str) -> TestbedCase | TestbedStepCase:
+def case(name: str, estimator: str) -> Case:
     """Find a case."""
     return next(c for c in TESTBED_CASES if (c.case, c.estimator) == (name, estimator))
 
@@ -43,14 +37,14 @@ def within_a_factor_of_two(error: float, paper: float) -> bool:
     ('testbed_sine', 'indirect_adaptive'), ('testbed_none', 'indirect_adaptive'),
     ('testbed_none', 'rls'),
 ])
-def test_plain_algorithm_errs_as_the_paper_s_did(name: str, estimator: str) -> None:
-    errors = run_testbed_case(case(name, estimator), 0)
+def test_plain_algorithm_errs_as_in_the_paper(name: str, estimator: str) -> None:
+    errors = case(name, estimator).run(0)
     assert within_a_factor_of_two(errors.stiffness, PAPER[name, estimator].stiffness)
     assert within_a_factor_of_two(errors.damping, PAPER[name, estimator].damping)
 
 
-def test_plain_rls_under_excitation_errs_as_the_paper_s_in_damping_alone() -> None:
-    errors = run_testbed_case(case('testbed_sine', 'rls'), 0)
+def test_plain_rls_under_excitation_errs_as_in_the_paper_in_damping_only() -> None:
+    errors = case('testbed_sine', 'rls').run(0)
     assert within_a_factor_of_two(errors.damping, PAPER['testbed_sine', 'rls'].damping)
     # The known exception: its K_e is worse than the paper's 3.5 %.
     assert abs(errors.stiffness) > 2.0 * PAPER['testbed_sine', 'rls'].stiffness
@@ -59,17 +53,17 @@ def test_plain_rls_under_excitation_errs_as_the_paper_s_in_damping_alone() -> No
 @pytest.mark.parametrize('name, stiffness, damping', [
     ('testbed_sine', 1.0, 5.0), ('testbed_none', 2.0, 10.0), ('testbed_prbs', 1.0, 5.0),
 ])
-def test_best_estimator_undoes_what_the_plain_ones_suffer(
+def test_best_estimator_is_accurate_on_the_testbed(
     name: str, stiffness: float, damping: float
 ) -> None:
-    errors = run_testbed_case(case(name, BEST), 12)
+    errors = case(name, BEST).run(12)
     assert abs(errors.stiffness) < stiffness
     assert abs(errors.damping) < damping
 
 
 def test_identified_arm_makes_signal_processing_usable() -> None:
-    plain = run_testbed_case(case('testbed_none', 'signal_processing'), 3)
-    refined = run_testbed_case(case('testbed_none', 'signal_processing_refined'), 3)
+    plain = case('testbed_none', 'signal_processing').run(3)
+    refined = case('testbed_none', 'signal_processing_refined').run(3)
     assert abs(plain.stiffness) > 25.0
     assert abs(refined.stiffness) < 5.0
     assert abs(refined.damping) < 15.0
@@ -77,10 +71,10 @@ def test_identified_arm_makes_signal_processing_usable() -> None:
 
 def test_same_seed_gives_the_same_errors_and_another_does_not() -> None:
     step = case('testbed_none', 'signal_processing_refined')
-    assert run_testbed_case(step, 5) == run_testbed_case(step, 5) != run_testbed_case(step, 6)
+    assert step.run(5) == step.run(5) != step.run(6)
 
 
-def test_row_tells_the_error_of_the_average_estimate() -> None:
+def test_row_holds_the_error_of_the_average_estimate() -> None:
     errors = [Errors(-1.0, 2.0, 0.1, 0.2), Errors(3.0, -4.0, 0.1, 0.2)]
     row = row_of(TESTBED_CASES[0], errors)
     assert (row['stiffness_average_percent'], row['damping_average_percent']) == (1.0, -1.0)

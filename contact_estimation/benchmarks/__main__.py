@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Speed of node, estimators and replay, each against a reference of the same run; by hand."""
+"""Benchmarks of node, estimators and replay, each against a reference in the same run."""
 
 from __future__ import annotations
 
@@ -33,23 +33,29 @@ def make_parser() -> Parser:
     """Build the command line of the benchmarks."""
     parser = Parser(
         prog='benchmarks',
-        description='Measure node, estimators and replay against named references in one run. '
-        'Other work on the machine spoils all times; the ratios suffer least.',
+        description='Measure run times and their ratios to a reference measured in the same run: '
+        "estimators against filterpy's KalmanFilter, the node against an rclpy node that only "
+        'echoes, replay against rosbags deserialising the same file. Other load on the machine '
+        'affects all times; the ratios are the most robust.',
     )
     parser.add_argument(
-        'which', nargs='*', metavar='BENCHMARK', help=', '.join(BENCHMARKS) + '; default: all'
+        'which', nargs='*', metavar='BENCHMARK', help='any of ' + ', '.join(BENCHMARKS) + ' (all)'
     )
-    parser.add_argument('--json', metavar='FILE', help='all results as JSON')
-    parser.add_argument('--rounds', type=int, help='repetitions; default: node 2, replay 3')
+    parser.add_argument('--json', metavar='FILE', help='write all results as JSON')
+    parser.add_argument('--rounds', type=int, help='repetitions (node 2, replay 3)')
     node = parser.add_argument_group('node')
-    node.add_argument('--seconds', type=float, default=15.0, help='length of each run (15)')
-    node.add_argument('--estimator', choices=tuple(ESTIMATORS), default='indirect_adaptive')
+    node.add_argument('--seconds', type=float, default=15.0, help='duration of each run [s] (15)')
+    node.add_argument('--estimator', choices=tuple(ESTIMATORS), default='indirect_adaptive',
+                      help='estimator of the node (indirect_adaptive)')
     replay = parser.add_argument_group('replay')
-    replay.add_argument('--recording', help='of wrench and joint_states; default: one is made')
-    replay.add_argument('--hours', type=float, default=0.1, help='length of that one (0.1)')
+    replay.add_argument('--recording',
+                        help='recording with wrench and joint_states (a simulated one)')
+    replay.add_argument('--hours', type=float, default=0.1,
+                        help='duration of the simulated recording [h] (0.1)')
     replay.add_argument(
         '--contact', choices=_CONTACTS, default='mixed',
-        help='of that one: a third of the time, or always, the worst case for replay (mixed)',
+        help='contact in the simulated recording: a third of the time, or always, which is the '
+        'worst case for replay (mixed)',
     )
     return parser
 
@@ -61,7 +67,7 @@ def run(options: Any) -> int:
     Parameters
     ----------
     options : argparse.Namespace
-        Of `make_parser`.
+        Options of `make_parser`.
 
     Returns
     -------
@@ -98,7 +104,7 @@ def _check(options: Any) -> None:
 
 
 def _run_one(name: str, options: Any) -> dict[str, Any]:
-    """Import only what is asked for: node needs ROS, estimators filterpy, replay rosbags."""
+    """Import only the requested one: node needs ROS, estimators filterpy, replay rosbags."""
     if name == 'node':
         from .node_benchmark import run_node_benchmark
 

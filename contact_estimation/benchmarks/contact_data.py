@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Samples in contact for the estimator benchmark, and what a pipeline makes of them."""
+"""Samples in contact for the estimator benchmark, and the estimator input made of them."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from ..signals.contact_sample import ContactSample
 
 
 class ContactData(NamedTuple):
-    """Samples in contact with the references in force, and those that led there."""
+    """Samples with their references: of the approach, and in contact."""
 
     approach: list[tuple[ContactSample, Reference]]
     samples: list[tuple[ContactSample, Reference]]
@@ -37,17 +37,17 @@ class ContactData(NamedTuple):
 
 def contact_data(seconds: float) -> ContactData:
     """
-    Simulate.
+    Simulate an approach and a contact at 500 Hz.
 
     Parameters
     ----------
     seconds : float
-        Length of the contact [s].
+        Duration of the contact [s].
 
     Returns
     -------
     data : ContactData
-        At 500 Hz.
+        The samples.
 
     """
     approach, pressed = pressing(seconds)
@@ -63,14 +63,14 @@ def _followed(result: Result) -> Reference:
 
 def settled_pipeline(data: ContactData, name: str) -> EstimationPipeline:
     """
-    Bring a pipeline into contact.
+    Build a pipeline that has processed the approach.
 
     Parameters
     ----------
     data : ContactData
-        The approach.
+        Samples.
     name : str
-        Of the estimator.
+        Name of the estimator.
 
     Returns
     -------
@@ -85,33 +85,33 @@ def settled_pipeline(data: ContactData, name: str) -> EstimationPipeline:
     return pipeline
 
 
-def learned(data: ContactData, name: str) -> tuple[list[TimedRow], float]:
+def estimator_input(data: ContactData, name: str) -> tuple[list[TimedRow], float]:
     """
-    Listen to what a pipeline gives its estimator.
+    Collect the rows that a pipeline passes to its estimator.
 
     Parameters
     ----------
     data, name
-        As of `settled_pipeline`.
+        See `settled_pipeline`.
 
     Returns
     -------
     rows : list of tuple
-        Gated and filtered.
+        Gated and filtered rows.
     share : float
-        Of the samples at which the estimator learns; below 1, the times of the pipeline are too
-        good.
+        Fraction of samples that update the estimator; below 1, the times of the pipeline are
+        too low.
 
     """
     pipeline = settled_pipeline(data, name)
     rows: list[TimedRow] = []
     update = pipeline.estimator.update
 
-    def listen(part: Sequence[TimedRow], variance: float, frozen: Frozen) -> list[Any]:
+    def record(part: Sequence[TimedRow], variance: float, frozen: Frozen) -> list[Any]:
         rows.extend(part)
         return update(part, variance, frozen)
 
-    setattr(pipeline.estimator, 'update', listen)
+    setattr(pipeline.estimator, 'update', record)
     estimates = [pipeline.process((s,), reference)[0] for s, reference in data.samples]
     learning = [e.status is EstimateStatus.ESTIMATING for e in estimates]
     return rows, sum(learning) / len(learning)

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""CPU time of a running process and of the machine, against the wall clock."""
+"""CPU load of a running process and of the machine."""
 
 from __future__ import annotations
 
@@ -28,12 +28,12 @@ _TICKS_PER_S = os.sysconf('SC_CLK_TCK')
 
 class CpuMeter:
     """
-    Note now and then how much was used, and tell the share of any interval afterwards.
+    Record samples of a CPU time, and compute the mean load over any interval.
 
     Parameters
     ----------
     used_s : callable
-        CPU time up to now [s].
+        Returns the CPU time used so far [s].
 
     """
 
@@ -43,7 +43,7 @@ class CpuMeter:
         self._used_s: list[float] = []
 
     def sample(self) -> None:
-        """Note what was used up to now; no news of a process that has ended."""
+        """Record a sample; a process that has ended gives none."""
         try:
             used_s = self._read()
         except OSError:
@@ -53,7 +53,7 @@ class CpuMeter:
 
     def percent(self, begin_ns: int, end_ns: int) -> float:
         """
-        Compute the share of one core.
+        Compute the mean load.
 
         Parameters
         ----------
@@ -62,8 +62,8 @@ class CpuMeter:
 
         Returns
         -------
-        share : float
-            Mean over the interval [%].
+        load : float
+            Percentage of one core.
 
         """
         zero = self._at_ns[0]
@@ -74,12 +74,12 @@ class CpuMeter:
 
 def process_cpu_s(pid: int) -> float:
     """
-    Read what a process has used.
+    Read the CPU time of a process.
 
     Parameters
     ----------
     pid : int
-        Of the process.
+        Process id.
 
     Returns
     -------
@@ -93,15 +93,15 @@ def process_cpu_s(pid: int) -> float:
 
 def machine_cpu_s() -> float:
     """
-    Read what all processes, the kernel and other guests have used of the cores.
+    Read the busy time of all cores: processes, kernel and other guests.
 
-    Told by the idle time, which is exact: the busy times of /proc/stat are counted at clock
-    ticks, with which a node that wakes every 2 ms keeps step.
+    Computed from the idle time, which is exact. The busy times of /proc/stat are sampled at
+    clock ticks, with which a node that wakes every 2 ms is synchronous.
 
     Returns
     -------
     used : float
-        Time of all cores since an arbitrary instant [s].
+        Busy time since an arbitrary instant [s].
 
     """
     with open('/proc/stat') as stat:

@@ -13,10 +13,10 @@
 # limitations under the License.
 
 """
-The reference of the node benchmark: what any rclpy node with these topics costs.
+Reference of the node benchmark: the cost of any rclpy node with these topics.
 
-Nothing of this package's data path: converted messages on a stock executor. It answers every
-wrench with the wish it got last, so that the plant moves as it does with an estimator.
+It uses nothing of this package's data path: converted messages on a stock executor. It answers
+every wrench with the last setpoint, so that the plant moves as it does with an estimator.
 """
 
 from __future__ import annotations
@@ -28,12 +28,12 @@ from rclpy.node import Node
 from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
-from ..reference.experiments import START
+from ..reference.experiment import START
 from ..ros import topics
 
 
 class EchoNode(Node):
-    """The topics of the estimator node, and no estimation."""
+    """A node with the topics of the estimator node, without estimation."""
 
     def __init__(self) -> None:
         super().__init__('echo_node')
@@ -54,7 +54,7 @@ class EchoNode(Node):
         self._points = message.points
 
     def _on_joints(self, message: JointState) -> None:
-        """Only be called."""
+        """Accept the message; only the call counts."""
 
     def _on_wrench(self, message: WrenchStamped) -> None:
         stamp = message.header.stamp

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Cost of one update: whole pipeline, bare estimator, and filterpy's Kalman filter beside them."""
+"""Time of one update: whole pipeline and bare estimator, against filterpy's Kalman filter."""
 
 from __future__ import annotations
 
@@ -20,53 +20,54 @@ from statistics import median
 import time
 from typing import Any, Callable
 
-from .contact_data import contact_data, learned
+from .contact_data import contact_data, estimator_input
 from .estimator_steps import filterpy_step, learning_steps, pipeline_steps, Steps
 from .table import print_table
 from ..estimators import ESTIMATORS
 
-_BLOCK = 250  # samples; short enough that all contestants see the same load of the machine
+_BLOCK = 250  # samples; short, so that all candidates see the same load of the machine
 FILTERPY = 'filterpy KalmanFilter'
 _FIGURES = ('pipeline_us', 'pipeline_run_us', 'update_us', 'update_run_us')
 
 
 def run_estimator_benchmark(seconds: float) -> dict[str, Any]:
     """
-    Let all contestants work through the same samples, in turns, block by block.
+    Time all candidates on the same samples, alternating block by block.
 
     Parameters
     ----------
     seconds : float
-        Length of the contact that is worked through [s].
+        Duration of the contact [s].
 
     Returns
     -------
     results : dict
-        estimators, one entry each: microseconds per sample (medians over the blocks) and their
-        ratios to filterpy's predict and update. 'run': many samples at once, as in replay.
+        `estimators`, one entry each: microseconds per sample (medians over the blocks) and their
+        ratios to filterpy's predict and update. `run`: many samples per call, as in replay.
 
     """
     data = contact_data(seconds)
-    contestants: dict[str, Steps] = {FILTERPY: filterpy_step(data)}
+    candidates: dict[str, Steps] = {FILTERPY: filterpy_step(data)}
     for name in ESTIMATORS:
         for part, prepare in (('pipeline', pipeline_steps), ('update', learning_steps)):
             one_by_one, in_runs = prepare(data, name)
-            contestants[f'{name} {part}_us'] = one_by_one
-            contestants[f'{name} {part}_run_us'] = in_runs
-    spent = _alternate(contestants, len(data.samples))
-    rows = [_row(name, spent, learned(data, name)[1]) for name in ESTIMATORS]
+            candidates[f'{name} {part}_us'] = one_by_one
+            candidates[f'{name} {part}_run_us'] = in_runs
+    spent = _alternate(candidates, len(data.samples))
+    rows = [_row(name, spent, estimator_input(data, name)[1]) for name in ESTIMATORS]
     rows.append({**dict.fromkeys(rows[0]), 'estimator': FILTERPY, 'update_us': spent[FILTERPY],
                  'update/filterpy': 1.0})
-    print_table('estimators, in contact; us per sample against filterpy 3x1 predict+update', rows)
+    print_table('estimators in contact: us per sample, ratios to filterpy predict + update (3x1)',
+                rows)
     return {'estimators': rows}
 
 
-def _alternate(contestants: dict[str, Steps], count: int) -> dict[str, float]:
-    spent: dict[str, list[float]] = {name: [] for name in contestants}
+def _alternate(candidates: dict[str, Steps], count: int) -> dict[str, float]:
+    spent: dict[str, list[float]] = {name: [] for name in candidates}
     for begin in range(0, count - _BLOCK + 1, _BLOCK):
-        for name, steps in contestants.items():
+        for name, steps in candidates.items():
             spent[name].append(_timed(steps, begin))
-    # The first block of each warms up.
+    # The first block of each is warm-up.
     return {name: median(figures[1:]) for name, figures in spent.items()}
 
 

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What the estimator benchmark times: functions that work through samples begin to end."""
+"""The timed functions of the estimator benchmark: each processes samples begin to end."""
 
 from __future__ import annotations
 
@@ -21,27 +21,27 @@ from typing import Callable
 from filterpy.kalman import KalmanFilter
 import numpy as np
 
-from .contact_data import ContactData, learned, settled_pipeline
+from .contact_data import ContactData, estimator_input, settled_pipeline
 from ..estimators.estimator import Frozen
 
 Steps = Callable[[int, int], None]
-_VARIANCE = 1.0 / 3.0  # of the simulated force sensor [N^2]
+_VARIANCE = 1.0 / 3.0  # of the simulated force noise [N^2]
 _NOTHING_FROZEN = Frozen(False, False)
 
 
 def pipeline_steps(data: ContactData, name: str) -> tuple[Steps, Steps]:
     """
-    Prepare the pipeline as the node uses it and as replay does.
+    Prepare a pipeline as used by the node and by replay.
 
     Parameters
     ----------
     data, name
-        As of `settled_pipeline`.
+        See `settled_pipeline`.
 
     Returns
     -------
     one_by_one, in_runs : callable
-        Process samples begin to end.
+        Sample by sample, as the node; many samples per call, as replay.
 
     """
     one = settled_pipeline(data, name).process
@@ -60,20 +60,20 @@ def pipeline_steps(data: ContactData, name: str) -> tuple[Steps, Steps]:
 
 def learning_steps(data: ContactData, name: str) -> tuple[Steps, Steps]:
     """
-    Prepare a bare estimator with the rows that its pipeline would give it.
+    Prepare a bare estimator with the rows that its pipeline passes to it.
 
     Parameters
     ----------
     data, name
-        As of `settled_pipeline`.
+        See `settled_pipeline`.
 
     Returns
     -------
     one_by_one, in_runs : callable
-        Learn from rows begin to end.
+        Row by row; many rows per call.
 
     """
-    rows, _ = learned(data, name)
+    rows, _ = estimator_input(data, name)
     one = settled_pipeline(data, name).estimator.update
     run = settled_pipeline(data, name).estimator.update
 
@@ -89,24 +89,25 @@ def learning_steps(data: ContactData, name: str) -> tuple[Steps, Steps]:
 
 def filterpy_step(data: ContactData) -> Steps:
     """
-    Prepare a generic Kalman filter for (K_e, B_e, c), one scalar force a step.
+    Prepare filterpy's Kalman filter for (K_e, B_e, c) with one scalar force per step.
 
     Parameters
     ----------
     data : ContactData
-        Where its measurements come from.
+        Source of the measurements.
 
     Returns
     -------
     steps : callable
-        Predicts and updates with measurements begin to end; regressors are ready arrays.
+        Predicts and updates; regressors are precomputed.
 
     """
     kalman = KalmanFilter(dim_x=3, dim_z=1)
     kalman.x = np.array([[3000.0], [50.0], [0.0]])
     kalman.P = np.diag([1e6, 1e4, 1.0])
     kalman.Q = np.diag([1.0, 0.1, 1e-6])
-    rows = [(row[0], np.array([row[1:4]])) for _, row in learned(data, 'indirect_adaptive')[0]]
+    given, _ = estimator_input(data, 'indirect_adaptive')
+    rows = [(row[0], np.array([row[1:4]])) for _, row in given]
 
     def steps(begin: int, end: int) -> None:
         for y, phi in rows[begin:end]:

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The estimator node against an empty node on the same topics."""
+"""The estimator node against an echo node on the same topics."""
 
 from __future__ import annotations
 
@@ -32,16 +32,16 @@ def run_node_benchmark(seconds: float, rounds: int, estimator: str) -> dict[str,
     Parameters
     ----------
     seconds : float
-        Length of each run [s].
+        Duration of each run [s].
     rounds : int
         Pairs of runs at each rate.
     estimator : str
-        Which estimator the estimator node runs.
+        Estimator of the estimator node.
 
     Returns
     -------
     results : dict
-        runs, one entry a run; ratios, one entry a rate: medians over the pairs.
+        `runs`, one entry per run; `ratios`, one entry per rate: medians over the pairs.
 
     """
     own = {'echo': [], 'estimator': [f'estimator:={estimator}']}
@@ -52,8 +52,8 @@ def run_node_benchmark(seconds: float, rounds: int, estimator: str) -> dict[str,
                 figures = run_node_once(node, rate, seconds, own[node])
                 runs.append({'rate': rate, 'round': number, **figures})
     ratios = [_ratios(rate, [run for run in runs if run['rate'] == rate]) for rate in _RATES]
-    print_table(f'node, estimator_node running {estimator}; CPU in % of a core', runs)
-    print_table('node, estimator over echo of the same round, median over rounds', ratios)
+    print_table(f'node: echo_node and estimator_node with {estimator}; CPU in % of one core', runs)
+    print_table('node: ratios to echo_node of the same round, medians over rounds', ratios)
     return {'runs': runs, 'ratios': ratios}
 
 
@@ -64,14 +64,14 @@ def _ratios(rate: float, runs: list[dict[str, Any]]) -> dict[str, Any]:
     def ratio(name: str) -> float:
         return median(b[name] / max(a[name], 1e-9) for a, b in zip(echoes, estimators))
 
-    def lost(of: list[dict[str, Any]]) -> float:
-        return sum(run['lost'] for run in of) / sum(run['sent'] for run in of)
+    def dropped(runs: list[dict[str, Any]]) -> float:
+        return sum(run['lost'] for run in runs) / sum(run['sent'] for run in runs)
 
     return {
         'rate': rate,
         'cpu_estimator/echo': ratio('cpu_percent'),
         'p50_estimator/echo': ratio('latency_ms_p50'),
         'p99_estimator/echo': ratio('latency_ms_p99'),
-        'lost/sent_echo': lost(echoes),
-        'lost/sent_estimator': lost(estimators),
+        'lost/sent_echo': dropped(echoes),
+        'lost/sent_estimator': dropped(estimators),
     }

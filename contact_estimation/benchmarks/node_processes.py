@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Nodes as processes, among themselves."""
+"""Nodes as processes in a ROS domain of their own."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ import signal
 import subprocess
 import sys
 
-_GRACE_S = 5.0
+_TIMEOUT_S = 5.0
 
 
 def start_node(module: str, parameters: list[str]) -> subprocess.Popen[bytes]:
     """
-    Start a node in a domain of this benchmark's own: the traffic of others would count too.
+    Start a node in the benchmark's own ROS domain, free of other traffic.
 
     Parameters
     ----------
@@ -38,7 +38,7 @@ def start_node(module: str, parameters: list[str]) -> subprocess.Popen[bytes]:
     Returns
     -------
     process : subprocess.Popen
-        Running.
+        Running process.
 
     """
     options = [word for parameter in parameters for word in ('-p', parameter)]
@@ -55,18 +55,18 @@ def start_node(module: str, parameters: list[str]) -> subprocess.Popen[bytes]:
 
 def end_node(process: subprocess.Popen[bytes]) -> None:
     """
-    Interrupt a node and wait; kill it where that does not help.
+    Interrupt a node and wait; kill it after a timeout.
 
     Parameters
     ----------
     process : subprocess.Popen
-        Running or not.
+        Process, running or ended.
 
     """
     if process.poll() is None:
         process.send_signal(signal.SIGINT)
     try:
-        process.wait(_GRACE_S)
+        process.wait(_TIMEOUT_S)
     except subprocess.TimeoutExpired:
         process.kill()
         process.wait()

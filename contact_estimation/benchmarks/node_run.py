@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""One run of a node against the plant, each in a process of its own."""
+"""One run of a node with the plant, each in its own process."""
 
 from __future__ import annotations
 
@@ -34,68 +34,68 @@ NODES = {
 }
 _PLANT = 'contact_estimation.ros.plant_node'
 _SAMPLING_S = 0.05
-_PATIENCE_S = 60.0
+_TIMEOUT_S = 60.0
 
 
 def run_node_once(node: str, rate: float, seconds: float, parameters: list[str]) -> dict[str, Any]:
     """
-    Let the plant play to a node and measure both sides.
+    Run the plant with a node and measure load and latency.
 
     Parameters
     ----------
     node : str
-        A key of NODES.
+        Key of NODES.
     rate : float
-        Of the samples [Hz].
+        Sample rate [Hz].
     seconds : float
-        Length of the experiment [s].
+        Duration of the experiment [s].
     parameters : list of str
         Further parameters of the node, as NAME:=VALUE.
 
     Returns
     -------
     figures : dict
-        node, rate_hz (achieved), cpu_percent of a core between first and last sample,
-        others_percent (of all but node and plant; far from 0, latencies tell little),
+        node, rate_hz (achieved), cpu_percent of one core between first and last sample,
+        others_percent (load of everything else; if far from 0, latencies mean little),
         latency_ms_p50, _p99 and _max, sent, lost.
 
     Raises
     ------
     ContactEstimationError
-        If a process fails or nothing was answered.
+        If a process fails or no sample was answered.
 
     """
     with TemporaryDirectory() as folder:
-        told = Path(folder) / 'plant.json'
+        summary = Path(folder) / 'plant.json'
         under_test = start_node(NODES[node], [f'sample_rate:={rate:.1f}', *parameters])
         meters = {node: _meter(under_test), 'machine': CpuMeter(machine_cpu_s)}
         try:
             plant = start_node(_PLANT, [
                 f'sample_rate:={rate:.1f}', f'duration:={seconds:.3f}', 'repeat:=true',
-                'subscribers:=1', f'summary_file:={told}',
+                'subscribers:=1', f'summary_file:={summary}',
             ])
             meters['plant'] = _meter(plant)
             try:
-                _watch(node, under_test, plant, meters, seconds + _PATIENCE_S)
+                _watch(node, under_test, plant, meters, seconds + _TIMEOUT_S)
             finally:
                 end_node(plant)
         finally:
             end_node(under_test)
-        return _figures(node, rate, json.loads(told.read_text()), meters)
+        return _figures(node, rate, json.loads(summary.read_text()), meters)
 
 
 def _watch(
     node: str, under_test: subprocess.Popen[bytes], plant: subprocess.Popen[bytes],
-    meters: Mapping[str, CpuMeter], patience_s: float,
+    meters: Mapping[str, CpuMeter], timeout_s: float,
 ) -> None:
-    give_up = time.monotonic() + patience_s
+    deadline = time.monotonic() + timeout_s
     while plant.poll() is None:
         for meter in meters.values():
             meter.sample()
         if under_test.poll() is not None:
-            raise ContactEstimationError(f'{node} ended with {under_test.returncode} too early')
-        if time.monotonic() > give_up:
-            raise ContactEstimationError(f'plant_node did not end within {patience_s:.0f} s')
+            raise ContactEstimationError(f'{node} ended early with {under_test.returncode}')
+        if time.monotonic() > deadline:
+            raise ContactEstimationError(f'plant_node did not end within {timeout_s:.0f} s')
         time.sleep(_SAMPLING_S)
     if plant.returncode:
         raise ContactEstimationError(f'plant_node ended with {plant.returncode}')
@@ -106,18 +106,18 @@ def _meter(process: subprocess.Popen[bytes]) -> CpuMeter:
 
 
 def _figures(
-    node: str, rate: float, told: Mapping[str, Any], meters: Mapping[str, CpuMeter]
+    node: str, rate: float, summary: Mapping[str, Any], meters: Mapping[str, CpuMeter]
 ) -> dict[str, Any]:
-    """Cut the CPU time to the samples, so that neither start nor end of the node counts."""
-    sent, lost, latency = told['samples_sent'], told['samples_lost'], told['latency_ms']
+    """Restrict the CPU load to the time of the samples, without start and end of the node."""
+    sent, lost, latency = summary['samples_sent'], summary['samples_lost'], summary['latency_ms']
     if latency['p99'] is None:
         raise ContactEstimationError(f'{node} answered none of {sent} samples')
-    begin_ns = told['begin_stamp_ns']
+    begin_ns = summary['begin_stamp_ns']
     end_ns = begin_ns + round(sent / rate * 1e9)
     shares = {name: meter.percent(begin_ns, end_ns) for name, meter in meters.items()}
     return {
         'node': node,
-        'rate_hz': told['rate_hz'],
+        'rate_hz': summary['rate_hz'],
         'cpu_percent': shares[node],
         'others_percent': shares['machine'] - shares[node] - shares['plant'],
         **{f'latency_ms_{name}': latency[name] for name in ('p50', 'p99', 'max')},

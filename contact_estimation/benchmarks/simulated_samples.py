@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Simulated samples for the benchmarks: the sine manoeuvre, and one that never leaves the wall."""
+"""Simulated samples for the benchmarks: the sine manoeuvre, and permanent contact."""
 
 from __future__ import annotations
 
@@ -31,12 +31,12 @@ from ..reference.experiments import experiment_named, manoeuvre
 RATE = 500.0
 PERIOD_S = 1.0 / RATE
 _SETTLED_S = 8.6
-"""Two seconds after the begin of the hold."""
+"""Two seconds into the hold [s]."""
 
 
 def sine_manoeuvre() -> list[Result]:
     """
-    Play the sine experiment once; it ends at rest where it began.
+    Simulate the sine experiment once; it ends at rest at its start position.
 
     Returns
     -------
@@ -44,31 +44,31 @@ def sine_manoeuvre() -> list[Result]:
         12 s at 500 Hz.
 
     """
-    return _play(experiment_named('sine'), experiment_named('sine').duration)
+    return _simulate(experiment_named('sine'), experiment_named('sine').duration)
 
 
 def pressing(seconds: float) -> tuple[list[Result], list[Result]]:
     """
-    Approach the wall and press it under an excitation of 3 Hz.
+    Simulate an approach and a contact with 3 Hz excitation.
 
     Parameters
     ----------
     seconds : float
-        Length of the pressing; a multiple of 1 s holds whole periods [s].
+        Duration of the contact; a multiple of 1 s has whole periods [s].
 
     Returns
     -------
     approach, pressed : list of Result
-        What comes before the settled contact, and the contact.
+        Samples before the settled contact, and samples in contact.
 
     """
     experiment = manoeuvre('pressing', Sine(8.0, 6.0 * pi), hold_s=seconds + 3.0)
-    results = _play(experiment, _SETTLED_S + seconds)
+    results = _simulate(experiment, _SETTLED_S + seconds)
     begin = round(_SETTLED_S * RATE)
     return results[:begin], results[begin:]
 
 
-def _play(experiment: Experiment, duration: float) -> list[Result]:
+def _simulate(experiment: Experiment, duration: float) -> list[Result]:
     plant = build(PlantParameters, PAPER_NOISE)
     session = ContactSession(build(EstimationParameters, {'sample_rate': RATE}))
     return run_closed_loop(plant, session, experiment, duration).results

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Results as text for people."""
+"""Results as text tables."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ def print_table(title: str, rows: Sequence[Mapping[str, Any]]) -> None:
     Parameters
     ----------
     title : str
-        Printed above.
+        Heading.
     rows : sequence of mapping
-        Column name to number, text or None; the first row says which columns.
+        Column name to number, text or None; the first row defines the columns.
 
     """
     names = list(rows[0])

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""A command with its time and memory."""
+"""Run time and memory of a command."""
 
 from __future__ import annotations
 
@@ -30,12 +30,12 @@ _SAMPLING_S = 0.02
 
 class Cost(NamedTuple):
     """
-    What a command has taken.
+    Resources used by a command.
 
     Attributes
     ----------
     wall_s, cpu_s : float
-        Time on the clock, and user and system time [s].
+        Elapsed time, and user plus system time [s].
     peak_mb : float
         Peak resident memory [MB].
     text : str
@@ -51,10 +51,10 @@ class Cost(NamedTuple):
 
 def run_timed(command: Sequence[str]) -> Cost:
     """
-    Run a command to its end.
+    Run a command and measure time and memory.
 
-    Its peak memory is its VmHWM and not ru_maxrss of wait4, which counts what this process had
-    in memory when it forked.
+    The peak memory is VmHWM, since ru_maxrss of wait4 includes the memory of the forking
+    process.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ def run_timed(command: Sequence[str]) -> Cost:
     Returns
     -------
     cost : Cost
-        Time to 20 ms, memory as of at most 20 ms before the end.
+        Time to within 20 ms; memory up to at most 20 ms before the end.
 
     Raises
     ------

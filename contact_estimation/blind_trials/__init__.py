@@ -12,4 +12,4 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""How good `diagnose` is: worlds of which it knows nothing, and what it says of them."""
+"""Blind evaluation of `diagnose`: randomised worlds with known ground truth, and scores."""

@@ -13,11 +13,11 @@
 # limitations under the License.
 
 """
-How well an effect is concealed, and the magnitude that conceals it as well as asked.
+Degree of concealment of an effect, and search for the strength that gives a degree.
 
-Concealed r times: the force that a refitted spring-damper leaves in contact is, root mean square,
-r times what it leaves in the same world without the effect. For effects of the robot: the residual
-of eq. (1) with the nominal robot and central differences of the measured position, likewise.
+Concealed r times: the RMS force residual of a refitted spring-damper in contact is r times that
+of the same world without the effect. For effects of the robot: likewise the residual of eq. (1)
+with the nominal robot and central differences of the measured position.
 """
 
 from __future__ import annotations
@@ -28,131 +28,120 @@ from typing import Callable, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .setups import Setup
 from .simulation import Run
+from .worlds import RandomWorld
 
 Array = NDArray[np.float64]
 
-NEAR = 0.1
-"""How far the degree of concealment may be from what is wanted."""
+TOLERANCE = 0.1
+"""Accepted relative deviation from the requested degree."""
 
-_RUNS = 9
-_WINDOW_S, _GAP_S = 0.1, 0.3  # of the intervals in which an effect shows
-_CLOSE = 0.02  # to end the search
-_START = 0.03
-_LEAST_STRENGTH = 1e-4  # below, nobody would call it an effect
-_WIDEST = 12.0  # factor by which a strength grows or falls in one step
+_SIMULATIONS = 9
+_WINDOW_S, _GAP_S = 0.1, 0.3  # of `active_intervals`
+_CONVERGED = 0.02  # relative deviation that ends the search
+_FIRST_STRENGTH = 0.03
+_MIN_STRENGTH = 1e-4
+_MAX_FACTOR = 12.0  # of one step of the search
 
 
 class Concealed(NamedTuple):
     """
-    A magnitude and how well it is concealed.
+    Result of the search.
 
     Attributes
     ----------
     strength : float
-        From 0 to 1.
+        Strength of the effect, 0 to 1.
     degree : float
-        The r of the definition.
-    plain : bool
-        Whether it shows too much however small it is, or jumps from nothing to too much.
+        Degree of concealment r.
+    not_concealable : bool
+        The degree exceeds the requested one at any strength, or jumps over it.
 
     """
 
     strength: float
     degree: float
-    plain: bool = False
+    not_concealable: bool = False
 
 
-def degree(port: str, setup: Setup, run: Run, without: Run) -> float:
+def degree(port: str, world: RandomWorld, run: Run, without: Run) -> float:
     """
-    Measure how well an effect is concealed.
+    Compute the degree of concealment.
 
     Parameters
     ----------
     port : str
-        Where the effect acts.
-    setup : Setup
-        The world without it.
+        Port of the effect.
+    world : RandomWorld
+        World without the effect.
     run, without : Run
-        With and without the effect, at the rate of the recording.
+        Simulations with and without the effect, at the sample rate of the recording.
 
     Returns
     -------
     r : float
-        Expected over the noise; 1 for no effect.
+        Expected value over the noise; 1 without an effect.
 
     """
-    noise = _impedance_noise(setup) if port == 'robot' else setup.sensing.force_std
-    left, before = (_rms(residual(port, setup, each)) for each in (run, without))
-    return hypot(noise, left) / hypot(noise, before)
+    noise = _impedance_noise(world) if port == 'robot' else world.sensors.force_std
+    rms, rms_without = (_rms(residual(port, world, each)) for each in (run, without))
+    return hypot(noise, rms) / hypot(noise, rms_without)
 
 
-def residual(port: str, setup: Setup, run: Run) -> Array:
+def residual(port: str, world: RandomWorld, run: Run) -> Array:
     """
-    Give what a refitted spring-damper, or the nominal robot, leaves.
+    Compute the residual in which an effect at a port shows.
 
     Parameters
     ----------
-    port, setup, run
-        As for `degree`.
+    port : str
+        Port of the effect.
+    world : RandomWorld
+        World without the effect.
+    run : Run
+        Simulation with or without the effect.
 
     Returns
     -------
     residual : ndarray, shape (N,)
-        [N]; NaN where none is asked for.
+        Of eq. (1) at the robot, else of a refitted spring-damper [N]; NaN where undefined.
 
     """
-    return impedance_residual(setup, run) if port == 'robot' else contact_residual(setup, run)
+    return _impedance_residual(world, run) if port == 'robot' else _contact_residual(world, run)
 
 
-def acting(left: Array, t: Array) -> list[tuple[float, float]]:
+def active_intervals(residual: Array, t: Array) -> list[tuple[float, float]]:
     """
-    Tell when an effect shows.
+    Find the intervals in which a residual is large.
 
     Parameters
     ----------
-    left : ndarray, shape (N,)
-        What it does, such as its `residual` [N]; NaN is as good as nothing.
+    residual : ndarray, shape (N,)
+        Residual [N]; NaN counts as 0.
     t : ndarray, shape (N,)
         Time, evenly spaced [s].
 
     Returns
     -------
     intervals : list of (float, float)
-        In which that, root mean square over a tenth of a second, is more than half of
-        that of the whole run [s]; what is closer together than 0.3 s is one interval.
+        Where the RMS over 0.1 s exceeds half of the overall RMS [s]; intervals less than 0.3 s
+        apart are joined.
 
     """
-    left, h = np.nan_to_num(left), float(t[1] - t[0])
-    if not left.any():
+    residual, h = np.nan_to_num(residual), float(t[1] - t[0])
+    if not residual.any():
         return []
     width = max(1, round(_WINDOW_S / h))
-    power = np.convolve(left**2, np.ones(width) / width, mode='same')
-    strong = np.flatnonzero(power > 0.25 * float(np.mean(left[left != 0.0] ** 2)))
-    breaks = np.flatnonzero(np.diff(strong) * h > _GAP_S) + 1
+    power = np.convolve(residual**2, np.ones(width) / width, mode='same')
+    large = np.flatnonzero(power > 0.25 * float(np.mean(residual[residual != 0.0] ** 2)))
+    breaks = np.flatnonzero(np.diff(large) * h > _GAP_S) + 1
     return [(float(t[part[0]]), float(t[part[-1]]))
-            for part in np.split(strong, breaks) if len(part)]
+            for part in np.split(large, breaks) if len(part)]
 
 
-def contact_residual(setup: Setup, run: Run) -> Array:
-    """
-    Refit K_e and B_e to the force in contact and tell what they leave.
-
-    Parameters
-    ----------
-    setup : Setup
-        Of which the wall's location counts.
-    run : Run
-        Without noise.
-
-    Returns
-    -------
-    left : ndarray, shape (N,)
-        [N]; NaN where the wall neither acts nor is reached.
-
-    """
-    d = run.x - setup.wall.location
+def _contact_residual(world: RandomWorld, run: Run) -> Array:
+    """Refit K_e and B_e to the force in contact; NaN where no contact force acts or is due."""
+    d = run.x - world.wall.location
     phi: Array = -np.column_stack((d, run.v))  # eq. (7)
     pressing = (run.force < 0.0) & (d > 0.0)
     theta = np.linalg.lstsq(phi[pressing], run.sensed[pressing], rcond=None)[0]
@@ -162,98 +151,84 @@ def contact_residual(setup: Setup, run: Run) -> Array:
     return np.where(touching, run.sensed - predicted, np.nan)
 
 
-def impedance_residual(setup: Setup, run: Run) -> Array:
-    """
-    Evaluate eq. (1) with the nominal robot.
-
-    Parameters
-    ----------
-    setup : Setup
-        The nominal robot.
-    run : Run
-        Without noise.
-
-    Returns
-    -------
-    left : ndarray, shape (N,)
-        M_t (a - xdd_r) + B_t (v - xd_r) + K_t (x - x_r) - F_e [N]; NaN at both ends.
-
-    """
-    robot, h = setup.robot, float(run.t[1] - run.t[0])
+def _impedance_residual(world: RandomWorld, run: Run) -> Array:
+    """Evaluate M_t (a - xdd_r) + B_t (v - xd_r) + K_t (x - x_r) - F_e of eq. (1) [N]."""
+    robot, h = world.robot, float(run.t[1] - run.t[0])
     v = np.gradient(run.x, h)
     a = np.gradient(v, h)
-    left = (robot.mass * (a - run.a_r) + robot.damping * (v - run.v_r)
-            + robot.stiffness * (run.x - run.x_r) - run.sensed)
-    left[:2] = left[-2:] = np.nan
-    return np.asarray(left)
+    balance = (robot.mass * (a - run.a_r) + robot.damping * (v - run.v_r)
+               + robot.stiffness * (run.x - run.x_r) - run.sensed)
+    balance[:2] = balance[-2:] = np.nan
+    return np.asarray(balance)
 
 
-def _impedance_noise(setup: Setup) -> float:
-    """Tell what white noise of position and force makes of eq. (1) with central differences."""
-    robot, sensing = setup.robot, setup.sensing
-    h = 1.0 / sensing.rate
+def _impedance_noise(world: RandomWorld) -> float:
+    """Propagate white position and force noise through eq. (1) with central differences [N]."""
+    robot, sensors = world.robot, world.sensors
+    h = 1.0 / sensors.rate
     taps = np.zeros(5)
     taps += robot.mass / (2.0 * h) ** 2 * np.array([1.0, 0.0, -2.0, 0.0, 1.0])
     taps += robot.damping / (2.0 * h) * np.array([0.0, -1.0, 0.0, 1.0, 0.0])
     taps[2] += robot.stiffness
-    return hypot(sensing.position_std * sqrt(float(taps @ taps)), sensing.force_std)
+    return hypot(sensors.position_std * sqrt(float(taps @ taps)), sensors.force_std)
 
 
 def _rms(values: Array) -> float:
     return float(np.sqrt(np.nanmean(values**2)))
 
 
-def conceal(degree_of: Callable[[float], float], wanted: float) -> Concealed:
+def conceal(degree_of: Callable[[float], float], requested: float) -> Concealed:
     """
-    Search the strength that conceals an effect as well as asked.
+    Search the strength at which an effect is concealed to a requested degree.
 
-    What the effect leaves grows about as the strength, so a secant between logarithms is quick.
+    The residual grows about in proportion to the strength: a secant of the logarithms converges
+    in a few simulations.
 
     Parameters
     ----------
     degree_of : callable
-        Strength to r; a simulation each.
-    wanted : float
-        r, > 1.
+        Degree r as a function of the strength; one simulation each.
+    requested : float
+        Requested degree r, > 1.
 
     Returns
     -------
     concealed : Concealed
-        The closest that was found, to 2 % where it can be had.
+        Closest strength found, within 2 % where possible.
 
     """
-    goal, strength = _excess(wanted), _START
+    goal, strength = _excess(requested), _FIRST_STRENGTH
     below: tuple[float, float] | None = None
     above: tuple[float, float] | None = None
     best = Concealed(0.0, 1.0)
-    for _ in range(_RUNS):
+    for _ in range(_SIMULATIONS):
         r = degree_of(strength)
-        if abs(r - wanted) < abs(best.degree - wanted):
+        if abs(r - requested) < abs(best.degree - requested):
             best = Concealed(strength, r)
-        at_end = strength == (1.0 if r < wanted else _LEAST_STRENGTH)
-        if abs(r / wanted - 1.0) < _CLOSE or at_end:
+        at_end = strength == (1.0 if r < requested else _MIN_STRENGTH)
+        if abs(r / requested - 1.0) < _CONVERGED or at_end:
             break
-        if r < wanted:
+        if r < requested:
             below = strength, _excess(r)
         else:
             above = strength, _excess(r)
-        strength = min(1.0, max(_LEAST_STRENGTH, _next(below, above, goal)))
-    plain = above is not None and abs(best.degree / wanted - 1.0) > NEAR
-    return best._replace(plain=plain)
+        strength = min(1.0, max(_MIN_STRENGTH, _next(below, above, goal)))
+    missed = abs(best.degree / requested - 1.0) > TOLERANCE
+    return best._replace(not_concealable=above is not None and missed)
 
 
 def _excess(r: float) -> float:
-    """Give what the effect alone leaves, in units of what is left without it."""
+    """Compute the residual of the effect alone, in units of the residual without it."""
     return sqrt(max(r * r - 1.0, 1e-6))
 
 
 def _next(
     below: tuple[float, float] | None, above: tuple[float, float] | None, goal: float
 ) -> float:
-    """Go along the secant of the logarithms where the goal is bracketed, else proportionally."""
+    """Interpolate the logarithms where the goal is bracketed, else extrapolate in proportion."""
     if below is not None and above is not None:
         slope = np.log(above[1] / below[1])
         share = float(np.clip(np.log(goal / below[1]) / max(slope, 1e-9), 0.05, 0.95))
         return float(below[0] * (above[0] / below[0]) ** share)
-    last, excess = below or above or (_START, goal)
-    return last * float(np.clip(goal / excess, 1.0 / _WIDEST, _WIDEST))
+    last, excess = below or above or (_FIRST_STRENGTH, goal)
+    return last * float(np.clip(goal / excess, 1.0 / _MAX_FACTOR, _MAX_FACTOR))

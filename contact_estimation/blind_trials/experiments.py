@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What the robots of the trials are asked to do."""
+"""Randomised experiments: touches of different depth, speed and excitation."""
 
 from __future__ import annotations
 
@@ -26,21 +26,21 @@ from ..reference.experiment import Experiment, Segment
 from ..reference.quintic import quintic
 
 _FADE_S = 0.3
-_FASTEST = 0.2  # of x_r [m/s]: beyond it the touch is a blow
+_MAX_SPEED = 0.2  # of x_r; faster approaches end in an impact [m/s]
 
 
 class Stage(NamedTuple):
     """
-    Where an experiment takes place.
+    Geometry of an experiment.
 
     Attributes
     ----------
     surface : float
         x_e [m].
     rest : float
-        Where the robot waits, x [m].
+        Position between touches [m].
     reach : float
-        How far x_r goes beyond the surface at the deepest level [m].
+        Distance of x_r beyond the surface at level 1 [m].
 
     """
 
@@ -51,14 +51,14 @@ class Stage(NamedTuple):
 
 class Faded(Excitation):
     """
-    An excitation that comes and goes smoothly.
+    An excitation faded in and out smoothly.
 
     Parameters
     ----------
     signal : Excitation
-        It.
+        Excitation at full amplitude.
     begin, end : float
-        When it is there [s].
+        Begin of the fade-in and end of the fade-out [s].
 
     """
 
@@ -82,8 +82,8 @@ class Faded(Excitation):
                 w_ddot * value + 2.0 * w_dot * first + w * second)
 
 
-class _Plan:
-    """An experiment while it is laid out."""
+class _Builder:
+    """Builds an experiment segment by segment."""
 
     def __init__(self, stage: Stage) -> None:
         self._stage = stage
@@ -91,87 +91,87 @@ class _Plan:
         self._t, self._x = 0.0, stage.rest
 
     def wait(self, duration: float) -> None:
-        """Stay."""
+        """Stay in place."""
         self.go(self._x, duration)
 
     def go(self, position: float, duration: float, excitation: Excitation | None = None) -> None:
-        """Move as fast as asked, but not faster than is gentle."""
-        duration = max(duration, 1.875 * abs(position - self._x) / _FASTEST)
+        """Move to a position within a duration, extended where the speed limit requires."""
+        duration = max(duration, 1.875 * abs(position - self._x) / _MAX_SPEED)
         self._segments.append(Segment(duration, position, position_excitation=excitation))
         self._t, self._x = self._t + duration, position
 
     def press(self, level: float, duration: float) -> None:
-        """Go to a share of the reach."""
+        """Move to a fraction of the reach."""
         self.go(self._stage.surface + level * self._stage.reach, duration)
 
     def hold(self, duration: float, signal: Excitation) -> None:
-        """Stay and excite; a step signal needs no fading."""
+        """Stay and excite; a binary signal is not faded."""
         end = self._t + duration
         if not isinstance(signal, PseudoRandomBinary):
             signal = Faded(signal, self._t, end)
         self.go(self._x, duration, signal)
 
-    def leave(self, duration: float) -> None:
-        """Go back to rest."""
+    def retract(self, duration: float) -> None:
+        """Move back to the rest position."""
         self.go(self._stage.rest, duration)
 
     def experiment(self, name: str) -> Experiment:
-        """Give what was laid out."""
+        """Return the experiment built so far."""
         return Experiment(name, self._stage.rest, tuple(self._segments))
 
 
 def _rich(stage: Stage, rng: Generator) -> Experiment:
-    """Several touches of different depth and haste, each with a multisine."""
-    plan = _Plan(stage)
+    """Build two or three touches of different depth and speed, each with a multisine."""
+    builder = _Builder(stage)
     count = int(rng.integers(2, 4))
     for level in rng.permutation([1.0, *rng.uniform(0.3, 0.9, count - 1)]).tolist():
-        plan.wait(float(rng.uniform(0.5, 1.2)))
-        plan.press(level, float(rng.choice([0.4, 0.8, 1.2, 1.8])))
+        builder.wait(float(rng.uniform(0.5, 1.2)))
+        builder.press(level, float(rng.choice([0.4, 0.8, 1.2, 1.8])))
         omegas = (2.0 * pi * rng.uniform(0.4, 9.0, int(rng.integers(3, 9)))).tolist()
         amplitude = float(rng.uniform(0.08, 0.25)) * level * stage.reach
-        plan.hold(float(rng.uniform(2.0, 3.5)), Multisine(amplitude, omegas))
-        plan.leave(float(rng.choice([0.5, 1.0, 2.0])))
-    plan.wait(0.6)
-    return plan.experiment('rich')
+        builder.hold(float(rng.uniform(2.0, 3.5)), Multisine(amplitude, omegas))
+        builder.retract(float(rng.choice([0.5, 1.0, 2.0])))
+    builder.wait(0.6)
+    return builder.experiment('rich')
 
 
 def _cycles(stage: Stage, rng: Generator) -> Experiment:
-    """Touches with two levels each and no excitation but the motion itself."""
-    plan = _Plan(stage)
+    """Build touches of two levels each, without excitation signal."""
+    builder = _Builder(stage)
     for _ in range(int(rng.integers(3, 5))):
-        plan.wait(float(rng.uniform(0.4, 1.2)))
+        builder.wait(float(rng.uniform(0.4, 1.2)))
         level = float(rng.uniform(0.4, 1.0))
-        plan.press(level, float(rng.choice([0.4, 0.8, 1.6])))
-        plan.wait(float(rng.uniform(0.6, 1.5)))
-        plan.press(level * float(rng.uniform(0.35, 0.65)), float(rng.choice([0.2, 0.5, 1.0])))
-        plan.wait(float(rng.uniform(0.4, 1.0)))
-        plan.leave(float(rng.choice([0.4, 0.8, 1.6])))
-    plan.wait(0.6)
-    return plan.experiment('cycles')
+        builder.press(level, float(rng.choice([0.4, 0.8, 1.6])))
+        builder.wait(float(rng.uniform(0.6, 1.5)))
+        builder.press(level * float(rng.uniform(0.35, 0.65)), float(rng.choice([0.2, 0.5, 1.0])))
+        builder.wait(float(rng.uniform(0.4, 1.0)))
+        builder.retract(float(rng.choice([0.4, 0.8, 1.6])))
+    builder.wait(0.6)
+    return builder.experiment('cycles')
 
 
 def _prbs(stage: Stage, rng: Generator) -> Experiment:
-    """One long touch with a binary sequence."""
+    """Build one long touch with a binary sequence."""
     signal = PseudoRandomBinary(float(rng.uniform(0.04, 0.12)) * stage.reach)
     return _single(stage, rng, 'prbs', signal)
 
 
 def _paper(stage: Stage, rng: Generator) -> Experiment:
-    """One touch with a sine, as eq. (41)."""
+    """Build one touch with a sine, as eq. (41)."""
     amplitude = float(rng.uniform(0.05, 0.15)) * stage.reach
     return _single(stage, rng, 'paper', Sine(amplitude, float(rng.uniform(10.0, 25.0))))
 
 
 def _single(stage: Stage, rng: Generator, name: str, signal: Excitation) -> Experiment:
-    plan = _Plan(stage)
-    plan.wait(float(rng.uniform(0.5, 1.0)))
-    plan.press(1.0, float(rng.uniform(1.2, 2.2)))
-    plan.wait(0.4)
-    plan.hold(float(rng.uniform(4.0, 7.0)), signal)
-    plan.wait(0.4)
-    plan.leave(float(rng.uniform(1.2, 2.2)))
-    plan.wait(0.8)
-    return plan.experiment(name)
+    builder = _Builder(stage)
+    builder.wait(float(rng.uniform(0.5, 1.0)))
+    builder.press(1.0, float(rng.uniform(1.2, 2.2)))
+    builder.wait(0.4)
+    builder.hold(float(rng.uniform(4.0, 7.0)), signal)
+    builder.wait(0.4)
+    builder.retract(float(rng.uniform(1.2, 2.2)))
+    builder.wait(0.8)
+    return builder.experiment(name)
 
 
 _KINDS: Mapping[str, tuple[float, Callable[[Stage, Generator], Experiment]]] = {
@@ -180,7 +180,7 @@ _KINDS: Mapping[str, tuple[float, Callable[[Stage, Generator], Experiment]]] = {
     'prbs': (0.125, _prbs),
     'paper': (0.125, _paper),
 }
-"""How often, and how it is made."""
+"""Probability and builder by kind."""
 
 
 def draw_experiment(stage: Stage, rng: Generator) -> Experiment:
@@ -190,14 +190,14 @@ def draw_experiment(stage: Stage, rng: Generator) -> Experiment:
     Parameters
     ----------
     stage : Stage
-        Where it takes place.
+        Geometry.
     rng : numpy.random.Generator
-        Source of chance.
+        Random generator.
 
     Returns
     -------
     experiment : Experiment
-        Of one to four touches, 8 to 25 s long.
+        One to four touches, 8 to 25 s long.
 
     """
     weights = [weight for weight, _ in _KINDS.values()]

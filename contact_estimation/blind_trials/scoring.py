@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""One report held against one truth."""
+"""Score of a diagnosis report against the ground truth of its trial."""
 
 from __future__ import annotations
 
@@ -21,64 +21,63 @@ from typing import Any, Mapping, Sequence
 
 from ..physics import EFFECTS
 
-NOT_COUNTED = ('gamma', 'phase')
-"""Parameters that may lie anywhere around 0."""
-
-INNOCENT = ('consistent', 'recalibrate')
+_NOT_SCORED = ('gamma', 'phase')  # parameters without a natural scale
+_CLEAN_VERDICTS = ('consistent', 'recalibrate')
 
 
 @dataclass(frozen=True)
 class Score:
     """
-    What a report is worth; None where a question does not arise.
+    Score of one report; None where a criterion does not apply.
 
     Attributes
     ----------
     trial : str
-        Name.
+        Name of the trial.
     effect : str
-        True effect; '' for none.
+        True effect; '' in a clean world.
     outside : bool
-        Whether the library has no name for it.
+        The true effect is outside the library.
     concealed : float
-        How well.
+        Degree of concealment.
     verdict : str
-        Of the report; '' where there is none.
+        Verdict of the report; '' without a report.
     verdict_right : bool
-        It is that of the truth.
-    said : list of str
-        Names of the effects, first to last.
-    rivals : list of str
-        `indistinguishable_from` of the first.
-    named : bool or None
-        The true name is the first effect or among its rivals.
-    alone : bool or None
-        The true name is the first and only effect, and has no rivals.
-    surplus : bool or None
-        More effects are named than are there.
-    accused : bool or None
-        Something is said to be missing where nothing is.
+        The verdict equals that of the truth.
+    names : list of str
+        Names of the reported effects, in order.
+    alternatives : list of str
+        `indistinguishable_from` of the first reported effect.
+    found : bool or None
+        True positive: the true effect is the first name or among its alternatives.
+    found_alone : bool or None
+        The true effect is the only name, without alternatives.
+    extra_names : bool or None
+        More effects are reported than the world has.
+    false_alarm : bool or None
+        An effect or missing physics is reported in a clean world.
     parameter_errors : dict of str to float
-        |estimate - true| in percent of the true departure from "no effect".
+        |estimate - true| relative to the true distance from "no effect" [%].
     force_ratio : float or None
         Held-out force error of the corrected model over the true noise floor.
     floor_error : float or None
-        Of the noise floor [%], signed.
+        Error of the reported noise floor, signed [%].
     stiffness_error, damping_error : float or None
-        Of the corrected model [%], signed; None where the truth has none and none is given.
+        Errors of the corrected model, signed [%]; None where truth or model has no value.
     base_right : bool or None
-        Where the truth has no K_e (no B_e), the corrected model has none (0), and else it has.
-    unnamed, port_right : bool or None
-        Of what is outside the library: the verdict is `unexplained` and nothing is named; the
-        port is that of the truth.
+        The corrected model has K_e and B_e exactly where the truth has them.
+    unexplained : bool or None
+        Effect outside the library: the verdict is `unexplained` without any name.
+    port_right : bool or None
+        Effect outside the library: the reported port is the true one.
     overlap : float or None
-        Likewise: time that true and reported intervals share, over that of either.
+        Effect outside the library: intersection over union of true and reported intervals.
     features : dict of str to str
-        What else may matter, such as the experiment.
+        Properties of experiment and sensors, for grouping.
     error : str
-        Complaint of the command.
+        Error message of the command; '' on success.
     seconds : float
-        Time it took [s].
+        Run time of the diagnosis [s].
 
     """
 
@@ -88,24 +87,45 @@ class Score:
     concealed: float
     verdict: str
     verdict_right: bool
-    said: list[str]
-    rivals: list[str]
-    named: bool | None
-    alone: bool | None
-    surplus: bool | None
-    accused: bool | None
+    names: list[str]
+    alternatives: list[str]
+    found: bool | None
+    found_alone: bool | None
+    extra_names: bool | None
+    false_alarm: bool | None
     parameter_errors: dict[str, float]
     force_ratio: float | None
     floor_error: float | None
     stiffness_error: float | None
     damping_error: float | None
     base_right: bool | None
-    unnamed: bool | None
+    unexplained: bool | None
     port_right: bool | None
     overlap: float | None
     features: dict[str, str]
     error: str
     seconds: float
+
+    @property
+    def answer(self) -> str:
+        """First reported name, else 'failed', 'unexplained' or 'nothing'."""
+        if not self.verdict:
+            return 'failed'
+        if self.names:
+            return self.names[0]
+        return 'unexplained' if self.verdict == 'unexplained' else 'nothing'
+
+    @property
+    def recognised_as_unknown(self) -> bool:
+        """Whether an effect outside the library is left unnamed and correctly located."""
+        return bool(self.unexplained and self.port_right and (self.overlap or 0.0) >= 0.5)
+
+    @property
+    def is_miss(self) -> bool:
+        """Whether the report is wrong in any respect."""
+        return (bool(self.error) or self.found is False or bool(self.extra_names)
+                or bool(self.false_alarm) or bool(self.effect and not self.verdict_right)
+                or (self.outside and not self.recognised_as_unknown))
 
 
 def score(trial: str, truth: Mapping[str, Any], answer: Mapping[str, Any]) -> Score:
@@ -115,51 +135,51 @@ def score(trial: str, truth: Mapping[str, Any], answer: Mapping[str, Any]) -> Sc
     Parameters
     ----------
     trial : str
-        Name.
+        Name of the trial.
     truth : mapping
-        As `truth_of` tells it.
+        Content of the truth file.
     answer : mapping
-        As `diagnose_blind` keeps it.
+        Content of the report file. Without a report nothing counts as named.
 
     Returns
     -------
     score : Score
-        A command that failed has named nothing and accused nobody, but has no verdict either.
+        The score.
 
     """
     report: Mapping[str, Any] = answer['report'] or {}
     true = truth['effects'][0] if truth['effects'] else None
-    effects = report.get('effects', [])
-    said = [effect['name'] for effect in effects]
-    rivals = list(effects[0]['indistinguishable_from']) if effects else []
-    first = said[:1]
     unknown: Mapping[str, Any] = truth.get('unknown') or {}
-    inside = not unknown
+    effects, location = report.get('effects', []), report.get('location') or {}
+    names = [effect['name'] for effect in effects]
+    alternatives = list(effects[0]['indistinguishable_from']) if effects else []
     name = true['name'] if true else unknown.get('name', '')
     verdict = str(report.get('verdict', ''))
     fit, corrected = report.get('fit', {}), report.get('corrected', {})
-    located = report.get('location') or {}
+    stiffness, damping = (_value(corrected, each) for each in ('stiffness', 'damping'))
     floor = float(truth['force_floor_n'])
     held_out = fit.get('force_rmse_n', {}).get('corrected')
     return Score(
-        trial=trial, effect=name, outside=not inside, concealed=float(truth['concealed']),
-        verdict=verdict, verdict_right=verdict == truth['verdict'], said=said, rivals=rivals,
-        named=name in first + rivals if true else None,
-        alone=(said == [name] and not rivals) if true else None,
-        surplus=len(said) > 1 if true else None,
-        accused=None if name else bool(said) or verdict not in INNOCENT,
-        parameter_errors=_parameter_errors(true, effects[0]) if first == [name] and true else {},
-        force_ratio=None if held_out is None or not inside else float(held_out) / floor,
+        trial=trial, effect=name, outside=bool(unknown), concealed=float(truth['concealed']),
+        verdict=verdict, verdict_right=verdict == truth['verdict'],
+        names=names, alternatives=alternatives,
+        found=name in names[:1] + alternatives if true else None,
+        found_alone=names == [name] and not alternatives if true else None,
+        extra_names=len(names) > 1 if true else None,
+        false_alarm=None if name else bool(names) or verdict not in _CLEAN_VERDICTS,
+        parameter_errors=(
+            _parameter_errors(true, effects[0]) if true and names[:1] == [name] else {}),
+        force_ratio=None if held_out is None or unknown else float(held_out) / floor,
         floor_error=_percent(fit.get('noise_floor_n'), floor),
-        stiffness_error=(
-            _percent(_value(corrected, 'stiffness'), truth['stiffness']) if inside else None),
-        damping_error=(
-            _percent(_value(corrected, 'damping'), truth['damping']) if inside else None),
-        base_right=bool(report) and _base_right(corrected, truth) if inside else None,
-        unnamed=None if inside else verdict == 'unexplained' and not said,
-        port_right=None if inside else located.get('port') == unknown['port'],
-        overlap=None if inside else _overlap(
-            located.get('intervals_s', []), unknown['intervals_s']),
+        stiffness_error=None if unknown else _percent(stiffness, truth['stiffness']),
+        damping_error=None if unknown else _percent(damping, truth['damping']),
+        base_right=None if unknown else bool(report) and (
+            (stiffness is None) == (truth['stiffness'] is None)
+            and (not damping) == (not truth['damping'])),
+        unexplained=verdict == 'unexplained' and not names if unknown else None,
+        port_right=location.get('port') == unknown['port'] if unknown else None,
+        overlap=_overlap(
+            location.get('intervals_s', []), unknown['intervals_s']) if unknown else None,
         features=_features(truth), error=str(answer['error']), seconds=float(answer['seconds']),
     )
 
@@ -175,40 +195,34 @@ def _percent(estimate: float | None, true: float | None) -> float | None:
     return 100.0 * (float(estimate) / true - 1.0)
 
 
-def _base_right(corrected: Mapping[str, Any], truth: Mapping[str, Any]) -> bool:
-    stiffness, damping = (_value(corrected, name) for name in ('stiffness', 'damping'))
-    return (stiffness is None) == (truth['stiffness'] is None) and (
-        not damping) == (not truth['damping'])
-
-
 def _parameter_errors(true: Mapping[str, Any], found: Mapping[str, Any]) -> dict[str, float]:
     neutral = EFFECTS[true['name']].neutral
     errors = {}
     for name, value in true['parameters'].items():
-        departure = value - neutral.get(name, 0.0)
+        distance = value - neutral.get(name, 0.0)
         estimate = found['parameters'].get(name, {}).get('value')
-        if name in NOT_COUNTED or departure == 0.0 or estimate is None:
+        if name in _NOT_SCORED or distance == 0.0 or estimate is None:
             continue
-        errors[name] = 100.0 * abs((estimate - value) / departure)
+        errors[name] = 100.0 * abs((estimate - value) / distance)
     return errors
 
 
-def _overlap(said: Sequence[Sequence[float]], true: Sequence[Sequence[float]]) -> float:
-    """Divide the time in both by the time in either; the intervals of each lie apart."""
-    both = sum(max(0.0, min(b, d) - max(a, c)) for a, b in said for c, d in true)
-    each = sum(b - a for intervals in (said, true) for a, b in intervals)
+def _overlap(reported: Sequence[Sequence[float]], true: Sequence[Sequence[float]]) -> float:
+    """Compute intersection over union of two lists of disjoint intervals."""
+    both = sum(max(0.0, min(b, d) - max(a, c)) for a, b in reported for c, d in true)
+    each = sum(b - a for intervals in (reported, true) for a, b in intervals)
     return both / max(each - both, 1e-12)
 
 
 def _features(truth: Mapping[str, Any]) -> dict[str, str]:
-    sensing = truth['sensing']
+    sensors = truth['sensing']
     return {
         'experiment': truth['experiment'],
-        'rate': f'{sensing["rate"]:g} Hz',
-        'velocity': 'not sent' if sensing['velocity_noise'] is None else 'sent',
-        'dropped samples': 'some' if sensing['dropped'] else 'none',
-        'force filter': 'low-pass' if sensing['low_pass'] else 'none',
-        'stamps': 'jitter' if sensing['jitter'] else 'exact',
-        'joint samples': 'between' if sensing['joint_phase'] else 'with the force',
-        'force noise': sensing['distribution'],
+        'rate': f'{sensors["rate"]:g} Hz',
+        'velocity': 'not sent' if sensors['velocity_noise'] is None else 'sent',
+        'dropped samples': 'some' if sensors['dropped'] else 'none',
+        'force filter': 'low-pass' if sensors['low_pass'] else 'none',
+        'stamps': 'jitter' if sensors['jitter'] else 'exact',
+        'joint samples': 'between' if sensors['joint_phase'] else 'with the force',
+        'force noise': sensors['distribution'],
     }

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""A setup run through the plant, with or without an effect."""
+"""Noise-free simulation of a randomised world, with or without an effect."""
 
 from __future__ import annotations
 
@@ -21,34 +21,34 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .setups import Setup
-from .strengths import Values
-from .unknown import made, UNKNOWN
+from .unknown_effects import make_unknown, UNKNOWN
+from .worlds import RandomWorld
 from ..parameters.values import build, flatten
-from ..physics.physics import Scales
+from ..physics.random_strength import Values
+from ..physics.scales import Scales
 from ..plant.plant_parameters import PlantParameters
 from ..plant.world import World
 
 Array = NDArray[np.float64]
 
-COARSE_HZ = 2000.0
-"""Least rate of integration while a magnitude is searched."""
+SEARCH_HZ = 2000.0
+"""Minimum integration rate while the strength of an effect is searched."""
 
 
 class Run(NamedTuple):
     """
-    A world over time, before noise; all of shape (N,).
+    True signals of a world, all of shape (N,).
 
     Attributes
     ----------
     t : ndarray
-        Evenly spaced [s].
+        Time, evenly spaced [s].
     x, v, force : ndarray
-        Of the end-effector [m], [m/s], and F_e [N].
+        Position [m] and velocity [m/s] of the end-effector, and F_e [N].
     sensed : ndarray
-        What the physics of the force sensor make of F_e [N].
+        F_e after the effects at the force sensor [N].
     x_r, v_r, a_r : ndarray
-        The reference [m], [m/s], [m/s^2].
+        Reference [m], [m/s], [m/s^2].
 
     """
 
@@ -63,22 +63,22 @@ class Run(NamedTuple):
 
 
 def simulate(
-    setup: Setup, physics: Values, rate: float, integration_rate: float = COARSE_HZ
+    world: RandomWorld, physics: Values, rate: float, integration_rate: float = SEARCH_HZ
 ) -> Run:
     """
-    Run the experiment.
+    Simulate the experiment of a world.
 
     Parameters
     ----------
-    setup : Setup
-        The world.
+    world : RandomWorld
+        World without the effect.
     physics : mapping
-        Parameters of effects by dotted name, such as coulomb_friction.F_c; those of UNKNOWN too;
-        empty: none.
+        Effect parameters by dotted name, such as coulomb_friction.F_c; effects of UNKNOWN
+        included. Empty: no effect.
     rate : float
-        Of what is noted down [Hz].
+        Sample rate of the result [Hz].
     integration_rate : float
-        Least rate of integration steps [Hz].
+        Minimum integration rate [Hz].
 
     Returns
     -------
@@ -86,59 +86,58 @@ def simulate(
         From 0 to the end of the experiment.
 
     """
-    experiment = setup.experiment
-    known: dict[str, float] = {}
-    further: dict[str, dict[str, float]] = {}
+    experiment = world.experiment
+    library: dict[str, float] = {}
+    unknown: dict[str, dict[str, float]] = {}
     for dotted, value in physics.items():
         effect, name = dotted.split('.')
         if effect in UNKNOWN:
-            further.setdefault(effect, {})[name] = value
+            unknown.setdefault(effect, {})[name] = value
         else:
-            known[f'physics.{dotted}'] = value
-    plant = build(PlantParameters, {
-        **flatten(setup.wall, 'environment.'), **flatten(setup.robot, 'robot.'),
-        **known,
+            library[f'physics.{dotted}'] = value
+    parameters = build(PlantParameters, {
+        **flatten(world.wall, 'environment.'), **flatten(world.robot, 'robot.'), **library,
         'sample_rate': rate, 'integration_rate': integration_rate,
     })
 
     def reference(t: float) -> tuple[float, float, float, float]:
-        wanted = experiment.desired(t)
-        return wanted.position, wanted.velocity, wanted.acceleration, 0.0
+        desired = experiment.desired(t)
+        return desired.position, desired.velocity, desired.acceleration, 0.0
 
-    world = World(plant, experiment.start,
-                  further=[made(name, values) for name, values in further.items()])
+    plant = World(parameters, experiment.start,
+                  further=[make_unknown(name, values) for name, values in unknown.items()])
     rows = []
     for k in range(round(experiment.duration * rate) + 1):
-        _, x, v, _, force, sensed = world.truth(reference)
+        _, x, v, _, force, sensed = plant.truth(reference)
         rows.append((k / rate, x, v, force, sensed, *reference(k / rate)[:3]))
-        world.advance((k + 1) / rate - world.t, reference)
+        plant.advance((k + 1) / rate - plant.t, reference)
     return Run(*np.array(rows).T)
 
 
-def scales_of(setup: Setup, run: Run) -> Scales:
+def scales_of(world: RandomWorld, run: Run) -> Scales:
     """
-    Measure how large things are in a world.
+    Compute the characteristic magnitudes of a world.
 
     Parameters
     ----------
-    setup : Setup
-        The world.
+    world : RandomWorld
+        World without effects.
     run : Run
-        Without effects.
+        Its simulation.
 
     Returns
     -------
     scales : Scales
-        As an effect's own search would be given.
+        The same that the diagnosis passes to an effect.
 
     """
-    robot, inside = setup.robot, run.force < 0.0
+    robot, touching = world.robot, run.force < 0.0
     control = (robot.mass * run.a_r - robot.damping * (run.v - run.v_r)
                - robot.stiffness * (run.x - run.x_r))
     return Scales(
-        depth=float(np.max(run.x - setup.wall.location)),
-        speed=float(np.percentile(np.abs(run.v[inside]), 98)) if inside.any() else 1e-3,
+        depth=float(np.max(run.x - world.wall.location)),
+        speed=float(np.percentile(np.abs(run.v[touching]), 98)) if touching.any() else 1e-3,
         force=float(-np.min(run.force)), control=float(np.max(np.abs(control))),
-        greatest_pull=0.0, duration=float(run.t[-1]), stiffness=setup.wall.stiffness,
-        damping=setup.wall.damping, mass=robot.mass,
+        greatest_pull=0.0, duration=float(run.t[-1]), stiffness=world.wall.stiffness,
+        damping=world.wall.damping, mass=robot.mass,
     )

@@ -12,39 +12,43 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""A study: trials drawn, diagnosed blind, unsealed and scored; it goes on where it stopped."""
+"""A study: draw trials, diagnose each without its truth, score; an interrupted study resumes."""
 
 from __future__ import annotations
 
 from concurrent.futures import as_completed, ProcessPoolExecutor
-from dataclasses import asdict
 import hashlib
 import json
+import os
 from pathlib import Path
-from typing import Any, Callable, NamedTuple, Sequence
+import subprocess
+import sys
+import tempfile
+import time
+from typing import Callable, NamedTuple, Sequence
 
 import numpy as np
 
-from .blind_diagnosis import diagnose_blind
-from .drawing import draw_trial, plan_effects
-from .handing_over import hand_over, Handed
 from .scoring import Score, score
-from .totals import confusion, groups, totals
-from .unknown import UNKNOWN
+from .trial import draw_trial, plan_effects
+from .trial_files import TrialFiles, write_json, write_trial
+from .unknown_effects import UNKNOWN
+
+_TIMEOUT_S = 1800.0  # of one diagnosis
 
 
-class Planned(NamedTuple):
+class PlannedTrial(NamedTuple):
     """
-    A trial before it is drawn.
+    A trial of the plan, not drawn yet.
 
     Attributes
     ----------
     name : str
-        Tells nothing of what is in it.
+        Name of the files; it does not reveal the effect.
     effect : str
-        '' where nothing is to be missing.
+        Key of EFFECTS or of UNKNOWN; '' for a clean world.
     seed : tuple of int
-        Of all its chance.
+        Seed of all random draws of the trial.
 
     """
 
@@ -53,29 +57,26 @@ class Planned(NamedTuple):
     seed: tuple[int, int, int]
 
 
-def plan(count: int, clean: int, seed: int, unknown: int = 0) -> list[Planned]:
+def plan_study(count: int, clean: int, seed: int, unknown: int = 0) -> list[PlannedTrial]:
     """
     Plan a study.
 
     Parameters
     ----------
-    count : int
-        Of trials with an effect.
-    clean : int
-        Of trials without.
+    count, clean, unknown : int
+        Numbers of trials with an effect of the library, without an effect, and with an effect
+        outside the library.
     seed : int
-        Of the study.
-    unknown : int
-        Of trials with an effect that the library has no name for.
+        Seed of the study.
 
     Returns
     -------
-    planned : list of Planned
-        A larger study of the same seed holds the trials of a smaller one, so that it can grow.
+    trials : list of PlannedTrial
+        A larger study with the same seed contains the trials of a smaller one.
 
     """
     kinds = (plan_effects(count, seed), [''] * clean, plan_effects(unknown, seed, UNKNOWN))
-    return [Planned(_name((seed, kind, k)), effect, (seed, kind, k))
+    return [PlannedTrial(_name((seed, kind, k)), effect, (seed, kind, k))
             for kind, effects in enumerate(kinds) for k, effect in enumerate(effects)]
 
 
@@ -83,43 +84,23 @@ def _name(seed: tuple[int, int, int]) -> str:
     return 'trial_' + hashlib.sha256(repr(seed).encode()).hexdigest()[:8]
 
 
-def run_trial(folder: Path, planned: Planned) -> None:
-    """
-    Do of a trial what is not done yet.
-
-    Parameters
-    ----------
-    folder : Path
-        Of the study.
-    planned : Planned
-        The trial.
-
-    """
-    files = Handed.of(folder, planned.name)
-    if not files.truth.exists():
-        rng = np.random.default_rng(planned.seed)
-        hand_over(draw_trial(planned.effect, rng), files, rng)
-        files.report.unlink(missing_ok=True)
-    if not files.report.exists():
-        diagnose_blind(files)
-
-
 def run_study(
-    folder: Path, trials: Sequence[Planned], jobs: int, tell: Callable[[float, str], None]
+    folder: Path, trials: Sequence[PlannedTrial], jobs: int,
+    progress: Callable[[float, str], None],
 ) -> list[Score]:
     """
-    Run a study, or what is left of it.
+    Run the remaining trials of a study and score all.
 
     Parameters
     ----------
     folder : Path
-        Where its files are.
-    trials : sequence of Planned
-        All of it.
+        Folder of the study.
+    trials : sequence of PlannedTrial
+        The whole plan.
     jobs : int
-        Processes.
-    tell : callable
-        Is told the share that is done, and the name of the trial.
+        Number of processes.
+    progress : callable
+        Called with the completed fraction and the name of the trial just finished.
 
     Returns
     -------
@@ -128,68 +109,93 @@ def run_study(
 
     """
     with ProcessPoolExecutor(jobs) as pool:
-        waiting = {pool.submit(run_trial, folder, trial): trial for trial in trials}
+        pending = {pool.submit(run_trial, folder, trial): trial for trial in trials}
         try:
-            for done, future in enumerate(as_completed(waiting), 1):
+            for done, future in enumerate(as_completed(pending), 1):
                 future.result()
-                tell(done / len(trials), waiting[future].name)
+                progress(done / len(trials), pending[future].name)
         except BaseException:
             pool.shutdown(cancel_futures=True)
             raise
-    return [unseal(folder, trial) for trial in trials]
+    return [_score(folder, trial) for trial in trials]
 
 
-def unseal(folder: Path, planned: Planned) -> Score:
+def run_trial(folder: Path, planned: PlannedTrial) -> None:
     """
-    Hold what was said against the truth.
+    Run the missing steps of a trial.
 
     Parameters
     ----------
     folder : Path
-        Of the study.
-    planned : Planned
-        A trial that is done.
-
-    Returns
-    -------
-    score : Score
-        Of its report.
+        Folder of the study.
+    planned : PlannedTrial
+        The trial.
 
     """
-    files = Handed.of(folder, planned.name)
+    files = TrialFiles.of(folder, planned.name)
+    if not files.truth.exists():
+        rng = np.random.default_rng(planned.seed)
+        write_trial(draw_trial(planned.effect, rng), files, rng)
+        files.report.unlink(missing_ok=True)
+    if not files.report.exists():
+        diagnose_blind(files)
+
+
+def _score(folder: Path, planned: PlannedTrial) -> Score:
+    files = TrialFiles.of(folder, planned.name)
     return score(planned.name, json.loads(files.truth.read_text()),
                  json.loads(files.report.read_text()))
 
 
-def as_dict(scores: Sequence[Score], seed: int) -> dict[str, Any]:
+def diagnose_blind(files: TrialFiles) -> None:
     """
-    Give a study as data.
+    Diagnose a trial in a process of its own, given recording and nominal model only.
 
     Parameters
     ----------
-    scores : sequence of Score
-        Of the study.
-    seed : int
-        Of the study.
+    files : TrialFiles
+        Files of the trial. The report file is written: `report` (null after a failure), `error`
+        and `seconds`.
+
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        output = Path(folder) / 'report.json'
+        begin = time.monotonic()
+        error = _run(diagnose_command(files.recording, files.nominal, output))
+        seconds = time.monotonic() - begin
+        report = None if error else json.loads(output.read_text())
+    write_json(files.report, {'report': report, 'error': error, 'seconds': round(seconds, 1)})
+
+
+def diagnose_command(recording: Path, nominal: Path, output: Path) -> list[str]:
+    """
+    Build the command line of a diagnosis.
+
+    Parameters
+    ----------
+    recording, nominal : Path
+        Input of the diagnosis.
+    output : Path
+        JSON report to write.
 
     Returns
     -------
-    study : dict
-        What JSON can say.
+    command : list of str
+        Runs `diagnose` of this installation, independent of PATH.
 
     """
-    return {
-        'count': sum(bool(s.effect) and not s.outside for s in scores),
-        'clean': sum(not s.effect for s in scores),
-        'unknown': sum(s.outside for s in scores),
-        'seed': seed,
-        'totals': _totals(scores),
-        'groups': {kind: {label: _totals(part) for label, part in parts.items()}
-                   for kind, parts in groups(scores).items()},
-        'confusion': confusion(scores),
-        'trials': [asdict(s) for s in scores],
-    }
+    return [sys.executable, '-m', 'contact_estimation.commands.diagnose', str(recording),
+            '--nominal', str(nominal), '--json', str(output)]
 
 
-def _totals(scores: Sequence[Score]) -> list[dict[str, Any]]:
-    return [{**total._asdict(), 'met': total.met} for total in totals(scores)]
+def _run(command: list[str]) -> str:
+    """Run a command and return its error message, '' on success."""
+    # One thread each: several diagnoses run in parallel.
+    environment = {**os.environ, 'OMP_NUM_THREADS': '1', 'OPENBLAS_NUM_THREADS': '1'}
+    try:
+        done = subprocess.run(command, env=environment, capture_output=True, text=True,
+                              timeout=_TIMEOUT_S, stdin=subprocess.DEVNULL)
+    except subprocess.TimeoutExpired:
+        return f'not finished within {_TIMEOUT_S:g} s'
+    lines = done.stderr.strip().splitlines()
+    return '' if done.returncode == 0 else (lines or [f'exit code {done.returncode}'])[-1]

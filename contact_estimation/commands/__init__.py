@@ -12,14 +12,5 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""
-The executables that need no ROS.
 
-Their matrices are small: a second thread of the linear algebra only waits, and beside other work
-that made a diagnosis six times as slow. The variable is read when numpy is first imported, after
-this; who sets it decides.
-"""
-
-import os
-
-os.environ.setdefault('OMP_NUM_THREADS', '1')
+"""The commands: parse options, call the library, print and write the result."""

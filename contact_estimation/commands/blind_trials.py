@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""How good `diagnose` is on worlds that it has never seen."""
+"""Evaluate `diagnose` on randomised worlds with known ground truth."""
 
 from __future__ import annotations
 
@@ -22,9 +22,8 @@ from typing import Any
 
 from .command_line import command, new_file, Parser
 from .progress import Progress
-from ..blind_trials.picture import draw_confusion
-from ..blind_trials.study import as_dict, plan, run_study
-from ..blind_trials.table import as_text
+from ..blind_trials.report import as_dict, as_text, plot_confusion
+from ..blind_trials.study import plan_study, run_study
 from ..exceptions import ParameterRangeError
 
 
@@ -32,32 +31,32 @@ def make_parser() -> Parser:
     """Build the command line of `blind_trials`."""
     parser = Parser(
         prog='blind_trials',
-        description='Draw worlds with one concealed effect or none, record them, seal the truth; '
-        'let diagnose, given recording and nominal model alone, say what is missing; unseal and '
-        'score. A study that was stopped goes on, and a larger one takes over the trials of a '
-        'smaller one in the same folder; without the subfolder reports they are diagnosed anew.',
+        description='Draw worlds with one concealed effect or none, record them, run diagnose on '
+        'recording and nominal model only, and score its reports against the ground truth. An '
+        'interrupted study resumes, and a larger one reuses the trials of a smaller one in the '
+        'same folder; delete the subfolder reports to repeat the diagnoses.',
     )
     parser.add_argument('--count', type=int, required=True, help='trials with an effect')
-    parser.add_argument('--clean', type=int, default=0, help='trials without (0)')
+    parser.add_argument('--clean', type=int, default=0, help='trials without an effect (0)')
     parser.add_argument('--unknown', type=int, default=0,
-                        help='trials with an effect that the library has no name for (0)')
-    parser.add_argument('--seed', type=int, default=0, help='of all chance (0)')
-    parser.add_argument('--jobs', type=int, default=1, help='processes (1)')
+                        help='trials with an effect outside the library (0)')
+    parser.add_argument('--seed', type=int, default=0, help='seed of all random draws (0)')
+    parser.add_argument('--jobs', type=int, default=1, help='number of parallel processes (1)')
     parser.add_argument('--output', metavar='DIR', default='blind_trials_output',
-                        help='recordings, reports, truths, table.txt and confusion.png '
+                        help='folder of recordings, reports, truths, table.txt and confusion.png '
                         '(blind_trials_output)')
-    parser.add_argument('--json', metavar='FILE', help='the scores as JSON')
+    parser.add_argument('--json', metavar='FILE', help='write the scores as JSON')
     return parser
 
 
 def run(options: Any) -> int:
     """
-    Run a study.
+    Run, score and print a study.
 
     Parameters
     ----------
     options : argparse.Namespace
-        Of `make_parser`.
+        Options of `make_parser`.
 
     Returns
     -------
@@ -70,12 +69,12 @@ def run(options: Any) -> int:
             raise ParameterRangeError(f'--{name} must be >= {least}, got {getattr(options, name)}')
     if options.count + options.clean + options.unknown == 0:
         raise ParameterRangeError(
-            '--count, --clean and --unknown are all 0; ask for one trial at least')
+            '--count, --clean and --unknown are all 0; request at least one trial')
     target = new_file(options.json) if options.json else None
     folder = Path(options.output)
     folder.mkdir(parents=True, exist_ok=True)
     progress = Progress('blind_trials')
-    trials = plan(options.count, options.clean, options.seed, options.unknown)
+    trials = plan_study(options.count, options.clean, options.seed, options.unknown)
     scores = run_study(folder, trials, options.jobs, progress.show)
     progress.done()
     text = as_text(scores, str(folder / 'handed_over'))
@@ -83,7 +82,7 @@ def run(options: Any) -> int:
     (folder / 'table.txt').write_text(text + '\n')
     if target is not None:
         target.write_text(json.dumps(as_dict(scores, options.seed), indent=1) + '\n')
-    print(f'wrote {draw_confusion(scores, folder / "confusion.png")}')
+    print(f'wrote {plot_confusion(scores, folder / "confusion.png")}')
     return 0
 
 

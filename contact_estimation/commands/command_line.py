@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What all commands share: one line on stderr instead of a traceback, and common options."""
+"""Shared by all commands: options, checks of outputs, one line on stderr per error."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ TOPICS = ('wrench', 'joint_states', 'reference_trajectory')
 
 
 class Parser(argparse.ArgumentParser):
-    """Exits with 1 and one line on a usage error, as the contract says."""
+    """Argument parser that exits with 1 and one line on a usage error."""
 
     def error(self, message: str) -> NoReturn:
         """Print the message on one line and exit."""
@@ -40,19 +40,19 @@ def command(
     make_parser: Callable[[], Parser], run: Callable[[Any], int]
 ) -> Callable[..., int]:
     """
-    Make the `main` of a command.
+    Return the `main` function of a command.
 
     Parameters
     ----------
     make_parser : callable
-        Gives the parser with all options.
+        Returns the parser with all options.
     run : callable
-        Takes the parsed options, returns the exit code.
+        Takes the parsed options and returns the exit code.
 
     Returns
     -------
     main : callable
-        Takes a command line, that of the process by default; returns 0, or 1 after one line on
+        Takes arguments, those of the process by default; returns 0, or 1 after one line on
         stderr.
 
     """
@@ -81,30 +81,30 @@ def add_source_options(parser: argparse.ArgumentParser) -> None:
     Parameters
     ----------
     parser : argparse.ArgumentParser
-        It.
+        Extended in place.
 
     """
     parser.add_argument(
         '--topic', action='append', default=[], metavar='NAME:=TOPIC',
-        help='read TOPIC as NAME, one of ' + ', '.join(TOPICS) + '; may be given several times',
+        help='read NAME (' + ', '.join(TOPICS) + ') from TOPIC; may be repeated',
     )
-    parser.add_argument('--axis', choices=('x', 'y', 'z'), help='force axis (x)')
-    parser.add_argument('--joint', help='joint of the contact axis (the only one)')
+    parser.add_argument('--axis', choices=('x', 'y', 'z'), help='force axis (default: x)')
+    parser.add_argument('--joint', help='joint of the contact axis (default: the only one)')
 
 
 def source_of(options: Any) -> RecordingSource:
     """
-    Read what `add_source_options` has added.
+    Return the topics chosen with --topic.
 
     Parameters
     ----------
     options : argparse.Namespace
-        Parsed options.
+        With the options of `add_source_options`.
 
     Returns
     -------
     source : RecordingSource
-        The topics.
+        Default names where none was chosen.
 
     Raises
     ------
@@ -117,7 +117,7 @@ def source_of(options: Any) -> RecordingSource:
         name, found, topic = remap.partition(':=')
         if not found or not topic:
             raise RecordingError(
-                f'--topic must be NAME:=TOPIC, got {remap!r}; such as wrench:=/fts/wrench'
+                f'--topic must be NAME:=TOPIC, got {remap!r}; example: wrench:=/fts/wrench'
             )
         if name.strip('/') not in TOPICS:
             raise UnknownNameError.among('--topic', name, TOPICS)
@@ -127,12 +127,12 @@ def source_of(options: Any) -> RecordingSource:
 
 def new_file(path: str) -> Path:
     """
-    Check that a result can be written without losing a recording.
+    Check that a result can be written without overwriting a recording.
 
     Parameters
     ----------
     path : str
-        Where it shall be; an earlier result there is replaced.
+        File to write; an earlier result is replaced.
 
     Returns
     -------
@@ -142,7 +142,7 @@ def new_file(path: str) -> Path:
     Raises
     ------
     RecordingError
-        If the folder does not exist, or a recording is there.
+        If its folder does not exist, or the path is a folder or a recording.
 
     """
     file = Path(path)
@@ -151,11 +151,11 @@ def new_file(path: str) -> Path:
             f'cannot write {path}: folder {file.parent} does not exist; make it first'
         )
     if file.is_dir():
-        raise RecordingError(f'cannot write {path}: it is a folder; name a file in it')
+        raise RecordingError(f'cannot write {path}: it is a folder; choose a file in it')
     if file.is_file() and _is_recording(file):
         raise RecordingError(
-            f'cannot write {path}: it is a recording, and nothing recorded is ever overwritten; '
-            'name another file'
+            f'cannot write {path}: it is a recording, and recordings are never overwritten; '
+            'choose another file'
         )
     return file
 
@@ -166,6 +166,36 @@ def _is_recording(file: Path) -> bool:
     return start.startswith((_MCAP_MAGIC, b'SQLite format 3')) or file.name == 'metadata.yaml'
 
 
+def new_folder(path: str) -> Path:
+    """
+    Create a folder for results.
+
+    Parameters
+    ----------
+    path : str
+        New, or an empty folder.
+
+    Returns
+    -------
+    folder : Path
+        It exists and is empty.
+
+    Raises
+    ------
+    RecordingError
+        If the path exists already and is not an empty folder.
+
+    """
+    folder = Path(path)
+    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+        raise RecordingError(
+            f'--output {path} exists already and is not empty, and recordings are never '
+            'overwritten; choose another folder'
+        )
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder
+
+
 def different_files(paths: Iterable[str | None]) -> None:
     """
     Check that results do not overwrite each other.
@@ -173,7 +203,7 @@ def different_files(paths: Iterable[str | None]) -> None:
     Parameters
     ----------
     paths : iterable of str or None
-        Where results shall be; None where none is asked for.
+        Files to write; None for a result that was not requested.
 
     Raises
     ------
@@ -181,11 +211,11 @@ def different_files(paths: Iterable[str | None]) -> None:
         If two are the same file.
 
     """
-    seen: set[Path] = set()
+    taken: set[Path] = set()
     for path in paths:
         if path is None:
             continue
-        where = Path(path).absolute()
-        if where in seen:
-            raise RecordingError(f'two results cannot both be written to {path}; name two files')
-        seen.add(where)
+        file = Path(path).absolute()
+        if file in taken:
+            raise RecordingError(f'two results cannot both be written to {path}; choose two files')
+        taken.add(file)

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The whole way round: conceal an effect, find it, tell the estimator, get K and B right."""
+"""The demonstration: conceal an effect, diagnose it, compensate it, estimate K and B again."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ from typing import Any
 import numpy as np
 import yaml
 
-from .command_line import command, Parser
-from ..exceptions import ContactEstimationError, ParameterRangeError, RecordingError
+from .command_line import command, new_folder, Parser
+from ..exceptions import ContactEstimationError, ParameterRangeError
 from ..parameters.file import read_parameter_file
 from ..parameters.values import build, flatten, without
 from ..plant.plant_parameters import PlantParameters
@@ -40,7 +40,7 @@ WORLD = {
 """The true wall and the sensors of the demonstration."""
 
 NOMINAL = {'environment.stiffness': 4300.0, 'environment.damping': 260.0}
-"""What the simulation believes: other values, and no extra physics."""
+"""The nominal model of the simulation: other values, no extra physics."""
 
 CONCEALED: tuple[dict[str, float], ...] = (
     {'physics.coulomb_friction.F_c': 6.0},
@@ -50,7 +50,7 @@ CONCEALED: tuple[dict[str, float], ...] = (
     {'physics.force_bias.bias': -4.0},
     {'physics.environment_inertia.M_e': 2.0},
 )
-"""One of these is concealed, drawn by the seed."""
+"""One of these is concealed, chosen by the seed."""
 
 _ESTIMATOR = {'estimator': 'kalman', 'reference_law': 'pass_through'}
 
@@ -60,18 +60,21 @@ def make_parser() -> Parser:
     parser = Parser(
         prog='python -m contact_estimation',
         description='Conceal an effect in the simulated plant, run the loop, diagnose the '
-        'recording, run the loop again with the finding, and compare.',
+        'recording, run the loop again with the diagnosed effect compensated, and compare the '
+        'estimates.',
     )
     parser.add_argument('--output', required=True, metavar='DIR', help='new folder for results')
     parser.add_argument('--physics', metavar='FILE',
-                        help='sealed plant_node parameters; else an effect is drawn by the seed')
-    parser.add_argument('--seed', type=int, default=0, help='of the draw and of all noise (0)')
+                        help='parameter file with the plant_node physics to conceal (default: '
+                        'one effect chosen by the seed)')
+    parser.add_argument('--seed', type=int, default=0,
+                        help='seed of the effect and of all noise (default: 0)')
     return parser
 
 
 def run(options: Any) -> int:
     """
-    Go the whole way round.
+    Run the demonstration and print estimates before and after.
 
     Parameters
     ----------
@@ -81,19 +84,13 @@ def run(options: Any) -> int:
     Returns
     -------
     code : int
-        0, or 1 where a step failed.
+        0.
 
     """
     if options.seed < 0:
         raise ParameterRangeError(f'--seed must be >= 0, got {options.seed}')
     sealed = _sealed(options)
-    output = Path(options.output)
-    if output.exists() and any(output.iterdir()):
-        raise RecordingError(
-            f'--output {output} exists already and is not empty; nothing recorded is ever '
-            'overwritten: name another folder'
-        )
-    output.mkdir(parents=True, exist_ok=True)
+    output = new_folder(options.output)
     before = _loop(output, 'before', sealed, {}, options.seed)
     report = _diagnose(output)
     found = read_parameter_file(output / 'corrected.yaml', 'estimator_node')
@@ -103,7 +100,7 @@ def run(options: Any) -> int:
 
 
 def _sealed(options: Any) -> dict[str, Any]:
-    """Read or draw what is concealed."""
+    """Return the true world: the physics from the file, or chosen by the seed."""
     if options.physics:
         given = without(PlantNodeParameters, read_parameter_file(options.physics, 'plant_node'))
         build(PlantParameters, given)
@@ -115,7 +112,7 @@ def _sealed(options: Any) -> dict[str, Any]:
 def _loop(
     output: Path, name: str, plant: dict[str, Any], estimator: dict[str, Any], seed: int
 ) -> dict[str, Any]:
-    """Run the loop in processes of its own and read its summary."""
+    """Run the loop in its own processes and return its summary."""
     parameters = output / f'{name}.yaml'
     parameters.write_text(yaml.safe_dump({
         'plant_node': {'ros__parameters': plant},
@@ -127,7 +124,7 @@ def _loop(
 
 
 def _diagnose(output: Path) -> dict[str, Any]:
-    """Hand over the recording and the nominal model, and nothing else."""
+    """Diagnose from recording and nominal model alone; return the report."""
     nominal = output / 'nominal.yaml'
     nominal.write_text(yaml.safe_dump({'plant_node': {'ros__parameters': NOMINAL}}))
     _call('diagnose', str(output / 'before' / 'recording'), '--nominal', str(nominal),
@@ -142,7 +139,8 @@ def _call(command: str, *arguments: str) -> None:
         stdout=subprocess.DEVNULL,
     )
     if done.returncode:
-        raise ContactEstimationError(f'{command} ended with exit code {done.returncode}')
+        raise ContactEstimationError(
+            f'{command} ended with exit code {done.returncode}, expected 0; see its message above')
 
 
 def _print(
@@ -165,7 +163,7 @@ def _print(
         key = f'{name}_error_percent'
         print(f'{label:<22}{"":>12}{_text(before[key], "+.2f"):>12}'
               f'{_text(after[key], "+.2f"):>12}')
-    print(f'see {output}/report.html, before/ and after/')
+    print(f'wrote report.html, before/ and after/ in {output}')
 
 
 def _text(value: float | None, form: str = '.1f') -> str:

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Say where recording and simulation differ, which physics are missing, and what they are."""
+"""`diagnose`: name the physics that a simulation of recorded contacts lacks."""
 
 from __future__ import annotations
 
@@ -22,47 +22,51 @@ from pathlib import Path
 from typing import Any, Iterable
 
 from .command_line import add_source_options, command, different_files, new_file, Parser, source_of
-from .model_file import read_model
 from .progress import Progress
+from ..api import read_model
 from ..diagnosis.conclude.next_experiment import choose, Proposal
 from ..diagnosis.conclude.result import Diagnosis
 from ..diagnosis.diagnosis import diagnose
 from ..diagnosis.observe.signals import Recording, signals_of
+from ..diagnosis.report.corrected_model import model_file
+from ..diagnosis.report.json_report import as_dict
 from ..diagnosis.report.page import as_html
-from ..diagnosis.report.report import as_dict, as_text, model_file
+from ..diagnosis.report.text_report import as_text
 from ..exceptions import ModelFileError, ParameterRangeError
-from ..optional_packages import require_matplotlib
+from ..figures import require_matplotlib
 from ..physics import effects_that_are_on
 from ..plant.plant_parameters import PlantParameters
 from ..recordings import RecordingReader
 from ..recordings.recorded_signals import read_signals
-from ..reference.experiments import experiment_text
+from ..reference.experiment_file import experiment_text
 
 
 def make_parser() -> Parser:
     """Build the command line of `diagnose`."""
     parser = Parser(
         prog='diagnose',
-        description='Compare recordings with the model that simulates them: consistent, to be '
-        'recalibrated, or missing physics, which are named, fitted and proved on held-out data.',
+        description='Compare recordings with the model that simulates them. The verdict is '
+        'consistent, recalibrate, physics missing or unexplained; missing physics are named, '
+        'fitted and tested on held-out data.',
     )
     parser.add_argument('recordings', metavar='RECORDING', nargs='+',
-                        help='an .mcap file or rosbag2 folder')
+                        help='.mcap file or rosbag2 folder')
     parser.add_argument('--nominal', metavar='MODEL.yaml', required=True,
-                        help='the model file of the simulation (section plant_node)')
+                        help='model file of the simulation (section plant_node)')
     parser.add_argument('--holdout', metavar='RECORDING', nargs='+', default=[], action='extend',
-                        help='recordings that no fit sees; else a part of each is held out')
-    parser.add_argument('--json', metavar='FILE', help='the report as JSON')
-    parser.add_argument('--html', metavar='FILE', help='the report with pictures, one file')
-    parser.add_argument('--write-model', metavar='FILE', help='the corrected model file')
-    parser.add_argument('--seed', type=int, default=0, help='of the bootstraps (0)')
+                        help='recordings to test on (default: a part of each recording)')
+    parser.add_argument('--json', metavar='FILE', help='write the report as JSON')
+    parser.add_argument('--html', metavar='FILE',
+                        help='write the report with figures as one HTML file')
+    parser.add_argument('--write-model', metavar='FILE', help='write the corrected model file')
+    parser.add_argument('--seed', type=int, default=0, help='seed of the bootstraps (default: 0)')
     add_source_options(parser)
     return parser
 
 
 def run(options: Any) -> int:
     """
-    Diagnose as the options say.
+    Diagnose, write the requested files and print the report.
 
     Parameters
     ----------
@@ -85,11 +89,11 @@ def run(options: Any) -> int:
     if options.html:
         require_matplotlib()
     nominal = _without_physics(read_model(options.nominal), options.nominal)
-    _keep(options.nominal, outputs)
+    _refuse_to_replace(options.nominal, outputs)
     progress = Progress('diagnose')
     stages: list[str] = []
 
-    def tell(text: str) -> None:
+    def report_stage(text: str) -> None:
         stages.append(text)
         progress.show(min(0.95, len(stages) / 80.0), text)
 
@@ -97,12 +101,12 @@ def run(options: Any) -> int:
         [_read(path, options) for path in paths]
         for paths in (options.recordings, options.holdout)
     )
-    diagnosis = diagnose(recordings, holdouts, nominal, options.seed, tell)
+    diagnosis = diagnose(recordings, holdouts, nominal, options.seed, report_stage)
     progress.done()
     proposal = choose(diagnosis)
     if proposal is not None:
         diagnosis = replace(diagnosis, next_experiment=proposal.text)
-    _write(diagnosis, proposal, options)  # first: who pipes the text into `head` gets the files
+    _write(diagnosis, proposal, options)  # before the text: piped into `head`, it may end here
     print(as_text(diagnosis))
     return 0
 
@@ -111,19 +115,19 @@ def _without_physics(model: PlantParameters, path: str) -> PlantParameters:
     named = [effect.name for effect in effects_that_are_on(model.physics)]
     if named:
         raise ModelFileError(
-            f'model file {path} must have no physics, got {", ".join(named)}; leave them out: '
-            'diagnose names what a model without them is missing'
+            f'model file {path} must have no physics, got {", ".join(named)}; remove it: '
+            'diagnose names the physics that a model without any lacks'
         )
     return model
 
 
-def _keep(nominal: str, outputs: Iterable[str | None]) -> None:
+def _refuse_to_replace(nominal: str, outputs: Iterable[str | None]) -> None:
     """Refuse to replace the nominal model file by a result."""
     for path in outputs:
         if path and Path(path).exists() and Path(path).samefile(nominal):
             raise ModelFileError(
                 f'cannot write {path}: it is the nominal model file, which would be lost; '
-                'name another file'
+                'choose another file'
             )
 
 
@@ -151,7 +155,7 @@ def _write(diagnosis: Diagnosis, proposal: Proposal | None, options: Any) -> Non
 
 
 def _experiment_file(options: Any) -> str | None:
-    """Name the file of the next experiment, beside the report; None without one."""
+    """Return the file for the next experiment, beside the report; None without a report."""
     beside = options.json or options.html
     return str(Path(beside).with_suffix('.experiment.yaml')) if beside else None
 

@@ -12,7 +12,8 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Plant, estimator and recorder on this machine, an experiment, and a summary of it."""
+
+"""`loop`: run plant, estimator and recorder on this machine and summarise the run."""
 
 from __future__ import annotations
 
@@ -22,26 +23,20 @@ from pathlib import Path
 import sys
 from typing import Any, Mapping
 
-import yaml
-
-from .command_line import command, Parser
-from .loop_picture import draw_picture
-from .loop_processes import LoopProcesses
-from .loop_run import read_run
-from .loop_summary import summarise
-from ..estimation.parameters import EstimationParameters
+from .command_line import command, new_folder, Parser
+from .progress import Progress
 from ..estimators import ESTIMATORS
-from ..exceptions import MissingPackageError, ParameterRangeError, RecordingError
-from ..optional_packages import require_matplotlib
-from ..parameters.file import read_parameter_file
-from ..parameters.values import build, without
-from ..plant.plant_parameters import PAPER_NOISE, PlantParameters
+from ..exceptions import MissingPackageError, RecordingError
+from ..figures import as_png, require_matplotlib
+from ..loop.configuration import configure, LoopConfiguration, write_parameters
+from ..loop.processes import LoopProcesses
+from ..loop.recorded_run import read_run
+from ..loop.summary import summarise
+from ..loop.summary_figure import plot_run
 from ..recordings.definitions import jazzy_typestore
-from ..reference.experiment import Experiment
-from ..reference.experiments import experiment_named, EXPERIMENTS
-from ..reference.reference_generator import refuse_double_tracking
-from ..ros.estimator_node_parameters import EstimatorNodeParameters
-from ..ros.plant_node_parameters import PlantNodeParameters
+from ..reference.experiments import EXPERIMENTS
+
+_EQ20_NOTE = ' (eq. 20 alone reaches about half; see reference_law series or force tracking)'
 
 
 def make_parser() -> Parser:
@@ -49,9 +44,10 @@ def make_parser() -> Parser:
     parser = Parser(
         prog='loop',
         description='Run plant, estimator and recorder as separate ROS 2 processes on this '
-        'machine, play an experiment, and sum it up.',
+        'machine, play an experiment, and write a recording and a summary.',
     )
-    parser.add_argument('--duration', type=float, help='seconds; default: one experiment')
+    parser.add_argument('--duration', type=float,
+                        help='length of the run in seconds (default: one experiment)')
     parser.add_argument('--output', required=True, metavar='DIR', help='new folder for results')
     parser.add_argument('--estimator', help='one of ' + ', '.join(ESTIMATORS))
     parser.add_argument(
@@ -68,7 +64,7 @@ def make_parser() -> Parser:
 
 def run(options: Any) -> int:
     """
-    Run the loop as the options say.
+    Run the loop.
 
     Parameters
     ----------
@@ -78,47 +74,38 @@ def run(options: Any) -> int:
     Returns
     -------
     code : int
-        0, or 1 where a process failed; the recording is kept.
+        0, or 1 if a process failed; the recording is kept.
 
     """
-    require_matplotlib()
-    jazzy_typestore()
-    _require_ros()
-    experiment = experiment_named(options.experiment)
-    sections = _sections(options, experiment)
-    estimation, plant = _validated(sections)
-    duration = sections['plant_node']['duration']
-    output = _new_folder(options.output)
-    parameters, told = output / 'parameters.yaml', output / 'plant_summary.json'
-    sections['plant_node']['summary_file'] = str(told)
-    sections['recorder_node'] = {'output': str(output / 'recording')}
-    _write_parameters(parameters, sections)
-    failure = LoopProcesses(parameters).run(duration)
+    _require_packages()
+    configuration = configure(options.experiment, options.params, options.estimator,
+                              options.duration, options.seed)
+    output = new_folder(options.output)
+    recording, plant_summary = output / 'recording', output / 'plant_summary.json'
+    write_parameters(output / 'parameters.yaml', configuration, recording, plant_summary)
+    progress = Progress('loop')
+    failure = LoopProcesses(output / 'parameters.yaml').run(configuration.duration, progress.show)
+    progress.done()
     if failure:
         print(f'loop: {failure}', file=sys.stderr)
     try:
-        data = read_run(output / 'recording', told)
+        summary = _write_summary(configuration, output, recording, plant_summary)
     except RecordingError:
         if failure:
             return 1
         raise
-    summary = summarise(
-        data, plant, experiment, estimation.estimator, _law_text(estimation, plant)
-    )
-    (output / 'summary.json').write_text(json.dumps(summary, indent=1) + '\n')
-    wall = plant.environment
-    draw_picture(data, _title(summary), wall.stiffness, wall.damping, output / 'summary.png')
-    _print(summary, output)
     if not failure and summary['samples_lost'] == summary['samples_sent']:
         failure = (
-            'the estimator used no sample; expected one answer for each, see the rejected ones '
-            'in /diagnostics of the recording, and check joint and frame_id in --params'
+            'the estimator used no sample; expected an estimate for each, see the rejected '
+            'samples in /diagnostics of the recording, and check joint and frame_id in --params'
         )
         print(f'loop: {failure}', file=sys.stderr)
     return 1 if failure else 0
 
 
-def _require_ros() -> None:
+def _require_packages() -> None:
+    require_matplotlib()
+    jazzy_typestore()
     if importlib.util.find_spec('rclpy') is None:
         raise MissingPackageError(
             'loop needs ROS 2 (rclpy), which this Python does not have; source your ROS '
@@ -126,107 +113,43 @@ def _require_ros() -> None:
         )
 
 
-def _sections(options: Any, experiment: Experiment) -> dict[str, dict[str, Any]]:
-    """Put together what the parameter file and the options say."""
-    estimator: dict[str, Any] = {}
-    plant: dict[str, Any] = dict(PAPER_NOISE)
-    if options.params:
-        estimator.update(read_parameter_file(options.params, 'estimator_node'))
-        plant.update(read_parameter_file(options.params, 'plant_node'))
-    if options.estimator is not None:
-        estimator['estimator'] = options.estimator
-    if options.seed is not None:
-        plant['seed'] = options.seed
-    plant['experiment'] = _absolute(options.experiment)
-    plant['duration'] = _duration(options.duration, experiment)
-    plant['repeat'] = plant['duration'] > experiment.duration
-    plant['subscribers'] = 2  # estimator and recorder
-    return {'estimator_node': estimator, 'plant_node': plant}
-
-
-def _duration(given: float | None, experiment: Experiment) -> float:
-    if given is None:
-        return experiment.duration
-    if not 0.0 < given <= _LONGEST_S:
-        raise ParameterRangeError(
-            f'--duration must be > 0 and <= {_LONGEST_S:g} s, got {given:g}'
-        )
-    return given
-
-
-def _absolute(experiment: str) -> str:
-    return experiment if experiment in EXPERIMENTS else str(Path(experiment).absolute())
-
-
-def _validated(
-    sections: dict[str, dict[str, Any]]
-) -> tuple[EstimationParameters, PlantParameters]:
-    """Check before anything starts what the nodes would find wrong, and what only both know."""
-    plant_values, estimator_values = sections['plant_node'], sections['estimator_node']
-    plant = build(PlantParameters, without(PlantNodeParameters, plant_values))
-    # The robot's side of the bargain belongs to the estimator's laws too.
-    estimator_values.setdefault(
-        'reference.robot_force_tracking', plant.robot.force_tracking
-    )
-    estimator_values.setdefault('reference.robot_stiffness', plant.robot.stiffness)
-    estimator_values.setdefault('sample_rate', plant.sample_rate)
-    estimation = build(
-        EstimationParameters, without(EstimatorNodeParameters, estimator_values)
-    )
-    refuse_double_tracking(estimation.reference_law, plant.robot.force_tracking)
-    return estimation, plant
-
-
-def _new_folder(path: str) -> Path:
-    folder = Path(path)
-    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
-        raise RecordingError(
-            f'--output {path} exists already and is not empty; nothing recorded is ever '
-            'overwritten: name another folder'
-        )
-    folder.mkdir(parents=True, exist_ok=True)
-    return folder
-
-
-def _write_parameters(path: Path, sections: Mapping[str, Mapping[str, Any]]) -> None:
-    nested = {node: {'ros__parameters': dict(values)} for node, values in sections.items()}
-    path.write_text(yaml.safe_dump(nested, sort_keys=False))
-
-
-def _law_text(estimation: EstimationParameters, plant: PlantParameters) -> str:
-    tracking = ' with force tracking' if plant.robot.force_tracking else ''
-    return estimation.reference_law + tracking
+def _write_summary(
+    configuration: LoopConfiguration, output: Path, recording: Path, plant_summary: Path
+) -> dict[str, Any]:
+    """Write and print the summary of what was recorded."""
+    data = read_run(recording, plant_summary)
+    summary = summarise(data, configuration)
+    (output / 'summary.json').write_text(json.dumps(summary, indent=1) + '\n')
+    figure = plot_run(data, _title(summary), configuration.plant.environment)
+    (output / 'summary.png').write_bytes(as_png(figure))
+    print(_as_text(summary))
+    print(f'wrote summary.png, summary.json and recording/ in {output}')
+    return summary
 
 
 def _title(summary: Mapping[str, Any]) -> str:
     return (
-        f'{summary["estimator"]}, law {summary["law"]}: K_e {_text(summary["stiffness"])} N/m '
-        f'({_text(summary["stiffness_error_percent"], "+.2f")} %), B_e '
-        f'{_text(summary["damping"])} N s/m ({_text(summary["damping_error_percent"], "+.2f")} %)'
+        f'{summary["estimator"]}, law {summary["law"]}: K_e {_number(summary["stiffness"])} N/m '
+        f'({_number(summary["stiffness_error_percent"], "+.2f")} %), B_e '
+        f'{_number(summary["damping"])} N s/m '
+        f'({_number(summary["damping_error_percent"], "+.2f")} %)'
     )
 
 
-def _print(summary: Mapping[str, Any], output: Path) -> None:
-    latency = summary['latency_ms'] or {}
-    delays = ', '.join(f'{name} {_text(value, ".2f")}' for name, value in latency.items())
-    print(_title(summary))
-    print(
-        f'mean force {_text(summary["mean_force_n"], ".2f")} N over the hold, '
-        f'{_text(summary["desired_force_n"], ".2f")} N wanted'
-        + (_EQ20_NOTE if summary['law'] == 'eq20' and summary['mean_force_n'] else '')
-    )
-    print(
-        f'{summary["samples_sent"]} samples at {_text(summary["rate_hz"], ".1f")} Hz, '
-        f'{summary["samples_lost"]} lost, answered after [ms]: {delays}'
-    )
-    print(f'see {output}/summary.png, summary.json and recording/')
+def _as_text(summary: Mapping[str, Any]) -> str:
+    latency = ', '.join(f'{name} {_number(value, ".2f")}'
+                        for name, value in (summary['latency_ms'] or {}).items())
+    note = _EQ20_NOTE if summary['law'] == 'eq20' and summary['mean_force_n'] else ''
+    return '\n'.join((
+        _title(summary),
+        f'mean force {_number(summary["mean_force_n"], ".2f")} N over the hold, desired '
+        f'{_number(summary["desired_force_n"], ".2f")} N{note}',
+        f'{summary["samples_sent"]} samples at {_number(summary["rate_hz"], ".1f")} Hz, '
+        f'{summary["samples_lost"]} dropped, latency [ms]: {latency or "none"}',
+    ))
 
 
-_LONGEST_S = 1e6
-_EQ20_NOTE = ' (eq. 20 alone reaches about half; see reference_law series or force tracking)'
-
-
-def _text(value: float | None, form: str = '.1f') -> str:
+def _number(value: float | None, form: str = '.1f') -> str:
     return 'none' if value is None else format(value, form)
 
 

@@ -12,54 +12,49 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Progress of a long command, on one line of a terminal."""
+"""Progress bar of the commands: on stderr, only on a terminal, cleared at the end."""
 
 from __future__ import annotations
 
-import sys
-import time
+from tqdm import tqdm
 
-_EVERY_S = 0.5
+_FORMAT = '{desc} {percentage:5.1f} %|{bar}| {remaining} left{postfix}'
+
+tqdm.monitor_interval = 0  # no thread of its own: commands fork worker processes
 
 
 class Progress:
     """
-    Show how far a command is, where somebody can see it.
+    Show the completed fraction of a command, at most twice a second.
 
     Parameters
     ----------
     name : str
-        What is going on.
+        Name of the command.
 
     """
 
     def __init__(self, name: str) -> None:
-        self._name, self._begin = name, time.monotonic()
-        self._next = self._begin + _EVERY_S
-        self._visible = sys.stderr.isatty()
-        self._shown = False
+        # disable=None: silent unless stderr is a terminal; smoothing=0: mean rate since start.
+        self._bar = tqdm(
+            desc=name, total=1.0, disable=None, leave=False, dynamic_ncols=True,
+            delay=0.5, mininterval=0.5, miniters=0, smoothing=0.0, bar_format=_FORMAT)
 
     def show(self, fraction: float, text: str = '') -> None:
         """
-        Show the progress, not more often than twice a second.
+        Update the bar.
 
         Parameters
         ----------
         fraction : float
-            From 0 to 1.
+            Completed fraction, 0 to 1.
         text : str
-            Further words.
+            Detail shown behind the remaining time.
 
         """
-        now = time.monotonic()
-        if not self._visible or now < self._next:
-            return
-        self._next, self._shown = now + _EVERY_S, True
-        left = (now - self._begin) * (1.0 - fraction) / max(fraction, 1e-9)
-        print(f'\r{self._name} {100 * fraction:5.1f} %  {left:5.0f} s left  {text}\x1b[K',
-              end='', file=sys.stderr, flush=True)
+        self._bar.set_postfix_str(text, refresh=False)
+        self._bar.update(fraction - self._bar.n)
 
     def done(self) -> None:
-        """Clear the line."""
-        if self._shown:
-            print('\r\x1b[K', end='', file=sys.stderr, flush=True)
+        """Clear the bar."""
+        self._bar.close()

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Re-estimate a recording off-line, as fast as the machine goes."""
+"""Estimate stiffness and damping from a recording, off-line and faster than real time."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ from ..ros.estimator_node_parameters import EstimatorNodeParameters
 
 
 class EstimateFile(Protocol):
-    """A file that takes estimates."""
+    """A file of estimates."""
 
     def write(self, estimates: Sequence[AxesEstimates]) -> None:
         """Append the estimates of consecutive samples."""
@@ -48,31 +48,31 @@ def make_parser() -> Parser:
     """Build the command line of `replay`."""
     parser = Parser(
         prog='replay',
-        description='Re-estimate contact stiffness and damping from a recording. Parameters '
-        'and their live changes are those of the recording where it has them.',
+        description='Estimate contact stiffness and damping from a recording. Parameters and '
+        'their changes at run time are taken from the recording where it has them.',
     )
     parser.add_argument('recording', metavar='RECORDING', help='an .mcap file or rosbag2 folder')
     parser.add_argument('--estimator', help='one of ' + ', '.join(ESTIMATORS))
     parser.add_argument('--params', help='ROS 2 parameter file of estimator_node')
-    parser.add_argument('--output', help='estimates as MCAP')
-    parser.add_argument('--csv', help='estimates as CSV')
-    parser.add_argument('--json', help='summary as JSON')
+    parser.add_argument('--output', help='write the estimates as MCAP')
+    parser.add_argument('--csv', help='write the estimates as CSV')
+    parser.add_argument('--json', help='write a summary as JSON')
     add_source_options(parser)
     parser.add_argument(
         '--further', action='append', default=[], metavar='AXIS:=JOINT',
-        help='estimate this axis too, beside the contact axis; may be given twice',
+        help='also estimate this axis; may be given twice',
     )
     return parser
 
 
 def run(options: Any) -> int:
     """
-    Replay as the options say and print a summary.
+    Replay the recording, write the requested files and print a summary.
 
     Parameters
     ----------
     options : argparse.Namespace
-        Of `make_parser`.
+        Options of `make_parser`.
 
     Returns
     -------
@@ -80,7 +80,7 @@ def run(options: Any) -> int:
         0.
 
     """
-    # Millions of small tuples and no cycles: collecting would take a fifth of the time.
+    # Millions of small tuples and no cycles: garbage collection would take a fifth of the time.
     gc.disable()
     begin = time.perf_counter()
     different_files((options.csv, options.json, options.output))
@@ -106,7 +106,7 @@ def run(options: Any) -> int:
     progress.done()
     if first is None:
         raise RecordingError(_no_sample(options.recording, replay))
-    _warn_of_rate(replay)
+    _warn_about_rate(replay)
     recorded_s = (last[0].stamp_ns - first.stamp_ns) * 1e-9
     summary: dict[str, Any] = {
         'estimator': replay.session.parameters.estimator,
@@ -144,7 +144,7 @@ def _chosen(options: Any) -> dict[str, Any]:
 
 
 def _further(given: Sequence[str]) -> dict[str, str]:
-    """Read --further as parameters."""
+    """Convert --further to parameters."""
     chosen = {}
     for text in given:
         axis, found, joint = text.partition(':=')
@@ -167,18 +167,18 @@ def _open_files(options: Any, axes: str, stack: ExitStack) -> list[EstimateFile]
     return files
 
 
-def _warn_of_rate(replay: RecordingReplay) -> None:
+def _warn_about_rate(replay: RecordingReplay) -> None:
     rate, period = replay.session.parameters.sample_rate, replay.session.pipeline.sample_period_s
     if period > 0.0 and not 0.9 < period * rate < 1.1:
-        print(f'  samples come at {1.0 / period:.4g} Hz, but sample_rate is {rate:g}; set it with '
-              '--params, or filters and rls are built for the wrong rate', file=sys.stderr)
+        print(f'  samples arrive at {1.0 / period:.4g} Hz, but sample_rate is {rate:g}; set it '
+              'with --params, since filters and rls depend on it', file=sys.stderr)
 
 
 def _no_sample(recording: str, replay: RecordingReplay) -> str:
     reasons = ', '.join(f'{count} {reason}' for reason, count in replay.session.rejected.items())
     return (
-        f'no sample in {recording} could be used: expected wrenches with joint states at or '
-        f'around their stamps, got {reasons or "none"}; check topics, joint and stamps'
+        f'no usable sample in {recording}: expected wrenches with joint states at or around '
+        f'their stamps, got {reasons or "none"}; check topics, joint and stamps'
     )
 
 
@@ -191,7 +191,7 @@ def _finite(estimate: Estimate) -> dict[str, float | None]:
 def _print(summary: dict[str, Any]) -> None:
     speed = summary['recorded_s'] / max(summary['wall_s'], 1e-9)
     print(f'{summary["estimator"]}: {summary["samples"]} samples, {summary["recorded_s"]:.1f} s '
-          f'recorded, {summary["wall_s"]:.1f} s to replay ({speed:.0f} times real time)')
+          f'recorded, replayed in {summary["wall_s"]:.1f} s ({speed:.0f} times real time)')
     for name, unit in (('stiffness', 'N/m'), ('damping', 'N s/m'), ('location', 'm'),
                        ('inertia', 'kg')):
         value, std = summary[name], summary.get(f'{name}_std')
@@ -202,14 +202,12 @@ def _print(summary: dict[str, Any]) -> None:
     for axis, own in list(summary.get('axes', {}).items())[1:]:
         print(f'  axis {axis}: stiffness {own["stiffness"]:.6g} N/m, damping {own["damping"]:.6g} '
               f'N s/m, {own["status"]}')
-    trouble = {**summary['rejected']}
-    if summary['missing']:
-        trouble['missing'] = summary['missing']
-    for name, count in trouble.items():
-        print(f'  {count} samples {name}', file=sys.stderr)
+    for name, count in {**summary['rejected'], 'missing': summary['missing']}.items():
+        if count:
+            print(f'  {count} samples {name}', file=sys.stderr)
     if summary['truncated'] or summary['damaged_chunks']:
-        print(f'  the recording is cut short or damaged ({summary["damaged_chunks"]} chunks lost)'
-              '; everything before and between was used', file=sys.stderr)
+        print(f'  the recording is cut short or damaged ({summary["damaged_chunks"]} damaged '
+              'chunks); all intact data were used', file=sys.stderr)
 
 
 main = command(make_parser, run)

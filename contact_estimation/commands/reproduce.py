@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The paper's table from one command, off-line."""
+"""Reproduce the paper's table and figures, off-line."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from typing import Any
 from .command_line import command, new_file, Parser
 from .progress import Progress
 from ..exceptions import ParameterRangeError
-from ..reproduction.figures import draw_figures
+from ..reproduction.figures import plot_figures
 from ..reproduction.table import as_text, make_table
 
 
@@ -32,28 +32,29 @@ def make_parser() -> Parser:
     """Build the command line of `reproduce`."""
     parser = Parser(
         prog='reproduce',
-        description="Run the paper's cases, simulated and on a virtual testbed, from seeds and "
-        'print the errors at the last instant of contact beside the Cramer-Rao bound and the '
-        "paper's figures.",
+        description="Run the paper's cases, in simulation and on a virtual testbed, and print the "
+        'errors at the last instant of contact with the Cramer-Rao bounds and the errors printed '
+        'in the paper.',
     )
     parser.add_argument(
         '--seeds', type=int, default=20,
-        help='runs of each case (20); on the testbed 10 at most, as many as the paper made',
+        help='runs of each case (20); at most 10 on the testbed, as in the paper',
     )
-    parser.add_argument('--json', metavar='FILE', help='the table as JSON')
-    parser.add_argument('--output', metavar='DIR', help='folder for the figures as PNG')
-    parser.add_argument('--jobs', type=int, default=os.cpu_count() or 1, help='processes')
+    parser.add_argument('--json', metavar='FILE', help='write the table as JSON')
+    parser.add_argument('--output', metavar='DIR', help='plot the figures as PNG into this folder')
+    parser.add_argument('--jobs', type=int, default=os.cpu_count() or 1,
+                        help='number of parallel processes (all processors)')
     return parser
 
 
 def run(options: Any) -> int:
     """
-    Make table and figures.
+    Compute table and figures.
 
     Parameters
     ----------
     options : argparse.Namespace
-        Of `make_parser`.
+        Options of `make_parser`.
 
     Returns
     -------
@@ -72,7 +73,7 @@ def run(options: Any) -> int:
     if target is not None:
         target.write_text(json.dumps({'cases': rows}, indent=1) + '\n')
     if options.output:
-        for path in draw_figures(Path(options.output)):
+        for path in plot_figures(Path(options.output)):
             print(f'wrote {path}')
     return 0
 

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The plant model off-line, on a recorded command or force, or on an experiment."""
+"""`simulate`: run a plant model off-line on a recorded command or force, or an experiment."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 from .command_line import add_source_options, command, Parser, source_of
-from .model_file import read_model
+from ..api import read_model
 from ..exceptions import ParameterRangeError, RecordingError
 from ..plant.between_samples import BETWEEN
 from ..plant.plant_parameters import PlantParameters
@@ -38,23 +38,26 @@ def make_parser() -> Parser:
     """Build the command line of `simulate`."""
     parser = Parser(
         prog='simulate',
-        description='Simulate a model file on the command of a recording, straight between its '
-        'samples and with its stamps, or on an experiment; an attached wall without a robot on '
-        'the recorded force.',
+        description='Simulate a model on the command of a recording, interpolated linearly and '
+        'sampled at its stamps, or on an experiment. A permanently attached wall without a robot '
+        'is driven by the recorded force.',
     )
-    parser.add_argument('--model', required=True, metavar='FILE', help='the model, a YAML file')
+    parser.add_argument('--model', required=True, metavar='FILE', help='model file (YAML)')
     given = parser.add_mutually_exclusive_group(required=True)
-    given.add_argument('--like', metavar='RECORDING', help='an .mcap file or rosbag2 folder')
+    given.add_argument('--like', metavar='RECORDING',
+                       help='.mcap file or rosbag2 folder whose command is repeated')
     given.add_argument(
         '--experiment', metavar='NAME|FILE.yaml',
         help='one of ' + ', '.join(EXPERIMENTS) + ', or a YAML file of segments',
     )
-    parser.add_argument('--output', required=True, metavar='FILE', help='new .mcap file')
-    parser.add_argument('--seed', type=int, help='seed of all noise; that of the model')
+    parser.add_argument('--output', required=True, metavar='FILE',
+                        help='.mcap file to write; must not exist')
+    parser.add_argument('--seed', type=int,
+                        help='seed of all noise (default: that of the model file)')
     parser.add_argument(
         '--between', choices=tuple(BETWEEN), default='straight',
-        help='how a recorded force that drives an attached wall goes on between its samples '
-        '(straight); `diagnose` tells',
+        help='interpolation of a recorded force that drives an attached wall (default: '
+        'straight); `diagnose` reports which one the data support',
     )
     add_source_options(parser)
     return parser
@@ -62,7 +65,7 @@ def make_parser() -> Parser:
 
 def run(options: Any) -> int:
     """
-    Simulate as the options say.
+    Simulate and write the recording.
 
     Parameters
     ----------
@@ -90,18 +93,17 @@ def run(options: Any) -> int:
     joint = options.joint or PlantNodeParameters().joint
     write_simulation(output, simulation, options.axis or 'x', joint, frame_id)
     seconds = (simulation.stamp_ns[-1] - simulation.stamp_ns[0]) * 1e-9
-    print(f'{len(simulation.stamp_ns)} samples, {seconds:.1f} s, greatest pressing force '
+    print(f'{len(simulation.stamp_ns)} samples, {seconds:.1f} s, maximum pressing force '
           f'{max(0.0, -float(np.min(simulation.measured[0]))):.4g} N; wrote {output}')
     return 0
 
 
 def _new_recording(path: str) -> Path:
-    """Refuse an output that could not be written before anything is simulated."""
+    """Refuse an output that cannot be written, before the simulation starts."""
     file = Path(path)
     if file.exists():
         raise RecordingError(
-            f'{path} exists and recordings are never overwritten; choose another output or '
-            'remove it'
+            f'--output {path} exists, and recordings are never overwritten; choose another file'
         )
     if not file.absolute().parent.is_dir():
         raise RecordingError(
@@ -121,9 +123,9 @@ def _simulate_like(
         )
     if model.environment.unilateral:
         raise RecordingError(
-            f'{recording} has no reference_trajectory, and a wall that can let go has to be '
-            'moved by a robot; expected the topic, or environment.unilateral false in the '
-            'model; say which topic to read with --topic reference_trajectory:=/name'
+            f'{recording} has no reference_trajectory; expected one, because only a permanently '
+            'attached wall (environment.unilateral false) can be simulated without a robot; '
+            'choose the topic with --topic reference_trajectory:=/name'
         )
     if len(wrench) < 2:
         raise RecordingError(f'{recording} must have at least 2 wrenches, got {len(wrench)}')
@@ -132,7 +134,7 @@ def _simulate_like(
 
 
 def _start(signals: RecordedSignals) -> tuple[float, float]:
-    """Tell position and velocity at the first wrench."""
+    """Return position and velocity at the first wrench."""
     joints, first = signals.joint_states, int(signals.wrench.stamp_ns[0])
     t = (joints.stamp_ns - first) * 1e-9
     position = float(np.interp(0.0, t, joints.values[0]))

@@ -62,7 +62,9 @@ class EstimationParameters(ParameterGroup):
         '', 'Expected frame of the wrench; empty: that of the first wrench. Others are rejected',
         read_only=True,
     )
-    further_axes: FurtherAxesParameters = group(FurtherAxesParameters)
+    further_axes: FurtherAxesParameters = group(
+        FurtherAxesParameters, 'Axes estimated beside the contact axis, each independently; '
+        'all other parameters are shared')
     environment: EnvironmentParameters = group(EnvironmentParameters)
     conditioning: ConditioningParameters = group(ConditioningParameters)
     contact: ContactParameters = group(ContactParameters)

@@ -12,4 +12,9 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The paper's results, reproduced and improved, off-line and from seeds."""
+"""
+The paper's tables and figures: its simulation (section 4) and its experiment (section 5).
+
+`simulation_cases` run on the simulated plant, `testbed_cases` on a virtual testbed (`testbed_*`)
+that takes the place of the paper's robot and wall. `table` and `figures` run both.
+"""

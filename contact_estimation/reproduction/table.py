@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The table: median errors over seeds beside the bound and the paper's figures."""
+"""The table: median errors over seeds, Cramer-Rao bounds and the paper's errors."""
 
 from __future__ import annotations
 
@@ -22,15 +22,12 @@ from typing import Any, Callable
 
 import numpy as np
 
-from .cases import CASES, OnlineCase, StepCase
-from .paper_results import PAPER
-from .runs import Errors, run_case
-from .testbed_cases import TESTBED_CASES, TESTBED_RUNS, TestbedCase, TestbedStepCase
-from .testbed_runs import run_testbed_case
+from .case import Case, Errors
+from .paper import PAPER
+from .simulation_cases import SIMULATION_CASES
+from .testbed_cases import TESTBED_CASES
 
-Case = OnlineCase | StepCase | TestbedCase | TestbedStepCase
-
-ALL_CASES: list[Case] = [*CASES, *TESTBED_CASES]
+ALL_CASES: list[Case] = [*SIMULATION_CASES, *TESTBED_CASES]
 
 
 def make_table(seeds: int, jobs: int, progress: Callable[[float], None]) -> list[dict[str, Any]]:
@@ -40,81 +37,60 @@ def make_table(seeds: int, jobs: int, progress: Callable[[float], None]) -> list
     Parameters
     ----------
     seeds : int
-        Runs of each case, with the seeds 0, 1, ...; of a testbed case TESTBED_RUNS at most.
+        Runs of each case, with the seeds 0, 1, ...; at most `Case.max_runs`.
     jobs : int
-        Processes.
+        Number of processes.
     progress : callable
-        Gets the fraction done.
+        Called with the completed fraction.
 
     Returns
     -------
     rows : list of dict
-        As in the contract.
+        One row per case, see `row_of`.
 
     """
-    tasks = [
-        (case, seed) for case in ALL_CASES
-        for seed in range(min(seeds, TESTBED_RUNS) if is_testbed(case) else seeds)
-    ]
-    done: dict[int, list[Errors]] = {}
+    tasks = [(index, seed) for index, case in enumerate(ALL_CASES)
+             for seed in range(min(seeds, case.max_runs))]
+    errors: list[list[Errors]] = [[] for _ in ALL_CASES]
     with ProcessPoolExecutor(jobs) as pool:
         results = pool.map(_run, tasks, chunksize=max(1, seeds // 4))
-        for count, ((case, _), errors) in enumerate(zip(tasks, results), 1):
-            done.setdefault(ALL_CASES.index(case), []).append(errors)
+        for count, ((index, _), result) in enumerate(zip(tasks, results), 1):
+            errors[index].append(result)
             progress(count / len(tasks))
-    return [row_of(ALL_CASES[index], errors) for index, errors in sorted(done.items())]
+    return [row_of(case, runs) for case, runs in zip(ALL_CASES, errors)]
 
 
-def is_testbed(case: Case) -> bool:
-    """
-    Tell the cases of the testbed from the simulated ones.
-
-    Parameters
-    ----------
-    case : one of the classes of cases
-        It.
-
-    Returns
-    -------
-    is_testbed : bool
-        Whether it runs on the testbed.
-
-    """
-    return isinstance(case, (TestbedCase, TestbedStepCase))
-
-
-def _run(task: tuple[Case, int]) -> Errors:
-    case, seed = task
-    if isinstance(case, (TestbedCase, TestbedStepCase)):
-        return run_testbed_case(case, seed)
-    return run_case(case, seed)
+def _run(task: tuple[int, int]) -> Errors:
+    index, seed = task
+    return ALL_CASES[index].run(seed)
 
 
 def row_of(case: Case, errors: list[Errors]) -> dict[str, Any]:
     """
-    Sum up the runs of one case.
+    Summarise the runs of a case.
 
     Parameters
     ----------
-    case : one of the classes of cases
-        It.
+    case : Case
+        The case.
     errors : list of Errors
-        One a seed.
+        Errors of each run.
 
     Returns
     -------
     row : dict
-        As in the contract, and the root mean squares and the errors of the average estimate.
+        Medians of |error| and of the bounds, RMS errors, errors of the average estimate, and the
+        paper's errors; null where there is no value.
 
     """
     values = np.array(errors)
     median = np.median(np.abs(values), axis=0)
     rms = np.sqrt(np.mean(values**2, axis=0))
-    average = np.mean(values, axis=0)  # what the paper gives of its ten experiments
+    average = np.mean(values, axis=0)  # as in the paper, over its ten experiments
     paper = PAPER.get((case.case, case.estimator))
     return {
         'case': case.case,
-        'estimator': case.estimator + getattr(case, 'variant', ''),
+        'estimator': case.estimator + case.variant,
         'law': case.law,
         'seeds': len(errors),
         'stiffness_error_percent': float(median[0]),
@@ -136,22 +112,22 @@ def _or_none(value: float) -> float | None:
 
 def as_text(rows: list[dict[str, Any]]) -> str:
     """
-    Write the table for people.
+    Format the table.
 
     Parameters
     ----------
     rows : list of dict
-        Of `make_table`.
+        Rows of `make_table`.
 
     Returns
     -------
     text : str
-        One line a row; K / B in percent.
+        One line per row, K_e / B_e in percent.
 
     """
     lines = [
         f'{"case":<17} {"estimator":<26} {"law":<13} {"median |error|":>16} '
-        f'{"rms":>16} {"of the average":>16} {"bound":>16} {"paper":>13}   K / B in %'
+        f'{"RMS error":>16} {"error of average":>16} {"bound":>16} {"paper":>13}   K_e / B_e [%]'
     ]
     for row in rows:
         pairs = [

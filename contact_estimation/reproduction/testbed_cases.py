@@ -12,146 +12,150 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The cases on the virtual testbed, the counterpart of the paper's section 5."""
+"""The cases on the virtual testbed, section 5 of the paper."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from math import nan
-from typing import Any, Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar, Mapping
 
-from .cases import BEST, CASES, OnlineCase
+from .case import BEST, BEST_TUNING, Case, OnlineCase, step_reference, STEP_RUN_S, StepCase
+from .simulation_cases import PLAIN, RLS_TUNING
 from .testbed_constants import TESTBED
-from ..reference.excitation import Excitation, PseudoRandomBinary, Sine
-from ..reference.experiment import Experiment
-from ..reference.experiments import FORCE_EXCITATION, manoeuvre
+from .testbed_identification import identify_arm
+from .testbed_runs import record_testbed, run_testbed
+from .testbed_sensors import Acquisition, PaperAcquisition, RawAcquisition
+from ..estimators import OFFLINE_ESTIMATORS
+from ..estimators.offline_estimator import OfflineEstimate, TargetImpedance
+from ..plant.closed_loop import ClosedLoopRun
+from ..signals.contact_recording import ContactRecording
 
 TESTBED_RUNS = 10
-"""The paper's number of experiments of each kind."""
+"""Number of experiments of each kind in the paper."""
 
 LAW = 'series'
-"""It presses with the wanted 50 N, as the paper's experiments did; eq. (20) alone would not."""
+"""It presses with the desired 50 N, as the paper's experiments did; eq. (20) alone does not."""
 
 LONG_HOLD_S = 12.0
 
-_BEST_TUNING = {
-    'tuning.kalman.location_std': 0.0, 'tuning.kalman.relative_walk': 0.0,
-    # What bearings and sensors are known to do, measured beforehand.
+_BEST_TESTBED_TUNING = {
+    **BEST_TUNING,
+    # Known properties of bearings and sensors, measured beforehand.
     'physics.coulomb_friction.F_c': TESTBED.wall.sliding_friction,
     'contact.position_noise': 1.2e-5,
-    # At rest the bearings hold any force up to 6 N, so a wall at rest tells nothing.
+    # At rest the bearings hold any force up to 6 N: a wall at rest is not informative.
     'tuning.kalman.resting_speed': 0.005,
-}
-_POSITION_EXCITATION: dict[str, Excitation | None] = {
-    'sine': Sine(0.002, 20.0),  # eq. (41)
-    'prbs': PseudoRandomBinary(0.002),
-    'none': None,
 }
 
 
 @dataclass(frozen=True)
-class TestbedCase:
+class TestbedCase(OnlineCase):
     """
-    An on-line estimator in the closed loop of the testbed.
+    An on-line estimator in the closed loop with the testbed.
 
     Attributes
     ----------
-    case : str
-        Name of the case, such as 'testbed_sine'.
-    excitation : str
-        'sine', 'prbs' or 'none'.
-    estimator, law : str
-        Names; 'pass_through' is eq. (1) on x_d with eq. (41) instead of eq. (40).
-    tuning : mapping
-        Parameters that differ from the defaults.
     as_paper : bool
-        The data come as the paper processed them; otherwise raw.
-    hold_s : float
-        Time at depth [s].
+        Whether the data are processed as in the paper, else raw.
 
     """
 
-    __test__ = False  # not a test, whatever pytest makes of its name
+    __test__ = False  # not a test, despite its name
+    max_runs: ClassVar[int] = TESTBED_RUNS
 
-    case: str
-    excitation: str
-    estimator: str
-    law: str
-    tuning: Mapping[str, Any] = field(default_factory=dict)
     as_paper: bool = True
-    hold_s: float = 2.0
 
-    def experiment(self) -> Experiment:
-        """Build the manoeuvre of the case."""
-        if self.law == 'pass_through':
-            excitation = _POSITION_EXCITATION[self.excitation]
-            return manoeuvre(
-                self.case, position_excitation=excitation, hold_s=self.hold_s, force=nan
-            )
-        return manoeuvre(self.case, FORCE_EXCITATION[self.excitation], hold_s=self.hold_s)
+    def simulate(self, seed: int) -> ClosedLoopRun:
+        """Simulate the closed loop; see `OnlineCase.simulate`."""
+        return run_testbed(self.session(), self.experiment(), _acquisition(self.as_paper), seed)
 
 
 @dataclass(frozen=True)
-class TestbedStepCase:
+class TestbedStepCase(StepCase):
     """
     An off-line estimator on a step response of the testbed.
 
     Attributes
     ----------
-    case, estimator : str
-        Names.
     as_paper : bool
-        The data come as the paper processed them, and the arm counts as what it should be;
-        otherwise they are raw, and the arm is identified first.
+        Whether the data are processed as in the paper and the arm is assumed to have its target
+        impedance; else the data are raw and the arm is identified first.
 
     """
 
-    __test__ = False  # not a test, whatever pytest makes of its name
+    __test__ = False  # not a test, despite its name
+    max_runs: ClassVar[int] = TESTBED_RUNS
 
-    case: str
-    estimator: str
-    as_paper: bool
-    law: str = 'step'
+    as_paper: bool = True
+
+    def estimate(self, seed: int) -> OfflineEstimate:
+        """Record and estimate; see `StepCase.estimate`."""
+        target = TargetImpedance()
+        arm = target if self.as_paper else identify_arm(target, seed)
+        method = OFFLINE_ESTIMATORS[self.estimator](arm)
+        return method.estimate(record_testbed_step(seed, self.as_paper))
 
 
-def online_cases(name: str, excitation: str, hold_s: float = 2.0) -> list[TestbedCase]:
+def record_testbed_step(seed: int, as_paper: bool) -> ContactRecording:
+    """
+    Record the step response of the testbed.
+
+    Parameters
+    ----------
+    seed : int
+        Seed of the sensors.
+    as_paper : bool
+        Whether the data are processed as in the paper, else raw.
+
+    Returns
+    -------
+    recording : ContactRecording
+        With 0.5 s of rest before the step.
+
+    """
+    acquisition = _acquisition(as_paper)
+    target = TargetImpedance()
+    return record_testbed(target, step_reference, 0.0, STEP_RUN_S, acquisition, seed).contact
+
+
+def _acquisition(as_paper: bool) -> Acquisition:
+    return PaperAcquisition(TESTBED) if as_paper else RawAcquisition()
+
+
+def online_cases(case: str, excitation: str, hold_s: float = 2.0) -> list[TestbedCase]:
     """
     Build the on-line cases of one experiment.
 
     Parameters
     ----------
-    name : str
-        Of the case.
+    case : str
+        Name of the case.
     excitation : str
         'sine', 'prbs' or 'none'.
     hold_s : float
-        Time at depth [s].
+        Duration of the hold at depth [s].
 
     Returns
     -------
     cases : list of TestbedCase
-        The paper's two algorithms as it ran them, and the best one here.
+        The paper's two algorithms with their tuning in simulation, and the best estimator.
 
     """
+    def online(estimator: str, law: str, tuning: Mapping[str, Any], **more: Any) -> TestbedCase:
+        return TestbedCase(case, estimator, law, excitation=excitation, tuning=tuning,
+                           hold_s=hold_s, **more)
+
     return [
-        TestbedCase(name, excitation, 'indirect_adaptive', LAW, _plain('indirect_adaptive'),
-                    hold_s=hold_s),
-        TestbedCase(name, excitation, 'rls', 'pass_through', _plain('rls'), hold_s=hold_s),
-        TestbedCase(name, excitation, BEST, LAW, _BEST_TUNING, as_paper=False, hold_s=hold_s),
+        online('indirect_adaptive', LAW, PLAIN),
+        online('rls', 'pass_through', RLS_TUNING),
+        online(BEST, LAW, _BEST_TESTBED_TUNING, as_paper=False),
     ]
 
 
-def _plain(estimator: str) -> Mapping[str, Any]:
-    """Take the tuning of the simulated cases: the paper had one for both."""
-    return next(
-        c.tuning for c in CASES if isinstance(c, OnlineCase) and c.estimator == estimator
-    )
-
-
-TESTBED_CASES: list[TestbedCase | TestbedStepCase] = [
+TESTBED_CASES: list[Case] = [
     *online_cases('testbed_sine', 'sine'),
     *online_cases('testbed_none', 'none'),
-    TestbedStepCase('testbed_none', 'signal_processing', as_paper=True),
+    TestbedStepCase('testbed_none', 'signal_processing'),
     TestbedStepCase('testbed_none', 'signal_processing_refined', as_paper=False),
     *online_cases('testbed_prbs', 'prbs'),
     *online_cases('testbed_sine_long', 'sine', LONG_HOLD_S),

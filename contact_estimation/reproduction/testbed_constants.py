@@ -13,26 +13,28 @@
 # limitations under the License.
 
 """
-The constants of the virtual testbed, all of them, each with its origin.
+All constants of the virtual testbed, each with its origin.
 
-"Paper" marks what Erickson, Weber and Sharf (2003), sections 3 and 5, state. All else they leave
-open; it was chosen once, from the kind of hardware that they describe and with the plain
-algorithms alone (indirect_adaptive and rls on the data as the paper processed them, then
-signal_processing), before any improved estimator had run on the testbed. It stays. Ten runs gave,
-as |error| of the average estimate of K_e / B_e in percent, beside the paper's figure
-(indirect_adaptive under the law `series`, which presses with 50 N as the paper's figure 10 shows):
+"Paper" marks values from Erickson, Weber and Sharf (2003), sections 3 and 5. The paper leaves the
+others open. They were chosen once, to suit the described hardware and with the plain algorithms
+only (indirect_adaptive and rls on data processed as in the paper, then signal_processing), before
+any improved estimator ran on the testbed, and are frozen since. Ten runs gave these |errors| of
+the average estimate of K_e / B_e in percent, the paper's in parentheses (indirect_adaptive under
+the law `series`, which presses with 50 N as in the paper's figure 10):
 
 - testbed_sine: indirect_adaptive 15.6 / 27.0 (12.6 / 15.7), rls 22.4 / 24.8 (3.5 / 22);
 - testbed_none: indirect_adaptive 11.6 / 62.0 (8.9 / 60), rls 11.4 / 65.4 (19.2 / 85),
   signal_processing 37.0 / 48.1 (37 / 82).
 
-All lie within a factor of two but K_e of rls under excitation: 6 N subtracted whichever way the
-wall moves are 12.5 % of 48 N for every estimator, and no constants were found that hide it.
+All agree within a factor of two except K_e of rls under excitation: the 6 N subtracted whichever
+way the wall moves are 12.5 % of 48 N for every estimator, and no choice of constants hides this.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+
+from .paper import B_E, K_E
 
 Triple = tuple[float, float, float]
 
@@ -41,22 +43,21 @@ Triple = tuple[float, float, float]
 class ArmConstants:
     """A horizontal arm of three modular links with geared joint motors (paper: Figure 3)."""
 
-    # Links of some half a metre, as the photograph suggests; the last carries the force sensor.
+    # About half a metre each, judged from the photograph; the last carries the force sensor.
     lengths: Triple = (0.50, 0.45, 0.20)  # [m]
     # Mass of each link with the motor module at its far end.
     masses: Triple = (6.0, 4.0, 1.5)  # [kg]
-    # Centre of mass from the near joint: beyond the middle, because of the motor modules.
+    # Distance of the centre of mass from the near joint; motor modules at the far ends.
     centres: Triple = (0.32, 0.27, 0.10)  # [m]
     # About the centre of mass; rod plus end mass.
     inertias: Triple = (0.15, 0.08, 0.008)  # [kg m^2]
-    # Rotors behind the gears, reflected to the joints; unknown to the controller.
+    # Rotor inertias reflected to the joints; not in the controller's model.
     rotor_inertias: Triple = (0.68, 0.45, 0.075)  # [kg m^2]
     # Dry friction of the gears, which changes sign over `friction_rate`.
     coulomb_frictions: Triple = (1.0, 0.7, 0.2)  # [N m]
     friction_rate: float = 0.01  # [rad/s]
     viscous_frictions: Triple = (1.5, 1.0, 0.2)  # [N m s]
-    # Tip at rest with respect to the base: elbow bent, tip pushing along +x from the wall's
-    # surface on; links 1, 2, 3 at these angles to +x.
+    # Pose of the tip relative to the base at the wall's surface: elbow bent, +x into the wall.
     surface_x: float = 0.70  # x of the wall's surface from the base [m]
     tip_y: float = 0.20  # [m]
     tip_angle: float = 0.0  # last link along the contact axis [rad]
@@ -66,11 +67,10 @@ class ArmConstants:
 class ControllerConstants:
     """Impedance control at the sample rate with an imperfect model of the arm."""
 
-    # What of the dry joint friction the feed-forward takes away.
-    coulomb_compensation: float = 0.8  # share
-    # What of the viscous joint friction it takes away.
-    viscous_compensation: float = 1.0  # share
-    # Across the contact axis and about the tip the arm just holds its place.
+    # Fractions of the joint friction that the feed-forward compensates.
+    coulomb_compensation: float = 0.8
+    viscous_compensation: float = 1.0
+    # Across the contact axis and about the tip the arm holds its pose.
     lateral_mass: float = 50.0  # [kg]
     lateral_damping: float = 1000.0  # [N s/m]
     lateral_stiffness: float = 5000.0  # [N/m]
@@ -81,12 +81,12 @@ class ControllerConstants:
 class FlexibleWallConstants:
     """Plate on linear bearings before springs and oil dampers (paper: Figure 4)."""
 
-    stiffness: float = 4800.0  # K_e [N/m], paper
-    damping: float = 200.0  # B_e [N s/m], paper
-    # What it takes to move the wall from rest (paper), and what is subtracted from the force.
+    stiffness: float = K_E  # [N/m], paper
+    damping: float = B_E  # [N s/m], paper
+    # Breakaway force (paper), which the paper's processing subtracts from the force.
     static_friction: float = 6.0  # [N]
-    # What the bearings resist once they roll, reached over the Stribeck velocity. With the full
-    # 6 N the plain estimates of B_e would be off by 100 % and more under excitation.
+    # Friction of the rolling bearings, approached over the Stribeck velocity. With the full 6 N
+    # the plain estimates of B_e would be off by 100 % and more under excitation.
     sliding_friction: float = 0.6  # [N]
     stribeck_velocity: float = 2e-3  # [m/s]
     # The bearings creep over this distance before they slide (Dahl's model).
@@ -107,9 +107,9 @@ class SensingConstants:
 
 @dataclass(frozen=True)
 class TestbedConstants:
-    """All of the testbed."""
+    """All constants of the testbed."""
 
-    __test__ = False  # not a test, whatever pytest makes of its name
+    __test__ = False  # not a test, despite its name
 
     arm: ArmConstants = ArmConstants()
     controller: ControllerConstants = ControllerConstants()
@@ -120,4 +120,4 @@ class TestbedConstants:
 
 
 TESTBED = TestbedConstants()
-"""The one testbed."""
+"""The constants used by all runs."""

@@ -12,116 +12,135 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""One run of one case on the testbed with one seed."""
+"""Runs of the testbed: in closed loop with an estimator, or along a given reference."""
 
 from __future__ import annotations
 
-from .arm_identification import identify_arm
-from .runs import bounds, DESIRED_FORCE, Errors
-from .testbed_acquisition import PaperAcquisition, RawAcquisition
-from .testbed_cases import TestbedCase, TestbedStepCase
+from typing import Callable, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
 from .testbed_constants import TESTBED
-from .testbed_running import record_testbed, run_testbed
-from ..estimation.parameters import EstimationParameters
+from .testbed_sensors import Acquisition, make_sensors
+from .testbed_world import TestbedWorld
 from ..estimation.session import ContactSession
-from ..estimators import OFFLINE_ESTIMATORS
 from ..estimators.offline_estimator import TargetImpedance
-from ..parameters.values import build
 from ..plant.closed_loop import ClosedLoopRun
+from ..plant.world import Truth
+from ..reference.experiment import Experiment
 from ..reference.setpoints import Reference
 from ..signals.contact_recording import ContactRecording
+from ..signals.contact_sample import ContactSample
 
-K_E, B_E = TESTBED.wall.stiffness, TESTBED.wall.damping
-_STEP_AT_S, _STEP_RUN_S = 0.5, 4.5
+TRACKING_TARGET = TargetImpedance(50.0, 1000.0, 5000.0)
+"""Target impedance of the time-domain algorithms."""
 
 
-def run_testbed_case(case: TestbedCase | TestbedStepCase, seed: int) -> Errors:
+class ArmRecording(NamedTuple):
     """
-    Run a case.
+    Signals of a run without an estimator.
+
+    Attributes
+    ----------
+    truths : list of Truth
+        True state of the wall.
+    contact : ContactRecording
+        Force and deflection of the wall after acquisition.
+    tip : ndarray, shape (N,)
+        x of the tip relative to the wall's surface, from the joint encoders [m].
+
+    """
+
+    truths: list[Truth]
+    contact: ContactRecording
+    tip: NDArray[np.float64]
+
+
+def run_testbed(
+    session: ContactSession, experiment: Experiment, acquisition: Acquisition, seed: int
+) -> ClosedLoopRun:
+    """
+    Run an experiment in closed loop.
+
+    The reference computed from sample k is followed from sample k + 1 on.
 
     Parameters
     ----------
-    case : TestbedCase or TestbedStepCase
-        What to run.
+    session : ContactSession
+        New instance.
+    experiment : Experiment
+        Desired motion.
+    acquisition : Acquisition
+        New instance.
     seed : int
-        Of the sensors.
-
-    Returns
-    -------
-    errors : Errors
-        At the last instant of contact, signed. The bounds are those of the force noise alone,
-        with motion and friction known.
-
-    """
-    return _run_step(case, seed) if isinstance(case, TestbedStepCase) else _run(case, seed)
-
-
-def simulate_testbed(case: TestbedCase, seed: int) -> ClosedLoopRun:
-    """
-    Run the closed loop of a case; parameters as `run_testbed_case`.
+        Seed of the sensors.
 
     Returns
     -------
     run : ClosedLoopRun
-        Truth and results of every sample.
+        One entry per sample.
 
     """
-    parameters = build(
-        EstimationParameters,
-        {'estimator': case.estimator, 'reference_law': case.law, **case.tuning},
-    )
-    acquisition = PaperAcquisition(TESTBED) if case.as_paper else RawAcquisition()
-    return run_testbed(ContactSession(parameters), case.experiment(), acquisition, seed)
+    period = 1.0 / TESTBED.sample_rate
+    period_ns = round(1e9 * period)
+    begin = experiment.desired(0.0)
+    world = TestbedWorld(TESTBED, TRACKING_TARGET, begin.position)
+    sensors = make_sensors(TESTBED, seed)
+    reference = Reference(begin.position, 0.0, 0.0, 0.0)
+    run = ClosedLoopRun([], [])
+    for k in range(round(experiment.duration * TESTBED.sample_rate)):
+        truth = world.truth()
+        measured, deflection, _ = sensors.measure(truth)
+        force, position, velocity = acquisition.process(measured, deflection)
+        session.add_desired((k + 1) * period_ns, experiment.desired((k + 1) * period))
+        session.add_motion(k * period_ns, position, velocity)
+        (result,) = session.add_wrench(k * period_ns, force)
+        run.truths.append(truth)
+        run.results.append(result)
+        world.advance(period, reference, measured)
+        if result.reference is not None:
+            reference = result.reference
+    return run
 
 
-def _run(case: TestbedCase, seed: int) -> Errors:
-    run = simulate_testbed(case, seed)
-    last = run.last_contact
-    assert last is not None, 'the manoeuvre touches the wall'
-    estimate = run.results[last].estimate
-    used = [truth for truth in run.truths if truth.force < 0.0]
-    bound_K, bound_B = bounds(used, with_inertia=case.estimator == 'rls')
-    return Errors(_percent(estimate.stiffness, K_E), _percent(estimate.damping, B_E),
-                  100.0 * bound_K / K_E, 100.0 * bound_B / B_E)
-
-
-def record_step(seed: int, as_paper: bool) -> ContactRecording:
+def record_testbed(
+    target: TargetImpedance, reference_at: Callable[[float], Reference], start: float,
+    duration: float, acquisition: Acquisition, seed: int,
+) -> ArmRecording:
     """
-    Record the step response of the testbed: x_r from x_e to the depth of 50 N.
+    Record a run along a given reference.
 
     Parameters
     ----------
+    target : TargetImpedance
+        Impedance commanded to the controller.
+    reference_at : callable
+        Time [s] to x_r with derivatives.
+    start : float
+        Tip position at t = 0, relative to the wall's surface [m].
+    duration : float
+        Duration [s].
+    acquisition : Acquisition
+        New instance.
     seed : int
-        Of the sensors.
-    as_paper : bool
-        As the paper processed the data; otherwise raw.
+        Seed of the sensors.
 
     Returns
     -------
-    recording : ContactRecording
-        With half a second of rest before the step.
+    recording : ArmRecording
+        One entry per sample.
 
     """
-    target = TargetImpedance()
-    depth = DESIRED_FORCE * (target.stiffness + K_E) / (target.stiffness * K_E)
-
-    def step(t: float) -> Reference:
-        return Reference(depth if t >= _STEP_AT_S else 0.0, 0.0, 0.0, 0.0)
-
-    acquisition = PaperAcquisition(TESTBED) if as_paper else RawAcquisition()
-    return record_testbed(target, step, 0.0, _STEP_RUN_S, acquisition, seed).contact
-
-
-def _run_step(case: TestbedStepCase, seed: int) -> Errors:
-    target = TargetImpedance()
-    arm = target if case.as_paper else identify_arm(target, seed)
-    method = OFFLINE_ESTIMATORS[case.estimator](arm)
-    estimate = method.estimate(record_step(seed, case.as_paper))
-    return Errors(
-        _percent(estimate.stiffness, K_E), _percent(estimate.damping, B_E),
-        100.0 * estimate.stiffness_std / K_E, 100.0 * estimate.damping_std / B_E,
-    )
-
-
-def _percent(estimate: float, true: float) -> float:
-    return 100.0 * (estimate / true - 1.0)
+    period = 1.0 / TESTBED.sample_rate
+    world, sensors = TestbedWorld(TESTBED, target, start), make_sensors(TESTBED, seed)
+    truths, samples, tips = [], [], []
+    for k in range(round(duration * TESTBED.sample_rate)):
+        truth = world.truth()
+        measured, deflection, _ = sensors.measure(truth)
+        force, position, velocity = acquisition.process(measured, deflection)
+        truths.append(truth)
+        samples.append(ContactSample(round(1e9 * k * period), position, velocity, force))
+        tips.append(world.tip().x)
+        world.advance(period, reference_at(k * period), measured)
+    return ArmRecording(truths, ContactRecording.of(samples), np.array(tips))

@@ -12,41 +12,41 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Arm and flexible wall, integrated at 2 kHz under a controller that acts at the sample rate."""
+"""Arm and wall of the testbed, integrated at 2 kHz; the controller runs at the sample rate."""
 
 from __future__ import annotations
 
-from .flexible_wall import free_rate, moved, pressing_force, WallState
-from .impedance_controller import ImpedanceController
-from .planar_arm import PlanarArm, Tip
+from .testbed_arm import PlanarArm, Tip
 from .testbed_constants import TestbedConstants, Triple
+from .testbed_controller import ImpedanceController
+from .testbed_wall import free_rate, moved, pressing_force, WallState
 from ..estimators.offline_estimator import TargetImpedance
 from ..plant.world import Truth
 from ..reference.setpoints import Reference
 
-_CLOSED = 1e-12  # of the gap between tool and wall [m]
+_CLOSED = 1e-12  # gap between tool and wall that counts as contact [m]
 
 
 class TestbedWorld:
     """
-    The testbed before any sensor.
+    True state of the testbed.
 
-    The wall has a deflection of its own: while the tool touches it they move together; when the
-    tool retreats faster than spring and damper push, the wall follows alone, and rests where the
-    friction of its bearings holds the spring.
+    The deflection of the wall is a state: in contact, tool and wall move together; when the tool
+    retreats faster than spring and damper push, the wall follows alone and comes to rest where
+    the friction of its bearings balances the spring.
 
     Parameters
     ----------
     constants : TestbedConstants
         Arm, controller and wall.
     target : TargetImpedance
-        What the controller aims at.
+        Impedance commanded to the controller.
     position : float
-        Where the tip rests at t = 0, from the wall's surface [m].
+        Tip position at t = 0, relative to the wall's surface [m].
 
     """
 
-    __test__ = False  # not a test, whatever pytest makes of its name
+    __test__ = False  # not a test, despite its name
 
     def __init__(
         self, constants: TestbedConstants, target: TargetImpedance, position: float
@@ -62,13 +62,13 @@ class TestbedWorld:
         self.t = 0.0
 
     def tip(self) -> Tip:
-        """Tell where the tip is, x from the wall's surface, as the joint encoders have it."""
+        """Return the tip pose from the joint encoders, x relative to the wall's surface."""
         tip = self._arm.tip(self._angles, self._rates)
         return tip._replace(x=tip.x - self._p.arm.surface_x)
 
     def truth(self) -> Truth:
         """
-        Look at the wall now.
+        Return the current state of the wall.
 
         Returns
         -------
@@ -84,14 +84,14 @@ class TestbedWorld:
 
     def advance(self, duration: float, reference: Reference, force: float) -> None:
         """
-        Control once, then integrate.
+        Compute the torques once and integrate over a sample period.
 
         Parameters
         ----------
         duration : float
             Sample period [s].
         reference : Reference
-            What the robot follows.
+            Reference of the robot.
         force : float
             Measured F_e [N].
 
@@ -118,7 +118,7 @@ class TestbedWorld:
                 - y1 * w1 * w1 - y2 * w2 * w2 - y3 * w3 * w3)
 
     def _step(self, h: float) -> None:
-        """Step by the midpoint rule."""
+        """Integrate one step by the midpoint rule."""
         (a1, a2, a3), (w1, w2, w3), arm = self._angles, self._rates, self._arm
         force, before = self._force(self._angles, self._rates, self._wall), self._wall
         b1, b2, b3 = arm.accelerations(self._angles, self._rates, self._torques, -force)
@@ -133,7 +133,7 @@ class TestbedWorld:
         self._wall = self._follow(before, self._angles, h)
 
     def _follow(self, wall: WallState, angles: Triple, h: float) -> WallState:
-        """Move the wall alone, but never into the tool."""
+        """Move the wall by itself, or by the tool where that is further."""
         tool = self._arm.tip_x(angles) - self._p.arm.surface_x
         alone = wall.deflection + h * free_rate(wall, self._p.wall)
         return moved(wall, max(alone, tool) - wall.deflection, self._p.wall)

@@ -1,0 +1,225 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""A trial: a randomised world, one effect or none, and a nominal model that lacks the effect."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import exp, log
+from typing import Iterable
+
+import numpy as np
+from numpy.random import Generator
+
+from .concealment import conceal, Concealed, degree, TOLERANCE
+from .simulation import Run, scales_of, simulate
+from .unknown_effects import UNKNOWN
+from .worlds import draw_nominal_wall, draw_world, RandomWorld
+from ..physics import EFFECTS
+from ..physics.random_strength import Strength, Values
+from ..plant.plant_parameters import WallParameters
+
+MIN_DEGREE, MAX_DEGREE = 1.3, 4.0
+"""Range of the degree of concealment, log-uniform."""
+
+_MAX_WORLDS = 25
+_NOT_CONCEALABLE_WORLDS = 2  # worlds tried before any strength is accepted
+_NOT_CONCEALABLE_STRENGTHS = (0.01, 0.3)  # of effects such as backlash: log-uniform
+_MAX_FORCE = 320.0  # more is an impact, not an experiment [N]
+_MIN_CONTACT_S = 2.0
+
+
+@dataclass(frozen=True)
+class Trial:
+    """
+    Everything drawn for one trial.
+
+    Attributes
+    ----------
+    world : RandomWorld
+        True world without the effect.
+    effect : str
+        Key of EFFECTS or of UNKNOWN; '' in a clean world.
+    values : mapping
+        Parameters of the effect.
+    nominal : WallParameters
+        Wall of the nominal model.
+    requested_degree : float
+        Requested degree of concealment; 1 in a clean world.
+
+    """
+
+    world: RandomWorld
+    effect: str
+    values: Values
+    nominal: WallParameters
+    requested_degree: float
+
+    @property
+    def physics(self) -> Values:
+        """Parameters of the effect by dotted name."""
+        return {f'{self.effect}.{name}': value for name, value in self.values.items()}
+
+    @property
+    def port(self) -> str:
+        """Port of the effect."""
+        return port_of(self.effect)
+
+    @property
+    def is_exact(self) -> bool:
+        """Whether the nominal model equals the true world."""
+        return not self.effect and self.nominal == self.world.wall
+
+
+def draw_trial(effect: str, rng: Generator) -> Trial:
+    """
+    Draw a trial.
+
+    Parameters
+    ----------
+    effect : str
+        Key of EFFECTS or of UNKNOWN, or '' for a clean world.
+    rng : numpy.random.Generator
+        Random generator.
+
+    Returns
+    -------
+    trial : Trial
+        With the drawn degree of concealment where one of 25 worlds permits it, else the nearest;
+        an effect that cannot be concealed has a random strength.
+
+    """
+    requested = exp(rng.uniform(log(MIN_DEGREE), log(MAX_DEGREE))) if effect else 1.0
+    nearest: tuple[float, Trial] | None = None
+    not_concealable = 0
+    for _ in range(_MAX_WORLDS):
+        world = draw_world(rng)
+        without = simulate(world, {}, world.sensors.rate)
+        if not _is_usable(without):
+            continue
+        if not effect:
+            return Trial(world, '', {}, draw_nominal_wall(world.wall, rng, exact=0.4), requested)
+        draw = UNKNOWN[effect].draw if effect in UNKNOWN else EFFECTS[effect].draw
+        strength = draw(scales_of(world, without), rng)
+        found = _conceal(effect, strength, world, without, requested)
+        not_concealable += found.not_concealable
+        if not_concealable == _NOT_CONCEALABLE_WORLDS:
+            low, high = _NOT_CONCEALABLE_STRENGTHS
+            any_strength = exp(rng.uniform(log(low), log(high)))
+            return _trial(world, effect, strength(any_strength), requested, rng)
+        deviation = abs(found.degree / requested - 1.0)
+        if nearest is None or deviation < nearest[0]:
+            nearest = deviation, _trial(world, effect, strength(found.strength), requested, rng)
+        if deviation < TOLERANCE:
+            break
+    assert nearest is not None, 'most worlds are usable'
+    return nearest[1]
+
+
+def _trial(
+    world: RandomWorld, effect: str, values: Values, requested: float, rng: Generator
+) -> Trial:
+    values = {name: float(f'{value:.6g}') for name, value in values.items()}
+    nominal = draw_nominal_wall(equivalent_wall(effect, values, world), rng, exact=0.1)
+    return Trial(world, effect, values, nominal, requested)
+
+
+def _conceal(
+    effect: str, strength: Strength, world: RandomWorld, without: Run, requested: float
+) -> Concealed:
+    port, rate = port_of(effect), world.sensors.rate
+
+    def degree_of(s: float) -> float:
+        physics = {f'{effect}.{name}': value for name, value in strength(s).items()}
+        return degree(port, world, simulate(world, physics, rate), without)
+
+    return conceal(degree_of, requested)
+
+
+def _is_usable(run: Run) -> bool:
+    """Return whether the contact is long enough and free of hard impacts."""
+    contact_s = float(np.mean(run.force < 0.0)) * float(run.t[-1])
+    return contact_s > _MIN_CONTACT_S and float(-np.min(run.force)) < _MAX_FORCE
+
+
+def port_of(effect: str) -> str:
+    """
+    Return the port of an effect.
+
+    Parameters
+    ----------
+    effect : str
+        Key of EFFECTS or of UNKNOWN.
+
+    Returns
+    -------
+    port : str
+        'contact', 'force_sensor' or 'robot'.
+
+    """
+    return UNKNOWN[effect].effect.port if effect in UNKNOWN else EFFECTS[effect].port
+
+
+def plan_effects(count: int, seed: int, names: Iterable[str] = EFFECTS) -> list[str]:
+    """
+    Distribute trials evenly over effects.
+
+    Parameters
+    ----------
+    count : int
+        Number of trials.
+    seed : int
+        Seed of the study.
+    names : iterable of str
+        Effects to choose from.
+
+    Returns
+    -------
+    effects : list of str, length `count`
+        Successive random permutations of `names`; a longer plan begins as a shorter one.
+
+    """
+    effects: list[str] = []
+    while len(effects) < count:
+        rng = np.random.default_rng([seed, len(effects)])
+        effects += rng.permutation(list(names)).tolist()
+    return effects[:count]
+
+
+def equivalent_wall(effect: str, values: Values, world: RandomWorld) -> WallParameters:
+    """
+    Return the spring-damper with which a modeller unaware of the effect would replace the wall.
+
+    Parameters
+    ----------
+    effect : str
+        Key of EFFECTS or of UNKNOWN.
+    values : mapping
+        Parameters of the effect.
+    world : RandomWorld
+        World without the effect.
+
+    Returns
+    -------
+    wall : WallParameters
+        The true wall, with the damping equivalent to an effect that replaces B_e.
+
+    """
+    wall = world.wall
+    damping = wall.damping
+    if effect in EFFECTS:
+        damping = EFFECTS[effect].equivalent_damping(values, damping, world.depth)
+    return WallParameters(
+        stiffness=wall.stiffness, damping=float(f'{damping:.6g}'), location=wall.location)

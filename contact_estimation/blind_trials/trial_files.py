@@ -1,0 +1,168 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Files of a trial: recording and nominal model for the diagnosis, report, hidden truth."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from numpy.random import Generator
+import yaml
+
+from .ground_truth import ground_truth
+from .measurement import INTEGRATION_HZ, measure, Measurement, TRUTH_HZ
+from .simulation import simulate
+from .trial import Trial
+from ..messages import JointStateEncoder, TrajectoryEncoder, WrenchEncoder
+from ..recordings import RecordingWriter
+
+_EPOCH_NS = 1_760_000_000_000_000_000
+_JOINT = 'contact_axis'
+_TRANSPORT_NS = 150_000  # from stamp to log time
+
+
+class TrialFiles(NamedTuple):
+    """
+    Paths of the files of a trial.
+
+    Attributes
+    ----------
+    recording, nominal : Path
+        Input of the diagnosis.
+    report : Path
+        Report of the diagnosis.
+    truth : Path
+        Ground truth, in a folder that the diagnosis does not know.
+
+    """
+
+    recording: Path
+    nominal: Path
+    report: Path
+    truth: Path
+
+    @classmethod
+    def of(cls, folder: Path, name: str) -> 'TrialFiles':
+        """
+        Return the paths of a trial.
+
+        Parameters
+        ----------
+        folder : Path
+            Folder of the study.
+        name : str
+            Name of the trial.
+
+        Returns
+        -------
+        files : TrialFiles
+            Paths below `folder`.
+
+        """
+        inputs = folder / 'handed_over'
+        return cls(inputs / f'{name}.mcap', inputs / f'{name}.nominal.yaml',
+                   folder / 'reports' / f'{name}.json', folder / 'sealed' / f'{name}.truth.json')
+
+
+def write_trial(trial: Trial, files: TrialFiles, rng: Generator) -> None:
+    """
+    Simulate a trial and write recording, nominal model and, last, the ground truth.
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial.
+    files : TrialFiles
+        Paths to write; a truth file marks a complete trial.
+    rng : numpy.random.Generator
+        Random generator of the sensors.
+
+    """
+    run = simulate(trial.world, trial.physics, TRUTH_HZ, INTEGRATION_HZ)
+    measurement = measure(run, trial.world.sensors, rng)
+    files.recording.parent.mkdir(parents=True, exist_ok=True)
+    files.recording.unlink(missing_ok=True)  # incomplete: the study was interrupted
+    _write_recording(files.recording, measurement, trial)
+    files.nominal.write_text(nominal_model(trial))
+    write_json(files.truth, ground_truth(trial, run, measurement.force_floor))
+
+
+def write_json(path: Path, content: Any) -> None:
+    """
+    Write a JSON file atomically.
+
+    Parameters
+    ----------
+    path : Path
+        File to write; its folder is created.
+    content : object
+        JSON content.
+
+    """
+    path.parent.mkdir(parents=True, exist_ok=True)
+    part = path.with_suffix('.part')
+    part.write_text(json.dumps(content, indent=1) + '\n')
+    os.replace(part, path)
+
+
+def nominal_model(trial: Trial) -> str:
+    """
+    Write the nominal model: the wall as modelled, the robot as it is.
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial.
+
+    Returns
+    -------
+    text : str
+        Content of a model file.
+
+    """
+    wall, robot = trial.nominal, trial.world.robot
+    values = {
+        'environment': {'stiffness': wall.stiffness, 'damping': wall.damping,
+                        'location': wall.location},
+        'robot': {'mass': robot.mass, 'damping': robot.damping, 'stiffness': robot.stiffness},
+    }
+    return str(yaml.safe_dump({'plant_node': {'ros__parameters': values}}, sort_keys=False))
+
+
+def _write_recording(path: Path, measurement: Measurement, trial: Trial) -> None:
+    with_velocity = trial.world.sensors.velocity_noise is not None
+    wrench = WrenchEncoder('tool')
+    joint = JointStateEncoder('base', _JOINT, with_velocity)
+    reference = TrajectoryEncoder('base', _JOINT)
+    topics = (
+        (measurement.force, '/wrench', 'geometry_msgs/msg/WrenchStamped',
+         lambda stamp, force: wrench.encode(stamp, force, 0.0, 0.0)),
+        (measurement.joint, '/joint_states', 'sensor_msgs/msg/JointState',
+         lambda stamp, motion: joint.encode(stamp, *motion)),
+        (measurement.reference, '/reference_trajectory', 'trajectory_msgs/msg/JointTrajectory',
+         lambda stamp, r: reference.encode(stamp, r[0], r[1], r[2], 0.0)),
+    )
+    messages = [
+        (_EPOCH_NS + stamp, topic, type_name, encode(_EPOCH_NS + stamp, value))
+        for signal, topic, type_name, encode in topics
+        for stamp, value in zip(signal.stamps.tolist(), signal.values.tolist())
+    ]
+    messages.sort(key=lambda message: message[0])
+    with RecordingWriter.file(path) as writer:
+        for stamp, topic, type_name, data in messages:
+            writer.write(topic, type_name, data, stamp + _TRANSPORT_NS)

@@ -1,0 +1,115 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The report as plain data for JSON."""
+
+from __future__ import annotations
+
+from math import isfinite
+from typing import Any
+
+from ..conclude.result import Diagnosis, Errors, NamedEffect, Value
+from ..observe.model import Model
+
+
+def as_dict(diagnosis: Diagnosis, experiment_file: str | None = None) -> dict[str, Any]:
+    """
+    Return the report as nested dictionaries.
+
+    Parameters
+    ----------
+    diagnosis : Diagnosis
+        The result.
+    experiment_file : str, optional
+        Path of the next experiment's file.
+
+    Returns
+    -------
+    report : dict
+        Ready for JSON: numbers that are not finite are None.
+
+    """
+    d = diagnosis
+    return _finite({
+        'verdict': d.verdict,
+        'effects': [_effect(effect) for effect in d.effects],
+        'location': None if d.location is None else d.location.as_dict(),
+        'located_in': d.shown,
+        'nominal': _base(d.nominal),
+        'recalibrated': _base(d.recalibrated),
+        'corrected': _corrected(d),
+        'fit': {
+            'noise_floor_n': d.noise_floor,
+            **_errors(d.force, d.motion),
+            'improvement_interval': None if d.improvement is None else list(d.improvement),
+            'holdouts': [{'name': part.name, **_errors(part.force, part.motion)}
+                         for part in d.holdouts],
+            'force_between_samples': d.between_samples,
+            'left_over_noise': d.residual_power,
+            'left_predictable': d.predictable,
+        },
+        'evidence': d.evidence,
+        'dependence': {
+            name: [{'port': one.channel, 'on': one.on, 'share': one.share, 'chance': one.chance}
+                   for one in found]
+            for name, found in d.dependences.items()
+        },
+        'next_experiment': {'text': d.next_experiment, 'file': experiment_file},
+    })
+
+
+def _effect(effect: NamedEffect) -> dict[str, Any]:
+    return {
+        'name': effect.name, 'port': effect.port, 'probability': effect.probability,
+        'equation': effect.equation,
+        'parameters': {name: {**_value(value), 'unit': value.unit}
+                       for name, value in effect.parameters.items()},
+        'indistinguishable_from': effect.indistinguishable_from,
+        'location': effect.location.as_dict(),
+    }
+
+
+def _corrected(d: Diagnosis) -> dict[str, dict[str, float | None]]:
+    """Return K_e and B_e; an effect that replaces them leaves null and 0."""
+    stiffness_is_fitted, damping_is_fitted = d.corrected.free[:2]
+    return {
+        'stiffness': (_value(d.stiffness) if stiffness_is_fitted
+                      else {'value': None, 'std': None}),
+        'damping': _value(d.damping) if damping_is_fitted else {'value': 0.0, 'std': None},
+    }
+
+
+def _errors(force: Errors, motion: Errors) -> dict[str, Any]:
+    return {'force_rmse_n': vars(force),
+            'motion_rmse_m': vars(motion) if motion.nominal is not None else None}
+
+
+def _value(value: Value) -> dict[str, float | None]:
+    return {'value': value.value, 'std': value.std}
+
+
+def _base(model: Model) -> dict[str, float]:
+    base = {'stiffness': model.stiffness, 'damping': model.damping}
+    return {**base, 'inertia': model.values[2]} if model.with_inertia else base
+
+
+def _finite(data: Any) -> Any:
+    """Replace numbers that JSON cannot represent by null."""
+    if isinstance(data, dict):
+        return {key: _finite(value) for key, value in data.items()}
+    if isinstance(data, (list, tuple)):
+        return [_finite(value) for value in data]
+    if isinstance(data, float):
+        return data if isfinite(data) else None
+    return data

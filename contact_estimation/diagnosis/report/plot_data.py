@@ -1,0 +1,252 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The series that the figures of a diagnosis show."""
+
+from __future__ import annotations
+
+from math import sqrt
+from typing import Mapping, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..conclude.result import Diagnosis
+from ..observe.model import Model
+from ..observe.prepared_recording import PreparedRecording
+from ..observe.residuals import force_residual, motion_residual
+from ..observe.usable_samples import usable
+
+Array = NDArray[np.float64]
+Span = tuple[float, float]
+
+_CLOSE_UP_S = 1.5
+_MOST_SWINGS = 30.0  # of a vibrating wall in a close-up
+_GAP_S = 0.2  # excluded touch-downs do not split a held-out part
+_MOST_DOTS = 3000
+
+
+class Comparison(NamedTuple):
+    """
+    A signal as recorded and as predicted by each model.
+
+    Attributes
+    ----------
+    label : str
+        Name with unit.
+    recorded : ndarray, shape (N,)
+        Measured.
+    predicted : mapping of str to ndarray, shape (N,)
+        By model.
+
+    """
+
+    label: str
+    recorded: Array
+    predicted: Mapping[str, Array]
+
+
+class Residuals(NamedTuple):
+    """
+    Residuals of a channel, averaged over blocks.
+
+    Attributes
+    ----------
+    label : str
+        Name with unit.
+    by_model : mapping of str to ndarray, shape (blocks,)
+        Measured less predicted.
+    noise : float
+        Standard deviation of a block mean under a correct model.
+    located_s : list of (float, float)
+        Where the mismatch was located; empty if in the other channel.
+
+    """
+
+    label: str
+    by_model: Mapping[str, Array]
+    noise: float
+    located_s: list[Span]
+
+
+class MotionPlane(NamedTuple):
+    """
+    Residuals over position and velocity.
+
+    Attributes
+    ----------
+    channel, x_label : str
+        'force' or 'motion', and label of the abscissa.
+    x, v : ndarray, shape (D,)
+        Position relative to the nominal wall [m] and velocity [m/s].
+    by_model : mapping of str to ndarray, shape (D,)
+        Residuals in standard deviations of their noise.
+
+    """
+
+    channel: str
+    x_label: str
+    x: Array
+    v: Array
+    by_model: Mapping[str, Array]
+
+
+class PlotData(NamedTuple):
+    """
+    All series of the recording that is shown.
+
+    Attributes
+    ----------
+    pair : (str, str)
+        The models compared: before and after the correction.
+    t : ndarray, shape (N,)
+        Time [s].
+    force, position : Comparison or None
+        Position is None without a free run.
+    block_t : ndarray, shape (blocks,)
+        Centre of each block [s].
+    residuals : list of Residuals
+        Of force, motion, or both.
+    plane : MotionPlane
+        Of the channel that shows the mismatch.
+    close_up : slice
+        Samples around the greatest mismatch.
+    held_out_s : list of (float, float)
+        Parts excluded from fitting.
+
+    """
+
+    pair: tuple[str, str]
+    t: Array
+    force: Comparison
+    position: Comparison | None
+    block_t: Array
+    residuals: list[Residuals]
+    plane: MotionPlane
+    close_up: slice
+    held_out_s: list[Span]
+
+
+def plot_data(diagnosis: Diagnosis) -> PlotData:
+    """
+    Compute the series of the recording that is shown.
+
+    Parameters
+    ----------
+    diagnosis : Diagnosis
+        The result.
+
+    Returns
+    -------
+    data : PlotData
+        Of the recording that the recalibrated model explains worst.
+
+    """
+    recording, pair = diagnosis.recordings[0], diagnosis.pair
+    names = tuple(dict.fromkeys(('nominal', *pair)))
+    models: dict[str, Model] = {name: getattr(diagnosis, name) for name in names}
+    o = recording.observed
+    force = {name: force_residual(recording, model) for name, model in models.items()}
+    position = None
+    if diagnosis.free_runs:
+        runs = {name: 1e3 * diagnosis.free_runs[name] for name in names}
+        position = Comparison('position, free run [mm]', 1e3 * o.raw_position, runs)
+    in_motion = diagnosis.located_channel == 'motion'
+    located = [] if diagnosis.location is None else diagnosis.location.intervals_s
+    residuals = [
+        *_force_residuals(recording, models, force, [] if in_motion else located),
+        *_motion_residuals(recording, models, located if in_motion else []),
+    ]
+    shown = residuals[-1 if in_motion else 0]
+    blocks = np.arange(len(o.t) // recording.block, dtype=np.float64)
+    return PlotData(
+        pair, o.t,
+        Comparison('force [N]', o.force, {name: o.force - e for name, e in force.items()}),
+        position, o.h * recording.block * (0.5 + blocks), residuals,
+        _plane(recording, models[pair[-1]], shown, in_motion),
+        _close_up(recording, shown.by_model[pair[0]]), _held_out(diagnosis),
+    )
+
+
+def _force_residuals(
+    recording: PreparedRecording, models: Mapping[str, Model], force: Mapping[str, Array],
+    located: list[Span],
+) -> list[Residuals]:
+    if recording.driven_by_force(models['nominal']):
+        return []
+    means = {name: recording.blocks(e) for name, e in force.items()}
+    noise = recording.force_noise / sqrt(recording.block)
+    return [Residuals('force residual [N]', means, noise, located)]
+
+
+def _motion_residuals(
+    recording: PreparedRecording, models: Mapping[str, Model], located: list[Span]
+) -> list[Residuals]:
+    """Average the innovations: measured less one-step-ahead prediction of the motion."""
+    innovations = {name: motion_residual(recording, model) for name, model in models.items()}
+    means = {name: 1e6 * recording.blocks(e)
+             for name, e in innovations.items() if e is not None}
+    if len(means) < len(models):
+        return []
+    noise = 1e6 * recording.observed.position_noise / sqrt(recording.block)
+    return [Residuals('motion residual [µm]', means, noise, located)]
+
+
+def _close_up(recording: PreparedRecording, residual: Array) -> slice:
+    """Choose the stretch with the greatest residuals, short impacts clipped."""
+    o = recording.observed
+    swings = np.count_nonzero(np.diff(np.sign(o.x - np.median(o.x)))) / float(o.t[-1])  # [1/s]
+    duration = min(_CLOSE_UP_S, _MOST_SWINGS / max(swings, 1e-9))
+    span = min(len(o.t), max(2, round(duration / o.h)))
+    clipped = np.minimum(np.abs(residual), np.percentile(np.abs(residual), 99.0))
+    width = max(1, span // recording.block)
+    energy = np.convolve(clipped**2, np.ones(width), mode='valid')
+    first = min(int(np.argmax(energy)) * recording.block, len(o.t) - span)
+    return slice(first, first + span)
+
+
+def _plane(
+    recording: PreparedRecording, model: Model, residuals: Residuals, in_motion: bool
+) -> MotionPlane:
+    o, law = recording.observed, model.laws().contact
+    wall = model.nominal.environment.location
+    x, v = (recording.blocks(signal) for signal in (o.x - wall, o.v))
+    use = recording.blocks((recording.use | usable(model, o)).astype(float)) > 0.5
+    label = 'position relative to the wall [mm]'
+    if law.unilateral and not in_motion:
+        use &= recording.touching(model)
+        label = 'depth in the wall [mm]'
+    if not law.unilateral:
+        label = 'deflection [mm]'
+    chosen = np.flatnonzero(use)
+    chosen = chosen[::max(1, len(chosen) // _MOST_DOTS)]
+    scaled = {name: e[chosen] / residuals.noise for name, e in residuals.by_model.items()}
+    channel = 'motion' if in_motion else 'force'
+    return MotionPlane(channel, label, x[chosen], v[chosen], scaled)
+
+
+def _held_out(diagnosis: Diagnosis) -> list[Span]:
+    """Return the spans of the shown recording that were excluded from fitting."""
+    recording = diagnosis.recordings[0]
+    o = recording.observed
+    held = usable(diagnosis.nominal, o) & ~recording.use
+    spans: list[Span] = []
+    edges = np.flatnonzero(np.diff(held.astype(int), prepend=0, append=0))
+    for first, stop in zip(edges[::2].tolist(), edges[1::2].tolist()):
+        begin, end = float(o.t[first]), float(o.t[stop - 1])
+        if spans and begin - spans[-1][1] < _GAP_S:
+            spans[-1] = spans[-1][0], end
+        else:
+            spans.append((begin, end))
+    return spans

@@ -1,0 +1,46 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+
+"""What every section of the page is made of."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from ..plot_data import PlotData
+from ...conclude.result import Diagnosis
+
+
+class Inputs(NamedTuple):
+    """
+    Inputs of the sections.
+
+    Attributes
+    ----------
+    diagnosis : Diagnosis
+        The result.
+    plots : PlotData
+        Of the recording that is shown.
+    title : str
+        Names of the recordings.
+    experiment_file : str or None
+        Path of the next experiment's file.
+
+    """
+
+    diagnosis: Diagnosis
+    plots: PlotData
+    title: str
+    experiment_file: str | None

@@ -1,0 +1,225 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+
+"""The sentences that the text and the page share."""
+
+from __future__ import annotations
+
+from typing import Sequence
+
+from ..conclude.dependence import Dependence
+from ..conclude.location import Location
+from ..conclude.result import Diagnosis
+from ...physics import EFFECTS
+
+PORTS = {'contact': 'in the contact', 'force_sensor': 'in the force sensor',
+         'robot': 'in the robot'}
+_PHASES = {
+    'free': 'in free flight', 'entry': 'just after touch-down', 'hold': 'during the hold',
+    'loading': 'while loading', 'unloading': 'while unloading',
+    'all': 'in all phases of contact',
+}
+_MOST_INTERVALS = 4
+_MOST_QUANTITIES = 4
+
+
+def headline(diagnosis: Diagnosis) -> str:
+    """
+    Return the verdict as one plain sentence.
+
+    Parameters
+    ----------
+    diagnosis : Diagnosis
+        The result.
+
+    Returns
+    -------
+    headline : str
+        Without a full stop.
+
+    """
+    d = diagnosis
+    if d.verdict == 'consistent':
+        return 'The simulation explains the recording to within the sensor noise'
+    if d.verdict == 'recalibrate':
+        old, new = d.nominal, d.recalibrated
+        return (
+            f'The simulation has the right physics with wrong values: K_e is '
+            f'{new.stiffness:.5g} N/m instead of {old.stiffness:.5g} N/m, B_e is '
+            f'{new.damping:.4g} N s/m instead of {old.damping:.4g} N s/m'
+        )
+    names = ' and '.join(f'{effect.name.replace("_", " ")} {PORTS[effect.port]}'
+                         for effect in d.effects)
+    if d.verdict == 'physics_missing':
+        return f'The simulation lacks {names}'
+    unknown = 'physics that no effect of the library explains'
+    return f'The simulation lacks {names}, and further {unknown}' if names else (
+        f'The simulation lacks {unknown}')
+
+
+def held_out_result(diagnosis: Diagnosis) -> str:
+    """
+    Return the effect of the correction on held-out data in one sentence.
+
+    Parameters
+    ----------
+    diagnosis : Diagnosis
+        The result.
+
+    Returns
+    -------
+    sentence : str
+        Errors before and after the correction; '' if there are none to compare.
+
+    """
+    d = diagnosis
+    before, after = d.pair
+    changed = bool(d.effects) or d.verdict == 'recalibrate'
+    parts = []
+    for errors, signal, factor, unit in (
+        (d.force, 'force', 1.0, 'N'), (d.motion, 'free-run position', 1e6, 'µm'),
+    ):
+        first, last = getattr(errors, before), getattr(errors, after)
+        if first is None or last is None:
+            continue
+        first_text, last_text = (f'{factor * value:.3g} {unit}' for value in (first, last))
+        change = 'falls' if last < first else 'rises'
+        parts.append(f'the {signal} error ' + (
+            f'{change} from {first_text} to {last_text}' if changed else f'is {first_text}'))
+    if not parts:
+        return ''
+    return (f'On held-out data {" and ".join(parts)} (rms); '
+            f'the force noise is {d.noise_floor:.3g} N.')
+
+
+def place_of(location: Location) -> str:
+    """
+    Describe where a mismatch sits, without its port.
+
+    Parameters
+    ----------
+    location : Location
+        Phase, times, region and frequencies.
+
+    Returns
+    -------
+    text : str
+        Such as 'while loading (1.0-2.3 s), strongest at large d, 0.5 to 6.9 Hz'.
+
+    """
+    times = ', '.join(f'{a:.1f}-{b:.1f} s' for a, b in location.intervals_s[:_MOST_INTERVALS])
+    times += ', ...' if len(location.intervals_s) > _MOST_INTERVALS else ''
+    strongest = 'strongest at ' if location.region.startswith(('small', 'large')) else ''
+    low, high = location.band_hz
+    return (f'{_PHASES.get(location.phase, location.phase)} ({times}), '
+            f'{strongest}{location.region}, {low:.1f} to {high:.1f} Hz')
+
+
+def tested_dependences(diagnosis: Diagnosis) -> dict[str, list[Dependence]]:
+    """
+    Return the dependences of the channel that shows the mismatch.
+
+    Parameters
+    ----------
+    diagnosis : Diagnosis
+        The result.
+
+    Returns
+    -------
+    tested : dict of str to list of Dependence
+        By model, before and after; empty if the recording is too short to test.
+
+    """
+    tested = {name: [one for one in found if one.channel == diagnosis.located_channel]
+              for name, found in diagnosis.dependences.items()}
+    return tested if all(tested.values()) else {}
+
+
+def significant(tested: Sequence[Dependence]) -> str:
+    """
+    List the quantities on which residuals depend significantly.
+
+    Parameters
+    ----------
+    tested : sequence of Dependence
+        Of one model and channel.
+
+    Returns
+    -------
+    text : str
+        Such as 'depth 90 %, time 65 %': shares of the residuals' mean square.
+
+    """
+    found = sorted((one for one in tested if one.is_real), key=lambda one: -one.share)
+    listed = [f'{quantity(one)} {100.0 * one.share:.0f} %' for one in found[:_MOST_QUANTITIES]]
+    return ', '.join(listed) or 'no significant dependence'
+
+
+def quantity(one: Dependence) -> str:
+    """
+    Return the name of the quantity that a dependence is on.
+
+    Parameters
+    ----------
+    one : Dependence
+        Any.
+
+    Returns
+    -------
+    name : str
+        'autocorrelation' for the residuals' own past.
+
+    """
+    return 'autocorrelation' if one.on == 'its own past' else one.on
+
+
+def improvement(diagnosis: Diagnosis) -> str:
+    """
+    Return the interval of the relative improvement as a sentence.
+
+    Parameters
+    ----------
+    diagnosis : Diagnosis
+        The result.
+
+    Returns
+    -------
+    sentence : str
+        Without a full stop; '' without named effects.
+
+    """
+    if diagnosis.improvement is None or not diagnosis.effects:
+        return ''
+    low, high = (100.0 * value for value in diagnosis.improvement)
+    return (f'the corrected force error is {low:.0f} to {high:.0f} % below the recalibrated one '
+            '(95 % interval)')
+
+
+def meaning(name: str) -> str:
+    """
+    Return what an effect is, in one line.
+
+    Parameters
+    ----------
+    name : str
+        Key of EFFECTS.
+
+    Returns
+    -------
+    meaning : str
+        Its description.
+
+    """
+    return EFFECTS[name].description

@@ -1,0 +1,166 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+
+"""The parameters of all processes of the loop, checked before any of them starts."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, Mapping, NamedTuple
+
+import yaml
+
+from ..estimation.parameters import EstimationParameters
+from ..exceptions import ParameterRangeError
+from ..parameters.file import read_parameter_file
+from ..parameters.values import build, without
+from ..plant.plant_parameters import PAPER_NOISE, PlantParameters
+from ..reference.experiment import Experiment
+from ..reference.experiments import experiment_named, EXPERIMENTS
+from ..reference.reference_generator import refuse_double_tracking
+from ..ros.estimator_node_parameters import EstimatorNodeParameters
+from ..ros.plant_node_parameters import PlantNodeParameters
+
+_LONGEST_S = 1e6
+
+
+class LoopConfiguration(NamedTuple):
+    """
+    Everything that a run of the loop depends on.
+
+    Attributes
+    ----------
+    experiment : Experiment
+        What the plant's planner plays.
+    duration : float
+        Length of the run [s].
+    estimation : EstimationParameters
+        As the estimator node will read them.
+    plant : PlantParameters
+        As the plant node will read them.
+    sections : mapping
+        Parameters of each node by full name.
+
+    """
+
+    experiment: Experiment
+    duration: float
+    estimation: EstimationParameters
+    plant: PlantParameters
+    sections: Mapping[str, Mapping[str, Any]]
+
+    @property
+    def law(self) -> str:
+        """Reference law, and whether the robot tracks force itself."""
+        tracking = ' with force tracking' if self.plant.robot.force_tracking else ''
+        return self.estimation.reference_law + tracking
+
+
+def configure(
+    experiment: str, parameter_file: str | None = None, estimator: str | None = None,
+    duration: float | None = None, seed: int | None = None,
+) -> LoopConfiguration:
+    """
+    Combine a parameter file with options and check the result.
+
+    Parameters
+    ----------
+    experiment : str
+        Name or YAML file.
+    parameter_file : str, optional
+        With sections estimator_node and plant_node.
+    estimator : str, optional
+        Overrides the file's.
+    duration : float, optional
+        Length of the run [s]; one experiment by default.
+    seed : int, optional
+        Of all noise; overrides the file's.
+
+    Returns
+    -------
+    configuration : LoopConfiguration
+        Valid for all nodes.
+
+    Raises
+    ------
+    ContactEstimationError
+        If a file, name or value is not valid.
+
+    """
+    played = experiment_named(experiment)
+    seconds = _duration(duration, played)
+    plant_values: dict[str, Any] = {
+        **PAPER_NOISE, **_values_in(parameter_file, 'plant_node'),
+        'experiment': (experiment if experiment in EXPERIMENTS
+                       else str(Path(experiment).absolute())),
+        'duration': seconds, 'repeat': seconds > played.duration,
+        'subscribers': 2,  # estimator and recorder
+    }
+    if seed is not None:
+        plant_values['seed'] = seed
+    plant = build(PlantParameters, without(PlantNodeParameters, plant_values))
+    # The estimator's reference law depends on the robot and must assume the same one.
+    estimator_values: dict[str, Any] = {
+        'reference.robot_force_tracking': plant.robot.force_tracking,
+        'reference.robot_stiffness': plant.robot.stiffness,
+        'sample_rate': plant.sample_rate,
+        **_values_in(parameter_file, 'estimator_node'),
+    }
+    if estimator is not None:
+        estimator_values['estimator'] = estimator
+    estimation = build(EstimationParameters, without(EstimatorNodeParameters, estimator_values))
+    refuse_double_tracking(estimation.reference_law, plant.robot.force_tracking)
+    sections = {'estimator_node': estimator_values, 'plant_node': plant_values}
+    return LoopConfiguration(played, seconds, estimation, plant, sections)
+
+
+def _values_in(parameter_file: str | None, node: str) -> dict[str, Any]:
+    return read_parameter_file(parameter_file, node) if parameter_file else {}
+
+
+def _duration(given: float | None, experiment: Experiment) -> float:
+    if given is None:
+        return experiment.duration
+    if not 0.0 < given <= _LONGEST_S:
+        raise ParameterRangeError(f'--duration must be > 0 and <= {_LONGEST_S:g} s, got {given:g}')
+    return given
+
+
+def write_parameters(
+    path: Path, configuration: LoopConfiguration, recording: Path, plant_summary: Path
+) -> None:
+    """
+    Write the parameter file of all nodes.
+
+    Parameters
+    ----------
+    path : Path
+        YAML file to write.
+    configuration : LoopConfiguration
+        Parameters of estimator and plant.
+    recording : Path
+        Folder that the recorder writes.
+    plant_summary : Path
+        JSON file that the plant writes at its end.
+
+    """
+    estimator, plant = (configuration.sections[f'{name}_node'] for name in ('estimator', 'plant'))
+    nodes = {
+        'estimator_node': estimator,
+        'plant_node': {**plant, 'summary_file': str(plant_summary)},
+        'recorder_node': {'output': str(recording)},
+    }
+    nested = {node: {'ros__parameters': dict(values)} for node, values in nodes.items()}
+    path.write_text(yaml.safe_dump(nested, sort_keys=False))

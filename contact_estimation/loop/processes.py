@@ -1,0 +1,117 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The processes of the loop: started together, stopped in order."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+import signal
+import subprocess
+import sys
+import time
+from typing import Callable
+
+_POLL_S = 0.05
+_PATIENCE_S = 10.0
+
+
+class LoopProcesses:
+    """
+    Plant, estimator and recorder, each in its own process.
+
+    Each process has its own session, so that Ctrl-C reaches only the loop, which then stops them
+    in order: the recorder last, when no more messages arrive.
+
+    Parameters
+    ----------
+    parameters : Path
+        ROS 2 parameter file for all of them.
+
+    """
+
+    def __init__(self, parameters: Path) -> None:
+        # Their matrices are small: a second thread of the linear algebra would only wait.
+        environment = {'OMP_NUM_THREADS': '1', **os.environ,
+                       'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST'}
+        self._processes = {
+            name: subprocess.Popen(
+                [sys.executable, '-m', f'contact_estimation.ros.{name}', '--ros-args',
+                 '--params-file', str(parameters)],
+                env=environment, start_new_session=True, stdout=subprocess.DEVNULL,
+            )
+            for name in ('recorder_node', 'estimator_node', 'plant_node')
+        }
+
+    def run(self, duration: float, report_progress: Callable[[float], None]) -> str:
+        """
+        Wait until the plant has finished, then stop the others.
+
+        Parameters
+        ----------
+        duration : float
+            Expected length of the run [s].
+        report_progress : callable
+            Called with the fraction done.
+
+        Returns
+        -------
+        failure : str
+            Description of what failed; '' on success.
+
+        """
+        signal.signal(signal.SIGTERM, signal.default_int_handler)
+        try:
+            failure = self._wait(duration, report_progress)
+        except KeyboardInterrupt:
+            failure = 'interrupted; the recording ends at the interruption'
+        finally:
+            # A second Ctrl-C must not orphan the nodes, which would interfere with the next run.
+            for number in (signal.SIGINT, signal.SIGTERM):
+                signal.signal(number, signal.SIG_IGN)
+            stubborn = [name for name in ('plant_node', 'estimator_node', 'recorder_node')
+                        if not self._end(name)]
+        if stubborn and not failure:
+            failure = f'{", ".join(stubborn)} did not stop when interrupted and was killed'
+        return failure
+
+    def _wait(self, duration: float, report_progress: Callable[[float], None]) -> str:
+        begin = time.monotonic()
+        while True:
+            for name, process in self._processes.items():
+                code = process.poll()
+                if name == 'plant_node' and code == 0:
+                    return ''
+                if code is not None:
+                    return f'{name} ended with {_code_text(code)} before the experiment did'
+            time.sleep(_POLL_S)
+            report_progress(min((time.monotonic() - begin) / (duration + 2.0), 1.0))
+
+    def _end(self, name: str) -> bool:
+        """Interrupt a process and wait for its end; kill it if it does not stop."""
+        process = self._processes[name]
+        if process.poll() is None:
+            process.send_signal(signal.SIGINT)
+        try:
+            process.wait(_PATIENCE_S)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+            return False
+        return True
+
+
+def _code_text(code: int) -> str:
+    return f'signal {signal.Signals(-code).name}' if code < 0 else f'exit code {code}'

@@ -1,0 +1,123 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The wall of the testbed: spring, damper and bearing friction, without mass."""
+
+from __future__ import annotations
+
+from math import exp
+from typing import NamedTuple
+
+from .testbed_constants import FlexibleWallConstants
+
+
+class WallState(NamedTuple):
+    """Deflection [m] and friction as a fraction of its limit, -1 to 1."""
+
+    deflection: float
+    friction: float
+
+
+def friction_limit(rate: float, wall: FlexibleWallConstants) -> float:
+    """
+    Compute the friction limit of the bearings at a rate: the Stribeck curve.
+
+    Parameters
+    ----------
+    rate : float
+        Rate of the deflection [m/s].
+    wall : FlexibleWallConstants
+        Constants of the wall.
+
+    Returns
+    -------
+    force : float
+        F_c + (F_s - F_c) exp(-(v / v_s)^2) [N].
+
+    """
+    more = wall.static_friction - wall.sliding_friction
+    return wall.sliding_friction + more * exp(-(rate / wall.stribeck_velocity) ** 2)
+
+
+def free_rate(state: WallState, wall: FlexibleWallConstants) -> float:
+    """
+    Compute the rate of the untouched wall with rolling bearings.
+
+    Parameters
+    ----------
+    state : WallState
+        State of the wall.
+    wall : FlexibleWallConstants
+        Constants of the wall.
+
+    Returns
+    -------
+    rate : float
+        Rate of the deflection, from 0 = K_e w + B_e w' + F_c z [m/s].
+
+    """
+    friction = wall.sliding_friction * state.friction
+    return -(wall.stiffness * state.deflection + friction) / wall.damping
+
+
+def moved(state: WallState, step: float, wall: FlexibleWallConstants) -> WallState:
+    """
+    Compute the state after a change of the deflection.
+
+    Dahl's model, dz/dw = (1 - z sgn w') / s, integrated exactly over a step in one direction:
+    friction depends on the travelled distance only and approaches its limit over s.
+
+    Parameters
+    ----------
+    state : WallState
+        State before the step.
+    step : float
+        Change of the deflection [m].
+    wall : FlexibleWallConstants
+        Constants of the wall.
+
+    Returns
+    -------
+    state : WallState
+        State after the step.
+
+    """
+    if step == 0.0:
+        return state
+    end = 1.0 if step > 0.0 else -1.0
+    left = exp(-abs(step) / wall.presliding)
+    return WallState(state.deflection + step, end + (state.friction - end) * left)
+
+
+def pressing_force(state: WallState, rate: float, wall: FlexibleWallConstants) -> float:
+    """
+    Compute the force of a tool that moves with the wall.
+
+    Parameters
+    ----------
+    state : WallState
+        State of the wall.
+    rate : float
+        Rate of the tool [m/s].
+    wall : FlexibleWallConstants
+        Constants of the wall.
+
+    Returns
+    -------
+    force : float
+        K_e w + B_e w' + F(w') z [N]; negative where the tool retreats faster than the wall.
+
+    """
+    friction = friction_limit(rate, wall) * state.friction
+    return wall.stiffness * state.deflection + wall.damping * rate + friction

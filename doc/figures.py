@@ -1,0 +1,72 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+Make the pictures and outputs in README.md and the quick start with the commands beside them.
+
+Run `python doc/figures.py` with the package and its extras `ros` and `tools` installed. The
+picture of the loop depends slightly on the timing of the machine, the other on the seed alone.
+
+"""
+
+from __future__ import annotations
+
+import base64
+from pathlib import Path
+import re
+import shutil
+import subprocess
+import sys
+from tempfile import TemporaryDirectory
+
+DOC = Path(__file__).resolve().parent
+IMAGES = DOC / 'images'
+MODELS = DOC / 'models'
+
+
+def main() -> None:
+    """Run the commands in a temporary folder and keep their pictures."""
+    with TemporaryDirectory() as name:
+        folder = Path(name)
+        text = run(folder, 'loop', '--duration', '12', '--experiment', 'sine', '--output',
+                   'my_first_run')
+        (IMAGES / 'loop.txt').write_text(text)
+        shutil.copyfile(folder / 'my_first_run' / 'summary.png', IMAGES / 'loop.png')
+        run(folder, 'simulate', '--model', str(MODELS / 'dry_friction.yaml'), '--experiment',
+            'rich', '--seed', '1', '--output', 'run.mcap')
+        text = run(folder, 'diagnose', 'run.mcap', '--nominal', str(MODELS / 'nominal.yaml'),
+                   '--html', 'report.html')
+        (IMAGES / 'diagnosis.txt').write_text(text)
+        page = (folder / 'report.html').read_text(encoding='utf-8')
+        (IMAGES / 'diagnosis.png').write_bytes(first_picture(page))
+
+
+def run(folder: Path, command: str, *arguments: str) -> str:
+    """Run a command of this package in a folder and return what it prints."""
+    module = f'contact_estimation.commands.{command}'
+    done = subprocess.run([sys.executable, '-m', module, *arguments], cwd=folder, check=True,
+                          stdout=subprocess.PIPE, text=True)
+    return done.stdout
+
+
+def first_picture(page: str) -> bytes:
+    """Return the first PNG of an HTML report."""
+    found = re.search(r'data:image/png;base64,([A-Za-z0-9+/=]+)', page)
+    if found is None:
+        raise ValueError('expected a PNG picture in the report, got none')
+    return base64.b64decode(found[1])
+
+
+if __name__ == '__main__':
+    main()

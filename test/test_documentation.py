@@ -1,0 +1,124 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The documentation builds, its example prints what it says, and its links lead somewhere."""
+
+from __future__ import annotations
+
+from importlib import util
+import os
+from pathlib import Path
+import re
+import runpy
+import shutil
+import subprocess
+import sys
+from typing import Any
+
+import contact_estimation as ce
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+DOC = ROOT / 'doc'
+README = ROOT / 'README.md'
+PAGES = [README, *sorted(DOC.glob('*.md'))]
+BUILDERS = ('sphinx', 'myst_parser', 'numpydoc', 'furo', 'matplotlib')
+
+
+def example() -> str:
+    """Return the code of doc/example.py without its licence header."""
+    return (DOC / 'example.py').read_text().partition('\n\n')[2]
+
+
+def setup_arguments() -> dict[str, Any]:
+    """Return what setup.py hands to setuptools."""
+    arguments: dict[str, Any] = {}
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(pytest.importorskip('setuptools'), 'setup', arguments.update)
+        patch.chdir(ROOT)
+        runpy.run_path('setup.py')
+    return arguments
+
+
+def test_readme_fits_on_two_screens() -> None:
+    assert len(README.read_text().splitlines()) <= 140
+
+
+def test_readme_shows_the_example_and_its_output() -> None:
+    text = README.read_text()
+    assert f'```python\n{example()}```' in text
+    assert f'```text\n{(DOC / "example.txt").read_text()}```' in text
+
+
+def test_example_prints_the_output_of_the_documentation(
+    capsys: pytest.CaptureFixture[str]
+) -> None:
+    runpy.run_path(str(DOC / 'example.py'))
+    assert capsys.readouterr().out == (DOC / 'example.txt').read_text()
+
+
+@pytest.mark.parametrize('page', PAGES, ids=lambda page: str(page.name))
+def test_relative_links_lead_to_files(page: Path) -> None:
+    found = re.findall(r'\]\(([^)#:]+)(?:#[^)]*)?\)|src="([^"]+)"', page.read_text())
+    targets = [page.parent / (link or source) for link, source in found]
+    missing = [str(t) for t in targets if 'generated' not in t.parts and not t.exists()]
+    assert missing == []
+
+
+def test_pictures_are_small() -> None:
+    assert all(path.stat().st_size < 200_000 for path in (DOC / 'images').iterdir())
+
+
+@pytest.mark.parametrize('name', ce.__all__)
+def test_python_interface_page_has_every_public_name(name: str) -> None:
+    assert re.search(rf'^(\.\. .*:: )?\s*{name}$', (DOC / 'api.md').read_text(), re.M)
+
+
+@pytest.mark.parametrize('name', [*ce.ESTIMATORS])
+def test_estimators_page_has_every_estimator(name: str) -> None:
+    assert f'\n| `{name}`' in (DOC / 'estimators.md').read_text()
+
+
+def test_commands_page_has_every_executable() -> None:
+    text = (DOC / 'commands.md').read_text()
+    scripts = setup_arguments()['entry_points']['console_scripts']
+    names = [script.partition(' = ')[0] for script in scripts]
+    assert [name for name in names if f'`{name}`' not in text] == []
+
+
+def test_documentation_is_not_installed_as_a_package() -> None:
+    packages = setup_arguments()['packages']
+    assert {name.partition('.')[0] for name in packages} == {'contact_estimation'}
+
+
+@pytest.mark.parametrize('model', sorted((DOC / 'models').iterdir()), ids=lambda p: p.stem)
+def test_example_models_are_valid(model: Path) -> None:
+    ce.read_model(model)
+
+
+@pytest.mark.slow
+def test_documentation_builds_without_warnings_and_has_every_effect(tmp_path: Path) -> None:
+    for module in BUILDERS:
+        if util.find_spec(module) is None:
+            pytest.skip(f'{module} is not installed; pip install .[doc]')
+    for name in ('doc', 'test'):  # the build writes generated pages beside the sources
+        leave_out = shutil.ignore_patterns('_build', 'generated', '__pycache__')
+        shutil.copytree(ROOT / name, tmp_path / name, ignore=leave_out)
+    run = subprocess.run(
+        [sys.executable, '-m', 'sphinx', '-W', '-q', '-b', 'html', 'doc', 'html'], cwd=tmp_path,
+        env={**os.environ, 'PYTHONPATH': str(ROOT)}, capture_output=True, text=True)
+    assert run.returncode == 0, run.stderr
+    pages = (tmp_path / 'html' / 'generated').glob('effects_*.html')
+    text = ''.join(page.read_text() for page in pages)
+    assert [name for name in ce.EFFECTS if f'{name}.png' not in text] == []

@@ -1,0 +1,98 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The public face: its names resolve, on first use, and importing it changes nothing else."""
+
+from __future__ import annotations
+
+import ast
+import json
+from pathlib import Path
+import subprocess
+import sys
+from typing import Any
+
+import contact_estimation as ce
+import pytest
+
+ROOT = Path(ce.__file__).parent.parent
+
+
+def after_import() -> Any:
+    """Return the modules loaded and the environment changed by importing the package."""
+    code = (
+        'import json, os, sys; before = dict(os.environ); import contact_estimation as ce\n'
+        'print(json.dumps([sorted(sys.modules), dict(os.environ) == before]))'
+    )
+    run = subprocess.run([sys.executable, '-c', code], cwd=ROOT, check=True,
+                         capture_output=True, text=True)
+    return json.loads(run.stdout)
+
+
+@pytest.mark.parametrize('name', ce.__all__)
+def test_public_name_resolves_and_is_documented(name: str) -> None:
+    value = getattr(ce, name)
+    assert isinstance(value, dict) or value.__doc__
+
+
+def test_dir_lists_the_public_names() -> None:
+    assert set(ce.__all__) <= set(dir(ce))
+
+
+def test_type_checkers_see_the_names_that_resolve_at_run_time() -> None:
+    tree = ast.parse(Path(ce.__file__).read_text())
+    blocks = [node for node in tree.body if isinstance(node, ast.If)]
+    imports = [node for node in blocks[0].body if isinstance(node, ast.ImportFrom)]
+    typed = {alias.name: node.module for node in imports for alias in node.names}
+    assert typed == ce._MODULES
+    assert set(typed) == set(ce.__all__)
+
+
+def test_importing_the_package_loads_no_numerical_library_and_no_ros() -> None:
+    modules, _ = after_import()
+    heavy = {'numpy', 'scipy', 'matplotlib', 'yaml', 'rclpy', 'geometry_msgs'}
+    assert heavy.isdisjoint(modules)
+
+
+def test_importing_the_package_sets_no_environment_variable() -> None:
+    _, unchanged = after_import()
+    assert unchanged
+
+
+def test_unknown_attribute_names_the_choices() -> None:
+    with pytest.raises(AttributeError, match='no attribute .diagnos.; expected one of .*diagnose'):
+        getattr(ce, 'diagnos')
+
+
+def test_unknown_axis_names_the_choices(tmp_path: Path) -> None:
+    with pytest.raises(ce.ContactEstimationError, match="unknown axis 'w'; .*known: x, y, z"):
+        ce.read_recording(tmp_path / 'run.mcap', axis='w')
+
+
+def test_unknown_topic_names_the_choices(tmp_path: Path) -> None:
+    with pytest.raises(ce.ContactEstimationError, match="unknown topic 'force'; .*wrench"):
+        ce.read_recording(tmp_path / 'run.mcap', topics={'force': '/fts/wrench'})
+
+
+def test_diagnose_refuses_a_model_that_already_has_physics(tmp_path: Path) -> None:
+    model = tmp_path / 'model.yaml'
+    model.write_text('plant_node: {ros__parameters: {physics: {coulomb_friction: {F_c: 6.0}}}}')
+    recording: Any = object()
+    with pytest.raises(ce.ContactEstimationError, match='no physics, got coulomb_friction'):
+        ce.diagnose([recording], ce.read_model(model))
+
+
+def test_diagnose_needs_a_recording() -> None:
+    with pytest.raises(ce.ContactEstimationError, match='at least one recording, got none'):
+        ce.diagnose([], ce.PlantParameters())

@@ -1,0 +1,133 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The arm of the testbed: equations against independent forms."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from contact_estimation.reproduction.symmetric_matrix import solve, times
+from contact_estimation.reproduction.testbed_arm import PlanarArm
+from contact_estimation.reproduction.testbed_constants import ArmConstants, Triple
+import numpy as np
+from numpy.typing import NDArray
+import pytest
+
+ANGLES: Triple = (1.2, -0.5, 0.3)
+RATES: Triple = (0.4, -1.1, 0.7)
+FRICTIONLESS = replace(
+    ArmConstants(), coulomb_frictions=(0.0, 0.0, 0.0), viscous_frictions=(0.0, 0.0, 0.0)
+)
+
+
+def full(arm: PlanarArm, angles: Triple) -> NDArray[np.float64]:
+    """Return the full mass matrix."""
+    m11, m12, m13, m22, m23, m33 = arm.mass_matrix(angles)
+    return np.array([[m11, m12, m13], [m12, m22, m23], [m13, m23, m33]])
+
+
+def kinetic_energy(p: ArmConstants, angles: Triple, rates: Triple) -> float:
+    """Sum the energies of links and rotors from the velocity of each centre of mass."""
+    energy = last = 0.0
+    joint: NDArray[np.float64] = np.zeros(2)
+    for i in range(3):
+        across = np.array([-np.sin(angles[i]), np.cos(angles[i])]) * rates[i]
+        centre = joint + p.centres[i] * across
+        energy += 0.5 * (p.masses[i] * float(centre @ centre) + p.inertias[i] * rates[i] ** 2)
+        energy += 0.5 * p.rotor_inertias[i] * (rates[i] - last) ** 2
+        joint, last = joint + p.lengths[i] * across, rates[i]
+    return energy
+
+
+def moved(angles: Triple, index: int, by: float) -> Triple:
+    """Return the angles with one changed."""
+    changed = list(angles)
+    changed[index] += by
+    return changed[0], changed[1], changed[2]
+
+
+def test_mass_matrix_gives_the_kinetic_energy_of_the_bodies() -> None:
+    rates = np.array(RATES)
+    energy = 0.5 * rates @ full(PlanarArm(ArmConstants()), ANGLES) @ rates
+    assert energy == pytest.approx(kinetic_energy(ArmConstants(), ANGLES, RATES), rel=1e-12)
+
+
+def test_jacobian_is_the_derivative_of_the_tip() -> None:
+    arm, h = PlanarArm(ArmConstants()), 1e-6
+    for i in range(3):
+        after = arm.tip(moved(ANGLES, i, h), RATES)
+        before = arm.tip(moved(ANGLES, i, -h), RATES)
+        by_x, by_y = arm.jacobian(ANGLES)
+        assert by_x[i] == pytest.approx((after.x - before.x) / (2.0 * h), abs=1e-9)
+        assert by_y[i] == pytest.approx((after.y - before.y) / (2.0 * h), abs=1e-9)
+
+
+def test_centrifugal_torques_follow_from_the_lagrangian() -> None:
+    arm, h, rates = PlanarArm(ArmConstants()), 1e-6, np.array(RATES)
+    by_angle = [
+        (full(arm, moved(ANGLES, i, h)) - full(arm, moved(ANGLES, i, -h))) / (2.0 * h)
+        for i in range(3)
+    ]
+    # d/dt dT/dw - dT/da less M a''
+    mass_rate = sum(w * slope for w, slope in zip(RATES, by_angle))
+    expected = mass_rate @ rates - 0.5 * np.array([rates @ slope @ rates for slope in by_angle])
+    np.testing.assert_allclose(arm.centrifugal(ANGLES, RATES), expected, atol=1e-7)
+
+
+def test_accelerations_satisfy_the_equations_of_motion() -> None:
+    arm, torques, force = PlanarArm(ArmConstants()), (1.0, -2.0, 0.5), -30.0
+    accelerations = arm.accelerations(ANGLES, RATES, torques, force)
+    net = np.array(torques) - arm.joint_friction(RATES)
+    links = net - np.append(net[1:], 0.0) + force * np.array(arm.jacobian(ANGLES)[0])
+    np.testing.assert_allclose(
+        full(arm, ANGLES) @ accelerations + arm.centrifugal(ANGLES, RATES), links, rtol=1e-10
+    )
+
+
+def test_energy_is_conserved_without_friction_and_torque() -> None:
+    arm, h = PlanarArm(FRICTIONLESS), 1e-3
+
+    def slope(state: NDArray[np.float64]) -> NDArray[np.float64]:
+        angles, rates = tuple(state[:3].tolist()), tuple(state[3:].tolist())
+        return np.array([*rates, *arm.accelerations(angles, rates, (0.0, 0.0, 0.0), 0.0)])
+
+    state = np.array([*ANGLES, *(3.0 * np.array(RATES))])
+    begin = kinetic_energy(FRICTIONLESS, ANGLES, tuple(state[3:].tolist()))
+    for _ in range(2000):
+        k1 = slope(state)
+        k2 = slope(state + 0.5 * h * k1)
+        k3 = slope(state + 0.5 * h * k2)
+        state = state + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + slope(state + h * k3))
+    end = kinetic_energy(FRICTIONLESS, tuple(state[:3].tolist()), tuple(state[3:].tolist()))
+    assert end == pytest.approx(begin, rel=1e-7)
+
+
+def test_joint_friction_dissipates_energy() -> None:
+    friction = PlanarArm(ArmConstants()).joint_friction(RATES)
+    assert friction @ np.diff([0.0, *RATES]) > 0.0
+
+
+def test_inverse_kinematics_invert_the_direct_ones() -> None:
+    p = ArmConstants()
+    arm = PlanarArm(p)
+    for x in (p.surface_x - 0.1, p.surface_x, p.surface_x + 0.03):
+        tip = arm.tip(arm.angles_at(x, p.tip_y, p.tip_angle), RATES)
+        assert (tip.x, tip.y, tip.angle) == pytest.approx((x, p.tip_y, p.tip_angle), abs=1e-12)
+        assert arm.tip_x(arm.angles_at(x, p.tip_y, p.tip_angle)) == pytest.approx(x)
+
+
+def test_solve_inverts_times() -> None:
+    matrix, vector = PlanarArm(ArmConstants()).mass_matrix(ANGLES), (1.0, -2.0, 3.0)
+    assert solve(matrix, times(matrix, vector)) == pytest.approx(vector)
