@@ -61,7 +61,7 @@ def test_command_writes_the_files(tmp_path: Path, capsys: pytest.CaptureFixture[
 def test_every_value_has_a_comment_with_meaning_unit_and_range() -> None:
     text = config_files()['estimator_node.yaml']
     assert (
-        '    # Nominal rate of the wrench; filters and relations are built for it [Hz]; '
+        '    # Nominal rate of the wrench, for which filters and relations are designed [Hz]; '
         '1 to 100000\n    sample_rate: 500.0\n') in text
     for file in config_files().values():
         lines = file.splitlines()

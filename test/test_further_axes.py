@@ -96,7 +96,7 @@ def test_many_samples_at_once_give_the_same_estimates(estimator: str) -> None:
     session = session_of_axes(False, estimator=estimator)
     at_once = [session.add_pairs(*as_columns(part))
                for part in (SAMPLES[:333], SAMPLES[333:])]
-    together = [result.estimates for part in at_once if part for result in part]
+    together = [estimates for part in at_once if part for estimates in part]
     assert repr(together) == repr([result.estimates for result in one_by_one])
 
 
@@ -109,7 +109,7 @@ def test_event_takes_effect_at_the_same_sample_in_a_batch() -> None:
     expected += feed_axes(one_by_one, SAMPLES[500:])
     given = at_once.add_pairs(*as_columns(SAMPLES))
     assert given is not None
-    assert repr([r.estimates for r in given]) == repr([r.estimates for r in expected])
+    assert repr(given) == repr([result.estimates for result in expected])
 
 
 @pytest.mark.parametrize('axis', range(3))

@@ -26,8 +26,9 @@ from typing import Any, Protocol, Sequence
 
 from .command_line import add_source_options, command, different_files, new_file, Parser, source_of
 from .progress import Progress
-from ..estimation.estimate_files import AxesEstimates, CsvEstimates, McapEstimates
+from ..estimation.estimate_files import CsvEstimates, McapEstimates
 from ..estimation.replay import RecordingReplay
+from ..estimation.result import AxesEstimates
 from ..estimators import ESTIMATORS
 from ..estimators.estimator import Estimate
 from ..exceptions import ParameterRangeError, RecordingError, UnknownNameError

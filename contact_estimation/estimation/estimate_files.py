@@ -20,6 +20,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Sequence
 
+from .result import AxesEstimates
 from ..estimators.estimator import Estimate
 from ..messages import encode_string, Vector3StampedEncoder
 from ..recordings.writing import RecordingWriter
@@ -28,8 +29,6 @@ _NAN = float('nan')
 _VECTORS = ('stiffness', 'damping', 'stiffness_std', 'damping_std', 'location', 'inertia')
 _VECTOR_TYPE = 'geometry_msgs/msg/Vector3Stamped'
 _COLUMNS = ('stiffness', 'damping', 'stiffness_std', 'damping_std', 'status')
-AxesEstimates = tuple[Estimate, ...]
-"""Estimates of one sample, the contact axis first."""
 
 
 def stamp_text(stamp_ns: int) -> str:

@@ -21,7 +21,7 @@ from typing import Any, Callable, Sequence
 
 import numpy as np
 
-from .result import Result
+from .result import AxesEstimates, Result
 from .session import ContactSession
 from ..exceptions import MessageError
 from ..messages import SeveralJointsDecoder, WrenchDecoder
@@ -107,7 +107,7 @@ class MessageInputs:
 
     def process_pairs(
         self, wrenches: Sequence[bytes], joints: Sequence[bytes]
-    ) -> list[Result] | None:
+    ) -> list[AxesEstimates] | None:
         """
         Process raw wrenches and joint states that have the same stamps, many at once.
 
@@ -118,7 +118,7 @@ class MessageInputs:
 
         Returns
         -------
-        results : list of Result or None
+        estimates : list of tuple of Estimate, or None
             One a pair; None where the messages are irregular and must be processed one by one.
 
         """

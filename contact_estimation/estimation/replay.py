@@ -20,11 +20,10 @@ from collections import deque
 from functools import partial
 from typing import Any, Iterator, Mapping
 
-from .estimate_files import AxesEstimates
 from .events import apply_event, EstimationEvent
 from .inputs import MessageInputs
 from .parameters import EstimationParameters
-from .result import Result
+from .result import AxesEstimates
 from .session import ContactSession
 from ..estimators import ESTIMATORS
 from ..exceptions import MessageError
@@ -94,8 +93,8 @@ class RecordingReplay:
 
         """
         for batch in self._ahead(self._reader.batches(self._topics())):
-            yield [result.estimates for result in self._process(batch)]
-        yield [result.estimates for result in self._process_one_by_one(self._left_over)]
+            yield self._process(batch)
+        yield self._process_one_by_one(self._left_over)
 
     def _topics(self) -> list[str]:
         source = self._source
@@ -158,11 +157,11 @@ class RecordingReplay:
         self._last_reference_ns = stamp_ns
         self.session.add_reference(stamp_ns, Reference(x, *rates), self._reference_jumps)
 
-    def _process(self, batch: list[RecordedMessage]) -> list[Result]:
+    def _process(self, batch: list[RecordedMessage]) -> list[AxesEstimates]:
         """Process a batch at once where it is regular, else message by message."""
         messages = self._left_over + batch if self._left_over else batch
         self._left_over = []
-        results, messages = self._finish_waiting(messages)  # few, or none
+        estimates, messages = self._finish_waiting(messages)  # few, or none
         wrench = self._source.wrench
         wrenches = [data for topic, _, data in messages if topic == wrench]
         motions = [data for topic, _, data in messages if topic != wrench]
@@ -171,19 +170,19 @@ class RecordingReplay:
             paired = self._inputs.process_pairs(wrenches[:count], motions[:count])
             if paired is not None:
                 self._left_over = self._unpaired(messages, count)
-                return results + paired
-        return results + self._process_one_by_one(messages)
+                return estimates + paired if estimates else paired
+        return estimates + self._process_one_by_one(messages)
 
     def _finish_waiting(
         self, messages: list[RecordedMessage]
-    ) -> tuple[list[Result], list[RecordedMessage]]:
+    ) -> tuple[list[AxesEstimates], list[RecordedMessage]]:
         """Process messages until no wrench waits for its joint state."""
-        results: list[Result] = []
+        estimates: list[AxesEstimates] = []
         taken = 0
         while taken < len(messages) and self.session.waits:
-            results += self._process_one_by_one(messages[taken:taken + 1])
+            estimates += self._process_one_by_one(messages[taken:taken + 1])
             taken += 1
-        return results, messages[taken:]
+        return estimates, messages[taken:]
 
     def _unpaired(
         self, messages: list[RecordedMessage], count: int
@@ -198,13 +197,13 @@ class RecordingReplay:
                 left.append(message)
         return left
 
-    def _process_one_by_one(self, messages: list[RecordedMessage]) -> list[Result]:
-        results: list[Result] = []
+    def _process_one_by_one(self, messages: list[RecordedMessage]) -> list[AxesEstimates]:
+        estimates: list[AxesEstimates] = []
         wrench_topic, inputs = self._source.wrench, self._inputs
         for topic, _, data in messages:
             process = inputs.process_wrench if topic == wrench_topic else inputs.process_joints
-            results += process(data)
-        return results
+            estimates += [result.estimates for result in process(data)]
+        return estimates
 
 
 def _known_today(recorded: Mapping[str, Any]) -> dict[str, Any]:

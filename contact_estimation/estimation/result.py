@@ -22,6 +22,9 @@ from ..estimators.estimator import Estimate
 from ..reference.setpoints import Reference
 from ..signals.contact_sample import ContactSample
 
+AxesEstimates = tuple[Estimate, ...]
+"""Estimates of one sample, one for each axis, the contact axis first."""
+
 
 class Result(NamedTuple):
     """
@@ -31,7 +34,7 @@ class Result(NamedTuple):
     ----------
     sample : ContactSample
         Of the contact axis.
-    estimates : tuple of Estimate
+    estimates : AxesEstimates
         One for each estimated axis, the contact axis first.
     reference_stamp_ns : int
         Instant from which the robot follows the reference [ns].
@@ -41,7 +44,7 @@ class Result(NamedTuple):
     """
 
     sample: ContactSample
-    estimates: tuple[Estimate, ...]
+    estimates: AxesEstimates
     reference_stamp_ns: int
     reference: Reference | None
 

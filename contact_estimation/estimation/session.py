@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from .parameters import EstimationParameters
 from .pipeline import EstimationPipeline, NO_REFERENCE
 from .reference_stream import ReferenceStream
-from .result import Result
+from .result import AxesEstimates, Result
 from .schedule import Moment, Schedule
 from ..parameters.values import changed
 from ..reference.setpoints import Desired, Reference
@@ -143,7 +143,7 @@ class ContactSession:
     def add_pairs(
         self, stamps_ns: NDArray[np.int64], forces: Columns, positions: Columns,
         velocities: Columns,
-    ) -> list[Result] | None:
+    ) -> list[AxesEstimates] | None:
         """
         Add wrenches and joint states that have the same stamps, many at once.
 
@@ -156,50 +156,49 @@ class ContactSession:
 
         Returns
         -------
-        results : list of Result or None
-            One a sample; None where the stamps or values are irregular and the messages must be
-            added one by one.
+        estimates : list of tuple of Estimate, or None
+            One a sample; None where stamps or values are irregular, or a reference is generated,
+            and the messages must be added one by one.
 
         """
+        if self._generates or self._synchroniser.jumped:
+            return None
         samples = self._synchroniser.add_pairs(stamps_ns, forces, positions, velocities)
-        return None if samples is None else self._process(samples)
+        if samples is None:
+            return None
+        estimates: list[AxesEstimates] = []
+        while len(estimates) < len(samples):
+            begin = len(estimates)
+            self._apply_due(samples[begin][0].stamp_ns)
+            end = self._schedule.next_change(samples, begin, self._jumps)
+            estimates += self._estimate(samples[begin:end])
+        return estimates
 
     def count_rejected(self, reason: str) -> None:
         """Count a message that could not be used, for a reason."""
         self._synchroniser.rejected[reason] += 1
 
     def _process(self, samples: Sequence[AxesSample]) -> list[Result]:
-        """Process consecutive samples in runs, with the due changes applied between them."""
-        if self._synchroniser.jumped:
-            self._restart_time()
-        schedule, results, begin = self._schedule, [], 0
-        while begin < len(samples):
-            end = begin + 1
-            if schedule.actions or schedule.references:
-                self._apply_due(samples[begin][0].stamp_ns)
-            if not self._generates:
-                end = schedule.next_change(samples, begin, self._jumps)
-            results += self._process_run(samples[begin:end])
-            begin = end
+        results: list[Result] = []
+        for axes in samples:
+            if self._synchroniser.jumped:
+                self._restart_time()
+            if self._schedule.actions or self._schedule.references:
+                self._apply_due(axes[0].stamp_ns)
+            (estimates,) = self._estimate((axes,))
+            reference_stamp_ns, reference = self.last_stamp_ns + self._stream.period_ns, None
+            if self._generates:
+                reference = self._stream.step(axes[0], estimates[0])
+                if self._follows_reference:
+                    self.add_reference(reference_stamp_ns, reference, self._jumps)
+            results.append(Result(axes[0], estimates, reference_stamp_ns, reference))
         return results
 
-    def _process_run(self, run: Sequence[AxesSample]) -> list[Result]:
-        """Process samples between two changes; only one where the reference is generated."""
-        columns = [
-            pipeline.process(samples, reference)
-            for pipeline, samples, reference in zip(self._pipelines, zip(*run), self._followed)
-        ]
+    def _estimate(self, run: Sequence[AxesSample]) -> list[AxesEstimates]:
+        """Estimate from samples between which no change takes effect."""
         self.last_stamp_ns = run[-1][0].stamp_ns
-        period_ns = self._stream.period_ns
-        reference = None
-        if self._generates:
-            reference = self._stream.step(run[0][0], columns[0][0])
-            if self._follows_reference:
-                self.add_reference(self.last_stamp_ns + period_ns, reference, self._jumps)
-        return [
-            Result(axes[0], estimates, axes[0].stamp_ns + period_ns, reference)
-            for axes, estimates in zip(run, zip(*columns))
-        ]
+        columns = map(EstimationPipeline.process, self._pipelines, zip(*run), self._followed)
+        return list(zip(*columns))
 
     def _apply_due(self, stamp_ns: int) -> None:
         reference = self._schedule.apply_due(Moment(self._jumps, stamp_ns))

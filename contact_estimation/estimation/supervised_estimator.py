@@ -138,6 +138,8 @@ class SupervisedEstimator:
 
         """
         dts, _, contact, variances, rows, gains, _ = conditioned
+        if None not in rows:
+            return self._update(dts, rows, gains, variances[0])
         states: list[State] = []
         for begin, end in stretches([row is not None for row in rows]):
             if rows[begin] is None:

@@ -274,7 +274,7 @@ class Conditioner:
 
 def stretches(flags: Sequence[bool]) -> Iterable[tuple[int, int]]:
     """Return begin and end of each stretch of equal flags."""
-    if len(flags) == 1:
-        return ((0, 1),)
+    if flags.count(flags[0]) == len(flags):
+        return ((0, len(flags)),)
     edges = [0, *[k for k in range(1, len(flags)) if flags[k] is not flags[k - 1]], len(flags)]
     return zip(edges, edges[1:])

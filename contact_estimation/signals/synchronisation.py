@@ -112,7 +112,7 @@ class Synchroniser:
 
     def add_wrench(self, stamp_ns: int, forces: Sequence[float]) -> Sequence[AxesSample]:
         """
-        Add a wrench.
+        Return the samples completed by a wrench.
 
         Parameters
         ----------
@@ -120,11 +120,6 @@ class Synchroniser:
             Header stamp [ns].
         forces : sequence of float
             F_e along each axis [N].
-
-        Returns
-        -------
-        samples : sequence of AxesSample
-            All that this wrench completes.
 
         """
         if stamp_ns <= self._last_wrench_ns:
@@ -167,12 +162,14 @@ class Synchroniser:
                 return _NOTHING
             self._motions.clear()
         self._last_motion_ns = stamp_ns
+        infinite = False  # an infinite velocity counts as not measured
         for position, velocity in zip(motion, motion[len(motion) // 2:]):
-            too_fast = self._largest_velocity < abs(velocity) < inf  # infinite: not measured
-            if too_fast or not abs(position) <= self._largest_position:
+            speed = abs(velocity)
+            if not abs(position) <= self._largest_position or self._largest_velocity < speed < inf:
                 self._reject('joint', position)
                 return _NOTHING
-        if inf in motion or -inf in motion:
+            infinite |= speed == inf
+        if infinite:
             motion = tuple([nan if abs(value) == inf else value for value in motion])
         wrenches = self._wrenches
         if len(wrenches) == 1 and wrenches[0][0] == stamp_ns:
@@ -296,5 +293,7 @@ class Synchroniser:
 
 
 def _sample(stamp_ns: int, motion: Sequence[float], forces: Sequence[float]) -> AxesSample:
+    if len(forces) == 1:
+        return (ContactSample(stamp_ns, motion[0], motion[1], forces[0]),)
     velocities = motion[len(forces):]
     return tuple(map(ContactSample, repeat(stamp_ns), motion, velocities, forces))
