@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Errors that this package raises on purpose: wrong use or configuration, unusable data."""
+"""Exceptions of this package: wrong use, wrong configuration, unusable data."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ from typing import Iterable, Sequence
 
 class ContactEstimationError(Exception):
     """
-    Base of all errors raised on purpose.
+    Base class of all exceptions of this package.
 
-    Commands print its text as one line on stderr and exit with 1. The text names what is wrong,
+    Commands print the text as one line on stderr and exit with 1. The text states what is wrong,
     what was expected, what was received and what to change.
 
     """
@@ -35,32 +35,32 @@ class ParameterRangeError(ContactEstimationError, ValueError):
 
 
 class ParameterReadOnlyError(ContactEstimationError, ValueError):
-    """A parameter that is fixed at start was asked to change."""
+    """A parameter that is fixed at start was to be changed."""
 
 
 class UnknownNameError(ContactEstimationError, ValueError):
-    """A name (estimator, effect, law, experiment, key) is not among the known ones."""
+    """A name (of an estimator, effect, law, experiment or key) is unknown."""
 
     @classmethod
     def among(cls, kind: str, name: object, known: Iterable[str]) -> 'UnknownNameError':
         """
-        Build the error with the nearest known name and the list of all.
+        Return the error with the nearest known name and the list of valid names.
 
-        Of a dotted name, those in its group alone: the first that is not known is the wrong one.
+        For a dotted name only the names of its innermost known group are listed.
 
         Parameters
         ----------
         kind : str
-            What the name stands for, such as 'estimator'.
+            Kind of the name, such as 'estimator'.
         name : object
-            The name received.
+            Name received.
         known : iterable of str
-            The valid names.
+            Valid names.
 
         Returns
         -------
         error : UnknownNameError
-            Ready to be raised.
+            Error to be raised.
 
         """
         names, group, where = sorted(known), '', ''
@@ -72,7 +72,7 @@ class UnknownNameError(ContactEstimationError, ValueError):
                               if each.startswith(group)})
             where = f' in {group[:-1]}' if group else ''
         near = difflib.get_close_matches(wrong, choices, n=1, cutoff=0.5)
-        if near:  # with what stands behind it
+        if near:  # complete it to a full name
             full = [each for each in names if (each + '.').startswith(f'{group}{near[0]}.')]
             near = difflib.get_close_matches(str(name), full, n=1, cutoff=0.0)
         hint = f'did you mean {near[0]!r}? ' if near else ''
@@ -80,7 +80,7 @@ class UnknownNameError(ContactEstimationError, ValueError):
 
 
 def _known_group(name: str, known: Sequence[str]) -> str:
-    """Give the longest beginning of a dotted name that known names share, dot included."""
+    """Return the longest prefix, including its dot, that known names share with a name."""
     parts = name.split('.')
     groups = ('.'.join(parts[:count]) + '.' for count in range(len(parts) - 1, 0, -1))
     return next((group for group in groups
@@ -88,19 +88,19 @@ def _known_group(name: str, known: Sequence[str]) -> str:
 
 
 class SignalShapeError(ContactEstimationError, ValueError):
-    """Arrays that belong together differ in shape."""
+    """Arrays that must match differ in shape."""
 
 
 class EstimationError(ContactEstimationError):
-    """The data do not show what an off-line estimator needs."""
+    """The data do not contain what an off-line estimator needs."""
 
 
 class RecordingError(ContactEstimationError):
-    """A recording cannot be read, or lacks what is needed."""
+    """A recording cannot be read or lacks required data."""
 
 
 class ModelFileError(ContactEstimationError):
-    """A model, parameter or experiment file cannot be understood."""
+    """A model, parameter or experiment file is invalid."""
 
 
 class MissingPackageError(ContactEstimationError, ImportError):
@@ -109,19 +109,19 @@ class MissingPackageError(ContactEstimationError, ImportError):
     @classmethod
     def of(cls, package: str, needed_for: str) -> 'MissingPackageError':
         """
-        Build the error with both ways to install the package.
+        Return the error with the command that installs the package.
 
         Parameters
         ----------
         package : str
             Name on PyPI.
         needed_for : str
-            What cannot be done without it.
+            Feature that needs the package.
 
         Returns
         -------
         error : MissingPackageError
-            Ready to be raised.
+            Error to be raised.
 
         """
         return cls(

@@ -19,7 +19,8 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 from contact_estimation.estimation.parameters import EstimationParameters
-from contact_estimation.estimation.session import ContactSession, Result
+from contact_estimation.estimation.result import Result
+from contact_estimation.estimation.session import ContactSession
 from contact_estimation.parameters.values import build
 from contact_estimation.signals.contact_sample import ContactSample
 from core_runs import contact_samples, PERIOD_NS
@@ -97,8 +98,8 @@ def feed_axes(session: ContactSession, samples: list[Instant]) -> list[Result]:
     """Pass samples to a session of all axes."""
     results: list[Result] = []
     for stamp_ns, positions, velocities, forces in samples:
-        results += session.add_motions(stamp_ns, positions, velocities)
-        results += session.add_wrenches(stamp_ns, forces)
+        results += session.add_motion(stamp_ns, *positions, *velocities)
+        results += session.add_wrench(stamp_ns, *forces)
     return results
 
 

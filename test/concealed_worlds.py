@@ -30,7 +30,7 @@ from contact_estimation.diagnosis.observe.signals import Recording, Signals
 from contact_estimation.parameters.specification import specifications
 from contact_estimation.parameters.values import build
 from contact_estimation.physics import EFFECTS
-from contact_estimation.physics.physics import Effect
+from contact_estimation.physics.effect import Effect
 from contact_estimation.plant.open_loop import run_open_loop
 from contact_estimation.plant.plant_parameters import PlantParameters
 from contact_estimation.plant.simulation import simulate_force

@@ -22,7 +22,8 @@ from typing import Any, Mapping, NamedTuple
 
 from contact_estimation.estimation.parameters import EstimationParameters
 from contact_estimation.estimation.pipeline import EstimationPipeline
-from contact_estimation.estimation.session import ContactSession, Result
+from contact_estimation.estimation.result import Result
+from contact_estimation.estimation.session import ContactSession
 from contact_estimation.estimators.estimator import Estimate
 from contact_estimation.parameters.values import build
 from contact_estimation.plant.closed_loop import run_closed_loop

@@ -18,11 +18,11 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple, Sequence
 
-from contact_estimation.estimators.estimator import Held
+from contact_estimation.estimators.estimator import Frozen
 from contact_estimation.signals.contact_sample import ContactSample
 from contact_estimation.signals.relations import COLUMNS
 
-FREE = Held(False, False)
+FREE = Frozen(False, False)
 
 
 class Known(NamedTuple):
@@ -38,14 +38,14 @@ class Known(NamedTuple):
 
 def known(estimator: Any) -> Known:
     """Ask an estimator what it knows now."""
-    return Known(*estimator.snapshot())
+    return Known(*estimator.current())
 
 
 def learn(
-    estimator: Any, dt: float, row: Sequence[float], variance: float = 0.0, held: Held = FREE
+    estimator: Any, dt: float, row: Sequence[float], variance: float = 0.0, frozen: Frozen = FREE
 ) -> None:
     """Let an estimator learn from one row."""
-    estimator.learn([(dt, row)], variance, held)
+    estimator.update([(dt, row)], variance, frozen)
 
 
 def filtered(bank: Any, rows: Sequence[Sequence[float]]) -> list[Sequence[float]]:
@@ -56,13 +56,13 @@ def filtered(bank: Any, rows: Sequence[Sequence[float]]) -> list[Sequence[float]
 def judged(
     monitor: Any, row: Sequence[float], variance: float, stiffness: float, damping: float,
     location_std: float | None,
-) -> Held:
+) -> Frozen:
     """Let the excitation monitor judge after one row, filled up with zeros."""
     scales = variance, stiffness, damping, location_std
     monitor.add([(*row, *[0.0] * (COLUMNS - len(row)))])
     if monitor.until_judgement == 0:
         monitor.judge(*scales)
-    return monitor.held  # type: ignore[no-any-return]
+    return monitor.frozen  # type: ignore[no-any-return]
 
 
 def decided(detector: Any, dt: float, pressing: float, inside: bool) -> bool:
@@ -83,4 +83,4 @@ def row_of(
 
 def estimate_after(pipeline: Any, sample: ContactSample) -> Any:
     """Pass one sample through a pipeline."""
-    return pipeline.process(sample)
+    return pipeline.process((sample,))[0]

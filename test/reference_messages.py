@@ -15,7 +15,7 @@
 
 """Messages as rosbags serialises them, the reference for this package's own CDR layouts."""
 
-from typing import Any, Sequence
+from typing import Any, Mapping, Sequence
 
 import numpy as np
 from rosbags.typesys import get_typestore, Stores
@@ -78,7 +78,7 @@ def joint_state_bytes(
 
 def trajectory_bytes(
     names: Sequence[str],
-    points: Sequence[dict[str, Sequence[float]]],
+    points: Sequence[Mapping[str, Sequence[float]]],
     little_endian: bool = True,
     **of_header: Any,
 ) -> bytes:

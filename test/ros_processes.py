@@ -36,7 +36,8 @@ from typing import Any, Callable, Iterable, Iterator, Mapping, NamedTuple, Seque
 
 import contact_estimation
 from contact_estimation.estimation.parameters import EstimationParameters
-from contact_estimation.estimation.session import ContactSession, Result
+from contact_estimation.estimation.result import Result
+from contact_estimation.estimation.session import ContactSession
 from contact_estimation.parameters.values import build
 from contact_estimation.signals.contact_sample import ContactSample
 import pytest

@@ -25,12 +25,10 @@ import pytest
 
 ROOT = Path(contact_estimation.__file__).parent
 LAYERS = [
-    'exceptions', 'figures', 'parameters', 'messages', 'recordings',
-    'signals', 'physics', 'reference', 'estimators', 'estimation', 'plant',
-    'reproduction', 'diagnosis.observe', 'diagnosis.fit', 'diagnosis.conclude',
-    'diagnosis.report', 'diagnosis', 'blind_trials', 'ros', 'loop', 'api', 'commands',
-    'benchmarks',
-    'several_points',
+    'exceptions', 'figures', 'parameters', 'messages', 'recordings', 'signals', 'physics',
+    'reference', 'estimators', 'estimation', 'plant', 'several_points', 'reproduction',
+    'diagnosis.observe', 'diagnosis.fit', 'diagnosis.conclude', 'diagnosis.report', 'diagnosis',
+    'blind_trials', 'ros', 'loop', 'api', 'commands', 'benchmarks',
 ]
 
 

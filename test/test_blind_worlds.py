@@ -23,9 +23,9 @@ from contact_estimation.blind_trials.concealment import active_intervals, concea
 from contact_estimation.blind_trials.experiments import draw_experiment, Faded, Stage
 from contact_estimation.blind_trials.measurement import measure, TRUTH_HZ
 from contact_estimation.blind_trials.simulation import Run, simulate
-from contact_estimation.blind_trials.strengths import draw_strength, wall_alike
 from contact_estimation.blind_trials.trial import (
     draw_trial,
+    equivalent_wall,
     MAX_DEGREE,
     MIN_DEGREE,
     plan_effects,
@@ -39,7 +39,8 @@ from contact_estimation.blind_trials.worlds import (
     SensorModel,
 )
 from contact_estimation.physics import EFFECTS
-from contact_estimation.physics.physics import Scales
+from contact_estimation.physics.contact_effect import ContactEffect
+from contact_estimation.physics.scales import Scales
 from contact_estimation.reference.excitation import Sine
 import numpy as np
 import pytest
@@ -72,7 +73,7 @@ def test_a_plan_has_every_effect_once_before_any_comes_twice() -> None:
 
 @pytest.mark.parametrize('name', EFFECTS)
 def test_parameters_move_away_from_neutral_as_the_strength_grows(name: str) -> None:
-    strength = draw_strength(name, SCALES, np.random.default_rng(1))
+    strength = EFFECTS[name].draw(SCALES, np.random.default_rng(1))
     neutral = EFFECTS[name].neutral
 
     def distance(s: float) -> float:
@@ -86,13 +87,20 @@ def test_parameters_move_away_from_neutral_as_the_strength_grows(name: str) -> N
     assert cls(cls.Parameters(**strength(0.3))).plausible(cls.Parameters(**strength(0.3)))
 
 
-def test_an_effect_without_a_draw_is_drawn_from_its_own_start_values(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setitem(EFFECTS, 'new', EFFECTS['viscoelastic_relaxation'])
-    K_1, tau = EFFECTS['new'].starts(SCALES)[0]
-    values = draw_strength('new', SCALES, np.random.default_rng(0))(0.5)
-    assert values == {'K_1': 15.0 * K_1, 'tau': tau}
+class Plain(ContactEffect):
+    """An effect that does not say how it is drawn."""
+
+    Parameters = EFFECTS['viscoelastic_relaxation'].Parameters
+
+    @classmethod
+    def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
+        """Two starts."""
+        return [(40.0, 0.01), (40.0, 0.03)]
+
+
+def test_an_effect_without_its_own_draw_grows_from_its_first_start() -> None:
+    values = Plain.draw(SCALES, np.random.default_rng(0))(0.5)
+    assert values == {'K_1': 0.5 * 30.0 * 40.0, 'tau': 0.01}
 
 
 def test_nominal_stiffness_is_off_by_at_most_25_and_damping_by_60_percent() -> None:
@@ -113,8 +121,8 @@ def test_a_quarter_of_worlds_lacks_velocity_and_a_fifth_drops_samples() -> None:
 
 
 def test_hunt_crossley_wall_is_modelled_with_its_damping_at_half_depth() -> None:
-    assert wall_alike('hunt_crossley_damping', {'chi': 2000.0}, WORLD).damping == 15.0
-    assert wall_alike('coulomb_friction', {'F_c': 3.0}, WORLD) == WALL
+    assert equivalent_wall('hunt_crossley_damping', {'chi': 2000.0}, WORLD).damping == 15.0
+    assert equivalent_wall('coulomb_friction', {'F_c': 3.0}, WORLD) == WALL
 
 
 def test_experiments_have_consistent_derivatives_and_end_at_rest() -> None:

@@ -17,7 +17,9 @@
 from __future__ import annotations
 
 from pathlib import Path
+import re
 
+from contact_estimation.commands.write_config import config_files, main
 from contact_estimation.estimation.parameters import EstimationParameters
 from contact_estimation.parameters.file import read_parameter_file
 from contact_estimation.parameters.specification import ParameterGroup, specifications
@@ -43,14 +45,29 @@ def test_file_holds_every_parameter_and_no_other(
     assert set(read_parameter_file(CONFIG / f'{node}.yaml', node)) == declared
 
 
-@pytest.mark.parametrize('node, groups', NODES)
-def test_every_line_of_the_file_has_a_comment(
-    node: str, groups: tuple[type[ParameterGroup], ...]
-) -> None:
-    lines = (CONFIG / f'{node}.yaml').read_text().splitlines()
-    for before, line in zip(lines, lines[1:]):
-        value = line.partition(':')[2].strip()
-        assert not value or line.lstrip().startswith('#') or before.lstrip().startswith('#'), line
+@pytest.mark.parametrize('name', config_files())
+def test_file_is_up_to_date(name: str) -> None:
+    assert (CONFIG / name).read_text() == config_files()[name], (
+        f'config/{name} is stale; run `python -m contact_estimation.commands.write_config` in the '
+        'root of the repository to update')
+
+
+def test_command_writes_the_files(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(['--output', str(tmp_path / 'new')]) == 0
+    assert {f.name: f.read_text() for f in (tmp_path / 'new').iterdir()} == config_files()
+    assert capsys.readouterr().out.count('wrote ') == len(config_files())
+
+
+def test_every_value_has_a_comment_with_meaning_unit_and_range() -> None:
+    text = config_files()['estimator_node.yaml']
+    assert (
+        '    # Nominal rate of the wrench; filters and relations are built for it [Hz]; '
+        '1 to 100000\n    sample_rate: 500.0\n') in text
+    for file in config_files().values():
+        lines = file.splitlines()
+        for before, line in zip(lines, lines[1:]):
+            if re.match(r' +\w+: .', line):
+                assert before.lstrip().startswith('#'), line
 
 
 def test_estimator_file_holds_the_defaults() -> None:

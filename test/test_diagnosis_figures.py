@@ -107,7 +107,7 @@ def test_plane_shows_the_same_points_before_and_after() -> None:
     assert (before.get_title('left'), after.get_title('left')) == (
         'recalibrated model', 'corrected model')
     shown = [np.sort(axis.collections[0].get_offsets(), axis=0) for axis in (before, after)]
-    np.testing.assert_allclose(*shown)
+    np.testing.assert_allclose(shown[0], shown[1])
     assert len(shown[0]) == len(data.plane.x)
     assert bar.get_ylabel() == 'force residual [std of its noise]'
 

@@ -19,8 +19,9 @@ from __future__ import annotations
 from typing import Any
 
 from contact_estimation.physics import EFFECTS
+from contact_estimation.physics.contact_effect import ContactEffect
 from contact_estimation.physics.contact_law import ContactLaw
-from contact_estimation.physics.physics import ContactEffect, ForceSensorEffect
+from contact_estimation.physics.force_sensor_effect import ForceSensorEffect
 from contact_estimation.physics.robot_law import RobotLaw
 from effect_examples import example, example_values
 from effect_formulas import Array, FORMULAS, SENSED
@@ -65,7 +66,7 @@ def truths_of(name: str, count: int = 700, **values: Any) -> tuple[Array, ...]:
 @pytest.fixture
 def exact_positions(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let the play of backlash trust positions, which are free of noise here."""
-    monkeypatch.setattr('contact_estimation.physics.backlash.POSITION_DOUBT', 0.0)
+    monkeypatch.setattr('contact_estimation.physics.backlash.POSITION_TOLERANCE', 0.0)
 
 
 def test_backlash_on_arrays_holds_on_while_a_position_is_off_by_its_noise() -> None:

@@ -200,7 +200,7 @@ def test_noise_is_learned_in_free_flight() -> None:
 
 def test_damping_is_held_where_the_contact_is_static() -> None:
     samples = contact_samples(1.5, amplitude=0.0, force_noise=0.3)
-    assert estimates_of(samples, pipeline_with())[-1].reason == 'damping held: weak excitation'
+    assert estimates_of(samples, pipeline_with())[-1].reason == 'damping frozen: weak excitation'
 
 
 def test_nothing_is_held_with_the_sine() -> None:
@@ -276,7 +276,7 @@ def test_estimates_do_not_depend_on_how_samples_are_cut_into_runs(
 ) -> None:
     samples = contact_samples(0.5, force_noise=0.5, with_velocity=False)
     pipeline: Any = pipeline_with(estimator=estimator)
-    runs = [pipeline.process_run(samples[k:k + cut]) for k in range(0, len(samples), cut)]
+    runs = [pipeline.process(samples[k:k + cut]) for k in range(0, len(samples), cut)]
     expected = estimates_of(samples, pipeline_with(estimator=estimator))
     assert repr([e for run in runs for e in run]) == repr(expected)
 

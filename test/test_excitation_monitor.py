@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from typing import Iterable
 
-from contact_estimation.estimators.estimator import Held
+from contact_estimation.estimators.estimator import Frozen
 from contact_estimation.estimators.excitation_monitor import (
     ExcitationMonitor,
     ExcitationParameters,
@@ -40,12 +40,12 @@ def sine_rows(count: int, amplitude: float = 0.002) -> NDArray[np.float64]:
 
 def feed(
     monitor: ExcitationMonitor, rows: Iterable[list[float]], location_std: float | None = None
-) -> Held:
+) -> Frozen:
     """Pass rows and give the last judgement."""
-    held = Held(True, True)
+    frozen = Frozen(True, True)
     for row in rows:
-        held = judged(monitor, row, VARIANCE, K, B, location_std)
-    return held
+        frozen = judged(monitor, row, VARIANCE, K, B, location_std)
+    return frozen
 
 
 def monitor_of(window_s: float = 1.0, limit: float = 0.2) -> ExcitationMonitor:
@@ -74,19 +74,19 @@ def test_location_enters_with_its_prior_as_information(location_std: float) -> N
 
 
 def test_nothing_is_held_with_the_sine() -> None:
-    assert feed(monitor_of(), sine_rows(500).tolist()) == Held(False, False)
+    assert feed(monitor_of(), sine_rows(500).tolist()) == Frozen(False, False)
 
 
 def test_damping_is_held_in_static_contact() -> None:
-    assert feed(monitor_of(), [[48.0, 0.01, 0.0, 1.0]] * 500) == Held(False, True)
+    assert feed(monitor_of(), [[48.0, 0.01, 0.0, 1.0]] * 500) == Frozen(False, True)
 
 
 def test_everything_is_held_where_the_deflection_is_below_the_noise() -> None:
-    assert feed(monitor_of(), [[4.8e-3, 1e-6, 0.0, 1.0]] * 500) == Held(True, True)
+    assert feed(monitor_of(), [[4.8e-3, 1e-6, 0.0, 1.0]] * 500) == Frozen(True, True)
 
 
 def test_everything_is_held_before_any_judgement() -> None:
-    assert feed(monitor_of(), sine_rows(3).tolist()) == Held(True, True)
+    assert feed(monitor_of(), sine_rows(3).tolist()) == Frozen(True, True)
 
 
 def test_unknown_location_hides_stiffness_in_static_contact() -> None:
@@ -95,20 +95,20 @@ def test_unknown_location_hides_stiffness_in_static_contact() -> None:
 
 def test_a_large_limit_holds_nothing_that_can_be_told_at_all() -> None:
     monitor = monitor_of(limit=1e6)
-    assert feed(monitor, sine_rows(100, 1e-6).tolist()) == Held(False, False)
+    assert feed(monitor, sine_rows(100, 1e-6).tolist()) == Frozen(False, False)
 
 
 def test_excitation_is_forgotten_after_the_window() -> None:
     monitor = monitor_of()
     feed(monitor, sine_rows(500).tolist())
-    assert feed(monitor, [[48.0, 0.01, 0.0, 1.0]] * 500) == Held(False, True)
+    assert feed(monitor, [[48.0, 0.01, 0.0, 1.0]] * 500) == Frozen(False, True)
 
 
 def test_reset_holds_everything_again() -> None:
     monitor = monitor_of()
     feed(monitor, sine_rows(500).tolist())
     monitor.reset()
-    assert monitor.held == Held(True, True)
+    assert monitor.frozen == Frozen(True, True)
 
 
 def test_another_limit_keeps_what_was_gathered() -> None:
@@ -125,5 +125,5 @@ def test_another_limit_keeps_what_was_gathered() -> None:
 def test_far_too_soft_a_guess_does_not_call_a_stiff_wall_unexcited() -> None:
     monitor, stiff = monitor_of(), 1e6
     for d in np.linspace(4.9e-5, 5.1e-5, 500).tolist():
-        held = judged(monitor, (stiff * d, d, 0.0, 1.0), VARIANCE, 3000.0, 50.0, None)
-    assert not held.stiffness
+        frozen = judged(monitor, (stiff * d, d, 0.0, 1.0), VARIANCE, 3000.0, 50.0, None)
+    assert not frozen.stiffness

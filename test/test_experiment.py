@@ -23,12 +23,8 @@ from typing import Any
 from contact_estimation.exceptions import ContactEstimationError, ModelFileError, UnknownNameError
 from contact_estimation.reference.excitation import PseudoRandomBinary, Sine
 from contact_estimation.reference.experiment import Experiment, Segment
-from contact_estimation.reference.experiments import (
-    experiment_named,
-    EXPERIMENTS,
-    manoeuvre,
-    read_experiment,
-)
+from contact_estimation.reference.experiment_file import read_experiment
+from contact_estimation.reference.experiments import experiment_named, EXPERIMENTS, manoeuvre
 import numpy as np
 import pytest
 import yaml
@@ -152,7 +148,7 @@ def test_experiment_without_force_has_no_hold() -> None:
 
 
 def test_wanted_force_of_the_hold_is_that_without_excitation() -> None:
-    assert experiment_named('sine').wanted_force == 50.0
+    assert experiment_named('sine').desired_force == 50.0
 
 
 def test_cycle_repeats_the_motion_for_ever() -> None:

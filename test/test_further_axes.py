@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Several axes at once: each as if it were alone, and all from the same messages."""
+"""Several axes at once: each is estimated as if it were alone, from the same messages."""
 
 from __future__ import annotations
 
@@ -33,7 +33,6 @@ from axes_runs import (
     session_of_axis,
     WALLS,
 )
-from contact_estimation.estimation.axes import estimated_axes
 from contact_estimation.estimation.events import (
     apply_event,
     biases,
@@ -42,7 +41,8 @@ from contact_estimation.estimation.events import (
     TARE,
 )
 from contact_estimation.estimation.parameters import EstimationParameters
-from contact_estimation.estimation.session import ContactSession, Result
+from contact_estimation.estimation.result import Result
+from contact_estimation.estimation.session import ContactSession
 from contact_estimation.estimators import ESTIMATORS
 from contact_estimation.exceptions import ContactEstimationError
 from contact_estimation.parameters.values import build
@@ -55,7 +55,7 @@ FREE = SAMPLES[:5]
 
 def estimates_by_axis(results: list[Result]) -> dict[str, list[Any]]:
     """Sort estimates by axis."""
-    columns = zip(*((r.estimate, *r.further) for r in results))
+    columns = zip(*(r.estimates for r in results))
     return dict(zip(AXES, map(list, columns)))
 
 
@@ -69,7 +69,7 @@ def test_every_axis_is_estimated_as_if_it_were_alone(estimator: str) -> None:
 
 
 @pytest.mark.parametrize('axis', AXES)
-def test_estimates_of_every_axis_come_to_its_own_wall(axis: str) -> None:
+def test_estimates_of_every_axis_converge_to_its_own_wall(axis: str) -> None:
     last = estimates_by_axis(feed_axes(session_of_axes(estimator='kalman'), SAMPLES))[axis][-1]
     assert last.stiffness == pytest.approx(WALLS[axis][0], rel=0.02)
     assert last.damping == pytest.approx(WALLS[axis][1], rel=0.05)
@@ -84,34 +84,32 @@ def test_reference_is_that_of_the_contact_axis_alone() -> None:
 
 
 def as_columns(samples: list[Instant]) -> tuple[Any, ...]:
-    """Write samples as `add_pairs_of_axes` takes them."""
+    """Return samples as the arguments of `add_pairs`."""
     stamps, positions, velocities, forces = zip(*samples)
     columns = [list(np.array(c).T) for c in (forces, positions, velocities)]
     return np.array(stamps, np.int64), *columns
 
 
 @pytest.mark.parametrize('estimator', ESTIMATORS)
-def test_many_samples_at_once_give_the_same(estimator: str) -> None:
+def test_many_samples_at_once_give_the_same_estimates(estimator: str) -> None:
     one_by_one = feed_axes(session_of_axes(False, estimator=estimator), SAMPLES)
     session = session_of_axes(False, estimator=estimator)
-    at_once = [session.add_pairs_of_axes(*as_columns(part))
+    at_once = [session.add_pairs(*as_columns(part))
                for part in (SAMPLES[:333], SAMPLES[333:])]
-    contact = [e for part in at_once if part for e in part[0]]
-    further = [e for part in at_once if part for e in part[1]]
-    assert repr(contact) == repr([r.estimate for r in one_by_one])
-    assert repr(further) == repr([r.further for r in one_by_one])
+    together = [result.estimates for part in at_once if part for result in part]
+    assert repr(together) == repr([result.estimates for result in one_by_one])
 
 
-def test_event_amid_many_samples_falls_between_the_same_two() -> None:
+def test_event_takes_effect_at_the_same_sample_in_a_batch() -> None:
     one_by_one, at_once = session_of_axes(False), session_of_axes(False)
     expected = feed_axes(one_by_one, SAMPLES[:500])
     moment = one_by_one.moment
     for session in (one_by_one, at_once):
         session.schedule(moment, session.reset)
     expected += feed_axes(one_by_one, SAMPLES[500:])
-    given = at_once.add_pairs_of_axes(*as_columns(SAMPLES))
+    given = at_once.add_pairs(*as_columns(SAMPLES))
     assert given is not None
-    assert repr(given[1]) == repr([r.further for r in expected])
+    assert repr([r.estimates for r in given]) == repr([r.estimates for r in expected])
 
 
 @pytest.mark.parametrize('axis', range(3))
@@ -120,7 +118,7 @@ def test_event_amid_many_samples_falls_between_the_same_two() -> None:
     ('positions', nan, 'joint_not_finite'), ('positions', -1e5, 'joint_absurd'),
     ('velocities', 1e5, 'joint_absurd'),
 ])
-def test_component_that_is_no_measurement_is_learned_by_no_axis(
+def test_message_with_an_invalid_component_updates_no_axis(
     axis: int, field: str, value: float, reason: str
 ) -> None:
     def spoiled(sample: Instant) -> Instant:
@@ -129,17 +127,17 @@ def test_component_that_is_no_measurement_is_learned_by_no_axis(
         return Instant(**{**sample._asdict(), field: tuple(values)})
 
     session = session_of_axes()
-    assert session.add_pairs_of_axes(*as_columns([spoiled(s) for s in FREE])) is None
+    assert session.add_pairs(*as_columns([spoiled(s) for s in FREE])) is None
     results = feed_axes(session, [*SAMPLES[:500], spoiled(SAMPLES[500]), *SAMPLES[501:]])
     rest = feed_axes(session_of_axes(), SAMPLES[:500])
     assert session.rejected[reason] == 1
     assert repr(results[:500]) == repr(rest)
     stamps = [r.sample.stamp_ns for r in results]
-    assert all({e.stamp_ns for e in r.further} == {r.sample.stamp_ns} for r in results)
+    assert all({e.stamp_ns for e in r.estimates} == {r.sample.stamp_ns} for r in results)
     assert field != 'forces' or SAMPLES[500].stamp_ns not in stamps
 
 
-def test_velocity_that_is_infinite_counts_as_not_measured_on_its_axis_alone() -> None:
+def test_infinite_velocity_counts_as_not_measured_on_its_axis_alone() -> None:
     def without(sample: Instant, value: float) -> Instant:
         return sample._replace(velocities=(sample.velocities[0], value, sample.velocities[2]))
 
@@ -154,9 +152,9 @@ def test_after_time_was_set_back_and_with_missing_joints_each_is_as_if_alone() -
     together, again = session_of_axes(), moved_instants(SAMPLES[420:600], -2_000_000_000)
     results = feed_axes(together, SAMPLES[:600])
     for k, (stamp_ns, positions, velocities, forces) in enumerate(again):
-        results += together.add_wrenches(stamp_ns, forces)
+        results += together.add_wrench(stamp_ns, *forces)
         if k % 3:  # the others are interpolated
-            results += together.add_motions(stamp_ns, positions, velocities)
+            results += together.add_motion(stamp_ns, *positions, *velocities)
     assert together.time_jumps == 1
     for axis, given in estimates_by_axis(results).items():
         session = session_of_axis(axis)
@@ -174,15 +172,15 @@ def test_change_of_parameters_reaches_every_axis_and_keeps_its_location() -> Non
     session.change_parameters({'estimator': 'rls', 'further_axes.z.location': -0.4})
     results = feed_axes(session, SAMPLES[500:])
     assert {p.parameters.estimator for p in session.pipelines.values()} == {'rls'}
-    assert [e.location for e in results[-1].further] == [LOCATIONS['y'], -0.4]
+    assert [e.location for e in results[-1].estimates[1:]] == [LOCATIONS['y'], -0.4]
 
 
-def test_reset_goes_back_to_the_first_guess_on_every_axis() -> None:
+def test_reset_restores_the_initial_stiffness_on_every_axis() -> None:
     session = session_of_axes()
     feed_axes(session, SAMPLES[:600])
     session.reset()
     (result,) = feed_axes(session, SAMPLES[600:601])
-    assert [e.stiffness for e in (result.estimate, *result.further)] == [3000.0] * 3
+    assert [e.stiffness for e in result.estimates] == [3000.0] * 3
 
 
 def biased(samples: list[Instant], count: int) -> list[Instant]:
@@ -193,7 +191,7 @@ def biased(samples: list[Instant], count: int) -> list[Instant]:
     ]
 
 
-def test_tare_is_of_every_axis_and_repeated_by_its_event() -> None:
+def test_tare_acts_on_every_axis_and_is_repeated_by_its_event() -> None:
     session, other = session_of_axes(), session_of_axes()
     feed_axes(session, biased(SAMPLES, 300))
     done, message = session.tare()
@@ -215,7 +213,7 @@ def test_tare_is_refused_for_all_while_one_axis_is_in_contact() -> None:
     assert set(biases(session).values()) == {0.0}
 
 
-def test_tare_is_repeated_on_whichever_axes_replay_has_chosen() -> None:
+def test_tare_is_repeated_on_the_axes_chosen_for_replay() -> None:
     session, other = session_of_axes(), session_of_axis('y')
     feed_axes(session, biased(SAMPLES, 300))
     assert session.tare()[0]
@@ -223,7 +221,7 @@ def test_tare_is_repeated_on_whichever_axes_replay_has_chosen() -> None:
     assert other.pipeline.bias == pytest.approx(-2.0)
 
 
-def test_tare_of_one_axis_is_told_as_ever() -> None:
+def test_tare_of_one_axis_is_recorded_without_axis() -> None:
     assert biases(ContactSession(EstimationParameters())) == {'force_bias': 0.0}
 
 
@@ -231,7 +229,7 @@ def test_contact_axis_comes_first() -> None:
     changed = {'axis': 'z', 'joint': JOINTS['z'], 'further_axes.z.joint': '',
                'further_axes.x.joint': JOINTS['x']}
     parameters = build(EstimationParameters, {**PARAMETERS, **changed})
-    assert list(estimated_axes(parameters).items()) == [(a, JOINTS[a]) for a in 'zxy']
+    assert list(parameters.joints.items()) == [(a, JOINTS[a]) for a in 'zxy']
 
 
 @pytest.mark.parametrize('wrong, text', [

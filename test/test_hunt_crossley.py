@@ -21,7 +21,7 @@ from typing import Any
 from contact_estimation.estimation.parameters import EstimationParameters
 from contact_estimation.estimation.pipeline import EstimationPipeline
 from contact_estimation.estimation.session import ContactSession
-from contact_estimation.estimators.estimator import EnvironmentParameters, Held
+from contact_estimation.estimators.estimator import EnvironmentParameters, Frozen
 from contact_estimation.estimators.hunt_crossley import HuntCrossley, HuntCrossleyParameters
 from contact_estimation.parameters.values import build
 from contact_estimation.plant.closed_loop import run_closed_loop
@@ -64,7 +64,7 @@ def run(samples: list[ContactSample], **tuning: Any) -> EstimationPipeline:
     """Pass samples through a pipeline."""
     named = {f'tuning__hunt_crossley__{name}': value for name, value in tuning.items()}
     pipeline = pipeline_with(estimator='hunt_crossley', **named)
-    pipeline.process_run(samples)
+    pipeline.process(samples)
     return pipeline
 
 
@@ -160,20 +160,20 @@ def test_damping_learned_in_the_approach_is_held_in_static_contact() -> None:
         samples_of((K, N, CHI), noise=0.58, amplitude=0.0),
         pipeline_with(estimator='hunt_crossley'),
     )[-1]
-    assert last.reason == 'damping held: weak excitation'
+    assert last.reason == 'damping frozen: weak excitation'
     assert abs(last.damping - CHI * 0.008**N) < 3.0 * last.damping_std < 0.5 * last.damping
 
 
-@pytest.mark.parametrize('held', [Held(True, False), Held(False, True), Held(True, True)])
-def test_held_parameters_do_not_move(held: Held) -> None:
+@pytest.mark.parametrize('frozen', [Frozen(True, False), Frozen(False, True), Frozen(True, True)])
+def test_frozen_parameters_do_not_move(frozen: Frozen) -> None:
     of = HuntCrossley(HuntCrossleyParameters(), EnvironmentParameters(), T)
     before = of.law
     for k in range(60):
         d, v = 0.01 + 0.002 * np.sin(0.04 * k), 0.04 * np.cos(0.04 * k)
-        learn(of, T, (K * d**N + CHI * d**N * v, d, v, 1.0, 0.0), 0.25, held)
+        learn(of, T, (K * d**N + CHI * d**N * v, d, v, 1.0, 0.0), 0.25, frozen)
     after = of.law
-    assert (after.n != before.n) is not held.stiffness
-    assert (after.chi / after.K != pytest.approx(before.chi / before.K)) is not held.damping
+    assert (after.n != before.n) is not frozen.stiffness
+    assert (after.chi / after.K != pytest.approx(before.chi / before.K)) is not frozen.damping
 
 
 def test_another_reference_depth_leaves_the_law() -> None:

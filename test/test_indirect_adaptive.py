@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from contact_estimation.estimators.estimator import EnvironmentParameters, Held
+from contact_estimation.estimators.estimator import EnvironmentParameters, Frozen
 from contact_estimation.estimators.indirect_adaptive import (
     IndirectAdaptive,
     IndirectAdaptiveParameters,
@@ -134,13 +134,13 @@ def test_first_claimed_std_is_the_first_guess_itself() -> None:
     assert known(estimator((3000.0, 50.0))).stiffness_std == 3000.0
 
 
-@pytest.mark.parametrize('held', [Held(True, False), Held(False, True), Held(True, True)])
-def test_held_parameters_do_not_move(held: Held) -> None:
+@pytest.mark.parametrize('frozen', [Frozen(True, False), Frozen(False, True), Frozen(True, True)])
+def test_frozen_parameters_do_not_move(frozen: Frozen) -> None:
     adaptive = estimator()
     for row in sine_rows(50).tolist():
-        learn(adaptive, T, (*row, 1.0), 0.1, held)
+        learn(adaptive, T, (*row, 1.0), 0.1, frozen)
     moved = theta(adaptive) != [3000.0, 50.0]
-    assert moved.tolist() == [not held.stiffness, not held.damping]
+    assert moved.tolist() == [not frozen.stiffness, not frozen.damping]
 
 
 def test_gains_of_zero_learn_nothing() -> None:

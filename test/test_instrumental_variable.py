@@ -19,7 +19,7 @@ from __future__ import annotations
 from functools import lru_cache
 from typing import Any
 
-from contact_estimation.estimators.estimator import EnvironmentParameters, Held
+from contact_estimation.estimators.estimator import EnvironmentParameters, Frozen
 from contact_estimation.estimators.instrumental_variable import (
     InstrumentalVariable,
     InstrumentalVariableParameters,
@@ -118,13 +118,13 @@ def test_claimed_std_is_the_spread_over_noise(memory_s: float) -> None:
     np.testing.assert_allclose(np.std(finals, axis=0), known(of)[2:4], rtol=0.25)
 
 
-@pytest.mark.parametrize('held', [Held(True, False), Held(False, True), Held(True, True)])
-def test_held_parameters_do_not_move(held: Held) -> None:
+@pytest.mark.parametrize('frozen', [Frozen(True, False), Frozen(False, True), Frozen(True, True)])
+def test_frozen_parameters_do_not_move(frozen: Frozen) -> None:
     of = estimator()
     for row in rows_of(300).tolist():
-        learn(of, T, row, 0.25, held)
+        learn(of, T, row, 0.25, frozen)
     moved = [of.stiffness != 3000.0, of.damping != 50.0]
-    assert moved == [not held.stiffness, not held.damping]
+    assert moved == [not frozen.stiffness, not frozen.damping]
 
 
 def test_damping_is_remembered_while_it_is_held() -> None:
@@ -133,7 +133,7 @@ def test_damping_is_remembered_while_it_is_held() -> None:
         learn(of, T, row, 0.25)
     still[:, 0], still[:, 1], still[:, 2] = 0.01 * K, 0.01, 0.0
     for row in still.tolist():
-        learn(of, T, row, 0.25, Held(False, True))
+        learn(of, T, row, 0.25, Frozen(False, True))
     learn(of, T, rows_of(1)[0].tolist(), 0.25)
     np.testing.assert_allclose([of.stiffness, of.damping], [K, B], rtol=0.02)
 

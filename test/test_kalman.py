@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from contact_estimation.estimators.estimator import EnvironmentParameters, Held
+from contact_estimation.estimators.estimator import EnvironmentParameters, Frozen
 from contact_estimation.estimators.kalman import Kalman, KalmanParameters
 from core_runs import closed_loop, contact_samples, estimates_of, PAPER_SENSORS, pipeline_with
 from core_steps import known, learn
@@ -98,20 +98,20 @@ def test_wall_at_rest_teaches_nothing_below_the_resting_speed() -> None:
     assert kalman.stiffness != 3000.0
 
 
-@pytest.mark.parametrize('held', [Held(True, False), Held(False, True), Held(True, True)])
-def test_held_parameters_do_not_move(held: Held) -> None:
+@pytest.mark.parametrize('frozen', [Frozen(True, False), Frozen(False, True), Frozen(True, True)])
+def test_frozen_parameters_do_not_move(frozen: Frozen) -> None:
     kalman = estimator()
     for row in rows_of(60).tolist():
-        learn(kalman, T, row, 0.25, held)
+        learn(kalman, T, row, 0.25, frozen)
     moved = [kalman.stiffness != 3000.0, kalman.damping != 50.0]
-    assert moved == [not held.stiffness, not held.damping]
+    assert moved == [not frozen.stiffness, not frozen.damping]
 
 
 def test_uncertainty_of_a_held_damping_weighs_on_the_stiffness() -> None:
-    held, free = estimator(damping_std=1e4), estimator(damping_std=1e-3)
-    for kalman in (held, free):
-        learn(kalman, T, (60.0, 0.01, 0.05, 1.0), 0.25, Held(False, True))
-    assert known(held).stiffness_std > 10.0 * known(free).stiffness_std
+    frozen, free = estimator(damping_std=1e4), estimator(damping_std=1e-3)
+    for kalman in (frozen, free):
+        learn(kalman, T, (60.0, 0.01, 0.05, 1.0), 0.25, Frozen(False, True))
+    assert known(frozen).stiffness_std > 10.0 * known(free).stiffness_std
 
 
 def test_known_location_does_not_move() -> None:

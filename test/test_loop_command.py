@@ -127,7 +127,7 @@ def test_loop_writes_recording_and_figure(whole: Run) -> None:
 def test_replay_of_the_loop_ends_at_the_estimates_of_the_summary(whole: Run) -> None:
     reader = RecordingReader(whole.folder / 'recording')
     replay = RecordingReplay(reader, RecordingSource(), {})
-    estimates = [estimate for batch in replay.estimates() for estimate in batch]
+    estimates = [estimate for batch in replay.estimates() for estimate, in batch]
     plant = json.loads((whole.folder / 'plant_summary.json').read_text())
     last = {e.stamp_ns: e for e in estimates}[plant['last_contact_stamp_ns']]
     assert (last.stiffness, last.damping) == (whole.summary['stiffness'],

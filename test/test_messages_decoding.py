@@ -77,7 +77,7 @@ def test_wrench_is_read_for_every_length_of_the_frame(foreign: Foreign, frame_id
     rng = np.random.default_rng(1)
     decoder = WrenchDecoder()
     for _ in range(5):
-        force, torque = rng.normal(size=3), rng.normal(size=3)
+        force, torque = rng.normal(size=3).tolist(), rng.normal(size=3).tolist()
         stamp_ns = int(rng.integers(2**31)) * 10**9 + int(rng.integers(10**9))
         raw = wrench_bytes(force, torque, stamp_ns=stamp_ns, frame_id=frame_id)
         reading = decoder.decode(foreign(raw, WRENCH))
@@ -100,8 +100,11 @@ def test_joint_states_of_every_structure_agree_with_rosbags(
         (1, 2, 3), (1, 4, 6), (True, False), (True, False)
     ):
         names = [str(k) * name_length for k in range(count)]
-        arrays = [rng.normal(size=count * filled) for filled in (True, with_velocity, with_effort)]
-        raw = joint_state_bytes(names, *arrays, stamp_ns=7, frame_id='f' * frame_length)
+        filled = (True, with_velocity, with_effort)
+        arrays = [rng.normal(size=count * there).tolist() for there in filled]
+        position, velocity, effort = arrays
+        raw = joint_state_bytes(
+            names, position, velocity, effort, stamp_ns=7, frame_id='f' * frame_length)
         message = deserialized(raw, JOINTS)
         for place, name in enumerate(names):
             reading = JointStateDecoder(name).decode(foreign(raw, JOINTS))

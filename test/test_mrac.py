@@ -21,7 +21,7 @@ from typing import Any
 
 from contact_estimation.estimation.parameters import EstimationParameters
 from contact_estimation.estimation.session import ContactSession
-from contact_estimation.estimators.estimator import EnvironmentParameters, Held
+from contact_estimation.estimators.estimator import EnvironmentParameters, Frozen
 from contact_estimation.estimators.indirect_adaptive import (
     IndirectAdaptive,
     IndirectAdaptiveParameters,
@@ -187,22 +187,22 @@ def test_claimed_spread_is_the_spread_over_seeds() -> None:
     ends = []
     for seed in range(1, 51):
         averaging = estimator()
-        averaging.learn([(0.002, row) for row in rows_of(600, seed)], 0.25, Held(False, False))
+        averaging.update([(0.002, row) for row in rows_of(600, seed)], 0.25, Frozen(False, False))
         ends.append(known(averaging))
     spread = np.std([[end.stiffness, end.damping] for end in ends], axis=0)
     claimed = np.array([ends[0].stiffness_std, ends[0].damping_std])
     start = estimator()  # what is left of the first guess's spread is claimed too
-    start.learn([(0.002, row) for row in rows_of(600)], 0.0, Held(False, False))
-    left = np.array([start.snapshot().stiffness_std, start.snapshot().damping_std])
+    start.update([(0.002, row) for row in rows_of(600)], 0.0, Frozen(False, False))
+    left = np.array([start.current().stiffness_std, start.current().damping_std])
     np.testing.assert_allclose(np.sqrt(claimed**2 - left**2), spread, rtol=0.25)
 
 
-@pytest.mark.parametrize('held', [Held(True, False), Held(False, True), Held(True, True)])
-def test_held_parameters_do_not_move(held: Held) -> None:
+@pytest.mark.parametrize('frozen', [Frozen(True, False), Frozen(False, True), Frozen(True, True)])
+def test_frozen_parameters_do_not_move(frozen: Frozen) -> None:
     mrac = estimator()
-    learn(mrac, 0.002, (60.0, 0.01, 0.05, 1.0), 0.1, held)
+    learn(mrac, 0.002, (60.0, 0.01, 0.05, 1.0), 0.1, frozen)
     moved = [mrac.stiffness != 3000.0, mrac.damping != 50.0]
-    assert moved == [not held.stiffness, not held.damping]
+    assert moved == [not frozen.stiffness, not frozen.damping]
 
 
 def test_reset_keeps_what_is_known_of_the_arm() -> None:

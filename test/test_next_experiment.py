@@ -37,12 +37,8 @@ from contact_estimation.diagnosis.observe.prepared_recording import PreparedReco
 from contact_estimation.diagnosis.observe.usable_samples import default_block, usable
 from contact_estimation.plant.plant_parameters import PlantParameters, WallParameters
 from contact_estimation.reference.experiment import Experiment
-from contact_estimation.reference.experiments import (
-    experiment_named,
-    experiment_text,
-    EXPERIMENTS,
-    read_experiment,
-)
+from contact_estimation.reference.experiment_file import experiment_text, read_experiment
+from contact_estimation.reference.experiments import experiment_named, EXPERIMENTS
 from diagnosed_worlds import diagnosed, recorded
 import numpy as np
 import pytest

@@ -25,12 +25,10 @@ from contact_estimation.exceptions import ParameterRangeError
 from contact_estimation.parameters.specification import parameter, ParameterGroup, specifications
 from contact_estimation.parameters.values import build, flatten
 from contact_estimation.physics import EFFECTS, effects_that_are_on, PhysicsParameters
-from contact_estimation.physics.physics import (
-    ContactEffect,
-    Effect,
-    ForceSensorEffect,
-    RobotEffect,
-)
+from contact_estimation.physics.contact_effect import ContactEffect
+from contact_estimation.physics.effect import Effect
+from contact_estimation.physics.force_sensor_effect import ForceSensorEffect
+from contact_estimation.physics.robot_effect import RobotEffect
 from contact_estimation.plant.plant_parameters import PlantParameters
 from effect_examples import example
 import numpy as np

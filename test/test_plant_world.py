@@ -21,7 +21,9 @@ from math import nan
 from typing import Any
 
 from contact_estimation.parameters.specification import parameter, ParameterGroup
-from contact_estimation.physics.physics import ContactEffect, ForceSensorEffect, RobotEffect
+from contact_estimation.physics.contact_effect import ContactEffect
+from contact_estimation.physics.force_sensor_effect import ForceSensorEffect
+from contact_estimation.physics.robot_effect import RobotEffect
 from contact_estimation.plant.closed_loop import push
 from contact_estimation.plant.world import World
 from contact_estimation.reference.quintic import quintic

@@ -80,5 +80,5 @@ def test_both_together_are_refused_by_the_parameters() -> None:
 
 
 def test_both_together_are_refused_by_the_generator() -> None:
-    with pytest.raises(ParameterRangeError, match='1.5 times too hard'):
+    with pytest.raises(ParameterRangeError, match='about 1.5 times the force'):
         ReferenceGenerator('series', ReferenceParameters(robot_force_tracking=True))

@@ -105,7 +105,7 @@ class Recording:
     def replayed(self, **chosen: Any) -> dict[str, dict[int, float]]:
         """Replay the recording."""
         replay = RecordingReplay(RecordingReader(self._folder), RecordingSource(), chosen)
-        estimates = [estimate for batch in replay.estimates() for estimate in batch]
+        estimates = [estimate for batch in replay.estimates() for estimate, in batch]
         return {name: {e.stamp_ns: getattr(e, name) for e in estimates} for name in VALUES}
 
 

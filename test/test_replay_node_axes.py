@@ -57,7 +57,7 @@ def replayed(folder: Path, name: str) -> dict[int, tuple[float, ...]]:
     replay = RecordingReplay(RecordingReader(folder), RecordingSource(), {})
     return {
         z.stamp_ns: (getattr(x, name), nan, getattr(z, name))
-        for batch in replay.estimates_of_axes() for z, (x,) in zip(*batch)
+        for batch in replay.estimates() for z, x in batch
     }
 
 

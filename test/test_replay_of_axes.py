@@ -62,7 +62,7 @@ def test_csv_has_columns_of_every_axis(recording: Path, tmp_path: Path) -> None:
     results = feed_axes(session_of_axes(False), SAMPLES)
     for row, result in zip(rows, results, strict=True):
         own = [[*(repr(getattr(e, n)) for n in COLUMNS), e.status.value]
-               for e in (result.estimate, *result.further)]
+               for e in result.estimates]
         assert row.split(',')[1:] == sum(own, [])
 
 
@@ -70,7 +70,7 @@ def test_json_has_an_entry_for_every_axis(recording: Path, tmp_path: Path) -> No
     assert run(recording, '--json', tmp_path / 'a.json') == 0
     summary = json.loads((tmp_path / 'a.json').read_text())
     last = feed_axes(session_of_axes(False), SAMPLES)[-1]
-    for axis, estimate in zip('xyz', (last.estimate, *last.further)):
+    for axis, estimate in zip('xyz', last.estimates):
         own = summary['axes'][axis]
         assert (own['stiffness'], own['status']) == (estimate.stiffness, estimate.status.value)
         assert own['location'] == LOCATIONS[axis]
@@ -83,7 +83,7 @@ def test_mcap_has_every_axis_in_its_place(recording: Path, tmp_path: Path) -> No
     messages = RecordingReader(tmp_path / 'out.mcap').messages(['/estimator_node/damping'])
     vectors = [decode(message.data)[1:] for message in messages]
     results = feed_axes(session_of_axes(False), SAMPLES)
-    assert vectors == [tuple(e.damping for e in (r.estimate, *r.further)) for r in results]
+    assert vectors == [tuple(e.damping for e in r.estimates) for r in results]
 
 
 def test_axes_can_be_chosen_against_what_was_recorded(recording: Path, tmp_path: Path) -> None:

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from contact_estimation.estimators.estimator import EnvironmentParameters, Held
+from contact_estimation.estimators.estimator import EnvironmentParameters, Frozen
 from contact_estimation.estimators.rls import (
     initial_covariance,
     RecursiveLeastSquares,
@@ -58,14 +58,14 @@ def signals(count: int, noise: float = 0.0, B_e: float = B) -> NDArray[np.float6
 
 def learn_all(
     of: RecursiveLeastSquares, pairs: NDArray[np.float64], variance: float = 0.0,
-    held: Held = FREE,
+    frozen: Frozen = FREE,
 ) -> list[tuple[float, float, float]]:
     """Pass penetration and force through relation and estimator."""
     relation, estimates = TustinRelation(T), []
     for d, F in pairs.tolist():
         row = row_of(relation, T, d, float('nan'), F, True)
         if row is not None:
-            learn(of, T, row, variance, held)
+            learn(of, T, row, variance, frozen)
             estimates.append((of.stiffness, of.damping, known(of).inertia))
     return estimates
 
@@ -126,11 +126,11 @@ def test_stiffness_survives_the_limit_of_the_damping() -> None:
     assert last[0] == pytest.approx(K, rel=0.02)
 
 
-@pytest.mark.parametrize('held', [Held(True, False), Held(False, True), Held(True, True)])
-def test_held_parameters_do_not_move(held: Held) -> None:
-    (*_, last) = learn_all(estimator(), signals(60), 0.1, held)
+@pytest.mark.parametrize('frozen', [Frozen(True, False), Frozen(False, True), Frozen(True, True)])
+def test_frozen_parameters_do_not_move(frozen: Frozen) -> None:
+    (*_, last) = learn_all(estimator(), signals(60), 0.1, frozen)
     moved = [last[0] != 3000.0, last[1] != 50.0]
-    assert moved == [not held.stiffness, not held.damping]
+    assert moved == [not frozen.stiffness, not frozen.damping]
 
 
 def test_inertia_is_zero_for_the_fit_and_nan_for_the_reader_when_not_estimated() -> None:

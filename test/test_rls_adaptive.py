@@ -19,7 +19,7 @@ from __future__ import annotations
 from functools import lru_cache
 from typing import Any
 
-from contact_estimation.estimators.estimator import EnvironmentParameters, Held
+from contact_estimation.estimators.estimator import EnvironmentParameters, Frozen
 from contact_estimation.estimators.rls_adaptive import (
     AdaptiveLeastSquares,
     AdaptiveLeastSquaresParameters,
@@ -141,13 +141,13 @@ def test_inertia_is_estimated_unless_told_otherwise() -> None:
     assert masses[0] == pytest.approx(3.0, abs=0.3) and np.isnan(masses[1])
 
 
-@pytest.mark.parametrize('held', [Held(True, False), Held(False, True), Held(True, True)])
-def test_held_parameters_do_not_move(held: Held) -> None:
+@pytest.mark.parametrize('frozen', [Frozen(True, False), Frozen(False, True), Frozen(True, True)])
+def test_frozen_parameters_do_not_move(frozen: Frozen) -> None:
     of = estimator()
     for row in rows_of(60).tolist():
-        learn(of, T, row, 0.25, held)
+        learn(of, T, row, 0.25, frozen)
     moved = [of.stiffness != 3000.0, of.damping != 50.0]
-    assert moved == [not held.stiffness, not held.damping]
+    assert moved == [not frozen.stiffness, not frozen.damping]
 
 
 def test_covariance_does_not_wind_up_without_excitation() -> None:

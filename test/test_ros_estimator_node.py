@@ -150,7 +150,7 @@ def test_reset_goes_back_to_the_first_guess(peer: Peer) -> None:
     assert peer.values('stiffness')[samples[599].stamp_ns] > 3500.0
     answer = peer.trigger('reset')
     peer.feed(samples[600:601])
-    assert answer.success and 'first guess' in answer.message
+    assert answer.success and 'initial values' in answer.message
     assert peer.values('stiffness')[samples[600].stamp_ns] == 3000.0
 
 

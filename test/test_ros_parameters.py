@@ -201,5 +201,10 @@ def test_cutoff_above_half_of_the_sample_rate_is_refused(peer: Peer) -> None:
 
 
 def test_refused_change_leaves_the_estimation_as_it_was(peer: Peer) -> None:
-    peer.set({'estimator': 'nonsense', 'environment.initial_stiffness': -1.0})
-    peer.diagnosed(lambda _, values: values['estimator'] == 'indirect_adaptive', 'the estimator')
+    peer.change(estimator='kalman', environment__initial_stiffness=2000.0)
+    refused = {'estimator': 'nonsense', 'environment.initial_stiffness': -1.0}
+    assert not any(result.successful for result in peer.set(refused))
+    assert peer.get(list(refused)) == {
+        'estimator': 'kalman', 'environment.initial_stiffness': 2000.0,
+    }
+    peer.diagnosed(lambda _, values: values['estimator'] == 'kalman', 'the estimator in use')

@@ -93,7 +93,7 @@ def test_soft_touch_says_that_damping_cannot_be_told(
     # 200 N s/m times 20 rad/s times 8 N / 1e6 N/m: 0.03 N, far below the noise.
     last = gentle(name, K_e, B_e=B_e, amplitude=amplitude)[-1]
     assert (last.status, last.reason) == (
-        EstimateStatus.ESTIMATING, 'damping held: weak excitation'
+        EstimateStatus.ESTIMATING, 'damping frozen: weak excitation'
     )
 
 

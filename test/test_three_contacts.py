@@ -21,10 +21,15 @@ from pathlib import Path
 import subprocess
 import sys
 
+from contact_estimation.commands import three_contacts as command
 from contact_estimation.estimators.estimator import EstimateStatus
-from contact_estimation.several_points import three_contacts
 from contact_estimation.several_points.contact_points_estimator import ContactPointsEstimate
-from contact_estimation.several_points.three_contacts import ALL_TOUCH_S, errors_of, VARIANTS
+from contact_estimation.several_points.three_contacts import (
+    ALL_TOUCH_S,
+    errors_of,
+    estimate,
+    VARIANTS,
+)
 from contact_estimation.several_points.three_contacts_world import Instant, RATE, simulate
 import numpy as np
 import pytest
@@ -41,7 +46,7 @@ def simulated() -> list[Instant]:
 @lru_cache(maxsize=None)
 def estimates(variant: str) -> list[ContactPointsEstimate]:
     """Estimate once for all tests."""
-    return three_contacts.estimate(simulated(), variant)
+    return estimate(simulated(), variant)
 
 
 def test_every_point_comes_and_goes_and_all_slide_together() -> None:
@@ -86,7 +91,7 @@ def test_command_prints_the_estimates_and_draws_them(
     tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
     pytest.importorskip('matplotlib')
-    assert three_contacts.main(['--output', str(tmp_path / 'new')]) == 0
+    assert command.main(['--output', str(tmp_path / 'new')]) == 0
     out = capfd.readouterr().out
     assert all(out.count(f'  {variant} ') == 2 for variant in VARIANTS)
     assert (tmp_path / 'new' / 'three_contacts.png').stat().st_size > 10_000
@@ -95,7 +100,7 @@ def test_command_prints_the_estimates_and_draws_them(
 
 def test_example_runs_as_a_module_without_ros() -> None:
     code = (
-        'import sys, contact_estimation.several_points.three_contacts as e; e.make_parser();'
+        'import sys, contact_estimation.commands.three_contacts as e; e.make_parser();'
         'print("rclpy" in sys.modules)'
     )
     run = subprocess.run([sys.executable, '-c', code], capture_output=True, text=True)

@@ -21,7 +21,7 @@ from typing import Any, Callable
 from contact_estimation.parameters.specification import ParameterGroup
 from contact_estimation.parameters.values import build
 from contact_estimation.physics import EFFECTS
-from contact_estimation.physics.physics import Effect
+from contact_estimation.physics.effect import Effect
 from contact_estimation.plant.plant_parameters import PlantParameters
 from contact_estimation.plant.world import Truth, World
 from effect_examples import switched_on

@@ -21,8 +21,8 @@ from typing import Any, NamedTuple, Sequence
 from .simulated_samples import pressing, RATE
 from ..estimation.parameters import EstimationParameters
 from ..estimation.pipeline import EstimationPipeline
-from ..estimation.session import Result
-from ..estimators.estimator import EstimateStatus, Held, TimedRow
+from ..estimation.result import Result
+from ..estimators.estimator import EstimateStatus, Frozen, TimedRow
 from ..parameters.values import build
 from ..reference.setpoints import Reference
 from ..signals.contact_sample import ContactSample
@@ -81,7 +81,7 @@ def settled_pipeline(data: ContactData, name: str) -> EstimationPipeline:
     parameters = build(EstimationParameters, {'estimator': name, 'sample_rate': RATE})
     pipeline = EstimationPipeline(parameters)
     for sample, reference in data.approach:
-        pipeline.process(sample, reference)
+        pipeline.process((sample,), reference)
     return pipeline
 
 
@@ -105,13 +105,13 @@ def estimator_input(data: ContactData, name: str) -> tuple[list[TimedRow], float
     """
     pipeline = settled_pipeline(data, name)
     rows: list[TimedRow] = []
-    learn = pipeline.estimator.learn
+    update = pipeline.estimator.update
 
-    def record(part: Sequence[TimedRow], variance: float, held: Held) -> list[Any]:
+    def record(part: Sequence[TimedRow], variance: float, frozen: Frozen) -> list[Any]:
         rows.extend(part)
-        return learn(part, variance, held)
+        return update(part, variance, frozen)
 
-    setattr(pipeline.estimator, 'learn', record)
-    estimates = [pipeline.process(*pair) for pair in data.samples]
+    setattr(pipeline.estimator, 'update', record)
+    estimates = [pipeline.process((s,), reference)[0] for s, reference in data.samples]
     learning = [e.status is EstimateStatus.ESTIMATING for e in estimates]
     return rows, sum(learning) / len(learning)

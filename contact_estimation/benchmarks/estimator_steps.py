@@ -22,11 +22,11 @@ from filterpy.kalman import KalmanFilter
 import numpy as np
 
 from .contact_data import ContactData, estimator_input, settled_pipeline
-from ..estimators.estimator import Held
+from ..estimators.estimator import Frozen
 
 Steps = Callable[[int, int], None]
 _VARIANCE = 1.0 / 3.0  # of the simulated force noise [N^2]
-_NOT_HELD = Held(False, False)
+_NOTHING_FROZEN = Frozen(False, False)
 
 
 def pipeline_steps(data: ContactData, name: str) -> tuple[Steps, Steps]:
@@ -44,16 +44,16 @@ def pipeline_steps(data: ContactData, name: str) -> tuple[Steps, Steps]:
         Sample by sample, as the node; many samples per call, as replay.
 
     """
-    process = settled_pipeline(data, name).process
-    process_run = settled_pipeline(data, name).process_run
+    one = settled_pipeline(data, name).process
+    run = settled_pipeline(data, name).process
     samples = [sample for sample, _ in data.samples]
 
     def one_by_one(begin: int, end: int) -> None:
         for sample, reference in data.samples[begin:end]:
-            process(sample, reference)
+            one((sample,), reference)
 
     def in_runs(begin: int, end: int) -> None:
-        process_run(samples[begin:end], data.samples[begin][1])
+        run(samples[begin:end], data.samples[begin][1])
 
     return one_by_one, in_runs
 
@@ -74,15 +74,15 @@ def learning_steps(data: ContactData, name: str) -> tuple[Steps, Steps]:
 
     """
     rows, _ = estimator_input(data, name)
-    one = settled_pipeline(data, name).estimator.learn
-    run = settled_pipeline(data, name).estimator.learn
+    one = settled_pipeline(data, name).estimator.update
+    run = settled_pipeline(data, name).estimator.update
 
     def one_by_one(begin: int, end: int) -> None:
         for row in rows[begin:end]:
-            one((row,), _VARIANCE, _NOT_HELD)
+            one((row,), _VARIANCE, _NOTHING_FROZEN)
 
     def in_runs(begin: int, end: int) -> None:
-        run(rows[begin:end], _VARIANCE, _NOT_HELD)
+        run(rows[begin:end], _VARIANCE, _NOTHING_FROZEN)
 
     return one_by_one, in_runs
 

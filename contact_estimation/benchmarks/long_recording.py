@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import Iterator
 
 from .simulated_samples import pressing, RATE, sine_manoeuvre
-from ..estimation.session import Result
+from ..estimation.result import Result
 from ..messages import JointStateEncoder, WrenchEncoder
 from ..recordings import RecordingWriter
 

@@ -19,7 +19,8 @@ from __future__ import annotations
 from math import pi
 
 from ..estimation.parameters import EstimationParameters
-from ..estimation.session import ContactSession, Result
+from ..estimation.result import Result
+from ..estimation.session import ContactSession
 from ..parameters.values import build
 from ..plant.closed_loop import run_closed_loop
 from ..plant.plant_parameters import PAPER_NOISE, PlantParameters

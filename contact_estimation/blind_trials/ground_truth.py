@@ -27,7 +27,7 @@ from .simulation import Run, simulate
 from .trial import Trial
 from .unknown_effects import make_unknown, UNKNOWN
 from ..physics import EFFECTS
-from ..physics.physics import RobotEffect
+from ..physics.robot_effect import RobotEffect
 
 
 def ground_truth(trial: Trial, run: Run, force_floor: float) -> dict[str, Any]:

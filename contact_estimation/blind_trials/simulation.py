@@ -21,11 +21,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .strengths import Values
 from .unknown_effects import make_unknown, UNKNOWN
 from .worlds import RandomWorld
 from ..parameters.values import build, flatten
-from ..physics.physics import Scales
+from ..physics.random_strength import Values
+from ..physics.scales import Scales
 from ..plant.plant_parameters import PlantParameters
 from ..plant.world import World
 

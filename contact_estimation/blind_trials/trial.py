@@ -17,7 +17,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import partial
 from math import exp, log
 from typing import Iterable
 
@@ -26,10 +25,10 @@ from numpy.random import Generator
 
 from .concealment import conceal, Concealed, degree, TOLERANCE
 from .simulation import Run, scales_of, simulate
-from .strengths import draw_strength, Strength, Values, wall_alike
 from .unknown_effects import UNKNOWN
 from .worlds import draw_nominal_wall, draw_world, RandomWorld
 from ..physics import EFFECTS
+from ..physics.random_strength import Strength, Values
 from ..plant.plant_parameters import WallParameters
 
 MIN_DEGREE, MAX_DEGREE = 1.3, 4.0
@@ -112,7 +111,7 @@ def draw_trial(effect: str, rng: Generator) -> Trial:
             continue
         if not effect:
             return Trial(world, '', {}, draw_nominal_wall(world.wall, rng, exact=0.4), requested)
-        draw = UNKNOWN[effect].draw if effect in UNKNOWN else partial(draw_strength, effect)
+        draw = UNKNOWN[effect].draw if effect in UNKNOWN else EFFECTS[effect].draw
         strength = draw(scales_of(world, without), rng)
         found = _conceal(effect, strength, world, without, requested)
         not_concealable += found.not_concealable
@@ -133,7 +132,7 @@ def _trial(
     world: RandomWorld, effect: str, values: Values, requested: float, rng: Generator
 ) -> Trial:
     values = {name: float(f'{value:.6g}') for name, value in values.items()}
-    nominal = draw_nominal_wall(wall_alike(effect, values, world), rng, exact=0.1)
+    nominal = draw_nominal_wall(equivalent_wall(effect, values, world), rng, exact=0.1)
     return Trial(world, effect, values, nominal, requested)
 
 
@@ -197,3 +196,30 @@ def plan_effects(count: int, seed: int, names: Iterable[str] = EFFECTS) -> list[
         rng = np.random.default_rng([seed, len(effects)])
         effects += rng.permutation(list(names)).tolist()
     return effects[:count]
+
+
+def equivalent_wall(effect: str, values: Values, world: RandomWorld) -> WallParameters:
+    """
+    Return the spring-damper with which a modeller unaware of the effect would replace the wall.
+
+    Parameters
+    ----------
+    effect : str
+        Key of EFFECTS or of UNKNOWN.
+    values : mapping
+        Parameters of the effect.
+    world : RandomWorld
+        World without the effect.
+
+    Returns
+    -------
+    wall : WallParameters
+        The true wall, with the damping equivalent to an effect that replaces B_e.
+
+    """
+    wall = world.wall
+    damping = wall.damping
+    if effect in EFFECTS:
+        damping = EFFECTS[effect].equivalent_damping(values, damping, world.depth)
+    return WallParameters(
+        stiffness=wall.stiffness, damping=float(f'{damping:.6g}'), location=wall.location)

@@ -26,8 +26,12 @@ from typing import Any, Callable, NamedTuple
 
 from numpy.random import Generator
 
-from .strengths import Strength, Values
-from ..physics.physics import ContactEffect, Effect, ForceSensorEffect, RobotEffect, Scales
+from ..physics.contact_effect import ContactEffect
+from ..physics.effect import Effect
+from ..physics.force_sensor_effect import ForceSensorEffect
+from ..physics.random_strength import Strength, Values
+from ..physics.robot_effect import RobotEffect
+from ..physics.scales import Scales
 
 
 class WallResonance(ContactEffect):
@@ -119,7 +123,7 @@ class Unknown(NamedTuple):
     effect : type of Effect
         Its law.
     draw : callable
-        Scales of the world and random generator to parameters by strength, as `draw_strength`.
+        From scales of the world and a random generator to a strength, as `Effect.draw`.
 
     """
 

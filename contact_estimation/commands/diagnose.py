@@ -38,7 +38,7 @@ from ..physics import effects_that_are_on
 from ..plant.plant_parameters import PlantParameters
 from ..recordings import RecordingReader
 from ..recordings.recorded_signals import read_signals
-from ..reference.experiments import experiment_text
+from ..reference.experiment_file import experiment_text
 
 
 def make_parser() -> Parser:

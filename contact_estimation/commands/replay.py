@@ -26,8 +26,7 @@ from typing import Any, Protocol, Sequence
 
 from .command_line import add_source_options, command, different_files, new_file, Parser, source_of
 from .progress import Progress
-from ..estimation.axes import estimated_axes
-from ..estimation.estimate_files import CsvEstimates, McapEstimates
+from ..estimation.estimate_files import AxesEstimates, CsvEstimates, McapEstimates
 from ..estimation.replay import RecordingReplay
 from ..estimators import ESTIMATORS
 from ..estimators.estimator import Estimate
@@ -41,10 +40,8 @@ from ..ros.estimator_node_parameters import EstimatorNodeParameters
 class EstimateFile(Protocol):
     """A file of estimates."""
 
-    def write(
-        self, estimates: Sequence[Estimate], further: Sequence[tuple[Estimate, ...]]
-    ) -> None:
-        """Append estimates of the contact axis and of the further axes."""
+    def write(self, estimates: Sequence[AxesEstimates]) -> None:
+        """Append the estimates of consecutive samples."""
 
 
 def make_parser() -> Parser:
@@ -92,19 +89,18 @@ def run(options: Any) -> int:
     reader = RecordingReader(options.recording)
     replay = RecordingReplay(reader, source_of(options), _chosen(options))
     progress = Progress('replay')
-    axes = ''.join(estimated_axes(replay.session.parameters))
+    axes = ''.join(replay.session.pipelines)
     first: Estimate | None = None
-    last: tuple[Estimate, ...] = ()
+    last: AxesEstimates = ()
     samples = 0
     with ExitStack() as stack:
         files = _open_files(options, axes, stack)
-        for estimates, further in replay.estimates_of_axes():
+        for estimates in replay.estimates():
             if not estimates:
                 continue
             for file in files:
-                file.write(estimates, further)
-            first = first or estimates[0]
-            last = estimates[-1], *(further[-1] if further else ())
+                file.write(estimates)
+            first, last = first or estimates[0][0], estimates[-1]
             samples += len(estimates)
             progress.show(reader.progress, f'{samples} samples')
     progress.done()
@@ -120,7 +116,7 @@ def run(options: Any) -> int:
         'recorded_s': recorded_s,
         'wall_s': time.perf_counter() - begin,
         'rejected': dict(replay.session.rejected),
-        'missing': replay.session.missing,
+        'missing': replay.session.pipeline.missing,
         'truncated': reader.truncated,
         'damaged_chunks': reader.damaged_chunks,
     }

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Which force axes are estimated, beside the contact axis too, and where their walls are."""
+"""Axes estimated beside the contact axis, and the locations of their walls."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class FurtherAxesParameters(ParameterGroup):
 
     def named(self) -> dict[str, FurtherAxisParameters]:
         """
-        List those that are estimated.
+        Return the axes that are estimated.
 
         Returns
         -------

@@ -12,11 +12,10 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Estimates of a replay as CSV and as MCAP."""
+"""Files of estimates: CSV and MCAP."""
 
 from __future__ import annotations
 
-from itertools import repeat
 from pathlib import Path
 from types import TracebackType
 from typing import Sequence
@@ -29,12 +28,13 @@ _NAN = float('nan')
 _VECTORS = ('stiffness', 'damping', 'stiffness_std', 'damping_std', 'location', 'inertia')
 _VECTOR_TYPE = 'geometry_msgs/msg/Vector3Stamped'
 _COLUMNS = ('stiffness', 'damping', 'stiffness_std', 'damping_std', 'status')
-Further = Sequence[tuple[Estimate, ...]]
+AxesEstimates = tuple[Estimate, ...]
+"""Estimates of one sample, the contact axis first."""
 
 
 def stamp_text(stamp_ns: int) -> str:
     """
-    Write a stamp in seconds without losing a nanosecond.
+    Return a stamp in seconds, exact to the nanosecond.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ class CsvEstimates:
     """
     One row a sample: t, stiffness, damping, stiffness_std, damping_std, status.
 
-    Numbers are written such that reading them gives the same bits. Axes beside the contact axis
+    Numbers are written exactly: reading them returns the same bits. Axes beside the contact axis
     follow as further columns, stiffness_y and so on.
 
     Parameters
@@ -63,7 +63,7 @@ class CsvEstimates:
     path : Path
         The file.
     axes : str
-        Axes that are estimated, the contact axis first.
+        The estimated axes, the contact axis first.
 
     """
 
@@ -72,15 +72,12 @@ class CsvEstimates:
         names = [*_COLUMNS, *(f'{name}_{axis}' for axis in axes[1:] for name in _COLUMNS)]
         self._file.write(','.join(['t', *names]) + '\n')
 
-    def write(self, estimates: Sequence[Estimate], further: Further = ()) -> None:
-        """Append estimates of the contact axis and of the others."""
-        if further:
-            self._file.writelines(
-                f'{stamp_text(e.stamp_ns)},' + ','.join(map(_fields, (e, *others))) + '\n'
-                for e, others in zip(estimates, further)
-            )
-            return
-        self._file.writelines(f'{stamp_text(e.stamp_ns)},{_fields(e)}\n' for e in estimates)
+    def write(self, estimates: Sequence[AxesEstimates]) -> None:
+        """Append the estimates of consecutive samples."""
+        self._file.writelines(
+            f'{stamp_text(axes[0].stamp_ns)},{",".join(map(_fields, axes))}\n'
+            for axes in estimates
+        )
 
     def __enter__(self) -> 'CsvEstimates':
         """Return itself."""
@@ -103,30 +100,28 @@ class McapEstimates:
     path : Path
         The file, which must not exist.
     axes : str
-        Of 'x', 'y' and 'z' those that are estimated, the contact axis first: where the estimates
-        stand in the vectors.
+        The estimated axes, the contact axis first: the components of the vectors.
 
     """
 
     def __init__(self, path: Path, axes: str) -> None:
         self._writer = RecordingWriter.file(path)
         self._vectors = Vector3StampedEncoder('')
-        self._place, *self._further_places = ('xyz'.index(axis) for axis in axes)
+        self._places = ['xyz'.index(axis) for axis in axes]
 
-    def write(self, estimates: Sequence[Estimate], further: Further = ()) -> None:
-        """Append estimates of the contact axis and of the others."""
-        for estimate, others in zip(estimates, further or repeat(())):
-            stamp_ns = estimate.stamp_ns
+    def write(self, estimates: Sequence[AxesEstimates]) -> None:
+        """Append the estimates of consecutive samples."""
+        for axes in estimates:
+            stamp_ns = axes[0].stamp_ns
             for name in _VECTORS:
                 vector = [_NAN, _NAN, _NAN]
-                vector[self._place] = getattr(estimate, name)
-                for place, other in zip(self._further_places, others):
-                    vector[place] = getattr(other, name)
+                for place, estimate in zip(self._places, axes):
+                    vector[place] = getattr(estimate, name)
                 self._writer.write(
                     f'/estimator_node/{name}', _VECTOR_TYPE,
                     self._vectors.encode(stamp_ns, *vector), stamp_ns,
                 )
-            status = encode_string(estimate.status.value)  # of the contact axis
+            status = encode_string(axes[0].status.value)  # of the contact axis
             self._writer.write('/estimator_node/status', 'std_msgs/msg/String', status, stamp_ns)
 
     def __enter__(self) -> 'McapEstimates':
@@ -142,5 +137,5 @@ class McapEstimates:
 
 
 def _fields(e: Estimate) -> str:
-    """Write what a row says of one axis."""
+    """Return the fields of one axis in a row."""
     return f'{e.stiffness!r},{e.damping!r},{e.stiffness_std!r},{e.damping_std!r},{e.status.value}'

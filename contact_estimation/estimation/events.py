@@ -12,14 +12,15 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What was done to a running estimation, as text that a recording keeps and replay repeats."""
+"""Events that change a running estimation, as text that is recorded and replayed."""
 
 from __future__ import annotations
 
 import json
 from typing import Any, Mapping, NamedTuple
 
-from .session import ContactSession, Moment
+from .schedule import Moment
+from .session import ContactSession
 from ..exceptions import ContactEstimationError, RecordingError
 
 START, CHANGE, RESET, TARE = 'start', 'set_parameters', 'reset', 'tare'
@@ -27,18 +28,18 @@ START, CHANGE, RESET, TARE = 'start', 'set_parameters', 'reset', 'tare'
 
 class EstimationEvent(NamedTuple):
     """
-    One event.
+    A change of parameters, a reset or a tare, and when it took effect.
 
     Attributes
     ----------
     kind : str
         'start', 'set_parameters', 'reset' or 'tare'.
     after_stamp_ns : int
-        It took effect after the sample with this stamp and before the next [ns].
+        Stamp of the sample after which it took effect [ns].
     parameters : mapping
-        All parameters at start, the changed ones of a change, those of `biases` of a tare.
+        All parameters at start, those changed, or those of `biases` at a tare.
     jumps : int
-        How often time had been set back before.
+        Number of backward clock jumps before it.
 
     """
 
@@ -53,7 +54,7 @@ class EstimationEvent(NamedTuple):
         return Moment(self.jumps, self.after_stamp_ns)
 
     def to_text(self) -> str:
-        """Write the event as one line of JSON."""
+        """Return the event as one line of JSON."""
         return json.dumps(
             {'event': self.kind, 'after_stamp_ns': self.after_stamp_ns,
              'time_jumps': self.jumps, 'parameters': dict(self.parameters)}
@@ -62,7 +63,7 @@ class EstimationEvent(NamedTuple):
     @classmethod
     def from_text(cls, text: str) -> 'EstimationEvent':
         """
-        Read what `to_text` has written.
+        Return the event that `to_text` has written.
 
         Parameters
         ----------
@@ -77,7 +78,7 @@ class EstimationEvent(NamedTuple):
         Raises
         ------
         RecordingError
-            If the text is none.
+            If the text is not an event.
 
         """
         try:
@@ -96,12 +97,12 @@ def event_now(
     session: ContactSession, kind: str, parameters: Mapping[str, Any]
 ) -> EstimationEvent:
     """
-    Describe what has just been done to a session.
+    Return the event that describes a change just made.
 
     Parameters
     ----------
     session : ContactSession
-        It.
+        The session changed.
     kind : str
         'start', 'set_parameters', 'reset' or 'tare'.
     parameters : mapping
@@ -119,17 +120,17 @@ def event_now(
 
 def biases(session: ContactSession) -> dict[str, float]:
     """
-    Describe the tare of a session.
+    Return the force biases of a session as parameters of a tare event.
 
     Parameters
     ----------
     session : ContactSession
-        It.
+        The session tared.
 
     Returns
     -------
     parameters : dict
-        force_bias of the contact axis [N]; where there are several, force_bias.AXIS of each too.
+        force_bias of the contact axis [N]; with several axes, also force_bias.AXIS of each.
 
     """
     by_axis = {f'force_bias.{axis}': p.bias for axis, p in session.pipelines.items()}
@@ -139,14 +140,14 @@ def biases(session: ContactSession) -> dict[str, float]:
 
 def apply_event(session: ContactSession, event: EstimationEvent) -> None:
     """
-    Repeat an event on a session.
+    Repeat a recorded event on a session.
 
     Parameters
     ----------
     session : ContactSession
-        It.
+        The session to change.
     event : EstimationEvent
-        What was done; 'start' does nothing here.
+        The event; 'start' has no effect.
 
     """
     if event.kind == CHANGE:
@@ -154,14 +155,15 @@ def apply_event(session: ContactSession, event: EstimationEvent) -> None:
             session.change_parameters(event.parameters)
         except ContactEstimationError:
             # Recorded changes were accepted once; with other parameters chosen for replay they
-            # may no longer fit, and the choice of the user stands.
+            # may no longer fit, and the choice of the user takes precedence.
             return
     elif event.kind == RESET:
         session.reset()
     elif event.kind == TARE:
         own, *others = session.pipelines
-        told = event.parameters
-        # By name where there are names: replay may have chosen another contact axis.
-        further = {axis: told[f'force_bias.{axis}'] for axis in others
-                   if f'force_bias.{axis}' in told}
-        session.set_bias(told.get(f'force_bias.{own}', told['force_bias']), further)
+        recorded = event.parameters
+        # By axis where recorded so: replay may have chosen another contact axis.
+        bias = {own: recorded.get(f'force_bias.{own}', recorded['force_bias'])}
+        bias.update((axis, recorded[f'force_bias.{axis}']) for axis in others
+                    if f'force_bias.{axis}' in recorded)
+        session.set_bias(bias)

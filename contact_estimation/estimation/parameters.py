@@ -12,11 +12,11 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Everything that decides estimates and reference, each parameter declared once."""
+"""All parameters of on-line estimation, each declared once."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import nan
 from typing import Any
 
@@ -36,33 +36,35 @@ from ..signals.synchronisation import SynchronisationParameters
 
 @dataclass(frozen=True)
 class EstimationParameters(ParameterGroup):
-    """All parameters of on-line estimation, the same for node and replay."""
+    """Parameters that determine estimates and reference, shared by node and replay."""
 
     estimator: str = parameter(
         'indirect_adaptive', 'Which estimator runs', choices=tuple(ESTIMATORS)
     )
     reference_law: str = parameter(
-        'eq20', 'How a wanted force becomes a reference position', choices=tuple(LAWS)
+        'eq20', 'Force law: how the desired force sets the reference position', choices=tuple(LAWS)
     )
     force_reference: float = parameter(
-        nan, 'F_r while nothing comes on desired_trajectory; NaN: no force wanted', 'N',
+        nan, 'F_r until a setpoint arrives on desired_trajectory; NaN: no force desired', 'N',
         minimum=0.0, nan_is_off=True,
     )
     sample_rate: float = parameter(
-        500.0, 'Nominal rate of the wrench; filters and relations are built for it', 'Hz',
+        500.0, 'Nominal rate of the wrench, for which filters and relations are designed', 'Hz',
         minimum=1.0, maximum=1e5,
     )
     axis: str = parameter(
-        'x', 'Force axis of the contact', choices=('x', 'y', 'z'), read_only=True
+        'x', 'Axis of the wrench that is the contact axis', choices=('x', 'y', 'z'), read_only=True
     )
     joint: str = parameter(
         '', 'Joint whose position is the contact axis; empty: the only one', read_only=True
     )
     frame_id: str = parameter(
-        '', 'Expected frame of the wrench; empty: that of the first one. Others are rejected',
+        '', 'Expected frame of the wrench; empty: that of the first wrench. Others are rejected',
         read_only=True,
     )
-    further_axes: FurtherAxesParameters = group(FurtherAxesParameters)
+    further_axes: FurtherAxesParameters = group(
+        FurtherAxesParameters, 'Axes estimated beside the contact axis, each independently; '
+        'all other parameters are shared')
     environment: EnvironmentParameters = group(EnvironmentParameters)
     conditioning: ConditioningParameters = group(ConditioningParameters)
     contact: ContactParameters = group(ContactParameters)
@@ -73,8 +75,34 @@ class EstimationParameters(ParameterGroup):
     tuning: Any = group(EstimatorsTuning)
 
     def __post_init__(self) -> None:
-        """Check what single ranges cannot: parameters that must fit together."""
+        """Check parameters that must be consistent with each other."""
         super().__post_init__()
         check_cutoff(self.conditioning.cutoff_frequency, self.sample_rate)
         check_axes(self.axis, self.joint, self.further_axes)
         refuse_double_tracking(self.reference_law, self.reference.robot_force_tracking)
+
+    @property
+    def joints(self) -> dict[str, str]:
+        """The joint of each estimated axis, the contact axis first."""
+        further = self.further_axes.named()
+        return {self.axis: self.joint, **{axis: own.joint for axis, own in further.items()}}
+
+    def of_axis(self, axis: str) -> EstimationParameters:
+        """
+        Return the parameters of one axis: its own surface location, all else shared.
+
+        Parameters
+        ----------
+        axis : str
+            One of `joints`.
+
+        Returns
+        -------
+        parameters : EstimationParameters
+            With the location of that axis in `environment`.
+
+        """
+        if axis == self.axis:
+            return self
+        location = self.further_axes.named()[axis].location
+        return replace(self, environment=replace(self.environment, location=location))

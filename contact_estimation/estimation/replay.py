@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Off-line re-estimation: a recording through the session that the node runs."""
+"""Off-line re-estimation: a recording replayed through the session that the node runs."""
 
 from __future__ import annotations
 
@@ -20,12 +20,13 @@ from collections import deque
 from functools import partial
 from typing import Any, Iterator, Mapping
 
+from .estimate_files import AxesEstimates
 from .events import apply_event, EstimationEvent
+from .inputs import MessageInputs
 from .parameters import EstimationParameters
-from .readings import ContactReadings, Estimates
-from .session import ContactSession, Result
+from .result import Result
+from .session import ContactSession
 from ..estimators import ESTIMATORS
-from ..estimators.estimator import Estimate
 from ..exceptions import MessageError
 from ..messages import decode_string, TrajectoryDecoder
 from ..parameters.specification import specifications
@@ -36,13 +37,13 @@ from ..recordings.source import RecordingSource
 from ..recordings.topic_names import canonical
 from ..reference.setpoints import Reference
 
-_AHEAD = 6000  # messages; an event may be recorded so much later than the sample it follows
-_MOST_UNPAIRED = 200  # messages; more of one topic than of the other is no chunk's end
+_AHEAD = 6000  # messages by which an event may be recorded after the sample that it follows
+_MOST_UNPAIRED = 200  # messages of one topic in excess of the other that a chunk's end explains
 
 
 class RecordingReplay:
     """
-    Feed a recording to a fresh session, events included.
+    Process a recording in a new session, with its events and references.
 
     Parameters
     ----------
@@ -51,8 +52,8 @@ class RecordingReplay:
     source : RecordingSource
         Its topics.
     chosen : mapping
-        Parameters that the user has chosen; they win over the recorded ones and over recorded
-        changes of them.
+        Parameters chosen by the user; they take precedence over recorded values and over
+        recorded changes of them.
 
     Raises
     ------
@@ -67,42 +68,24 @@ class RecordingReplay:
         self, reader: RecordingReader, source: RecordingSource, chosen: Mapping[str, Any]
     ) -> None:
         self._reader, self._source, self._chosen = reader, source, dict(chosen)
-        recorded = _still_known(from_metadata(reader.metadata()))
-        if 'axis' in chosen:  # of the user's choice alone, not of one that the node has made
+        recorded = _known_today(from_metadata(reader.metadata()))
+        if 'axis' in chosen:  # chosen by the user, not recorded by the node
             recorded = {k: v for k, v in recorded.items() if not k.startswith('further_axes.')}
         parameters = build(EstimationParameters, {**recorded, **chosen})
         self.session = ContactSession(parameters, generate_reference=False)
-        self._readings = ContactReadings(self.session)
+        self._inputs = MessageInputs(self.session)
         self._references = TrajectoryDecoder()
         self._left_over: list[RecordedMessage] = []
         self._last_reference_ns, self._reference_jumps = -(2**63), 0
 
-    def estimates(self) -> Iterator[list[Estimate]]:
+    def estimates(self) -> Iterator[list[AxesEstimates]]:
         """
         Run the recording through the session.
 
         Yields
         ------
-        estimates : list of Estimate
-            Of a stretch of the recording, in order, one for each wrench used.
-
-        Raises
-        ------
-        RecordingError
-            If a topic is missing or has another type than expected.
-
-        """
-        for batch in self.estimates_of_axes():
-            yield batch.contact
-
-    def estimates_of_axes(self) -> Iterator[Estimates]:
-        """
-        Run the recording through the session, for the axes beside the contact axis too.
-
-        Yields
-        ------
-        estimates : Estimates
-            Of a stretch of the recording, in order, one for each wrench used.
+        estimates : list of tuple of Estimate
+            Of a part of the recording, in order, one tuple for each wrench used.
 
         Raises
         ------
@@ -111,8 +94,8 @@ class RecordingReplay:
 
         """
         for batch in self._ahead(self._reader.batches(self._topics())):
-            yield self._process(batch)
-        yield self._process_one_by_one(self._left_over)
+            yield [result.estimates for result in self._process(batch)]
+        yield [result.estimates for result in self._process_one_by_one(self._left_over)]
 
     def _topics(self) -> list[str]:
         source = self._source
@@ -124,7 +107,7 @@ class RecordingReplay:
         return asked
 
     def _may_follow(self) -> bool:
-        """Tell whether the estimator, or one that a recorded event switches to, needs x_r."""
+        """Return whether the estimator, or one that a recorded event switches to, needs x_r."""
         fixed = 'estimator' in self._chosen
         used = [self.session.parameters.estimator] if fixed else list(ESTIMATORS)
         return any(ESTIMATORS[name].follows_reference for name in used)
@@ -132,7 +115,7 @@ class RecordingReplay:
     def _ahead(
         self, batches: Iterator[list[RecordedMessage]]
     ) -> Iterator[list[RecordedMessage]]:
-        """Read ahead, so that events and references are known before the samples they act on."""
+        """Read ahead: events and references must be known before the samples that they affect."""
         waiting: deque[list[RecordedMessage]] = deque()
         count = 0
         for batch in batches:
@@ -175,38 +158,37 @@ class RecordingReplay:
         self._last_reference_ns = stamp_ns
         self.session.add_reference(stamp_ns, Reference(x, *rates), self._reference_jumps)
 
-    def _process(self, batch: list[RecordedMessage]) -> Estimates:
-        """Take a batch at once where it is regular, else message by message."""
+    def _process(self, batch: list[RecordedMessage]) -> list[Result]:
+        """Process a batch at once where it is regular, else message by message."""
         messages = self._left_over + batch if self._left_over else batch
         self._left_over = []
-        estimates, messages = self._finish_waiting(messages)  # few, or none
+        results, messages = self._finish_waiting(messages)  # few, or none
         wrench = self._source.wrench
         wrenches = [data for topic, _, data in messages if topic == wrench]
         motions = [data for topic, _, data in messages if topic != wrench]
         count = min(len(wrenches), len(motions))
         if count and len(messages) - 2 * count < _MOST_UNPAIRED:
-            paired = self._readings.add_pairs(wrenches[:count], motions[:count])
+            paired = self._inputs.process_pairs(wrenches[:count], motions[:count])
             if paired is not None:
                 self._left_over = self._unpaired(messages, count)
-                return _joined(estimates, paired)
-        return _joined(estimates, self._process_one_by_one(messages))
+                return results + paired
+        return results + self._process_one_by_one(messages)
 
     def _finish_waiting(
         self, messages: list[RecordedMessage]
-    ) -> tuple[Estimates, list[RecordedMessage]]:
-        """Take messages until no wrench waits for its joint sample any more."""
-        estimates = Estimates([], [])
+    ) -> tuple[list[Result], list[RecordedMessage]]:
+        """Process messages until no wrench waits for its joint state."""
+        results: list[Result] = []
         taken = 0
         while taken < len(messages) and self.session.waits:
-            one = self._process_one_by_one(messages[taken:taken + 1])
-            estimates = _joined(estimates, one)
+            results += self._process_one_by_one(messages[taken:taken + 1])
             taken += 1
-        return estimates, messages[taken:]
+        return results, messages[taken:]
 
     def _unpaired(
         self, messages: list[RecordedMessage], count: int
     ) -> list[RecordedMessage]:
-        """Keep for the next batch what a chunk's end has cut off from its partner."""
+        """Return the messages whose partners are in the next batch."""
         left: list[RecordedMessage] = []
         taken = {True: 0, False: 0}
         for message in messages:
@@ -216,38 +198,16 @@ class RecordingReplay:
                 left.append(message)
         return left
 
-    def _process_one_by_one(self, messages: list[RecordedMessage]) -> Estimates:
+    def _process_one_by_one(self, messages: list[RecordedMessage]) -> list[Result]:
         results: list[Result] = []
-        session, wrench_topic = self.session, self._source.wrench
-        readings = self._readings
-        force_of, add_wrench, add_motion = (
-            readings.force_of, readings.add_wrench, readings.add_motion
-        )
-        decode_wrench, decode_joints = readings.wrench.decode, readings.joints.decode
+        wrench_topic, inputs = self._source.wrench, self._inputs
         for topic, _, data in messages:
-            try:
-                if topic == wrench_topic:
-                    reading = decode_wrench(data)
-                    if not session.accepts_frame(reading.frame_id):
-                        continue
-                    results += add_wrench(reading[0], force_of(reading))
-                else:
-                    results += add_motion(*decode_joints(data))
-            except MessageError as error:
-                kind = 'wrench' if topic == wrench_topic else 'joint_states'
-                session.count_rejected(f'{kind}_{error.reason}')
-        further = [result.further for result in results if result.further]
-        return Estimates([result.estimate for result in results], further)
+            process = inputs.process_wrench if topic == wrench_topic else inputs.process_joints
+            results += process(data)
+        return results
 
 
-def _joined(first: Estimates, second: Estimates) -> Estimates:
-    """Put two stretches together; the first is seldom more than nothing."""
-    if not first.contact:
-        return second
-    return Estimates(first.contact + second.contact, first.further + second.further)
-
-
-def _still_known(recorded: Mapping[str, Any]) -> dict[str, Any]:
-    """Leave out what the present version does not know; a recording may be years old."""
+def _known_today(recorded: Mapping[str, Any]) -> dict[str, Any]:
+    """Leave out parameters that no longer exist: a recording may be years old."""
     known = {spec.name for spec in specifications(EstimationParameters)}
     return {name: value for name, value in recorded.items() if name in known}

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""How noisy the equation is that an estimator fits: force, position and what is not modelled."""
+"""Noise of the equation that an estimator fits: force, position and unmodelled effects."""
 
 from __future__ import annotations
 
@@ -21,23 +21,23 @@ from math import nan, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from .estimator import Held, OnlineEstimator, Snapshot
+from .estimator import Frozen, OnlineEstimator, ParameterEstimate
 from .excitation_monitor import Window
 
-_LEAST_SAMPLES = 20.0  # effective ones, less the parameters, before a residual is believed
-_LEAST_SIGNAL = 0.1  # share of the noise: where noise is all there is, the claim stays finite
-_SMALLEST = 1e-12  # relative variance of a column that is none of its own
+_LEAST_SAMPLES = 20.0  # degrees of freedom below which the residual is not used
+_LEAST_SIGNAL = 0.1  # of the noise: keeps the bias finite where there is noise alone
+_SMALLEST = 1e-12  # relative variance below which a column depends on the others
 
 
 def residual_variance(
     products: NDArray[np.float64], effective_samples: float, with_location: bool
 ) -> float | None:
     """
-    Tell the noise of y = phi^T theta from what its least-squares fit over a window leaves.
+    Estimate the noise of y = phi^T theta from the residual of its least-squares fit.
 
-    The fit is the window's own, so that a wrong estimate is not taken for noise. Filters shrink
-    the variance of the rows to a share; the effective number of samples is that share summed,
-    and each fitted parameter costs one of them.
+    The fit is that of the window, so that a wrong estimate does not count as noise. Filters
+    reduce the variance of the rows to a share; the effective number of samples is the sum of
+    these shares, and each fitted parameter reduces the degrees of freedom by one.
 
     Parameters
     ----------
@@ -46,20 +46,20 @@ def residual_variance(
     effective_samples : float
         Sum over the rows of the share of white noise that is left in them.
     with_location : bool
-        Whether the equation has an offset K_e times the wall's shift.
+        Whether the location, and with it an offset of the equation, is estimated.
 
     Returns
     -------
     variance : float or None
-        Of white noise before the filter that would leave as much [N^2]; None where the window
-        is too short to tell.
+        Of white noise before the filter that explains the residual [N^2]; None where the
+        window is too short.
 
     """
     fitted = [k for k in (1, 2, 3, 4) if products[k, k] > 0.0 and (k != 3 or with_location)]
     freedom = effective_samples - len(fitted)
     if freedom < _LEAST_SAMPLES:
         return None
-    # Elimination column by column leaves y^T y less what the columns explain.
+    # Elimination column by column leaves the residual sum of squares.
     left = [[float(products[i, j]) for j in (0, *fitted)] for i in (0, *fitted)]
     for k in range(1, len(left)):
         pivot = left[k][k]
@@ -73,13 +73,13 @@ def residual_variance(
 
 class EquationNoise:
     """
-    Noise of the equation at present, and what may be claimed of the estimates in face of it.
+    Present noise of the equation, and the systematic errors of the estimates.
 
-    Known beforehand is the force noise of free flight and the position noise, which a stiff wall
-    turns into force; the residual shows the rest. The residual alone would not do: the reading
-    of a position that stands still is off by a constant, which a fit takes for stiffness. Before
-    there is a residual, the noise is not taken for less than configured: a sensor that reads
-    exactly 0 out of contact would make the first rows look exact.
+    The force noise in free flight and the position noise, which a stiff wall turns into force,
+    are known; the residual of the window shows the rest. The residual alone is not sufficient: a
+    constant error of a position at rest is fitted as stiffness. Before there is a residual, the
+    noise is at least as large as configured: a sensor that reads exactly 0 out of contact would
+    make the first rows appear exact.
 
     Parameters
     ----------
@@ -92,44 +92,44 @@ class EquationNoise:
         self.variance = self._prior_variance = prior_variance
         self._shares = 0.0, 0.0  # of the window: of K_hat by an offset, of B_hat by rate noise
         self._offset_share = self._rate_share = 0.0  # of what has been learned
-        self.forget_claims()
+        self.forget_updates()
 
-    def forget_claims(self) -> None:
-        """Note that an estimator begins anew: it has learned nothing yet."""
-        self._stiffness_learned = self._damping_learned = False
+    def forget_updates(self) -> None:
+        """Note that a new estimator has started: no parameter has been updated yet."""
+        self._stiffness_updated = self._damping_updated = False
 
-    def note_learning(self, held: Held) -> None:
+    def note_update(self, frozen: Frozen) -> None:
         """
-        Note which parameters learn now.
+        Note which parameters are being updated.
 
         Parameters
         ----------
-        held : Held
-            Those that do not.
+        frozen : Frozen
+            Parameters that are not updated.
 
         """
-        if not held.stiffness:
-            self._stiffness_learned, self._offset_share = True, self._shares[0]
-        if not held.damping:
-            self._damping_learned, self._rate_share = True, self._shares[1]
+        if not frozen.stiffness:
+            self._stiffness_updated, self._offset_share = True, self._shares[0]
+        if not frozen.damping:
+            self._damping_updated, self._rate_share = True, self._shares[1]
 
     def judge(
         self, window: Window, force_variance: float, position_noise: float,
         estimator: OnlineEstimator,
     ) -> None:
         """
-        Take the window's rows into account.
+        Estimate the noise and the systematic errors from the rows of the window.
 
         Parameters
         ----------
         window : Window
-            The rows of the last moments.
+            Of the excitation monitor.
         force_variance : float
             Of the force noise in free flight [N^2].
         position_noise : float
             Standard deviation of the position [m], quantisation included.
         estimator : OnlineEstimator
-            Whose equation it is.
+            The estimator that fits the equation.
 
         """
         effective_samples, rate_noise, products = window
@@ -150,28 +150,27 @@ class EquationNoise:
             rate_share = noise / max(power - noise, _LEAST_SIGNAL * noise, 1e-30)
         self._shares = offset_share, rate_share
 
-    def claim(self, known: Snapshot) -> Snapshot:
+    def widen(self, estimate: ParameterEstimate) -> ParameterEstimate:
         """
-        Say of an estimate only what the data support.
+        Return an estimate with systematic errors added to its standard deviations.
 
         Parameters
         ----------
-        known : Snapshot
+        estimate : ParameterEstimate
             With the standard deviations of white equation noise.
 
         Returns
         -------
-        claimed : Snapshot
-            With those of a constant position error and of noise in the differentiated position as
-            well; NaN for what was held from the
-            start, which is the first guess and nothing else.
+        widened : ParameterEstimate
+            Includes a constant position error and the bias by noise of the differentiated
+            position; NaN for a parameter not updated yet, which still is the initial value.
 
         """
-        K, B, K_std, B_std, shift, inertia = known
+        K, B, K_std, B_std, shift, inertia = estimate
         offset, bias = self._offset_share * K, self._rate_share * B
-        return Snapshot(
+        return ParameterEstimate(
             K, B,
-            sqrt(K_std * K_std + offset * offset) if self._stiffness_learned else nan,
-            sqrt(B_std * B_std + bias * bias) if self._damping_learned else nan,
+            sqrt(K_std * K_std + offset * offset) if self._stiffness_updated else nan,
+            sqrt(B_std * B_std + bias * bias) if self._damping_updated else nan,
             shift, inertia,
         )

@@ -12,13 +12,14 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What every estimator is and gives."""
+"""Base of the on-line estimators and the estimates that they return."""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from enum import Enum
+from functools import cached_property
 from math import nan
 from typing import Callable, ClassVar, Mapping, NamedTuple, Sequence
 
@@ -30,11 +31,11 @@ from ..signals.relations import Relation, Row, VelocityRelation
 TimedRow = tuple[float, Row]
 
 UNKNOWN_DAMPING_S = 1e-2
-"""Standard deviation of a B_e that no data have shown, as a share of K_hat [s]."""
+"""Prior standard deviation of a B_e not excited so far, relative to K_hat [s]."""
 
 
 class EstimateStatus(str, Enum):
-    """Whether an estimate moves."""
+    """Whether the estimate was updated with a sample: out of contact, updated or frozen."""
 
     FREE = 'free'
     ESTIMATING = 'estimating'
@@ -43,7 +44,7 @@ class EstimateStatus(str, Enum):
 
 class Estimate(NamedTuple):
     """
-    What is known of the environment after one sample.
+    The published estimate of the environment after one sample.
 
     Attributes
     ----------
@@ -52,7 +53,7 @@ class Estimate(NamedTuple):
     stiffness, damping : float
         K_hat [N/m] and B_hat [N s/m].
     stiffness_std, damping_std : float
-        Their standard deviations; NaN where the estimator has none.
+        Their standard deviations; NaN before the first update of the parameter.
     location : float
         x_e: estimated where the estimator does so, else as configured [m].
     inertia : float
@@ -60,7 +61,7 @@ class Estimate(NamedTuple):
     status : EstimateStatus
         Free, estimating or frozen.
     reason : str
-        Why it is frozen, or which parameter is held; '' where there is nothing to say.
+        Why the estimate is frozen, or which parameter is; '' otherwise.
 
     """
 
@@ -75,9 +76,9 @@ class Estimate(NamedTuple):
     reason: str
 
 
-class Snapshot(NamedTuple):
+class ParameterEstimate(NamedTuple):
     """
-    The numbers of an estimator at one instant; NaN for what it does not estimate.
+    The parameters as estimated after one row; NaN for what is not estimated.
 
     Attributes
     ----------
@@ -100,8 +101,8 @@ class Snapshot(NamedTuple):
     inertia: float
 
 
-class Held(NamedTuple):
-    """Which parameters the data cannot tell at present, so that they must not move."""
+class Frozen(NamedTuple):
+    """Parameters not updated for lack of excitation: consider parameters (Schmidt)."""
 
     stiffness: bool
     damping: bool
@@ -109,22 +110,24 @@ class Held(NamedTuple):
 
 @dataclass(frozen=True)
 class EnvironmentParameters(ParameterGroup):
-    """First guess and limits of the environment."""
+    """Initial values and limits of the environment."""
 
     location: float = parameter(0.0, 'Surface of the untouched wall, x_e', 'm')
     initial_stiffness: float = parameter(
-        3000.0, 'First guess of K_e; err on the soft side, or the force overshoots', 'N/m',
+        3000.0, 'Initial K_hat; too soft rather than too stiff, or the force overshoots', 'N/m',
         minimum=1e-3, maximum=1e9,
     )
     initial_damping: float = parameter(
-        50.0, 'First guess of B_e', 'N s/m', minimum=0.0, maximum=1e9
+        50.0, 'Initial B_hat', 'N s/m', minimum=0.0, maximum=1e9
     )
-    minimum_stiffness: float = parameter(1.0, 'K_hat stays above', 'N/m', minimum=1e-3)
-    maximum_stiffness: float = parameter(1e8, 'K_hat stays below', 'N/m', minimum=1.0)
-    maximum_damping: float = parameter(1e6, 'B_hat stays below, and above 0', 'N s/m', minimum=1.0)
+    minimum_stiffness: float = parameter(1.0, 'Lower limit of K_hat', 'N/m', minimum=1e-3)
+    maximum_stiffness: float = parameter(1e8, 'Upper limit of K_hat', 'N/m', minimum=1.0)
+    maximum_damping: float = parameter(
+        1e6, 'Upper limit of B_hat; the lower is 0', 'N s/m', minimum=1.0
+    )
 
     def __post_init__(self) -> None:
-        """Check that the limits leave room between them."""
+        """Check that the lower limit is below the upper."""
         super().__post_init__()
         if self.minimum_stiffness > self.maximum_stiffness:
             raise ParameterRangeError(
@@ -132,20 +135,25 @@ class EnvironmentParameters(ParameterGroup):
                 f'({self.maximum_stiffness:g} N/m), got {self.minimum_stiffness:g}'
             )
 
+    @cached_property
+    def limits(self) -> tuple[float, float, float]:
+        """Least and greatest K_hat [N/m] and greatest B_hat [N s/m]."""
+        return self.minimum_stiffness, self.maximum_stiffness, self.maximum_damping
+
 
 class OnlineEstimator(ABC):
     """
     Base of the estimators that run sample by sample.
 
     A subclass declares its tuning in `Parameters`, the relation that it fits in `relation`, and
-    moves `stiffness` and `damping` in `learn`, which is called in contact only.
+    updates `stiffness` and `damping` in `update`, which is called in contact only.
 
     Parameters
     ----------
     tuning : ParameterGroup
         An instance of the class's `Parameters`.
     environment : EnvironmentParameters
-        First guess and limits.
+        Initial values and limits.
     sample_period_s : float
         Nominal T [s].
 
@@ -155,16 +163,16 @@ class OnlineEstimator(ABC):
     relation: ClassVar[type[Relation]] = VelocityRelation
     estimates_location: ClassVar[bool] = False
     biased_by_position_noise: ClassVar[bool] = True
-    """Whether noise of phi_B, a differentiated position, makes B_hat too small."""
+    """Whether noise of phi_B, a differentiated position, biases B_hat towards 0."""
 
     fits_linear_damping: ClassVar[bool] = True
-    """Whether B_e v, the same at every depth, is what the law contains."""
+    """Whether the law contains B_e v, with B_e independent of depth."""
 
     follows_reference: ClassVar[bool] = False
     """Whether `observe` needs the reference that the robot follows."""
 
     control_force: float = nan
-    """Force for a robot that is commanded by force [N], made by `observe`; NaN: none."""
+    """Force for a force-controlled robot [N], computed by `observe`; NaN: none."""
 
     def __init__(
         self, tuning: ParameterGroup, environment: EnvironmentParameters, sample_period_s: float
@@ -179,7 +187,7 @@ class OnlineEstimator(ABC):
     @abstractmethod
     def configure(self, tuning: ParameterGroup) -> None:
         """
-        Take new tuning while running; estimates and covariance stay.
+        Set new tuning while running; estimates and covariance stay.
 
         Parameters
         ----------
@@ -189,13 +197,13 @@ class OnlineEstimator(ABC):
         """
 
     def reset(self) -> None:
-        """Go back to the first guess."""
+        """Restart from the initial values."""
         self.start_from(self.environment.initial_stiffness, self.environment.initial_damping)
 
     @abstractmethod
     def start_from(self, stiffness: float, damping: float) -> None:
         """
-        Begin anew at given values, as after a switch from another estimator.
+        Restart from given values, as after a switch from another estimator.
 
         Parameters
         ----------
@@ -207,14 +215,14 @@ class OnlineEstimator(ABC):
         """
 
     @abstractmethod
-    def learn(
-        self, rows: Sequence[TimedRow], noise_variance: float, held: Held
-    ) -> list[Snapshot]:
+    def update(
+        self, rows: Sequence[TimedRow], noise_variance: float, frozen: Frozen
+    ) -> list[ParameterEstimate]:
         """
-        Learn from gated and filtered rows, one after the other.
+        Update the estimate with gated and filtered rows, one after the other.
 
-        Rows come in runs, since a loop inside the estimator costs half of a call for each; the
-        result must not depend on how the rows are cut into runs.
+        Rows come in runs, since a loop inside the estimator takes half the time of a call for
+        each; the result must not depend on how the rows are cut into runs.
 
         Parameters
         ----------
@@ -223,25 +231,25 @@ class OnlineEstimator(ABC):
             (y, phi_K, phi_B, phi_c, ...) of the class's relation.
         noise_variance : float
             Of the unfiltered force [N^2].
-        held : Held
-            Parameters that must not move.
+        frozen : Frozen
+            Parameters that must not be updated.
 
         Returns
         -------
-        snapshots : list of Snapshot
-            What is known after each row.
+        estimates : list of ParameterEstimate
+            After each row.
 
         """
 
     @abstractmethod
-    def snapshot(self) -> Snapshot:
-        """Tell what is known now."""
+    def current(self) -> ParameterEstimate:
+        """Return the present estimate."""
 
     def observe(  # noqa: B027 - most estimators need nothing here
         self, dt: float, position: float, velocity: float, force: float, reference: Reference
     ) -> None:
         """
-        See every sample, in and out of contact; only where `follows_reference`.
+        Process a sample in or out of contact; called only where `follows_reference`.
 
         Parameters
         ----------
@@ -256,20 +264,20 @@ class OnlineEstimator(ABC):
 
     def linearisation(self) -> Callable[[Row], Row] | None:
         """
-        Tell how to read a row of a law that is not linear; asked at each judgement.
+        Return the linearisation of a nonlinear law; called at each judgement of excitation.
 
         Returns
         -------
         linear : callable or None
-            From a row to one whose y is linear in K_e and B_e as published, and in what the
-            further columns stand for, about the present estimate; None where rows are so.
+            Maps a row to one that is linear in the published K_e and B_e, and in the parameters
+            of the further columns, about the present estimate; None where rows are linear.
 
         """
         return None
 
     @property
     def details(self) -> Mapping[str, float]:
-        """What else is known, by names, for the diagnostics."""
+        """Further estimated quantities by name, for the diagnostics."""
         return {}
 
     @property
@@ -277,26 +285,15 @@ class OnlineEstimator(ABC):
         """Prior standard deviation of the wall's location [m]; None where it is not estimated."""
         return None
 
-    @property
-    def limits(self) -> tuple[float, float, float]:
-        """Least and greatest K_hat [N/m] and greatest B_hat [N s/m]."""
-        limits = self.environment
-        return limits.minimum_stiffness, limits.maximum_stiffness, limits.maximum_damping
-
     def within_limits(self, stiffness: float, damping: float) -> tuple[float, float]:
         """
-        Bring a pair back into the limits.
+        Return a pair of K_hat [N/m] and B_hat [N s/m], clipped to the limits.
 
         Parameters
         ----------
         stiffness, damping : float
             K_hat [N/m], B_hat [N s/m].
 
-        Returns
-        -------
-        stiffness, damping : float
-            Within the limits.
-
         """
-        K_low, K_high, B_high = self.limits
+        K_low, K_high, B_high = self.environment.limits
         return min(max(stiffness, K_low), K_high), min(max(damping, 0.0), B_high)

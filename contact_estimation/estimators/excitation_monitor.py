@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What the data of the last moments can tell, whatever the estimator."""
+"""Excitation: how precisely the last window of data determines each parameter."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from typing import NamedTuple, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from .estimator import Held
+from .estimator import Frozen
 from ..parameters.specification import parameter, ParameterGroup
 from ..signals.relations import COLUMNS, NoiseGain, Row
 
@@ -34,32 +34,32 @@ _EARLY = 10  # rows between judgements
 
 @dataclass(frozen=True)
 class ExcitationParameters(ParameterGroup):
-    """When a parameter is held because the data do not tell it."""
+    """When a parameter is frozen for lack of excitation."""
 
     window_s: float = parameter(
-        1.0, 'Length of the window over which excitation counts', 's',
+        1.0, 'Length of the window over which excitation is evaluated', 's',
         minimum=0.01, maximum=100.0,
     )
     maximum_relative_std: float = parameter(
         0.2,
-        'A parameter is held while its predicted relative standard deviation is above this; '
-        'large: never held',
+        'A parameter is frozen while its predicted relative standard deviation is above this; '
+        'large: never frozen',
         minimum=1e-4,
     )
 
 
 class Window(NamedTuple):
     """
-    Sums over the rows of the last moments.
+    Sums over the rows of the window.
 
     Attributes
     ----------
     effective_samples : float
-        Of the shares of white force noise that are left in the rows.
+        Sum of the shares of white force noise left in the rows.
     rate_noise : float
-        Of the variances of phi_B for a variance 1 of the position [1/s^2].
+        Sum of the variances of phi_B for a position variance of 1 [1/s^2].
     products : ndarray, shape (5, 5)
-        Of row^T row.
+        Sum of row^T row.
 
     """
 
@@ -70,11 +70,11 @@ class Window(NamedTuple):
 
 class ExcitationMonitor:
     """
-    Predict the standard deviation that the last window allows, eq. (27) made quantitative.
+    Predict the standard deviations that the window permits: eq. (27) made quantitative.
 
     sigma_F^2 (sum phi phi^T)^-1 is the Cramer-Rao bound of K_e and B_e over the window. Where it
-    exceeds a share of the estimate, noise would move the parameter more than data; it is held.
-    The information of the third column, location or not, enters where it is estimated.
+    exceeds a share of the estimate, noise would dominate an update, and the parameter is frozen.
+    Where the location is estimated too, it is marginalised out.
 
     Parameters
     ----------
@@ -92,7 +92,7 @@ class ExcitationMonitor:
 
     def configure(self, parameters: ExcitationParameters) -> None:
         """
-        Take a new window and limit; what was gathered stays as long as the window does.
+        Set a new window and limit; the rows collected stay unless the window changes.
 
         Parameters
         ----------
@@ -107,10 +107,10 @@ class ExcitationMonitor:
         self._limit = parameters.maximum_relative_std
 
     def reset(self) -> None:
-        """Forget all excitation."""
+        """Discard all rows."""
         self._past: deque[Window] = deque(maxlen=_BLOCKS - 1)
         self._start_block()
-        self.held = Held(True, True)
+        self.frozen = Frozen(True, True)
         self.stiffness_std = inf
         self.damping_std = inf
 
@@ -127,14 +127,14 @@ class ExcitationMonitor:
 
     def add(self, rows: Sequence[Row], gains: Sequence[NoiseGain] = ()) -> None:
         """
-        Take rows of contact, at most `until_judgement`.
+        Add rows of contact, at most `until_judgement`.
 
         Parameters
         ----------
         rows : sequence of sequence of float
             (y, phi_K, phi_B, phi_c, phi_M) each.
         gains : sequence of NoiseGain
-            How noise enters each.
+            How noise enters each row.
 
         """
         self._rows += rows
@@ -145,7 +145,7 @@ class ExcitationMonitor:
 
     def window(self) -> Window:
         """
-        Sum over the window.
+        Return the sums over the window.
 
         Returns
         -------
@@ -170,7 +170,7 @@ class ExcitationMonitor:
         location_std: float | None,
     ) -> None:
         """
-        Judge what the window tells; sets `held` and the predicted standard deviations.
+        Judge the excitation of the window; sets `frozen` and the predicted standard deviations.
 
         Parameters
         ----------
@@ -178,7 +178,7 @@ class ExcitationMonitor:
             Of the unfiltered equation [N^2]; the filter passes the band in which phi lives
             unchanged, so the bound is that of the raw samples.
         stiffness, damping : float
-            The scales to compare with, > 0: the estimates, kept off zero by the caller.
+            The scales to compare with, > 0: the estimates with lower bounds.
         location_std : float or None
             Prior standard deviation of x_e [m] where x_e is estimated too, else None.
 
@@ -210,8 +210,8 @@ class ExcitationMonitor:
             BB -= Bc * Bc / cc
             Ky -= Kc * cy / cc
             By -= Bc * cy / cc
-        # What the window alone would give counts as well, as does its secant stiffness: a first
-        # guess that is far too soft must not call a stiff and damped wall unexcited.
+        # The fit over the window counts as well, as does its secant stiffness: with an initial
+        # value far too soft, a stiff and damped wall would otherwise appear unexcited.
         determinant = KK * BB - KB * KB
         fitted_B = (KK * By - KB * Ky) / determinant if determinant > 1e-12 * KK * BB else 0.0
         limit_B = self._limit * max(damping, fitted_B)
@@ -219,19 +219,19 @@ class ExcitationMonitor:
         alone_K, alone_B = _std(noise_variance, KK, 0.0, 1.0), _std(noise_variance, BB, 0.0, 1.0)
         self.stiffness_std, self.damping_std = both_K, both_B
         if both_K <= limit_K and both_B <= limit_B:
-            self.held = Held(False, False)
+            self.frozen = Frozen(False, False)
         elif alone_K <= limit_K:
-            self.held = Held(False, True)
+            self.frozen = Frozen(False, True)
             self.stiffness_std = alone_K
         elif alone_B <= limit_B:
-            self.held = Held(True, False)
+            self.frozen = Frozen(True, False)
             self.damping_std = alone_B
         else:
-            self.held = Held(True, True)
+            self.frozen = Frozen(True, True)
 
 
 def _std(noise_variance: float, own: float, cross: float, other: float) -> float:
-    """Take the square root of a diagonal entry of sigma^2 [[own, cross], [cross, other]]^-1."""
+    """Return the square root of a diagonal entry of sigma^2 [[own, cross], [cross, other]]^-1."""
     information = own - (cross * cross / other if other > 0.0 else 0.0)
     if information <= 1e-12 * own or own <= 0.0:
         return inf

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Hunt and Crossley's contact: K, n and chi of F = K d^n + chi d^n v, recursively."""
+"""Recursive estimation of the Hunt-Crossley contact law F = K d^n + chi d^n v."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ from typing import Callable, Mapping, NamedTuple, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from .estimator import Held, OnlineEstimator, Snapshot, TimedRow
+from .estimator import Frozen, OnlineEstimator, ParameterEstimate, TimedRow
 from ..parameters.specification import parameter, ParameterGroup
 from ..signals.relations import Row
 
-_SETTLED = 0.01  # of the gate's step through the filter: after touch-down, laws do not commute
-_SLOWEST_SHARE = 0.05  # 1 + r v stays above
-_LOGARITHMIC = 0.2  # relative error of the force above which its logarithm is compared
+_SETTLED = 0.01  # error of the filtered gate below which a nonlinear law holds for the row
+_SLOWEST_SHARE = 0.05  # lower limit of 1 + r v
+_LOGARITHMIC = 0.2  # relative force error above which the error is logarithmic
 _LOWEST_EXPONENT, _HIGHEST_EXPONENT = 0.5, 4.0
 
 
@@ -38,13 +38,13 @@ class HuntCrossleyParameters(ParameterGroup):
     """Prior and random walk of (ln K, n, chi / K)."""
 
     exponent: float = parameter(
-        1.5, 'First guess of n: 1 linear, 1.5 two spheres (Hertz)', minimum=0.5, maximum=4.0
+        1.5, 'Initial value of n: 1 linear, 1.5 two spheres (Hertz)', minimum=0.5, maximum=4.0
     )
     exponent_std: float = parameter(
         0.5, 'Prior standard deviation of n; 0: known', minimum=0.0, maximum=10.0
     )
     reference_depth: float = parameter(
-        0.01, 'Penetration at which the first guess of K_e and B_e is meant', 'm',
+        0.01, 'Penetration to which the initial K_hat and B_hat refer', 'm',
         minimum=1e-7, maximum=10.0,
     )
     log_stiffness_std: float = parameter(
@@ -55,7 +55,7 @@ class HuntCrossleyParameters(ParameterGroup):
         20.0, 'Prior standard deviation of chi / K', 's/m', minimum=1e-6, maximum=1e6
     )
     relative_walk: float = parameter(
-        0.002, 'Random walk of K and chi as a share of themselves, and of n; larger: follows '
+        0.002, 'Random walk of K and chi relative to their values, and of n; larger: follows '
         'changes faster, noisier', '1/sqrt(s)', minimum=0.0,
     )
     depth_memory_s: float = parameter(
@@ -65,7 +65,7 @@ class HuntCrossleyParameters(ParameterGroup):
 
 
 class Law(NamedTuple):
-    """The law itself: K [N/m^n], n and chi [N s/m^(n + 1)], with standard deviations."""
+    """Parameters of the law: K [N/m^n], n and chi [N s/m^(n + 1)], with standard deviations."""
 
     K: float
     n: float
@@ -80,14 +80,14 @@ class HuntCrossley(OnlineEstimator):
     Extended Kalman filter for F = K d^n + chi d^n v (Hunt and Crossley 1975).
 
     With r = chi / K and a depth d_0, F = exp(a + n ln(d / d_0)) (1 + r v): the logarithm is
-    linear in a and n, and K cannot become negative. What is compared is the relative error of the
-    force, or its logarithm while the model is far off: so a first guess wrong by a factor of
-    hundred converges, and later the force noise is not bent by the logarithm, as it is in the
+    linear in a and n, and K cannot become negative. The innovation is the relative error of the
+    force, or its logarithm while that error is large: an initial value wrong by a factor of 100
+    converges, and later the logarithm does not distort the force noise, as it does in the
     two-stage log-linear form of Diolaiti, Melchiorri and Stramigioli (2005).
 
-    Published are the stiffness and damping that give the law's force through eq. (3) at the mean
-    penetration d of late: the secant K_e = K d^(n - 1) and B_e = chi d^n. So eq. (20) asks for
-    the right depth; the tangent stiffness is n K_e. `details` tells the law itself.
+    The published stiffness and damping give the force of the law through eq. (3) at the mean
+    recent penetration d: the secant K_e = K d^(n - 1) and B_e = chi d^n, so that eq. (20) yields
+    the correct depth; the tangent stiffness is n K_e. `details` contains the law itself.
 
     """
 
@@ -99,7 +99,7 @@ class HuntCrossley(OnlineEstimator):
     _P: NDArray[np.float64]
 
     def configure(self, tuning: ParameterGroup) -> None:
-        """Take new tuning; see `OnlineEstimator.configure`."""
+        """Set new tuning; see `OnlineEstimator.configure`."""
         assert isinstance(tuning, HuntCrossleyParameters)
         self._p = tuning
         if self._depth_0 > 0.0:  # a, moved to the new reference depth
@@ -110,7 +110,7 @@ class HuntCrossley(OnlineEstimator):
             self._depth_0 = tuning.reference_depth
 
     def start_from(self, stiffness: float, damping: float) -> None:
-        """Begin anew with the prior; see `OnlineEstimator.start_from`."""
+        """Restart with the prior; see `OnlineEstimator.start_from`."""
         p = self._p
         d_0 = p.reference_depth
         self.stiffness, self.damping, self._depth_0 = stiffness, damping, d_0
@@ -118,25 +118,25 @@ class HuntCrossley(OnlineEstimator):
         self._P = np.diag([p.log_stiffness_std, p.exponent_std, p.dissipation_std]) ** 2
         self._log_depth = 0.0
         self._seen_s = 0.0
-        self._stiffness_learned = self._damping_learned = False
+        self._stiffness_updated = self._damping_updated = False
         self._std = self._spread()
 
-    def learn(
-        self, rows: Sequence[TimedRow], noise_variance: float, held: Held
-    ) -> list[Snapshot]:
-        """Predict and correct for each row; see `OnlineEstimator.learn`."""
+    def update(
+        self, rows: Sequence[TimedRow], noise_variance: float, frozen: Frozen
+    ) -> list[ParameterEstimate]:
+        """Predict and correct for each row; see `OnlineEstimator.update`."""
         free = np.array([
-            not held.stiffness, not held.stiffness and self._p.exponent_std > 0.0,
-            not held.damping,
+            not frozen.stiffness, not frozen.stiffness and self._p.exponent_std > 0.0,
+            not frozen.damping,
         ])
-        snapshots = []
+        estimates = []
         for dt, row in rows:
             if row[1] > 0.0 and abs(row[3] - 1.0) < _SETTLED:
                 self._note_depth(dt, row[1])
                 self._update(dt, row, noise_variance, free)
-                self._publish(held)
-            snapshots.append(self.snapshot())
-        return snapshots
+                self._publish(frozen)
+            estimates.append(self.current())
+        return estimates
 
     def _note_depth(self, dt: float, depth: float) -> None:
         self._seen_s = min(self._seen_s + dt, self._p.depth_memory_s)
@@ -160,37 +160,37 @@ class HuntCrossley(OnlineEstimator):
         error = y / force - 1.0
         if abs(error) > _LOGARITHMIC or spread > _LOGARITHMIC**2:
             error = log(max(y / force, 1e-3))
-        # What is left of ln(1 + r v) beyond its tangent, in the mean: without it, the first rows
-        # would be believed along a wrong direction.
+        # Mean second-order term of ln(1 + r v): without it, the first rows would have too much
+        # weight along a wrong direction.
         bend = 0.5 * P[2, 2] * H[2] ** 2
         g /= spread + max(noise_variance, 1e-18) / force**2 + 2.0 * bend**2
-        # Schmidt's consider filter: a held one keeps value and covariance, and its uncertainty
-        # has weakened the gain of the others.
-        held = P[np.ix_(~free, ~free)].copy()
+        # Schmidt-Kalman filter: a frozen parameter is a consider parameter. Value and covariance
+        # stay; its uncertainty has reduced the gain of the others.
+        frozen = P[np.ix_(~free, ~free)].copy()
         self._x = x + g * error * free
         P = P - np.outer(g, H @ P)
-        P[np.ix_(~free, ~free)] = held
+        P[np.ix_(~free, ~free)] = frozen
         self._P = 0.5 * (P + P.T)
         self._keep_within(1, _LOWEST_EXPONENT, _HIGHEST_EXPONENT)
         self._keep_within(2, 0.0, float('inf'))
 
     def _keep_within(self, index: int, low: float, high: float) -> None:
-        """Project onto a limit along the covariance: cutting one state alone would tear it off."""
+        """Project onto a limit along the covariance, which moves the other states too."""
         excess = self._x[index] - min(max(self._x[index], low), high)
         if excess != 0.0 and self._P[index, index] > 0.0:
             self._x = self._x - self._P[:, index] * (excess / self._P[index, index])
 
-    def _publish(self, held: Held) -> None:
+    def _publish(self, frozen: Frozen) -> None:
         """Evaluate the law at the mean penetration."""
         a, n, r = self._x.tolist()
         force = exp(min(a + n * self._log_depth, 60.0))
         K, B = force / (exp(self._log_depth) * self._p.reference_depth), r * force
         K, B = self.within_limits(K, B)
-        self._stiffness_learned |= not held.stiffness
-        self._damping_learned |= not held.damping
-        # A law that is held stands still; what it comes to at another depth does not.
-        self.stiffness = K if self._stiffness_learned else self.stiffness
-        self.damping = B if self._damping_learned else self.damping
+        self._stiffness_updated |= not frozen.stiffness
+        self._damping_updated |= not frozen.damping
+        # The parameters of a frozen law stay, but its value changes with the mean penetration.
+        self.stiffness = K if self._stiffness_updated else self.stiffness
+        self.damping = B if self._damping_updated else self.damping
         self._std = self._spread()
 
     def _spread(self) -> tuple[float, float]:
@@ -202,7 +202,7 @@ class HuntCrossley(OnlineEstimator):
         return self.stiffness * K_share, force * sqrt(max(float(of_B @ P @ of_B), 0.0))
 
     def linearisation(self) -> Callable[[Row], Row]:
-        """Read rows by the present n at the mean depth; see `OnlineEstimator.linearisation`."""
+        """Linearise about the present n at the mean depth; see `OnlineEstimator.linearisation`."""
         n, r = float(self._x[1]), float(self._x[2])
         mean = exp(self._log_depth) * self._p.reference_depth
         stiffness = exp(min(float(self._x[0]) + n * self._log_depth, 60.0)) / mean
@@ -218,7 +218,7 @@ class HuntCrossley(OnlineEstimator):
 
     @property
     def law(self) -> Law:
-        """K, n and chi as they are known now."""
+        """Present estimates of K, n and chi."""
         a, n, r = self._x.tolist()
         ln_0 = log(self._p.reference_depth)
         K = exp(a - n * ln_0)
@@ -232,9 +232,9 @@ class HuntCrossley(OnlineEstimator):
 
     @property
     def details(self) -> Mapping[str, float]:
-        """The law, by names; see `OnlineEstimator.details`."""
+        """The law by name; see `OnlineEstimator.details`."""
         return self.law._asdict()
 
-    def snapshot(self) -> Snapshot:
-        """Tell what is known now; see `OnlineEstimator.snapshot`."""
-        return Snapshot(self.stiffness, self.damping, *self._std, 0.0, nan)
+    def current(self) -> ParameterEstimate:
+        """Return the present estimate; see `OnlineEstimator.current`."""
+        return ParameterEstimate(self.stiffness, self.damping, *self._std, 0.0, nan)

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from math import expm1, nan, sqrt
 from typing import Sequence
 
-from .estimator import Held, OnlineEstimator, Snapshot, TimedRow, UNKNOWN_DAMPING_S
+from .estimator import Frozen, OnlineEstimator, ParameterEstimate, TimedRow, UNKNOWN_DAMPING_S
 from ..parameters.specification import parameter, ParameterGroup
 
 _SMALLEST = 1e-30
@@ -53,44 +53,44 @@ class IndirectAdaptive(OnlineEstimator):
 
     Eq. (25): theta_hat_dot = -Gamma^-1 phi F_tilde, F_tilde = phi^T theta_hat - F, integrated
     exactly over a sample in which phi is constant. P is the covariance that this linear
-    recursion gives to its own estimate: an initial spread as large as the first guess, driven by
-    the force noise.
+    recursion gives its own estimate: initially as large as the initial value, driven by the
+    force noise.
 
     """
 
     Parameters = IndirectAdaptiveParameters
 
     def configure(self, tuning: ParameterGroup) -> None:
-        """Take new gains; see `OnlineEstimator.configure`."""
+        """Set new gains; see `OnlineEstimator.configure`."""
         assert isinstance(tuning, IndirectAdaptiveParameters)
         self._gain_K, self._gain_B = tuning.stiffness_gain, tuning.damping_gain
         self._rate = tuning.adaptation_rate if tuning.normalised else None
 
     def start_from(self, stiffness: float, damping: float) -> None:
-        """Begin anew; see `OnlineEstimator.start_from`."""
+        """Restart; see `OnlineEstimator.start_from`."""
         self.stiffness, self.damping = stiffness, damping
         self._seen_s = self._mean_K = self._mean_B = 0.0
-        self._damping_learned = False
+        self._damping_updated = False
         self._P = stiffness**2, 0.0, max(damping, UNKNOWN_DAMPING_S * stiffness) ** 2
 
-    def learn(
-        self, rows: Sequence[TimedRow], noise_variance: float, held: Held
-    ) -> list[Snapshot]:
-        """Apply eq. (25) over each sample; see `OnlineEstimator.learn`."""
+    def update(
+        self, rows: Sequence[TimedRow], noise_variance: float, frozen: Frozen
+    ) -> list[ParameterEstimate]:
+        """Apply eq. (25) over each sample; see `OnlineEstimator.update`."""
         normalised, rate = self._rate is not None, self._rate or 0.0
-        gain_K = 0.0 if held.stiffness else self._gain_K
-        gain_B = 0.0 if held.damping else self._gain_B
+        gain_K = 0.0 if frozen.stiffness else self._gain_K
+        gain_B = 0.0 if frozen.damping else self._gain_B
         K, B = self.stiffness, self.damping
         P_KK, P_KB, P_BB = self._P
-        K_low, K_high, B_high = self.limits
-        self._damping_learned |= not held.damping
-        unknown = 0.0 if self._damping_learned else UNKNOWN_DAMPING_S
-        snapshots = []
+        K_low, K_high, B_high = self.environment.limits
+        self._damping_updated |= not frozen.damping
+        unknown = 0.0 if self._damping_updated else UNKNOWN_DAMPING_S
+        estimates = []
         for dt, row in rows:
             P_BB = max(P_BB, (unknown * K) ** 2)
             y, f_K, f_B = row[0], row[1], row[2]
             if normalised:
-                gain_K, gain_B = self._normalised_gains(dt, f_K, f_B, held)
+                gain_K, gain_B = self._normalised_gains(dt, f_K, f_B, frozen)
             g_K, g_B = gain_K * f_K, gain_B * f_B
             power = g_K * f_K + g_B * f_B  # phi^T Gamma^-1 phi [1/s]
             if power > _SMALLEST:
@@ -108,15 +108,15 @@ class IndirectAdaptive(OnlineEstimator):
                 P_KK += g_K * (g_K * s - 2.0 * p_K)
                 P_KB += g_K * g_B * s - g_K * p_B - g_B * p_K
                 P_BB += g_B * (g_B * s - 2.0 * p_B)
-            snapshots.append(Snapshot(
+            estimates.append(ParameterEstimate(
                 K, B, sqrt(P_KK) if P_KK > 0.0 else 0.0, sqrt(P_BB) if P_BB > 0.0 else 0.0,
                 0.0, nan,
             ))
         self.stiffness, self.damping, self._P = K, B, (P_KK, P_KB, P_BB)
-        return snapshots
+        return estimates
 
     def _normalised_gains(
-        self, dt: float, phi_K: float, phi_B: float, held: Held
+        self, dt: float, phi_K: float, phi_B: float, frozen: Frozen
     ) -> tuple[float, float]:
         # The plain mean since the start, then over the last _MEMORY_S.
         self._seen_s = min(self._seen_s + dt, _MEMORY_S)
@@ -124,13 +124,13 @@ class IndirectAdaptive(OnlineEstimator):
         self._mean_K += share * (phi_K * phi_K - self._mean_K)
         self._mean_B += share * (phi_B * phi_B - self._mean_B)
         return (
-            0.0 if held.stiffness else 1.0 / (self._mean_K + _SMALLEST),
-            0.0 if held.damping else 1.0 / (self._mean_B + _SMALLEST),
+            0.0 if frozen.stiffness else 1.0 / (self._mean_K + _SMALLEST),
+            0.0 if frozen.damping else 1.0 / (self._mean_B + _SMALLEST),
         )
 
-    def snapshot(self) -> Snapshot:
-        """Tell what is known now; see `OnlineEstimator.snapshot`."""
+    def current(self) -> ParameterEstimate:
+        """Return the present estimate; see `OnlineEstimator.current`."""
         P_KK, _, P_BB = self._P
-        return Snapshot(
+        return ParameterEstimate(
             self.stiffness, self.damping, sqrt(max(P_KK, 0.0)), sqrt(max(P_BB, 0.0)), 0.0, nan
         )

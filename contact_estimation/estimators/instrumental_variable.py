@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Instrumental variables: damping that position noise does not bias."""
+"""Instrumental variables: estimates that position noise does not bias."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ from dataclasses import dataclass
 from math import exp, nan, sqrt
 from typing import Sequence
 
-from .estimator import Held, OnlineEstimator, Snapshot, TimedRow
+from .estimator import Frozen, OnlineEstimator, ParameterEstimate, TimedRow
 from ..parameters.specification import parameter, ParameterGroup
 from ..signals.relations import Row
 
 _SMALLEST = 1e-18
-_TOO_UNSURE = 0.5  # relative standard deviation above which a solution is not taken
+_LARGEST_RELATIVE_STD = 0.5  # above which a solution is rejected
 
 
 @dataclass(frozen=True)
@@ -35,8 +35,8 @@ class InstrumentalVariableParameters(ParameterGroup):
 
     delay_s: float = parameter(
         0.02,
-        'By how much the instruments lag; at least 1 / conditioning.cutoff_frequency, within '
-        'which filtered noise is correlated, and short of the time in which the motion changes',
+        'Delay of the instruments: longer than 1 / conditioning.cutoff_frequency, over which '
+        'filtered noise is correlated, and shorter than the time scale of the motion',
         's', minimum=0.0, maximum=1.0,
     )
     memory_s: float = parameter(
@@ -55,16 +55,16 @@ class InstrumentalVariable(OnlineEstimator):
     """
     Least squares whose normal equations are formed with delayed regressors.
 
-    A differentiated position carries noise of its own, which least squares takes for motion:
-    sum phi phi^T grows by the noise and B_hat shrinks (errors in variables). With instruments z
-    that go with the motion but not with the noise, sum z (y - phi^T theta) = 0 has no such bias
-    (Soderstrom and Stoica, Instrumental Variable Methods for System Identification, 1983). White
-    position noise is forgotten by the filter within its memory, motion is not, so z is phi as it
-    was `delay_s` ago: nothing but the samples is needed.
+    Noise of the differentiated position is part of the regressor: sum phi phi^T grows by its
+    power and least squares biases B_hat towards 0 (errors in variables). With instruments z that
+    are correlated with the motion but not with the noise, sum z (y - phi^T theta) = 0 has no such
+    bias (Soderstrom and Stoica, Instrumental Variable Methods for System Identification, 1983).
+    Filtered white noise is uncorrelated beyond the memory of the filter, motion is not, so z is
+    phi delayed by `delay_s`.
 
-    The sums are kept and solved anew, row by row, so that no gain can grow where z and phi are
-    out of step. Their covariance is sigma^2 A^-1 (sum z z^T) A^-T, A = sum z phi^T. The equation
-    of a held parameter neither takes rows nor forgets.
+    The sums are kept and the equations solved for each row, so that no gain can grow where z and
+    phi are out of phase. The covariance is sigma^2 A^-1 (sum z z^T) A^-T, A = sum z phi^T. The
+    equation of a frozen parameter neither adds rows nor forgets.
 
     """
 
@@ -72,7 +72,7 @@ class InstrumentalVariable(OnlineEstimator):
     biased_by_position_noise = False
 
     def configure(self, tuning: ParameterGroup) -> None:
-        """Take new tuning; see `OnlineEstimator.configure`."""
+        """Set new tuning; see `OnlineEstimator.configure`."""
         assert isinstance(tuning, InstrumentalVariableParameters)
         self._p = tuning
         self._keep = exp(-self.sample_period_s / tuning.memory_s)
@@ -80,7 +80,7 @@ class InstrumentalVariable(OnlineEstimator):
         self._past: deque[Row] = deque(getattr(self, '_past', ()), maxlen=lag)
 
     def start_from(self, stiffness: float, damping: float) -> None:
-        """Begin anew with the prior; see `OnlineEstimator.start_from`."""
+        """Restart with the prior; see `OnlineEstimator.start_from`."""
         self.stiffness, self.damping = stiffness, damping
         self._start = stiffness, damping
         self._past.clear()
@@ -89,58 +89,58 @@ class InstrumentalVariable(OnlineEstimator):
         self._Z = 0.0, 0.0, 0.0
         self._std = self._p.stiffness_std, self._p.damping_std
 
-    def learn(
-        self, rows: Sequence[TimedRow], noise_variance: float, held: Held
-    ) -> list[Snapshot]:
-        """Add each row to the equations and solve them; see `OnlineEstimator.learn`."""
+    def update(
+        self, rows: Sequence[TimedRow], noise_variance: float, frozen: Frozen
+    ) -> list[ParameterEstimate]:
+        """Add each row to the equations and solve them; see `OnlineEstimator.update`."""
         variance, past, lag = max(noise_variance, _SMALLEST), self._past, self._past.maxlen
-        snapshots = []
+        estimates = []
         for _, row in rows:
             past.append(row)
             if len(past) == lag:
-                self._add(row, past[0], held)
-                self._solve(variance, held)
-            snapshots.append(self.snapshot())
-        return snapshots
+                self._add(row, past[0], frozen)
+                self._solve(variance, frozen)
+            estimates.append(self.current())
+        return estimates
 
-    def _add(self, row: Row, instrument: Row, held: Held) -> None:
+    def _add(self, row: Row, instrument: Row, frozen: Frozen) -> None:
         y, f_K, f_B = row[0], row[1], row[2]
         z_K, z_B, keep = instrument[1], instrument[2], self._keep
-        g_K, g_B = 1.0 if held.stiffness else keep, 1.0 if held.damping else keep
+        g_K, g_B = 1.0 if frozen.stiffness else keep, 1.0 if frozen.damping else keep
         KK, KB, BB = self._Z
         KK, KB, BB = g_K * g_K * KK, g_K * g_B * KB, g_B * g_B * BB
-        if not held.stiffness:
+        if not frozen.stiffness:
             a, b, c = self._of_K
             self._of_K = keep * a + z_K * f_K, keep * b + z_K * f_B, keep * c + z_K * y
             KK += z_K * z_K
-        if not held.damping:
+        if not frozen.damping:
             a, b, c = self._of_B
             self._of_B = keep * a + z_B * f_K, keep * b + z_B * f_B, keep * c + z_B * y
             BB += z_B * z_B
-            if not held.stiffness:
+            if not frozen.stiffness:
                 KB += z_K * z_B
         self._Z = KK, KB, BB
 
-    def _solve(self, variance: float, held: Held) -> None:
-        """Solve for both, or for one with the other as it stands where the data tell no more."""
-        if not (held.stiffness or held.damping) and self._solve_both(variance):
+    def _solve(self, variance: float, frozen: Frozen) -> None:
+        """Solve for both, or for the excited one with the present value of the other."""
+        if not (frozen.stiffness or frozen.damping) and self._solve_both(variance):
             return
         p = self._p
-        if not held.stiffness:
+        if not frozen.stiffness:
             (K_0, _), (a, b, c), r = self._start, self._of_K, variance / p.stiffness_std**2
             K = (c - b * self.damping + r * K_0) / (a + r) if a > -r else -1.0
-            # The damping that stands in the equation has its own error.
+            # The damping in the equation has an error of its own.
             spread = self._Z[0] * variance + r * variance + (b * self._std[1]) ** 2
             std = sqrt(spread) / abs(a + r) if a > -r else 0.0
-            if K > 0.0 and std < _TOO_UNSURE * K:
+            if K > 0.0 and std < _LARGEST_RELATIVE_STD * K:
                 self.stiffness, _ = self.within_limits(K, self.damping)
                 self._std = std, self._std[1]
-        elif not held.damping:
+        elif not frozen.damping:
             (_, B_0), (a, b, c), r = self._start, self._of_B, variance / p.damping_std**2
             B = (c - a * self.stiffness + r * B_0) / (b + r) if b > -r else -1.0
             spread = self._Z[2] * variance + r * variance + (a * self._std[0]) ** 2
             std = sqrt(spread) / abs(b + r) if b > -r else 0.0
-            if B >= 0.0 and std < self._tolerable(B):
+            if B >= 0.0 and std < self._largest_std(B):
                 _, self.damping = self.within_limits(self.stiffness, B)
                 self._std = self._std[0], std
 
@@ -158,15 +158,15 @@ class InstrumentalVariable(OnlineEstimator):
         scale = sqrt(variance) / determinant
         std_K = scale * sqrt(max(d * d * KK - 2.0 * d * b * KB + b * b * BB, 0.0))
         std_B = scale * sqrt(max(c * c * KK - 2.0 * a * c * KB + a * a * BB, 0.0))
-        if B < 0.0 or std_K > _TOO_UNSURE * K or std_B > self._tolerable(B):
+        if B < 0.0 or std_K > _LARGEST_RELATIVE_STD * K or std_B > self._largest_std(B):
             return False
         self.stiffness, self.damping = self.within_limits(K, B)
         self._std = std_K, std_B
         return True
 
-    def _tolerable(self, damping: float) -> float:
-        return _TOO_UNSURE * max(damping, self.damping, self.environment.initial_damping)
+    def _largest_std(self, damping: float) -> float:
+        return _LARGEST_RELATIVE_STD * max(damping, self.damping, self.environment.initial_damping)
 
-    def snapshot(self) -> Snapshot:
-        """Tell what is known now; see `OnlineEstimator.snapshot`."""
-        return Snapshot(self.stiffness, self.damping, *self._std, 0.0, nan)
+    def current(self) -> ParameterEstimate:
+        """Return the present estimate; see `OnlineEstimator.current`."""
+        return ParameterEstimate(self.stiffness, self.damping, *self._std, 0.0, nan)

@@ -22,7 +22,7 @@ from typing import Sequence
 
 import numpy as np
 
-from .estimator import Held, OnlineEstimator, Snapshot, TimedRow
+from .estimator import Frozen, OnlineEstimator, ParameterEstimate, TimedRow
 from ..parameters.specification import parameter, ParameterGroup
 from ..signals.relations import Row
 
@@ -44,7 +44,7 @@ class KalmanParameters(ParameterGroup):
     )
     relative_walk: float = parameter(
         0.002,
-        'Random walk of K_e and B_e as a share of themselves; larger: follows changes faster, '
+        'Random walk of K_e and B_e relative to their values; larger: follows changes faster, '
         'noisier', '1/sqrt(s)', minimum=0.0,
     )
     location_walk: float = parameter(
@@ -52,8 +52,8 @@ class KalmanParameters(ParameterGroup):
     )
     resting_speed: float = parameter(
         0.0,
-        'Nothing is learned while the wall moves slower than this: static friction, which no '
-        'compensation knows, may hold it there; 0: always learned', 'm/s', minimum=0.0,
+        'No update while the velocity is below this: static friction, which is not compensated, '
+        'may carry part of the force; 0: always updated', 'm/s', minimum=0.0,
     )
 
 
@@ -62,12 +62,12 @@ class Kalman(OnlineEstimator):
     Random-walk Kalman filter on y = K_e delta + B_e v - (K_e s), s the shift of the wall.
 
     Estimating the product K_e s keeps the measurement linear in the state, so that the filter is
-    exact; s itself follows as a quotient. filterpy does the algebra; its covariance is the
-    honest one as long as the force noise is white before conditioning.
+    exact; s itself follows as a quotient. The algebra is that of filterpy; the covariance is
+    consistent as long as the force noise is white before conditioning.
 
-    A held parameter neither moves nor loses covariance and takes no random walk, but its
-    uncertainty still weighs on the others (Schmidt's consider filter): taken as known, a wrong
-    first guess of B_e would be learned as stiffness.
+    A frozen parameter is a consider parameter (Schmidt): its value and covariance stay, without
+    random walk, and its uncertainty enters the others. If B_e were treated as known, a wrong
+    initial value would bias K_hat.
 
     """
 
@@ -75,13 +75,13 @@ class Kalman(OnlineEstimator):
     estimates_location = True
 
     def configure(self, tuning: ParameterGroup) -> None:
-        """Take new tuning; see `OnlineEstimator.configure`."""
+        """Set new tuning; see `OnlineEstimator.configure`."""
         assert isinstance(tuning, KalmanParameters)
         self._p = tuning
 
     def start_from(self, stiffness: float, damping: float) -> None:
-        """Begin anew with the prior; see `OnlineEstimator.start_from`."""
-        # Imported here: it loads scipy.stats, which takes longer than all the rest together.
+        """Restart with the prior; see `OnlineEstimator.start_from`."""
+        # Imported here since it loads scipy.stats, which dominates the import time.
         from filterpy.kalman import KalmanFilter
 
         p = self._p
@@ -92,29 +92,30 @@ class Kalman(OnlineEstimator):
         self._filter.F = np.eye(3)
         self._read_state()
 
-    def learn(
-        self, rows: Sequence[TimedRow], noise_variance: float, held: Held
-    ) -> list[Snapshot]:
-        """Predict and correct for each row; see `OnlineEstimator.learn`."""
-        snapshots = []
+    def update(
+        self, rows: Sequence[TimedRow], noise_variance: float, frozen: Frozen
+    ) -> list[ParameterEstimate]:
+        """Predict and correct for each row; see `OnlineEstimator.update`."""
+        estimates = []
         resting_speed = self._p.resting_speed
         for dt, row in rows:
             if abs(row[2]) >= resting_speed:
-                self._update(dt, row, noise_variance, held)
-            snapshots.append(self.snapshot())
-        return snapshots
+                self._update(dt, row, noise_variance, frozen)
+            estimates.append(self.current())
+        return estimates
 
-    def _update(self, dt: float, row: Row, noise_variance: float, held: Held) -> None:
+    def _update(self, dt: float, row: Row, noise_variance: float, frozen: Frozen) -> None:
         state = self._filter
         free = np.array(
-            [not held.stiffness, not held.damping, not held.stiffness and self._p.location_std > 0]
+            [not frozen.stiffness, not frozen.damping,
+             not frozen.stiffness and self._p.location_std > 0]
         )
         state.predict(Q=np.diag(self._walk(dt) * free))
         before = state.x[~free].copy(), state.P[np.ix_(~free, ~free)].copy()
         H = np.array([[row[1], row[2], -row[3]]])
         state.update(row[0], R=max(noise_variance, 1e-18), H=H)
-        # Schmidt's consider filter: a held one keeps value and covariance, and its uncertainty
-        # has weakened the gain of the others.
+        # Schmidt-Kalman filter: a frozen parameter is a consider parameter. Value and covariance
+        # stay; its uncertainty has reduced the gain of the others.
         state.x[~free], state.P[np.ix_(~free, ~free)] = before
         self._read_state()
 
@@ -139,17 +140,17 @@ class Kalman(OnlineEstimator):
         self._shift = shift_force / self.stiffness
 
     def _keep_within(self, index: int, low: float, high: float) -> None:
-        """Project onto a limit along the covariance: cutting one state alone would tear it off."""
+        """Project onto a limit along the covariance, which moves the other states too."""
         x, P = self._filter.x, self._filter.P
         value = float(x[index, 0])
         excess = value - min(max(value, low), high)
         if excess != 0.0:
             self._filter.x = x - P[:, [index]] * (excess / P[index, index])
 
-    def snapshot(self) -> Snapshot:
-        """Tell what is known now; see `OnlineEstimator.snapshot`."""
+    def current(self) -> ParameterEstimate:
+        """Return the present estimate; see `OnlineEstimator.current`."""
         P = self._filter.P
-        return Snapshot(
+        return ParameterEstimate(
             self.stiffness, self.damping, sqrt(max(float(P[0, 0]), 0.0)),
             sqrt(max(float(P[1, 1]), 0.0)), self._shift, nan,
         )

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Adaptive model-following control: an arm of unknown mass and damping moves as the model does."""
+"""Adaptive model-following control of an arm of unknown mass and damping."""
 
 from __future__ import annotations
 
@@ -25,17 +25,17 @@ from ..reference.setpoints import Reference
 
 @dataclass(frozen=True)
 class ModelFollowingParameters(ParameterGroup):
-    """Target impedance, what is first assumed of the arm, gains of control and adaptation."""
+    """Target impedance, initial values of the arm, gains of control and adaptation."""
 
     target_mass: float = parameter(100.0, 'M_t of the reference model', 'kg', minimum=1e-6)
     target_damping: float = parameter(6500.0, 'B_t of the reference model', 'N s/m', minimum=0.0)
     target_stiffness: float = parameter(1e5, 'K_t of the reference model', 'N/m', minimum=0.0)
-    arm_mass: float = parameter(50.0, 'First guess of the mass of the arm', 'kg', minimum=1e-3)
+    arm_mass: float = parameter(50.0, 'Initial value of the mass of the arm', 'kg', minimum=1e-3)
     arm_damping: float = parameter(
-        200.0, 'First guess of the damping of the arm', 'N s/m', minimum=1e-3
+        200.0, 'Initial value of the damping of the arm', 'N s/m', minimum=1e-3
     )
     arm_range: float = parameter(
-        4.0, 'Mass and damping of the arm are sought within this factor of their first guess', '',
+        4.0, 'Mass and damping of the arm are limited to this factor of their initial values', '',
         minimum=1.0,
     )
     error_rate: float = parameter(
@@ -46,15 +46,15 @@ class ModelFollowingParameters(ParameterGroup):
         'N s/m', minimum=1e-3,
     )
     arm_mass_gain: float = parameter(
-        6e4, 'Adaptation gain of the mass of the arm; 0: keep the first guess', 'kg s^2/m^2',
+        6e4, 'Adaptation gain of the mass of the arm; 0: keep the initial value', 'kg s^2/m^2',
         minimum=0.0,
     )
     arm_damping_gain: float = parameter(
-        2e6, 'Adaptation gain of the damping of the arm; 0: keep the first guess', 'kg/m^2',
+        2e6, 'Adaptation gain of the damping of the arm; 0: keep the initial value', 'kg/m^2',
         minimum=0.0,
     )
     adaptation_limit: float = parameter(
-        50.0, 'Rate above which brisk motion no longer speeds the adaptation up', '1/s',
+        50.0, 'Upper limit of the adaptation rate in fast motion', '1/s',
         minimum=1e-3,
     )
 
@@ -149,21 +149,21 @@ class ModelFollowing:
     V' = -(b + k) s^2: s and e vanish whatever the wall does (Slotine and Li's law). Two measures
     keep a sampled and noisy loop stable: the limits of `arm_range`, which only lower V while the
     truth is within them, and the division of g_m and g_b by 1 + (g_m a^2 + g_b v^2) / (limit k),
-    which matters in brisk motion alone.
+    which matters in fast motion alone.
 
     Attributes
     ----------
     mass, damping : float
         m_hat [kg] and b_hat [N s/m].
     model : ReferenceModel
-        What the arm shall do.
+        The reference model.
     error : float
         x - x_m at the last sample [m].
 
     Parameters
     ----------
     tuning : ModelFollowingParameters
-        Target, first guess and gains.
+        Target, initial values and gains.
 
     """
 
@@ -174,9 +174,9 @@ class ModelFollowing:
 
     def configure(self, tuning: ModelFollowingParameters) -> None:
         """
-        Take new tuning while running.
+        Set new tuning while running.
 
-        A new first guess replaces what was learned of the arm, a new target restarts the model.
+        New initial values replace the estimates of the arm, a new target restarts the model.
 
         Parameters
         ----------
@@ -195,14 +195,14 @@ class ModelFollowing:
         return tuning.target_mass, tuning.target_damping, tuning.target_stiffness
 
     def restart(self) -> None:
-        """Let the model start anew where the arm is at the next sample."""
+        """Restart the model at the position of the arm at the next sample."""
         self.model = ReferenceModel(*self._target_of(self._p))
 
     def force(
         self, dt: float, position: float, velocity: float, force: float, reference: Reference
     ) -> float:
         """
-        Adapt to what the last sample period has shown, and control the next.
+        Adapt to the last sample and return the control force for the next period.
 
         Parameters
         ----------

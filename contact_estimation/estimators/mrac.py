@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from math import nan, sqrt
 from typing import Sequence
 
-from .estimator import EnvironmentParameters, Held, OnlineEstimator, Snapshot, TimedRow
+from .estimator import EnvironmentParameters, Frozen, OnlineEstimator, ParameterEstimate, TimedRow
 from .model_following import ModelFollowing, ModelFollowingParameters
 from ..parameters.specification import group, parameter, ParameterGroup
 from ..reference.setpoints import Reference
@@ -41,25 +41,25 @@ class ModelReferenceParameters(ParameterGroup):
         2.5e3, 'Entry of Gamma^-1 for B in eq. (25)', 'N s/m/(N m)', minimum=0.0
     )
     memory_s: float = parameter(
-        1.0, 'Time over which eq. (25) is averaged; 0: eq. (25) as the paper has it, which '
-        'without excitation keeps what a touch-down did to B', 's', minimum=0.0, maximum=60.0,
+        1.0, 'Time over which eq. (25) is averaged; 0: eq. (25) as published, which '
+        'without excitation keeps the error of B from touch-down', 's', minimum=0.0, maximum=60.0,
     )
     control: ModelFollowingParameters = group(ModelFollowingParameters)
 
 
 class ModelReferenceAdaptive(OnlineEstimator):
     """
-    A controller that makes an unknown arm follow the target impedance, and eq. (25) on top.
+    Control of an unknown arm to follow the target impedance, and eq. (25) for the environment.
 
     The arm with its unknown parameters, the reference model and the adaptation that matches the
-    two are in `ModelFollowing`; its force drives a robot that is commanded by force. The
-    environment estimator is eq. (25) averaged over the last moments of contact,
+    two are in `ModelFollowing`; its force drives a force-controlled robot. The environment
+    estimator is eq. (25) averaged over the recent contact,
 
         theta_hat_dot = -Gamma^-1 (R theta_hat - Q),
         T_m R_dot = phi phi^T - R,    T_m Q_dot = phi F - Q
 
     (Kreisselmeier 1977): with the Lyapunov function of eq. (24), V_dot = -2 theta_tilde^T R
-    theta_tilde, where R has full rank as long as K and B were told apart within the memory T_m.
+    theta_tilde, where R has full rank if both K and B were excited within the memory T_m.
     T_m = 0 is eq. (25) itself.
 
     """
@@ -76,7 +76,7 @@ class ModelReferenceAdaptive(OnlineEstimator):
         super().__init__(tuning, environment, sample_period_s)
 
     def configure(self, tuning: ParameterGroup) -> None:
-        """Take new tuning; see `OnlineEstimator.configure`."""
+        """Set new tuning; see `OnlineEstimator.configure`."""
         assert isinstance(tuning, ModelReferenceParameters)
         self._p = tuning
         self.following.configure(tuning.control)
@@ -94,22 +94,22 @@ class ModelReferenceAdaptive(OnlineEstimator):
     # -- environment ------------------------------------------------------------------------
 
     def start_from(self, stiffness: float, damping: float) -> None:
-        """Begin anew; what is known of the arm stays. See `OnlineEstimator.start_from`."""
+        """Restart; the estimates of the arm stay. See `OnlineEstimator.start_from`."""
         self.stiffness, self.damping = stiffness, damping
         self._seen_s = 0.0
         self._R: Matrix = (0.0, 0.0, 0.0, 0.0)
         self._Q = 0.0, 0.0
-        # Covariances: of theta_hat, with the noise that Q remembers, and of that noise.
+        # Covariances: of theta_hat, of theta_hat with the noise in Q, and of that noise.
         self._P: Matrix = (stiffness**2, 0.0, 0.0, max(damping**2, (1e-2 * stiffness) ** 2))
         self._C = self._N = self._R
 
-    def learn(
-        self, rows: Sequence[TimedRow], noise_variance: float, held: Held
-    ) -> list[Snapshot]:
-        """Apply the averaged eq. (25) over each sample; see `OnlineEstimator.learn`."""
-        gains = (0.0 if held.stiffness else self._p.stiffness_gain,
-                 0.0 if held.damping else self._p.damping_gain)
-        snapshots = []
+    def update(
+        self, rows: Sequence[TimedRow], noise_variance: float, frozen: Frozen
+    ) -> list[ParameterEstimate]:
+        """Apply the averaged eq. (25) over each sample; see `OnlineEstimator.update`."""
+        gains = (0.0 if frozen.stiffness else self._p.stiffness_gain,
+                 0.0 if frozen.damping else self._p.damping_gain)
+        estimates = []
         for dt, row in rows:
             keep = self._remember(dt, row[0], row[1], row[2], noise_variance)
             S = self._step_matrix(dt, *gains)
@@ -121,8 +121,8 @@ class ModelReferenceAdaptive(OnlineEstimator):
                 K - s_KK * e_K - s_KB * e_B, B - s_BK * e_K - s_BB * e_B
             )
             self._spread(S, keep)
-            snapshots.append(self.snapshot())
-        return snapshots
+            estimates.append(self.current())
+        return estimates
 
     def _remember(
         self, dt: float, F: float, f_K: float, f_B: float, noise_variance: float
@@ -156,10 +156,10 @@ class ModelReferenceAdaptive(OnlineEstimator):
         inner = _sum(_product(self._P, _transposed(A)), _product(C, _transposed(S)))
         self._P = _sum(_product(A, inner), _product(S, _transposed(self._C)))
 
-    def snapshot(self) -> Snapshot:
-        """Tell what is known now; see `OnlineEstimator.snapshot`."""
+    def current(self) -> ParameterEstimate:
+        """Return the present estimate; see `OnlineEstimator.current`."""
         K_std, B_std = sqrt(max(self._P[0], 0.0)), sqrt(max(self._P[3], 0.0))
-        return Snapshot(self.stiffness, self.damping, K_std, B_std, 0.0, nan)
+        return ParameterEstimate(self.stiffness, self.damping, K_std, B_std, 0.0, nan)
 
 
 def _sum(a: Matrix, b: Matrix) -> Matrix:

@@ -26,7 +26,7 @@ from ..signals.contact_recording import ContactRecording
 
 class OfflineEstimate(NamedTuple):
     """
-    What a recording tells of the environment.
+    The environment as estimated from a recording.
 
     Attributes
     ----------
@@ -75,6 +75,6 @@ class OfflineEstimator(ABC):
         Raises
         ------
         EstimationError
-            If the recording does not show what the method needs.
+            If the recording lacks the response that the method needs.
 
         """

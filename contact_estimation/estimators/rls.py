@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from math import nan, sqrt
 from typing import Sequence
 
-from .estimator import Held, OnlineEstimator, Snapshot, TimedRow, UNKNOWN_DAMPING_S
+from .estimator import Frozen, OnlineEstimator, ParameterEstimate, TimedRow, UNKNOWN_DAMPING_S
 from ..parameters.specification import parameter, ParameterGroup
 from ..signals.relations import TustinRelation
 
@@ -34,15 +34,15 @@ class RecursiveLeastSquaresParameters(ParameterGroup):
     )
     initial_covariance: float = parameter(
         1e10,
-        'Diagonal of P[0] in the coordinates A, B, C of eq. (31). The paper has 1e5, which claims '
-        'to know B_e and M_e beforehand: a first touch then looks far surer than it is',
+        'Diagonal of P[0] in the coordinates A, B, C of eq. (31). The 1e5 of the paper is a '
+        'narrow prior of B_e and M_e: the standard deviations of a first touch are far too small',
         minimum=1e-12, maximum=1e20,
     )
     estimate_inertia: bool = parameter(True, 'Estimate M_e too; false: M_e = 0')
     maximum_relative_std: float = parameter(
         0.1,
         'A parameter is not forgotten while its standard deviation exceeds this share of it, '
-        'which stops the covariance from winding up', minimum=1e-4,
+        'which prevents covariance wind-up', minimum=1e-4,
     )
 
 
@@ -51,11 +51,11 @@ class RecursiveLeastSquares(OnlineEstimator):
     Least squares with exponential forgetting for (K_e, B_e, M_e).
 
     Eqs. (36) to (38) in the coordinates (K_e, B_e, M_e), related to (A, B, C) by the constant
-    matrix of eq. (39): the same estimates, in numbers of readable size. Written out in scalars,
-    since three-by-three array calls would cost ten times as much.
+    matrix of eq. (39): the same estimates, in physical units. Written out in scalars, since
+    three-by-three array operations take ten times as long.
 
-    A held parameter has neither gain nor forgetting, so that its covariance neither shrinks nor
-    winds up; its uncertainty still weighs on the others (Schmidt's consider filter).
+    A frozen parameter is a consider parameter (Schmidt): it has neither gain nor forgetting, so
+    that its covariance neither shrinks nor winds up, but its uncertainty enters the others.
 
     """
 
@@ -63,7 +63,7 @@ class RecursiveLeastSquares(OnlineEstimator):
     relation = TustinRelation
 
     def configure(self, tuning: ParameterGroup) -> None:
-        """Take new tuning; see `OnlineEstimator.configure`."""
+        """Set new tuning; see `OnlineEstimator.configure`."""
         assert isinstance(tuning, RecursiveLeastSquaresParameters)
         self._p = tuning
         self._lambda = tuning.forgetting_factor
@@ -73,31 +73,31 @@ class RecursiveLeastSquares(OnlineEstimator):
         self._averaging = 1.0 if self._lambda == 1.0 else 1.0 / (1.0 + self._lambda)
 
     def start_from(self, stiffness: float, damping: float) -> None:
-        """Begin anew with P[0] of eq. (38); see `OnlineEstimator.start_from`."""
+        """Restart with P[0] of eq. (38); see `OnlineEstimator.start_from`."""
         self.stiffness, self.damping = stiffness, damping
         self._M = 0.0
         self._P = initial_covariance(self._p.initial_covariance, self.sample_period_s)
-        self._damping_learned = False
-        self._noise_variance = nan  # no row yet, so no spread can be told
+        self._damping_updated = False
+        self._noise_variance = nan  # no row yet, so no standard deviation
 
-    def learn(
-        self, rows: Sequence[TimedRow], noise_variance: float, held: Held
-    ) -> list[Snapshot]:
-        """Apply eqs. (36) to (38) to each row; see `OnlineEstimator.learn`."""
+    def update(
+        self, rows: Sequence[TimedRow], noise_variance: float, frozen: Frozen
+    ) -> list[ParameterEstimate]:
+        """Apply eqs. (36) to (38) to each row; see `OnlineEstimator.update`."""
         self._noise_variance = noise_variance
-        free_K, free_B = not held.stiffness, not held.damping
+        free_K, free_B = not frozen.stiffness, not frozen.damping
         free_M = self._p.estimate_inertia and free_K and free_B
         forget, averaged = self._lambda, noise_variance * self._averaging
         K, B, M = self.stiffness, self.damping, self._M
         KK, KB, KM, BB, BM, MM = self._P
-        limits = K_low, K_high, B_high = self.limits
-        self._damping_learned |= free_B
+        limits = K_low, K_high, B_high = self.environment.limits
+        self._damping_updated |= free_B
         unknown = 0.0
-        if not self._damping_learned and noise_variance > 0.0:
+        if not self._damping_updated and noise_variance > 0.0:
             unknown = UNKNOWN_DAMPING_S**2 / noise_variance
-        snapshots = []
+        estimates = []
         for _, (y, f_K, f_B, _, f_M) in rows:
-            BB = max(BB, unknown * K * K)  # a first guess that is held must not look sure
+            BB = max(BB, unknown * K * K)  # a frozen initial value is uncertain
             p_K = KK * f_K + KB * f_B + KM * f_M
             p_B = KB * f_K + BB * f_B + BM * f_M
             p_M = KM * f_K + BM * f_B + MM * f_M
@@ -109,7 +109,7 @@ class RecursiveLeastSquares(OnlineEstimator):
                 KK -= l_K * p_K
                 KB -= l_K * p_B
                 KM -= l_K * p_M
-            elif free_B:  # K is held: its covariance with B still shrinks
+            elif free_B:  # K is frozen: its covariance with B still shrinks
                 KB -= p_B / s * p_K
             if free_B:
                 l_B = p_B / s
@@ -129,20 +129,20 @@ class RecursiveLeastSquares(OnlineEstimator):
             BB *= g_B * g_B
             BM *= g_B * g_M
             MM *= g_M * g_M
-            snapshots.append(Snapshot(
+            estimates.append(ParameterEstimate(
                 K, B, sqrt(averaged * KK), sqrt(averaged * BB), 0.0,
                 M if self._p.estimate_inertia else nan,
             ))
         self.stiffness, self.damping, self._M = K, B, M
         self._P = KK, KB, KM, BB, BM, MM
-        return snapshots
+        return estimates
 
     def _growth(
         self, K: float, B: float, KK: float, BB: float,
         free_K: bool, free_B: bool, free_M: bool,
     ) -> tuple[float, float, float]:  # fmt: skip
         """
-        Forget, except what is held or hardly known, whose covariance would wind up.
+        Return the forgetting of each parameter: none where frozen or poorly known (wind-up).
 
         Scaling P on both sides with factors >= 1 keeps it positive definite.
 
@@ -157,10 +157,10 @@ class RecursiveLeastSquares(OnlineEstimator):
             g if known_K and known_B and free_M else 1.0,
         )
 
-    def snapshot(self) -> Snapshot:
-        """Tell what is known now; see `OnlineEstimator.snapshot`."""
+    def current(self) -> ParameterEstimate:
+        """Return the present estimate; see `OnlineEstimator.current`."""
         averaged = self._noise_variance * self._averaging
-        return Snapshot(
+        return ParameterEstimate(
             self.stiffness, self.damping, sqrt(averaged * self._P[0]),
             sqrt(averaged * self._P[3]), 0.0, self._M if self._p.estimate_inertia else nan,
         )
@@ -171,7 +171,7 @@ def _project(
     P: tuple[float, float, float, float, float],
     limits: tuple[float, float, float],
 ) -> tuple[float, float, float]:
-    """Go back to a limit along the covariance: cutting B alone would tear it off K and M."""
+    """Project onto a limit along the covariance, so that K, B and M move consistently."""
     K, B, M = theta
     KK, KB, KM, BB, BM = P
     K_low, K_high, B_high = limits
@@ -187,7 +187,7 @@ def initial_covariance(
     gamma: float, sample_period_s: float
 ) -> tuple[float, float, float, float, float, float]:
     """
-    Bring P[0] = gamma I of (A, B, C) into the coordinates (K_e, B_e, M_e).
+    Transform P[0] = gamma I from (A, B, C) to the coordinates (K_e, B_e, M_e).
 
     J gamma I J^T with J of eq. (39), times 16, since the relation is divided by 4.
 

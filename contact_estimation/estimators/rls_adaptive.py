@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Recursive least squares whose forgetting adapts to what the data bring."""
+"""Recursive least squares with a forgetting factor that adapts to the prediction error."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from typing import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from .estimator import Held, OnlineEstimator, Snapshot, TimedRow
+from .estimator import Frozen, OnlineEstimator, ParameterEstimate, TimedRow
 from ..parameters.specification import parameter, ParameterGroup
 from ..signals.relations import Row, TustinRelation
 
@@ -35,12 +35,12 @@ class AdaptiveLeastSquaresParameters(ParameterGroup):
     """Start and forgetting."""
 
     smallest_forgetting_factor: float = parameter(
-        0.9, 'lambda per sample never goes below', minimum=0.5, maximum=1.0
+        0.9, 'Lower limit of lambda per sample', minimum=0.5, maximum=1.0
     )
     memory_samples: float = parameter(
         300.0,
-        'Rows that are averaged while the model explains them to the noise; larger: smoother, '
-        'later to notice a change', minimum=2.0, maximum=1e9,
+        'Number of rows averaged while their errors stay within the noise; larger: smoother, '
+        'slower to detect a change', minimum=2.0, maximum=1e9,
     )
     stiffness_std: float = parameter(
         1e5, 'Prior standard deviation of K_e', 'N/m', minimum=1e-3, maximum=1e12
@@ -54,22 +54,21 @@ class AdaptiveLeastSquaresParameters(ParameterGroup):
     maximum_relative_std: float = parameter(
         0.1,
         'A parameter is not forgotten while its standard deviation exceeds this share of it, '
-        'which stops the covariance from winding up', minimum=1e-4,
+        'which prevents covariance wind-up', minimum=1e-4,
     )
 
 
 class AdaptiveLeastSquares(OnlineEstimator):
     """
-    Eqs. (36) to (38) on the bilinear form with a forgetting factor that follows the surprise.
+    Eqs. (36) to (38) on the bilinear form with a variable forgetting factor.
 
-    lambda = 1 - e^2 / (s sigma^2 N): with e the error before the row is learned and s sigma^2
-    its expected square, the information kept stays that of N rows (Fortescue, Kershenbaum and
-    Ydstie 1981). A row that the model explains or that does not excite costs next to nothing of
-    what is known; a wall that changes is forgotten within a few rows. Directional forgetting and
-    constant trace were tried on the same data and were noisier or slower.
+    lambda = 1 - e^2 / (s sigma^2 N), with e the a priori error and s sigma^2 its expected square,
+    keeps the information of N rows (Fortescue, Kershenbaum and Ydstie 1981). Rows without error
+    or without excitation are hardly forgotten; a change of the wall is followed within a few
+    rows. Directional forgetting and constant trace were noisier or slower on the same data.
 
-    P is the covariance itself, in (K_e, B_e, M_e). What is held or hardly known is not forgotten,
-    and weighs on the others (Schmidt's consider filter), as in `rls`.
+    P is the covariance itself, in (K_e, B_e, M_e). Frozen or poorly known parameters are not
+    forgotten; frozen ones enter as consider parameters (Schmidt), as in `rls`.
 
     """
 
@@ -77,36 +76,36 @@ class AdaptiveLeastSquares(OnlineEstimator):
     relation = TustinRelation
 
     def configure(self, tuning: ParameterGroup) -> None:
-        """Take new tuning; see `OnlineEstimator.configure`."""
+        """Set new tuning; see `OnlineEstimator.configure`."""
         assert isinstance(tuning, AdaptiveLeastSquaresParameters)
         self._p = tuning
         self._noise_growth = exp(1.0 / tuning.memory_samples)
 
     def start_from(self, stiffness: float, damping: float) -> None:
-        """Begin anew with the prior; see `OnlineEstimator.start_from`."""
+        """Restart with the prior; see `OnlineEstimator.start_from`."""
         p = self._p
         self.stiffness, self.damping = stiffness, damping
         self._variance = 0.0
         self._theta = np.array([stiffness, damping, 0.0])
         self._P = np.diag([p.stiffness_std, p.damping_std, p.inertia_std]) ** 2
 
-    def learn(
-        self, rows: Sequence[TimedRow], noise_variance: float, held: Held
-    ) -> list[Snapshot]:
-        """Learn, then forget, for each row; see `OnlineEstimator.learn`."""
+    def update(
+        self, rows: Sequence[TimedRow], noise_variance: float, frozen: Frozen
+    ) -> list[ParameterEstimate]:
+        """Update, then forget, for each row; see `OnlineEstimator.update`."""
         free = np.array([
-            not held.stiffness, not held.damping,
-            not (held.stiffness or held.damping) and self._p.inertia_std > 0.0,
+            not frozen.stiffness, not frozen.damping,
+            not (frozen.stiffness or frozen.damping) and self._p.inertia_std > 0.0,
         ])
-        snapshots = []
+        estimates = []
         for _, row in rows:
-            # A wall that changes looks like noise as well, but all at once: noise is let grow
-            # by a factor e in so many rows.
+            # A sudden change of the wall raises the residual too: the noise variance may grow by
+            # a factor e per memory_samples rows at most.
             slow = self._variance * self._noise_growth or noise_variance
             self._variance = max(min(noise_variance, slow), _SMALLEST)
             self._update(row, self._variance, free)
-            snapshots.append(self.snapshot())
-        return snapshots
+            estimates.append(self.current())
+        return estimates
 
     def _update(self, row: Row, variance: float, free: NDArray[np.bool_]) -> None:
         theta, P = self._theta, self._P
@@ -115,10 +114,10 @@ class AdaptiveLeastSquares(OnlineEstimator):
         expected = float(phi @ gain) + variance
         error = row[0] - float(phi @ theta)
         gain /= expected
-        held = P[np.ix_(~free, ~free)].copy()
+        frozen = P[np.ix_(~free, ~free)].copy()
         self._theta = theta + gain * error * free
         P = P - np.outer(gain, phi @ P)
-        P[np.ix_(~free, ~free)] = held
+        P[np.ix_(~free, ~free)] = frozen
         self._P = 0.5 * (P + P.T)
         self._keep_within_limits()
         surprise = error * error / (expected * self._p.memory_samples)
@@ -133,8 +132,8 @@ class AdaptiveLeastSquares(OnlineEstimator):
         self._P = self._P * growth * growth[:, None]
 
     def _keep_within_limits(self) -> None:
-        """Project onto a limit along the covariance: cutting one alone would tear it off."""
-        K_low, K_high, B_high = self.limits
+        """Project onto a limit along the covariance, so that the others move consistently."""
+        K_low, K_high, B_high = self.environment.limits
         for index, low, high in ((1, 0.0, B_high), (0, K_low, K_high)):
             value, variance = float(self._theta[index]), float(self._P[index, index])
             excess = value - min(max(value, low), high)
@@ -142,8 +141,8 @@ class AdaptiveLeastSquares(OnlineEstimator):
                 self._theta = self._theta - self._P[:, index] * (excess / variance)
         self.stiffness, self.damping = self.within_limits(*self._theta[:2].tolist())
 
-    def snapshot(self) -> Snapshot:
-        """Tell what is known now; see `OnlineEstimator.snapshot`."""
+    def current(self) -> ParameterEstimate:
+        """Return the present estimate; see `OnlineEstimator.current`."""
         K_std, B_std, _ = np.sqrt(np.maximum(np.diag(self._P), 0.0)).tolist()
         inertia = float(self._theta[2]) if self._p.inertia_std > 0.0 else nan
-        return Snapshot(self.stiffness, self.damping, K_std, B_std, 0.0, inertia)
+        return ParameterEstimate(self.stiffness, self.damping, K_std, B_std, 0.0, inertia)

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The paper's signal processing method, eqs. (8) to (18), exactly as written."""
+"""The signal processing method of the paper, eqs. (8) to (18), exactly as published."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ class SignalProcessing(OfflineEstimator):
 
 def environment_of(w_n: float, zeta: float, target: TargetImpedance) -> tuple[float, float]:
     """
-    Subtract the robot from the joint impedance, eqs. (17) and (18).
+    Subtract the impedance of the robot from that of robot and wall, eqs. (17) and (18).
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ def environment_of(w_n: float, zeta: float, target: TargetImpedance) -> tuple[fl
 
 def damping_ratio(cycles: float) -> float:
     """
-    Invert eq. (10): zeta of a response that takes so many cycles to settle, eq. (11).
+    Return the damping ratio for a number of cycles to settle, eq. (11), the inverse of eq. (10).
 
     Parameters
     ----------
@@ -108,7 +108,7 @@ def step_response(
     recording: ContactRecording,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """
-    Cut the response out of a recording: from the greatest change of force on.
+    Return the step response in a recording, from the onset of the force on.
 
     Parameters
     ----------
@@ -142,7 +142,7 @@ def step_response(
 
 def dominant_frequency(t: NDArray[np.float64], force: NDArray[np.float64]) -> float:
     """
-    Find the strongest bin of the FFT: mean removed, no window, no padding.
+    Return the frequency of the strongest FFT bin: mean removed, no window, no padding.
 
     Parameters
     ----------
@@ -163,7 +163,7 @@ def dominant_frequency(t: NDArray[np.float64], force: NDArray[np.float64]) -> fl
 
 def settling_time(t: NDArray[np.float64], force: NDArray[np.float64]) -> float:
     """
-    Find the last instant outside 5 % of the steady state, eq. (8).
+    Return the last instant outside 5 % of the steady state, eq. (8).
 
     Parameters
     ----------

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Signal processing with the same data but without its bins: the whole decay is fitted."""
+"""Signal processing by a fit of the whole decay instead of FFT bins."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from ..exceptions import EstimationError
 from ..signals.contact_recording import ContactRecording
 
 _SKIPPED_S = 0.01
-"""The step itself may be spread over some samples by whatever drives it."""
+"""Skipped after the step, which may extend over some samples."""
 
 
 class SignalProcessingRefined(OfflineEstimator):
@@ -37,13 +37,13 @@ class SignalProcessingRefined(OfflineEstimator):
     Fit F(t) = c + exp(-sigma t) (a cos w_d t + b sin w_d t) to the whole step response.
 
     After a step, force and motion of the joint second-order system of eqs. (12) to (14) have this
-    form exactly. The offset c is free, so a biased sensor does no harm; a robust loss spares
-    outliers. c, a and b are linear and are solved for inside.
+    form exactly. The free offset c absorbs a sensor bias; a robust loss reduces the influence of
+    outliers. The linear c, a and b are eliminated (variable projection).
 
     Parameters
     ----------
     target : TargetImpedance
-        Impedance of the robot; best the identified one.
+        Impedance of the robot, preferably identified.
 
     """
 
@@ -102,7 +102,7 @@ def decomposition(
     t: NDArray[np.float64], force: NDArray[np.float64], w_d: float, decay: float
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """
-    Solve for offset and amplitudes at given frequency and decay.
+    Return offset and amplitudes at given frequency and decay, by linear least squares.
 
     Parameters
     ----------
@@ -130,7 +130,7 @@ def fitted(
     t: NDArray[np.float64], force: NDArray[np.float64], w_d: float, decay: float
 ) -> NDArray[np.float64]:
     """
-    Evaluate the best response of given frequency and decay; parameters as `decomposition`.
+    Return the best-fitting response of given frequency and decay, as `decomposition`.
 
     Returns
     -------

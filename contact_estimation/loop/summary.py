@@ -58,7 +58,7 @@ def summarise(run: RecordedRun, configuration: LoopConfiguration) -> dict[str, A
         'damping_error_percent':
             100.0 * (damping / wall.damping - 1.0) if wall.damping > 0.0 else nan,
         'mean_force_n': _mean_force(run, configuration.experiment),
-        'desired_force_n': configuration.experiment.wanted_force,
+        'desired_force_n': configuration.experiment.desired_force,
         **{name: measured.get(name)
            for name in ('rate_hz', 'samples_sent', 'samples_lost', 'latency_ms')},
     }

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""ROS 2 parameter files, read without ROS."""
+"""Reading of ROS 2 parameter files without ROS."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def read_parameter_file(path: Path | str, node: str) -> dict[str, Any]:
     path : Path or str
         A YAML file with `NODE: {ros__parameters: {...}}`.
     node : str
-        Name of the node; the section `/**` holds for every node.
+        Name of the node; the section `/**` applies to every node.
 
     Returns
     -------
@@ -47,9 +47,9 @@ def read_parameter_file(path: Path | str, node: str) -> dict[str, Any]:
     Raises
     ------
     ModelFileError
-        If the file is missing or not of that shape.
+        If the file is missing or has another structure.
     UnknownNameError
-        If it has a section for an unknown node, which nobody would read.
+        If the file has a section for an unknown node, which would have no effect.
 
     """
     content = _load(Path(path))

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Parameters declared once: default, unit, range and meaning live in the dataclass field."""
+"""Declaration of parameters: the dataclass field holds default, unit, range and meaning."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ Value = bool | int | float | str
 @dataclasses.dataclass(frozen=True)
 class ParameterSpecification:
     """
-    Everything known about one parameter.
+    Declaration of one parameter.
 
     Attributes
     ----------
@@ -37,17 +37,17 @@ class ParameterSpecification:
     default : bool, int, float or str
         Value without configuration; its type is the parameter's type.
     description : str
-        Meaning, and what changing it does.
+        Meaning, and the consequence of changing it.
     unit : str
-        SI unit, '' where there is none.
+        SI unit, '' or '1' where there is none.
     minimum, maximum : float or None
         Inclusive range.
     choices : tuple of str
-        Valid values of a text parameter; empty where any text is valid.
+        Valid values of a string parameter; empty where any string is valid.
     read_only : bool
-        Fixed at start.
+        Whether the parameter is fixed at start.
     nan_is_off : bool
-        NaN is valid and means that the feature is off.
+        Whether NaN is valid and switches the feature off.
 
     """
 
@@ -62,10 +62,21 @@ class ParameterSpecification:
     nan_is_off: bool = False
 
     @property
-    def expectation(self) -> str:
-        """Say in words which values are valid."""
+    def valid_range(self) -> str:
+        """Valid values without type and unit; empty where the type says everything."""
         if self.choices:
             return 'one of ' + ', '.join(self.choices)
+        if self.minimum is not None and self.maximum is not None:
+            return f'{self.minimum:g} to {self.maximum:g}'
+        if self.minimum is not None:
+            return f'at least {self.minimum:g}'
+        return '' if self.maximum is None else f'at most {self.maximum:g}'
+
+    @property
+    def expectation(self) -> str:
+        """Valid values as error messages state them."""
+        if self.choices:
+            return self.valid_range
         kind = {bool: 'true or false', int: 'an integer', float: 'a number', str: 'a text'}[
             type(self.default)
         ]
@@ -77,22 +88,22 @@ class ParameterSpecification:
 
     def check(self, value: Any) -> Value:
         """
-        Return the value in the parameter's type, or say why it is not valid.
+        Return the value converted to the parameter's type, or raise if it is not valid.
 
         Parameters
         ----------
         value : any
-            The value received; an integer is taken for a float.
+            Value received; integers are accepted for floats.
 
         Returns
         -------
         value : bool, int, float or str
-            Of the type of the default.
+            Has the type of the default.
 
         Raises
         ------
         UnknownNameError
-            If a text is not among the choices.
+            If a string is not among the choices.
         ParameterRangeError
             If the type is wrong or the value is out of range.
 
@@ -107,7 +118,7 @@ class ParameterSpecification:
         return value  # type: ignore[no-any-return]
 
     def _as_meant(self, value: Any) -> Any:
-        """Undo what YAML makes of some values: 1e5 is a text to PyYAML, y is true to rcl."""
+        """Undo misreadings of YAML: PyYAML reads 1e5 as text, rcl reads y as true."""
         if isinstance(self.default, float) and type(value) in (int, str):
             try:
                 return float(value)
@@ -165,14 +176,16 @@ def parameter(
     return dataclasses.field(default=default, metadata=facts)
 
 
-def group(cls: type[ParameterGroup]) -> Any:
+def optional_parameter(
+    description: str, unit: str, minimum: float | None = None, maximum: float | None = None
+) -> Any:
     """
-    Declare a nested group of parameters as a dataclass field.
+    Declare a number that is NaN by default, which switches its feature off.
 
     Parameters
     ----------
-    cls : type of ParameterGroup
-        The group's class; its defaults are the field's default.
+    description, unit, minimum, maximum
+        As in `ParameterSpecification`.
 
     Returns
     -------
@@ -180,12 +193,33 @@ def group(cls: type[ParameterGroup]) -> Any:
         To be assigned in the body of a `ParameterGroup`.
 
     """
-    return dataclasses.field(default_factory=cls, metadata={'group': cls})
+    return parameter(math.nan, description, unit, minimum, maximum, nan_is_off=True)
+
+
+def group(cls: type[ParameterGroup], description: str = '') -> Any:
+    """
+    Declare a nested group of parameters as a dataclass field.
+
+    Parameters
+    ----------
+    cls : type of ParameterGroup
+        Class of the group; its defaults are the default of the field.
+    description : str
+        What the group is for, where its name does not say so.
+
+    Returns
+    -------
+    field : dataclasses.Field
+        To be assigned in the body of a `ParameterGroup`.
+
+    """
+    return dataclasses.field(
+        default_factory=cls, metadata={'group': cls, 'description': description})
 
 
 @dataclasses.dataclass(frozen=True)
 class ParameterGroup:
-    """Base of all parameter dataclasses: checks every value when it is made."""
+    """Base class of all parameter dataclasses; values are checked at construction."""
 
     def __post_init__(self) -> None:
         """Check types, ranges and choices of all fields."""
@@ -197,19 +231,19 @@ class ParameterGroup:
 
 def specification(field: dataclasses.Field[Any], name: str) -> ParameterSpecification:
     """
-    Read the specification out of a dataclass field.
+    Return the specification declared by a dataclass field.
 
     Parameters
     ----------
     field : dataclasses.Field
-        Made by `parameter`.
+        Result of `parameter`.
     name : str
-        The full dotted name.
+        Full dotted name.
 
     Returns
     -------
     specification : ParameterSpecification
-        What the field declares.
+        Declaration of the parameter.
 
     """
     return ParameterSpecification(name, field.default, **field.metadata)  # type: ignore[arg-type]
@@ -219,14 +253,14 @@ def specifications(
     cls: type[ParameterGroup], prefix: str = ''
 ) -> Iterator[ParameterSpecification]:
     """
-    Walk over all parameters of a group and of the groups in it.
+    Iterate over all parameters of a group and of its nested groups.
 
     Parameters
     ----------
     cls : type of ParameterGroup
-        The outermost group.
+        Outermost group.
     prefix : str
-        Put before every name, with its dot.
+        Prefix of all names, including its dot.
 
     Yields
     ------

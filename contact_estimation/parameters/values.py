@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Parameters by their dotted names, as ROS, parameter files and recordings hold them."""
+"""Conversion between parameter groups and dotted names, as ROS and parameter files use."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ Group = TypeVar('Group', bound=ParameterGroup)
 
 def flatten(values: ParameterGroup, prefix: str = '') -> dict[str, Value]:
     """
-    List a group's values by their dotted names.
+    Return the values of a group by their dotted names.
 
     Parameters
     ----------
     values : ParameterGroup
-        The group.
+        Group of parameters.
     prefix : str
-        Put before every name, with its dot.
+        Prefix of all names, including its dot.
 
     Returns
     -------
@@ -54,14 +54,14 @@ def flatten(values: ParameterGroup, prefix: str = '') -> dict[str, Value]:
 
 def flatten_mapping(nested: Mapping[str, Any], prefix: str = '') -> dict[str, Any]:
     """
-    Turn nested mappings, as a YAML file holds them, into dotted names.
+    Flatten nested mappings, as read from YAML, to dotted names.
 
     Parameters
     ----------
     nested : mapping
-        Names to values or to further mappings.
+        Names to values or to nested mappings.
     prefix : str
-        Put before every name, with its dot.
+        Prefix of all names, including its dot.
 
     Returns
     -------
@@ -80,12 +80,12 @@ def flatten_mapping(nested: Mapping[str, Any], prefix: str = '') -> dict[str, An
 
 def build(cls: type[Group], flat: Mapping[str, Any]) -> Group:
     """
-    Make a group from dotted names; what is missing takes its default.
+    Build a group from dotted names; missing parameters take their default.
 
     Parameters
     ----------
     cls : type of ParameterGroup
-        The group's class.
+        Class of the group.
     flat : mapping
         Dotted name to value.
 
@@ -97,7 +97,7 @@ def build(cls: type[Group], flat: Mapping[str, Any]) -> Group:
     Raises
     ------
     UnknownNameError
-        If a name is no parameter of the group; it names the nearest.
+        If a name is no parameter of the group; the text suggests the nearest.
     ParameterRangeError
         If a value is out of range.
 
@@ -127,19 +127,19 @@ def changed(values: Group, changes: Mapping[str, Any]) -> Group:
     Parameters
     ----------
     values : ParameterGroup
-        The present values.
+        Present values.
     changes : mapping
         Dotted name to new value.
 
     Returns
     -------
     values : ParameterGroup
-        A new group.
+        New group.
 
     Raises
     ------
     ParameterReadOnlyError
-        If a parameter that is fixed at start would change.
+        If a parameter that is fixed at start differs.
     UnknownNameError, ParameterRangeError
         As `build`.
 
@@ -156,19 +156,19 @@ def changed(values: Group, changes: Mapping[str, Any]) -> Group:
 
 def without(cls: type[ParameterGroup], values: Mapping[str, Any]) -> dict[str, Any]:
     """
-    Leave out the parameters of a group.
+    Return values without those of a group.
 
     Parameters
     ----------
     cls : type of ParameterGroup
-        The group.
+        Group of parameters.
     values : mapping
         Dotted name to value, of several groups.
 
     Returns
     -------
     rest : dict
-        What is of other groups, or of none.
+        Values that belong to other groups, or to none.
 
     """
     own = {spec.name for spec in specifications(cls)}
@@ -179,19 +179,19 @@ def divided(
     cls: type[ParameterGroup], values: Mapping[str, Any]
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     """
-    Tell the parameters of a group from the others.
+    Split values into those of other groups and those of one group.
 
     Parameters
     ----------
     cls : type of ParameterGroup
-        The group.
+        Group of parameters.
     values : mapping
         Dotted name to value, of several groups.
 
     Returns
     -------
     others, own : dict
-        What is not, and what is of the group.
+        Values that do not belong to the group, and values that do.
 
     """
     others = without(cls, values)

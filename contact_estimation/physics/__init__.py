@@ -28,6 +28,7 @@ from .contact_offset import ContactOffset
 from .coulomb_friction import CoulombFriction
 from .cubic_stiffness import CubicStiffness
 from .dead_zone import DeadZone
+from .effect import Effect
 from .environment_inertia import EnvironmentInertia
 from .force_bias import ForceBias
 from .force_delay import ForceDelay
@@ -37,7 +38,6 @@ from .force_saturation import ForceSaturation
 from .hunt_crossley_damping import HuntCrossleyDamping
 from .impedance_mismatch import ImpedanceMismatch
 from .moving_environment import MovingEnvironment
-from .physics import Effect
 from .plastic_set import PlasticSet
 from .power_law_stiffness import PowerLawStiffness
 from .quadratic_damping import QuadraticDamping
@@ -79,25 +79,26 @@ EFFECTS: dict[str, type[Effect]] = {
     'command_delay': CommandDelay,
     'actuator_saturation': ActuatorSaturation,
 }
-"""Of the contact, of the force sensor in the order of its chain, of the robot."""
+"""Contact, then force sensor in the order of its signal chain, then robot."""
 
 PhysicsParameters: type[ParameterGroup] = make_dataclass(
     'PhysicsParameters',
-    [(name, effect.Parameters, group(effect.Parameters)) for name, effect in EFFECTS.items()],
+    [(name, effect.Parameters, group(effect.Parameters, effect.description))
+     for name, effect in EFFECTS.items()],
     bases=(ParameterGroup,),
     frozen=True,
 )
-PhysicsParameters.__doc__ = 'Extra physics by name; all off by default.'
+PhysicsParameters.__doc__ = 'Effects by name; all off by default.'
 
 
 def effects_that_are_on(physics: ParameterGroup) -> list[Effect]:
     """
-    Make the effects whose parameters are given.
+    Return the effects whose parameters are given.
 
     Parameters
     ----------
     physics : PhysicsParameters
-        Values; NaN means off.
+        Parameters of all effects; NaN means off.
 
     Returns
     -------

@@ -12,26 +12,27 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""A robot whose drives cannot give all the force asked for."""
+"""Saturation of the drives."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import nan
 from typing import Any
 
-from .physics import Number, positive, RobotEffect, Scales
-from ..parameters.specification import parameter, ParameterGroup
+from numpy.random import Generator
+
+from .numeric import Number, positive
+from .random_strength import Strength
+from .robot_effect import RobotEffect
+from .scales import Scales
+from ..parameters.specification import optional_parameter, ParameterGroup
 
 
 @dataclass(frozen=True)
 class ActuatorSaturationParameters(ParameterGroup):
     """Parameters of `ActuatorSaturation`."""
 
-    limit: float = parameter(
-        nan, 'Greatest force of the drives', 'N',
-        minimum=0.0, nan_is_off=True,
-    )
+    limit: float = optional_parameter('Largest force of the drives', 'N', minimum=0.0)
 
 
 class ActuatorSaturation(RobotEffect):
@@ -39,6 +40,8 @@ class ActuatorSaturation(RobotEffect):
 
     name = 'actuator_saturation'
     equation = "M_t x'' = clip(u, +-limit) + F_e"
+    family = 'limits'
+    description = 'The drives cannot deliver the commanded force.'
     Parameters = ActuatorSaturationParameters
 
     def control(self, u: Number, m: Any) -> Number:
@@ -50,3 +53,8 @@ class ActuatorSaturation(RobotEffect):
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """Spread the limit below the greatest control force."""
         return [(share * scales.control,) for share in (0.3, 0.5, 0.7, 0.85, 0.96)]
+
+    @classmethod
+    def draw(cls, scales: Scales, rng: Generator) -> Strength:
+        """Lower the limit to a fifth of the largest control force; nothing else is random."""
+        return lambda s: {'limit': (1.0 - 0.8 * s) * scales.control}

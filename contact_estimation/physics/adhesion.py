@@ -12,28 +12,29 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""A wall that sticks to the tool and holds it back."""
+"""Adhesion between wall and tool."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import nan
 from typing import Any
 
 import numpy as np
 
-from .physics import Array, ContactEffect, Flags, Number, Scales
-from ..parameters.specification import parameter, ParameterGroup
+from .contact_effect import ContactEffect
+from .numeric import Array, Flags, Number
+from .scales import Scales
+from ..parameters.specification import optional_parameter, ParameterGroup
 
 NECK = 1.5e-3
-"""Distance from the surface at which the wall lets go [m]."""
+"""Distance from the surface at which adhesion ends [m]."""
 
 
 @dataclass(frozen=True)
 class AdhesionParameters(ParameterGroup):
     """Parameters of `Adhesion`."""
 
-    F_a: float = parameter(nan, 'Greatest pull of the wall', 'N', minimum=0.0, nan_is_off=True)
+    F_a: float = optional_parameter('Largest pull of the wall', 'N', minimum=0.0)
 
 
 class Adhesion(ContactEffect):
@@ -41,6 +42,8 @@ class Adhesion(ContactEffect):
 
     name = 'adhesion'
     equation = 'F_e <= F_a in contact; F_e = F_a (1 + d / 1.5 mm) on leaving'
+    family = 'adhesion'
+    description = 'The wall sticks to the tool and pulls it back on withdrawal.'
     Parameters = AdhesionParameters
     needs_touch = True
 
@@ -51,7 +54,7 @@ class Adhesion(ContactEffect):
         self.pull = values.F_a
 
     def tail(self, d: Number, v: Number, state: Any, m: Any) -> Number:
-        """Give the pull of the neck; see `ContactEffect.tail`."""
+        """Return the pull of the neck; see `ContactEffect.tail`."""
         holds = (state[0] > 0.5) * (v < 0.0) * (d > -NECK)
         return holds * self.values.F_a * (1.0 + d / NECK)
 
@@ -62,7 +65,7 @@ class Adhesion(ContactEffect):
         return (1.0,) if contact else (state[0] if d > -NECK else 0.0,)
 
     def states_along(self, t: Array, d: Array, v: Array, contact: Flags) -> Array:
-        """Tell at each sample what came last, contact or the end of the neck."""
+        """Return 1 where contact is more recent than the end of the neck, else 0."""
         index = np.arange(1, len(t) + 1)
         touched = np.maximum.accumulate(np.where(contact, index, 0))
         torn = np.maximum.accumulate(np.where(d <= -NECK, index, 0))
@@ -72,3 +75,8 @@ class Adhesion(ContactEffect):
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """Start from the greatest pull in the recording."""
         return [(max(scales.greatest_pull, 0.02 * scales.force),)]
+
+    @classmethod
+    def largest(cls, scales: Scales) -> float:
+        """Return 0.7 times the largest force."""
+        return 0.7 * scales.force

@@ -12,29 +12,30 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Play between the tool and what touches the wall."""
+"""Backlash between tool and wall."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 import math
-from math import nan
 from typing import Any
 
 import numpy as np
 
-from .physics import Array, ContactEffect, Flags, Number, positive, Scales
-from ..parameters.specification import parameter, ParameterGroup
+from .contact_effect import ContactEffect
+from .numeric import Array, Flags, Number, positive
+from .scales import Scales
+from ..parameters.specification import optional_parameter, ParameterGroup
 
-POSITION_DOUBT = 1e-5
-"""By how much a measured position may be off at the end of the play [m]."""
+POSITION_TOLERANCE = 1e-5
+"""Tolerance of measured positions at the end of the play [m]."""
 
 
 @dataclass(frozen=True)
 class BacklashParameters(ParameterGroup):
     """Parameters of `Backlash`."""
 
-    gap: float = parameter(nan, 'Width of the play', 'm', minimum=0.0, nan_is_off=True)
+    gap: float = optional_parameter('Width of the play', 'm', minimum=0.0)
 
 
 class Backlash(ContactEffect):
@@ -42,26 +43,28 @@ class Backlash(ContactEffect):
 
     name = 'backlash'
     equation = "F_e of (y, y'), y = play(x, gap)"
+    family = 'clearance'
+    description = 'Play between the tool and the part that touches the wall.'
     Parameters = BacklashParameters
     lets_go = True
     needs_touch = True
 
-    states = 1  # where the tool stands within the play, x - y
+    states = 1  # position of the tool within the play, x - y
 
     def transmit(self, d: Number, v: Number, state: Any, m: Any) -> tuple[Any, Any, Any]:
-        """Pass on what the play lets through; see `ContactEffect.transmit`."""
+        """Return the motion beyond the play; see `ContactEffect.transmit`."""
         half, place = 0.5 * self.values.gap, state[0]
-        # Within a step of integration the state runs on; the tool carries the wall along.
+        # Within an integration step the state may leave the play; the tool then moves the wall.
         beyond = positive(abs(place) - half, m)
         inside = place - beyond * (2.0 * (place > 0.0) - 1.0)
-        # Measured positions are off by their noise, and the play is not left by so little.
-        least = half * (1.0 - 1e-9) if m is math else half - POSITION_DOUBT
+        # Measured positions contain noise, which does not disengage the play.
+        least = half * (1.0 - 1e-9) if m is math else half - POSITION_TOLERANCE
         return d - inside, v, abs(place) >= least
 
     def state_rates(
         self, t: float, d: float, v: float, contact: bool, state: tuple[float, ...]
     ) -> tuple[float, ...]:
-        """Move within the play with the tool; `settle` stops at its ends."""
+        """Return the velocity of the tool; `settle` stops at the ends of the play."""
         return (v,)
 
     def settle(
@@ -72,7 +75,7 @@ class Backlash(ContactEffect):
         return (min(half, max(-half, state[0])),)
 
     def states_along(self, t: Array, d: Array, v: Array, contact: Flags) -> Array:
-        """Run the play operator over the measured positions."""
+        """Apply the play operator to the measured positions."""
         half, place = 0.5 * self.values.gap, 0.0
         places = [0.0]
         for step in np.diff(d).tolist():
@@ -84,3 +87,8 @@ class Backlash(ContactEffect):
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """Spread the play."""
         return [(share * scales.depth,) for share in (0.0003, 0.003, 0.03, 0.15)]
+
+    @classmethod
+    def largest(cls, scales: Scales) -> float:
+        """Return half the largest depth."""
+        return 0.5 * scales.depth

@@ -12,24 +12,28 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""A second spring that the tool meets at a depth."""
+"""Bilinear stiffness of the wall."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import nan
 from typing import Any
 
-from .physics import ContactEffect, Number, positive, Scales
-from ..parameters.specification import parameter, ParameterGroup
+from numpy.random import Generator
+
+from .contact_effect import ContactEffect
+from .numeric import Number, positive
+from .random_strength import Strength
+from .scales import Scales
+from ..parameters.specification import optional_parameter, ParameterGroup
 
 
 @dataclass(frozen=True)
 class BilinearStiffnessParameters(ParameterGroup):
     """Parameters of `BilinearStiffness`."""
 
-    K_2: float = parameter(nan, 'Additional stiffness beyond the depth', 'N/m', nan_is_off=True)
-    depth: float = parameter(nan, 'Where it begins', 'm', minimum=0.0, nan_is_off=True)
+    K_2: float = optional_parameter('Additional stiffness beyond `depth`', 'N/m')
+    depth: float = optional_parameter('Depth at which the second spring starts', 'm', minimum=0.0)
 
 
 class BilinearStiffness(ContactEffect):
@@ -37,15 +41,23 @@ class BilinearStiffness(ContactEffect):
 
     name = 'bilinear_stiffness'
     equation = 'F_e -= K_2 max(d - depth, 0)'
+    family = 'elastic_law'
+    description = 'A second spring adds to the stiffness beyond a certain depth.'
     Parameters = BilinearStiffnessParameters
 
     def resistance(self, t: Number, d: Number, v: Number, state: Any, m: Any) -> Number:
-        """Give K_2 max(d - depth, 0); see `ContactEffect.resistance`."""
+        """Return K_2 max(d - depth, 0); see `ContactEffect.resistance`."""
         return self.values.K_2 * positive(d - self.values.depth, m)
 
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """Spread the depth; the law is linear in K_2."""
         shares = (0.2, 0.35, 0.5, 0.65, 0.8, 0.92)
-        # From far below K_2 a first step would go anywhere in depth, whose effect grows with K_2.
+        # Starts with a small K_2 leave the depth undetermined in the first step.
         return [(0.3 * scales.stiffness, share * scales.depth) for share in shares]
+
+    @classmethod
+    def draw(cls, scales: Scales, rng: Generator) -> Strength:
+        """Draw the depth at which the second spring starts."""
+        depth = float(rng.uniform(0.3, 0.7)) * scales.depth
+        return lambda s: {'K_2': 2.0 * s * scales.stiffness, 'depth': depth}

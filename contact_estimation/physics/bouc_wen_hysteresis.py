@@ -12,56 +12,51 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""A wall that presses harder going in than coming out, however slowly (Bouc 1967, Wen 1976)."""
+"""Bouc-Wen hysteresis of the wall (Bouc 1967, Wen 1976)."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from math import expm1, log1p, nan
+from math import expm1, log1p
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.random import Generator
 from numpy.typing import NDArray
 
-from .physics import Array, ContactEffect, Flags, Number, Scales, stretches
-from ..parameters.specification import parameter, ParameterGroup
+from .contact_effect import ContactEffect
+from .numeric import Array, Flags, Number, stretches
+from .random_strength import log_uniform, Strength
+from .scales import Scales
+from ..parameters.specification import optional_parameter, ParameterGroup
 
-_LARGEST = 50.0  # exponent; only a search far off the truth comes there
-_LITTLE = 1e-9  # exponent: the branch is straight
-_NEARLY_ONE = 1.0 - 1e-12  # of the way there; only a search far off the truth comes beyond
+_LARGEST = 50.0  # exponent; reached only by searches far from the truth
+_LITTLE = 1e-9  # exponent below which the branch is linear
+_NEARLY_ONE = 1.0 - 1e-12  # exceeded only by searches far from the truth
 
 
 @dataclass(frozen=True)
 class BoucWenHysteresisParameters(ParameterGroup):
     """Parameters of `BoucWenHysteresis`."""
 
-    alpha: float = parameter(
-        nan, 'Stiffness of the hysteretic branch', 'N/m',
-        minimum=0.0, nan_is_off=True,
-    )
-    beta: float = parameter(
-        nan, 'Rate at which the branch yields', '1/m',
-        minimum=0.0, nan_is_off=True,
-    )
-    gamma: float = parameter(
-        nan, 'Difference between loading and unloading', '1/m',
-        nan_is_off=True,
-    )
+    alpha: float = optional_parameter('Stiffness of the hysteretic branch', 'N/m', minimum=0.0)
+    beta: float = optional_parameter('Rate at which the branch yields', '1/m', minimum=0.0)
+    gamma: float = optional_parameter('Difference between loading and unloading', '1/m')
 
 
 class _Path(NamedTuple):
     """
-    A deflection, split into the legs between its turns.
+    A deflection, split into legs between its reversals.
 
     Attributes
     ----------
     ways : ndarray, shape (L,)
-        Length of each leg, with its sign [m].
+        Signed length of each leg [m].
     leg : ndarray of int, shape (N,)
-        In which leg each sample lies.
+        Leg of each sample.
     gone : ndarray, shape (N,)
-        Way from the beginning of that leg [m].
+        Distance from the beginning of that leg [m].
 
     """
 
@@ -72,7 +67,7 @@ class _Path(NamedTuple):
 
 @lru_cache(maxsize=4)
 def _path(depths: bytes, rates: bytes, before: float, h: float) -> _Path:
-    """Split a deflection where its rate, straight between samples, changes its sign."""
+    """Split a deflection where its linearly interpolated rate changes sign."""
     d, v = np.frombuffer(depths), np.frombuffer(rates)
     steps = np.diff(d, prepend=before)
     turns = v[:-1] * v[1:] < 0.0
@@ -80,7 +75,7 @@ def _path(depths: bytes, rates: bytes, before: float, h: float) -> _Path:
     v_0, v_1, all_of_it = v[turning], v[turning + 1], steps[turning + 1]
     share = v_0 / (v_0 - v_1)
     out, back = 0.5 * h * v_0 * share, 0.5 * h * v_1 * (1.0 - share)
-    # What both halves leave of the measured step is shared.
+    # The rest of the measured step is split in proportion.
     out = out + share * (all_of_it - out - back)
     steps[turning + 1] -= out
     steps = np.insert(steps, turning + 1, out)
@@ -100,10 +95,10 @@ def _path(depths: bytes, rates: bytes, before: float, h: float) -> _Path:
 def _branch(
     beta: float, gamma: float, depths: bytes, rates: bytes, before: float, h: float
 ) -> Array:
-    """Give z at each sample, from 0; searches ask many times for the same."""
+    """Return z at each sample, from 0; cached, because searches repeat arguments."""
     path, z = _path(depths, rates, before, h), 0.0
     begins: list[float] = []
-    zeros: list[float] = []  # where on its leg z changes its sign
+    zeros: list[float] = []  # distance along the leg at which z changes sign
     above, below = (_propagate(beta, gamma * sign, path.ways, path.ways) for sign in (1.0, -1.0))
     legs = zip(path.ways.tolist(), *(factor.tolist() for factor in (*above, *below)))
     for way, kept, added, kept_below, added_below in legs:
@@ -115,7 +110,7 @@ def _branch(
             zeros.append(_to_zero(turned + signed, z))
             after = _from_zero(turned - signed, way - zeros[-1])
         else:
-            zeros.append(2.0 * way)  # beyond its end
+            zeros.append(2.0 * way)  # beyond the end of the leg
         z = after
     z_0, way, zero = (np.array(each)[path.leg] for each in (begins, path.ways, zeros))
     signed_all = gamma * np.where(z_0 == 0.0, np.sign(way), np.sign(z_0))
@@ -127,7 +122,7 @@ def _branch(
 def _propagate(
     beta: float, gamma: float | Array, gone: Array, way: Array
 ) -> tuple[Array, Array]:
-    """Give a and b of z -> a z + b over what is gone of a way, gamma with the sign of z."""
+    """Return a and b of z -> a z + b over a distance; gamma carries the sign of z."""
     c = beta * np.where(way > 0.0, 1.0, -1.0) + gamma
     x = np.clip(c * gone, -_LARGEST, None)
     little = np.abs(x) < _LITTLE
@@ -135,12 +130,12 @@ def _propagate(
 
 
 def _to_zero(c: float, z: float) -> float:
-    """Give the way on which z comes to 0."""
+    """Return the distance after which z reaches 0."""
     return log1p(max(-c * z, -_NEARLY_ONE)) / c if c else -z
 
 
 def _from_zero(c: float, gone: float) -> float:
-    """Give z that far from 0, where `_propagate` would take many times as long."""
+    """Return z at a distance from its zero; a fast scalar form of `_propagate`."""
     return gone if abs(c * gone) < _LITTLE else -expm1(min(-c * gone, _LARGEST)) / c
 
 
@@ -149,18 +144,20 @@ class BoucWenHysteresis(ContactEffect):
 
     name = 'bouc_wen_hysteresis'
     equation = "F_e -= alpha z, z' = v - beta |v| z - gamma v |z|"
+    family = 'hysteresis'
+    description = 'Hysteresis: the force differs between loading and unloading at any speed.'
     Parameters = BoucWenHysteresisParameters
 
     states = 1
 
     def resistance(self, t: Number, d: Number, v: Number, state: Any, m: Any) -> Number:
-        """Give alpha z; see `ContactEffect.resistance`."""
+        """Return alpha z; see `ContactEffect.resistance`."""
         return self.values.alpha * state[0]
 
     def state_rates(
         self, t: float, d: float, v: float, contact: bool, state: tuple[float, ...]
     ) -> tuple[float, ...]:
-        """Give z'; see `ContactEffect.state_rates`."""
+        """Return z'; see `ContactEffect.state_rates`."""
         if not contact:
             return (0.0,)
         z, p = state[0], self.values
@@ -169,7 +166,7 @@ class BoucWenHysteresis(ContactEffect):
     def settle(
         self, d: float, v: float, contact: bool, state: tuple[float, ...]
     ) -> tuple[float, ...]:
-        """Forget the branch out of contact."""
+        """Reset the branch out of contact."""
         return state if contact else (0.0,)
 
     def states_along(self, t: Array, d: Array, v: Array, contact: Flags) -> Array:
@@ -181,16 +178,16 @@ class BoucWenHysteresis(ContactEffect):
                 continue
             inside, rate = d[first:stop], v[first:stop]
             before = float(inside[0])
-            if first:  # touch-down falls between two samples: since then the tool has gone d
+            if first:  # touch-down lies between two samples: since then the tool has moved by d
                 before = max(0.0, before - abs(float(rate[0])) * h)
-            # Only where it turns does a path matter, and it turns beyond the samples.
+            # Only the reversals of a path matter, and they lie between the samples.
             states[first:stop] = _branch(
                 beta, gamma, inside.tobytes(), rate.tobytes(), before, h)
         return states[None, :]
 
     @classmethod
     def plausible(cls, values: Any) -> bool:
-        """Tell whether the branch yields, however differently in loading and unloading."""
+        """Return whether the branch yields."""
         return bool(values.beta > 0.0)
 
     @classmethod
@@ -198,3 +195,10 @@ class BoucWenHysteresis(ContactEffect):
         """Spread beta; alpha is large enough for beta and gamma to matter."""
         yields = (0.7, 2.0, 6.0, 20.0)
         return [(0.3 * scales.stiffness, share / scales.depth, 0.0) for share in yields]
+
+    @classmethod
+    def draw(cls, scales: Scales, rng: Generator) -> Strength:
+        """Draw beta and gamma."""
+        beta = log_uniform(rng, 0.8, 8.0) / scales.depth
+        gamma = float(rng.uniform(-0.4, 0.4)) * beta
+        return lambda s: {'alpha': 1.5 * s * scales.stiffness, 'beta': beta, 'gamma': gamma}

@@ -12,25 +12,22 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""A robot that hears its reference late."""
+"""Delay of the reference."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import nan
 
-from .physics import RobotEffect, Scales
-from ..parameters.specification import parameter, ParameterGroup
+from .robot_effect import RobotEffect
+from .scales import Scales
+from ..parameters.specification import optional_parameter, ParameterGroup
 
 
 @dataclass(frozen=True)
 class CommandDelayParameters(ParameterGroup):
     """Parameters of `CommandDelay`."""
 
-    delay: float = parameter(
-        nan, 'Time by which the reference is late', 's',
-        minimum=0.0, nan_is_off=True,
-    )
+    delay: float = optional_parameter('Delay of the reference', 's', minimum=0.0)
 
 
 class CommandDelay(RobotEffect):
@@ -38,6 +35,8 @@ class CommandDelay(RobotEffect):
 
     name = 'command_delay'
     equation = 'x_r(t - delay) in eq. (1)'
+    family = 'timing'
+    description = 'The robot follows its reference with a delay.'
     Parameters = CommandDelayParameters
 
     def __init__(self, values: CommandDelayParameters) -> None:
@@ -48,3 +47,8 @@ class CommandDelay(RobotEffect):
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """Spread the delay."""
         return [(0.001,), (0.005,), (0.02,)]
+
+    @classmethod
+    def largest(cls, scales: Scales) -> float:
+        """Return 0.1 s."""
+        return 0.1

@@ -13,15 +13,15 @@
 # limitations under the License.
 
 """
-Known extra physics taken out of the relation that an estimator fits.
+Compensation of known effects in the relation that an estimator fits.
 
-With S what the force sensor does (linear), c the contact of the known surface and a the
-acceleration, a reading obeys
+With the (linear) operator S of the force sensor, contact c with the known surface and
+acceleration a, the measured force obeys
 
-    -reading = K_e S[c phi_K] + B_e S[c v] + S[c R] + S[mass a]
+    -F_measured = K_e S[c phi_K] + B_e S[c v] + S[c R] + S[mass a]
 
-where phi_K is what K_e is multiplied by and R all that is known: K_e and B_e come out as those
-of the contract, the tangent at d = 0, long-term, at t = 0.
+where K_e multiplies phi_K and R contains all known forces: K_e and B_e are the tangent at d = 0,
+long-term, at t = 0.
 """
 
 from __future__ import annotations
@@ -32,68 +32,37 @@ from math import nan
 from typing import Any, Callable, NamedTuple, Sequence
 
 from .contact_law import ContactLaw
-from .physics import Effect, ForceSensorEffect
+from .effect import Effect
+from .force_sensor_effect import ForceSensorEffect
+from ..signals.compensated_sample import CompensatedSample
 
-_STEPS = 4  # of integration of internal states, a sample
-_NEAR = 1e-7  # for the slope of phi_K [m]
-_CLIPPED = 4.0  # force noises below the end of a sensor's range
+_STEPS = 4  # integration steps of internal states per sample
+_NEAR = 1e-7  # step of the difference quotient of phi_K [m]
+_CLIPPED = 4.0  # standard deviations below the range of a sensor, beyond which it may clip
 State = tuple[float, ...]
 Memory = Callable[[float, float, float], float]  # time, time step, value -> value
 
 
-class Known(NamedTuple):
-    """
-    What is known of a sample.
-
-    Attributes
-    ----------
-    depth : float
-        Penetration of the surface where it is known to be [m].
-    pressing : float
-        -F_e without what the sensor adds [N]: decides contact.
-    rest : float
-        The same less S[c R] [N]: what K_e and B_e have to explain.
-    travel : float
-        Whose rate B_e is multiplied by [m].
-    velocity : float
-        That rate [m/s], NaN where not measured.
-    stiffness_column, constant_column : float
-        phi_K [m], and its slope over the depth.
-    usable : bool
-        Whether the relation holds.
-
-    """
-
-    depth: float
-    pressing: float
-    rest: float
-    travel: float
-    velocity: float
-    stiffness_column: float
-    constant_column: float
-    usable: bool
-
-
 class _Past(NamedTuple):
-    """The motion at a sample, and what is known of it but for inertia."""
+    """Motion at a sample, and its known quantities without inertia."""
 
     depth: float
     velocity: float
     contact: float
-    known: Known
+    known: CompensatedSample
 
 
 class Compensation:
     """
-    Follows the known physics sample by sample.
+    Evaluates known effects sample by sample.
 
-    An effect that leaves K_e without a meaning leaves K_hat at the first guess; one that does so
-    to B_e leaves B_hat at 0. Effects of the robot change nothing here.
+    With an effect that replaces K_e, K_hat stays at the first guess; with one that replaces B_e,
+    B_hat is 0. Effects of the robot have no influence.
 
     Parameters
     ----------
     effects : sequence of Effect
-        The known physics.
+        Known effects.
     initial_stiffness : float
         First guess of K_e [N/m].
     force_noise : float
@@ -104,7 +73,7 @@ class Compensation:
     def __init__(
         self, effects: Sequence[Effect], initial_stiffness: float, force_noise: float
     ) -> None:
-        # K_e stands linearly in the law: the law with 1 less that with 0 for it is its column.
+        # The law is linear in K_e: its column is the law with K_e = 1 less the law with K_e = 0.
         self._law, self._unit = (
             ContactLaw(K, 0.0, 0.0, 0.0, True, effects) for K in (0.0, 1.0)
         )
@@ -125,30 +94,30 @@ class Compensation:
 
     @property
     def acts(self) -> bool:
-        """Whether there is anything to take out."""
+        """Whether there is anything to compensate."""
         return bool(self._law.effects or self._sensor)
 
     def take(
         self, stamp_ns: int, depth: float, velocity: float, force: float, pressing: float
-    ) -> Known:
+    ) -> CompensatedSample:
         """
-        Take one sample.
+        Process one sample.
 
         Parameters
         ----------
         stamp_ns : int
-            Stamp, after the last one [ns].
+            Stamp, later than the previous one [ns].
         depth : float
             x less the nominal x_e [m].
         velocity : float
             Measured rate of x [m/s], NaN where not measured.
         force, pressing : float
-            F_e as the sensor tells it; -F_e less the tare [N].
+            Measured F_e; -F_e less the tare [N].
 
         Returns
         -------
-        known : Known
-            What an estimator has to know of it.
+        known : CompensatedSample
+            Quantities of the relation.
 
         """
         if self._first_ns is None:
@@ -156,7 +125,7 @@ class Compensation:
         t = (stamp_ns - self._first_ns) * 1e-9
         dt = t - self._t
         v = velocity
-        if v != v:  # a smoothed one would come late, and friction turn with it
+        if v != v:  # a smoothed rate would be delayed, and with it the reversal of friction
             v = (depth - self._depth) / dt if dt > 0.0 else 0.0
         self._follow(t, depth, v)
         known = self._at_wall(t, depth, velocity, v)
@@ -174,7 +143,7 @@ class Compensation:
         return self._averaged(known, wall + tool) if self._moves else known
 
     def _follow(self, t: float, depth: float, velocity: float) -> None:
-        """Integrate the internal states along the straight way from the last sample."""
+        """Integrate the internal states along a straight line from the last sample."""
         law = self._law
         if not law.states:
             return
@@ -193,8 +162,8 @@ class Compensation:
             moved = tuple([s + h * r for s, r in zip(self._states, rates)])
             self._states = law.settle(now + h, x, v, moved)
 
-    def _at_wall(self, t: float, x: float, velocity: float, v: float) -> Known:
-        """Evaluate the wall before sensor and inertia; `rest` is R here."""
+    def _at_wall(self, t: float, x: float, velocity: float, v: float) -> CompensatedSample:
+        """Evaluate the wall without sensor and inertia; `rest` is R here."""
         law, states = self._law, self._states
         d, rate, engaged = law.penetration(t, x, v, states, math)
         R = law.resistance(t, x, v, states, math)
@@ -206,7 +175,7 @@ class Compensation:
             slope = (self._column(t, x + _NEAR, v) - self._column(t, x - _NEAR, v)) / (2.0 * _NEAR)
         measured = rate if velocity == velocity else nan
         travel = law.travel(t, x, states, math)
-        return Known(d, 0.0, R, travel, measured, column, slope, bool(engaged))
+        return CompensatedSample(d, 0.0, R, travel, measured, column, slope, bool(engaged))
 
     def _column(self, t: float, x: float, v: float) -> float:
         unit, law, states = self._unit, self._law, self._states
@@ -214,21 +183,21 @@ class Compensation:
                      - law.resistance(t, x, v, states, math))
 
     def _late(
-        self, t: float, dt: float, c: float, known: Known, wall: float, tool: float
-    ) -> tuple[Known, float, float]:
-        """Let everything pass the lag and delay that the reading has passed."""
+        self, t: float, dt: float, c: float, known: CompensatedSample, wall: float, tool: float
+    ) -> tuple[CompensatedSample, float, float]:
+        """Pass all columns through the lag and delay of the sensor."""
         depth, _, R, travel, v, column, slope, _ = known
         columns = (c * R, c * travel, c * v if v == v else 0.0, c * column, c * slope, wall, tool)
         R, travel, rate, column, slope, wall, tool = (
             memory(t, dt, value) for memory, value in zip(self._memories, columns)
         )
         v = rate if v == v else v
-        return Known(depth, 0.0, R, travel, v, column, slope, True), wall, tool
+        return CompensatedSample(depth, 0.0, R, travel, v, column, slope, True), wall, tool
 
     def _inertial_forces(
         self, dt: float, depth: float, velocity: float, contact: float
     ) -> tuple[float, float]:
-        """Give M_e a and mass a of the sample before, from central differences."""
+        """Return M_e a and mass a of the previous sample, from central differences."""
         past = self._past
         past.append(_Past(depth, velocity, contact, _NOTHING))
         if len(past) < 3 or dt <= 0.0:
@@ -241,12 +210,12 @@ class Compensation:
             a = (last.depth - 2.0 * middle.depth + first.depth) / dt**2
         return middle.contact * self._law.inertia * a, self._tool * a
 
-    def _averaged(self, known: Known, inertial_force: float) -> Known:
+    def _averaged(self, known: CompensatedSample, inertial_force: float) -> CompensatedSample:
         """
-        Weigh the last three samples as eq. (31) does.
+        Average the last three samples with the weights of eq. (31).
 
-        Then their mean goes with a difference over the same three, which is neither late nor
-        as noisy as an acceleration at the newest sample.
+        The average matches a central difference over the same samples, which is neither delayed
+        against it nor as noisy as an acceleration at the newest sample.
 
         """
         past = self._past
@@ -256,11 +225,12 @@ class Compensation:
             0.25 * (a + b + b + c) for a, b, c in zip(first[2:7], middle[2:7], last[2:7])
         )
         usable = first.usable and middle.usable and last.usable and len(past) == 3
-        return Known(known.depth, known.pressing, rest - inertial_force, travel, v, column, slope,
-                     usable)
+        return CompensatedSample(
+            known.depth, known.pressing, rest - inertial_force, travel, v, column, slope, usable
+        )
 
 
-_NOTHING = Known(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, False)
+_NOTHING = CompensatedSample(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, False)
 
 
 def _sensors(effects: Sequence[Effect]) -> list[Any]:
@@ -268,7 +238,7 @@ def _sensors(effects: Sequence[Effect]) -> list[Any]:
 
 
 def _memory(effects: Sequence[Any]) -> Memory:
-    """Make the part of a sensor that remembers, for one signal."""
+    """Return the dynamic part of a sensor as a filter for one signal."""
     own = [type(effect)(effect.values) for effect in effects]
 
     def sense(t: float, dt: float, value: float) -> float:

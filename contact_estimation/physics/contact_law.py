@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The wall with all its effects: one law for the plant's numbers and the diagnosis' arrays."""
+"""The contact force of a wall with all its effects, for numbers and arrays."""
 
 from __future__ import annotations
 
@@ -22,7 +22,9 @@ from typing import Any, NamedTuple, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from .physics import Array, ContactEffect, Effect
+from .contact_effect import ContactEffect
+from .effect import Effect
+from .numeric import Array
 
 State = tuple[float, ...]
 _HOOKS = ('surface', 'transmit', 'deflection', 'spring', 'damper', 'resistance')
@@ -30,16 +32,16 @@ _HOOKS = ('surface', 'transmit', 'deflection', 'spring', 'damper', 'resistance')
 
 class Touch(NamedTuple):
     """
-    The wall at an instant, before its inertia is known.
+    Contact state and forces without inertia.
 
     Attributes
     ----------
     contact : bool or ndarray of bool
-        The surface is reached, and a force can be passed on.
+        Whether the surface is reached and a force can be transmitted.
     resistance : float or ndarray
         Sum of spring, damper and resistances [N].
     free_force : float or ndarray
-        F_e while there is no contact [N].
+        F_e out of contact [N].
 
     """
 
@@ -50,19 +52,19 @@ class Touch(NamedTuple):
 
 class ContactLaw:
     """
-    Eq. (3) with a wall that cannot pull, and what the effects make of it.
+    Eq. (3) with a unilateral wall, extended by effects.
 
-    F_e = min(pull, -(resistance + inertia a)) in contact, else the free force; the pull is 0
-    without adhesion.
+    F_e = min(pull, -(resistance + inertia a)) in contact, else the free force; pull is 0 without
+    adhesion.
 
     Parameters
     ----------
     stiffness, damping, location, inertia : float
         K_e [N/m], B_e [N s/m], x_e [m], M_e [kg].
     unilateral : bool
-        Whether the wall can let go.
+        Whether contact can be lost.
     effects : sequence of Effect
-        Those of the contact act, others are left out.
+        Effects of other ports are ignored.
 
     """
 
@@ -82,7 +84,7 @@ class ContactLaw:
             self._exponent *= effect.exponent
         starts = np.cumsum([0, *(effect.states for effect in wall)]).tolist()
         placed = [(effect, slice(a, b)) for effect, a, b in zip(wall, starts[:-1], starts[1:])]
-        # Hooks that do nothing are not called: a plant steps twenty thousand times a second.
+        # Only overridden hooks are called: a plant evaluates the law 20 000 times per second.
         self._surfaces, self._transmissions, self._deflections, self._springs = (
             [place for place in placed if _overrides(place[0], hook)]
             for hook in ('surface', 'transmit', 'deflection', 'spring')
@@ -96,12 +98,12 @@ class ContactLaw:
 
     @property
     def bends_stiffness(self) -> bool:
-        """Whether K_e is multiplied by anything but the distance from the surface."""
+        """Whether K_e multiplies something other than the penetration."""
         return bool(self._transmissions or self._deflections or self._springs)
 
     def penetration(self, t: Any, x: Any, v: Any, states: Any, m: Any) -> tuple[Any, Any, Any]:
         """
-        Tell how deep the tool is in the wall.
+        Return the penetration at the wall.
 
         Parameters
         ----------
@@ -117,7 +119,7 @@ class ContactLaw:
         d, v : float or ndarray, shape (N,)
             Penetration [m] and its rate [m/s].
         engaged : bool or ndarray of bool
-            Whether a force can be passed on.
+            Whether a force can be transmitted.
 
         """
         d, engaged = x - self._x_e, True
@@ -129,7 +131,7 @@ class ContactLaw:
         return d, v, engaged
 
     def travel(self, t: Any, x: Any, states: Any, m: Any) -> Any:
-        """Tell how far inside the surface the tool is [m], whatever of that reaches the wall."""
+        """Return the penetration of the tool itself [m]; parameters as `penetration`."""
         d = x - self._x_e
         for effect, place in self._surfaces:
             d = d - effect.surface(t, states[place], m)[0]
@@ -137,12 +139,12 @@ class ContactLaw:
 
     def touch(self, t: Any, x: Any, v: Any, states: Any, m: Any) -> Touch:
         """
-        Evaluate the law but for inertia; parameters as `penetration`.
+        Evaluate the law without inertia; parameters as `penetration`.
 
         Returns
         -------
         touch : Touch
-            Contact and forces.
+            Contact state and forces.
 
         """
         d, v, engaged = self.penetration(t, x, v, states, m)
@@ -170,14 +172,14 @@ class ContactLaw:
         return resistance
 
     def resistance(self, t: Any, x: Any, v: Any, states: Any, m: Any) -> Any:
-        """Give what resists in contact but for inertia [N]; parameters as `penetration`."""
+        """Return the resistance in contact without inertia [N]; parameters as `penetration`."""
         if self._is_plain:
             return self._K_e * (x - self._x_e) + self._B_e * v
         d, v, _ = self.penetration(t, x, v, states, m)
         return self._resistance(t, d, v, states, m)
 
     def rates(self, t: float, x: float, v: float, states: State) -> State:
-        """Differentiate the internal states; parameters as `penetration`."""
+        """Return the rates of the internal states; parameters as `penetration`."""
         rates: State = ()
         for effect, place, d, u in self._met(t, x, v, states):
             touching = d > 0.0 or not self.unilateral
@@ -185,14 +187,14 @@ class ContactLaw:
         return rates
 
     def settle(self, t: float, x: float, v: float, states: State) -> State:
-        """Keep the internal states where they may be; parameters as `penetration`."""
+        """Project the internal states onto their range; parameters as `penetration`."""
         settled: State = ()
         for effect, place, d, u in self._met(t, x, v, states):
             settled += effect.settle(d, u, d > 0.0 or not self.unilateral, states[place])
         return settled
 
     def _met(self, t: float, x: float, v: float, states: State) -> list[tuple[Any, ...]]:
-        """List the effects with states, and d and v less what each itself does to them."""
+        """Return the effects with states, each with d and v before its own change of them."""
         own: dict[int, tuple[float, float]] = {}
         d = x - self._x_e
         for effect, place in self._surfaces:
@@ -207,7 +209,7 @@ class ContactLaw:
 
     def states_along(self, t: Array, x: Array, v: Array) -> Array:
         """
-        Follow all internal states along a recorded motion.
+        Integrate all internal states along a recorded motion.
 
         Parameters
         ----------
@@ -271,12 +273,12 @@ class ContactLaw:
         return held, d
 
     def force(self, t: Array, x: Array, v: Array, a: Array) -> Array:
-        """Predict F_e alone; see `force_and_depth`."""
+        """Return F_e alone; see `force_and_depth`."""
         return self.force_and_depth(t, x, v, a)[0]
 
     def contact(self, t: Array, x: Array, v: Array) -> NDArray[np.bool_]:
         """
-        Tell where the surface is reached; parameters as `force_and_depth`.
+        Return where the surface is reached; parameters as `force_and_depth`.
 
         Returns
         -------

@@ -12,26 +12,24 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""A wall that stands elsewhere than the model says."""
+"""Constant offset of the surface."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import nan
 from typing import Any
 
-from .physics import ContactEffect, Number, Scales
-from ..parameters.specification import parameter, ParameterGroup
+from .contact_effect import ContactEffect
+from .numeric import Number
+from .scales import Scales
+from ..parameters.specification import optional_parameter, ParameterGroup
 
 
 @dataclass(frozen=True)
 class ContactOffsetParameters(ParameterGroup):
     """Parameters of `ContactOffset`."""
 
-    offset: float = parameter(
-        nan, 'Place of the surface, from where the model has it', 'm',
-        nan_is_off=True,
-    )
+    offset: float = optional_parameter('Position of the surface relative to the modelled one', 'm')
 
 
 class ContactOffset(ContactEffect):
@@ -39,13 +37,21 @@ class ContactOffset(ContactEffect):
 
     name = 'contact_offset'
     equation = 'x_e = nominal + offset'
+    family = 'clearance'
+    description = 'The surface is not where the model places it.'
     Parameters = ContactOffsetParameters
+    either_sign = True
 
     def surface(self, t: Number, state: Any, m: Any) -> tuple[Any, Any]:
-        """Give the constant shift; see `ContactEffect.surface`."""
+        """Return the constant shift; see `ContactEffect.surface`."""
         return self.values.offset, 0.0
 
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """Both sides."""
         return [(0.001 * scales.depth,), (-0.001 * scales.depth,)]
+
+    @classmethod
+    def largest(cls, scales: Scales) -> float:
+        """Return half the largest depth."""
+        return 0.5 * scales.depth

@@ -12,26 +12,24 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Dry friction in the bearings of the wall."""
+"""Coulomb friction of the wall."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import nan
 from typing import Any
 
-from .physics import ContactEffect, Number, Scales, SIGN_VELOCITY
-from ..parameters.specification import parameter, ParameterGroup
+from .contact_effect import ContactEffect
+from .numeric import Number, SIGN_VELOCITY
+from .scales import Scales
+from ..parameters.specification import optional_parameter, ParameterGroup
 
 
 @dataclass(frozen=True)
 class CoulombFrictionParameters(ParameterGroup):
     """Parameters of `CoulombFriction`."""
 
-    F_c: float = parameter(
-        nan, 'Dry friction of the wall, against its motion', 'N',
-        minimum=0.0, nan_is_off=True,
-    )
+    F_c: float = optional_parameter('Dry friction force of the wall', 'N', minimum=0.0)
 
 
 class CoulombFriction(ContactEffect):
@@ -39,14 +37,21 @@ class CoulombFriction(ContactEffect):
 
     name = 'coulomb_friction'
     equation = 'F_e -= F_c sgn(v)'
+    family = 'friction'
+    description = 'Dry friction of constant magnitude opposes the motion of the wall.'
     Parameters = CoulombFrictionParameters
     jumps = True
 
     def resistance(self, t: Number, d: Number, v: Number, state: Any, m: Any) -> Number:
-        """Give F_c sgn(v); see `ContactEffect.resistance`."""
+        """Return F_c sgn(v); see `ContactEffect.resistance`."""
         return self.values.F_c * m.tanh(v / SIGN_VELOCITY)
 
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """One start: the law is linear in F_c."""
         return [(0.002 * scales.force,)]
+
+    @classmethod
+    def largest(cls, scales: Scales) -> float:
+        """Return 0.4 times the largest force."""
+        return 0.4 * scales.force

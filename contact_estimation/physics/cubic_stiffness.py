@@ -12,26 +12,28 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""A spring that hardens or softens with depth."""
+"""Cubic stiffness of the wall."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import nan
 from typing import Any
 
-from .physics import ContactEffect, Number, Scales
-from ..parameters.specification import parameter, ParameterGroup
+from numpy.random import Generator
+
+from .contact_effect import ContactEffect
+from .numeric import Number
+from .random_strength import Strength
+from .scales import Scales
+from ..parameters.specification import optional_parameter, ParameterGroup
 
 
 @dataclass(frozen=True)
 class CubicStiffnessParameters(ParameterGroup):
     """Parameters of `CubicStiffness`."""
 
-    K_3: float = parameter(
-        nan, 'Growth of the stiffness with depth; negative softens', 'N/m^3',
-        nan_is_off=True,
-    )
+    K_3: float = optional_parameter(
+        'Coefficient of the cubic force; negative: the wall softens with depth', 'N/m^3')
 
 
 class CubicStiffness(ContactEffect):
@@ -39,13 +41,21 @@ class CubicStiffness(ContactEffect):
 
     name = 'cubic_stiffness'
     equation = 'F_e -= K_3 d^3'
+    family = 'elastic_law'
+    description = 'The stiffness of the wall increases or decreases with the square of the depth.'
     Parameters = CubicStiffnessParameters
 
     def resistance(self, t: Number, d: Number, v: Number, state: Any, m: Any) -> Number:
-        """Give K_3 d^3; see `ContactEffect.resistance`."""
+        """Return K_3 d^3; see `ContactEffect.resistance`."""
         return self.values.K_3 * d * d * d
 
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """One start: the law is linear in K_3."""
         return [(0.002 * scales.stiffness / scales.depth**2,)]
+
+    @classmethod
+    def draw(cls, scales: Scales, rng: Generator) -> Strength:
+        """Draw whether the wall hardens or softens."""
+        share = float(rng.choice([1.0, -0.2]))  # a softening wall must not push less when deeper
+        return lambda s: {'K_3': s * share * scales.stiffness / scales.depth**2}

@@ -12,26 +12,24 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""A gap under the surface in which only the damper acts."""
+"""Dead zone of the spring."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import nan
 from typing import Any
 
-from .physics import ContactEffect, Number, positive, Scales
-from ..parameters.specification import parameter, ParameterGroup
+from .contact_effect import ContactEffect
+from .numeric import Number, positive
+from .scales import Scales
+from ..parameters.specification import optional_parameter, ParameterGroup
 
 
 @dataclass(frozen=True)
 class DeadZoneParameters(ParameterGroup):
     """Parameters of `DeadZone`."""
 
-    gap: float = parameter(
-        nan, 'Depth at which the spring begins', 'm',
-        minimum=0.0, nan_is_off=True,
-    )
+    gap: float = optional_parameter('Depth at which the spring starts', 'm', minimum=0.0)
 
 
 class DeadZone(ContactEffect):
@@ -39,14 +37,21 @@ class DeadZone(ContactEffect):
 
     name = 'dead_zone'
     equation = 'F_e = -(K_e max(d - gap, 0) + B_e v)'
+    family = 'clearance'
+    description = 'Within a gap below the surface only the damper acts; the spring starts deeper.'
     Parameters = DeadZoneParameters
     needs_touch = True
 
     def deflection(self, d: Number, m: Any) -> Number:
-        """Give max(d - gap, 0); see `ContactEffect.deflection`."""
+        """Return max(d - gap, 0); see `ContactEffect.deflection`."""
         return positive(d - self.values.gap, m)
 
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """Spread the gap."""
         return [(share * scales.depth,) for share in (0.003, 0.03, 0.1, 0.3)]
+
+    @classmethod
+    def largest(cls, scales: Scales) -> float:
+        """Return half the largest depth."""
+        return 0.5 * scales.depth

@@ -12,25 +12,22 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Mass of the wall that moves with the contact point."""
+"""Inertia of the wall."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import nan
 
-from .physics import ContactEffect, Scales
-from ..parameters.specification import parameter, ParameterGroup
+from .contact_effect import ContactEffect
+from .scales import Scales
+from ..parameters.specification import optional_parameter, ParameterGroup
 
 
 @dataclass(frozen=True)
 class EnvironmentInertiaParameters(ParameterGroup):
     """Parameters of `EnvironmentInertia`."""
 
-    M_e: float = parameter(
-        nan, 'Mass of the wall that moves with the tool', 'kg',
-        minimum=0.0, nan_is_off=True,
-    )
+    M_e: float = optional_parameter('Mass of the wall that moves with the tool', 'kg', minimum=0.0)
 
 
 class EnvironmentInertia(ContactEffect):
@@ -38,7 +35,10 @@ class EnvironmentInertia(ContactEffect):
 
     name = 'environment_inertia'
     equation = 'F_e -= M_e a'
+    family = 'inertia'
+    description = 'Part of the wall moves with the tool, and its inertia adds to the force.'
     Parameters = EnvironmentInertiaParameters
+    base_parameter = 'inertia'
 
     def __init__(self, values: EnvironmentInertiaParameters) -> None:
         super().__init__(values)
@@ -48,3 +48,8 @@ class EnvironmentInertia(ContactEffect):
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """One start: the law is linear in M_e."""
         return [(0.02,)]
+
+    @classmethod
+    def largest(cls, scales: Scales) -> float:
+        """Return the target mass of the robot."""
+        return scales.mass

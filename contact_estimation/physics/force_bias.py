@@ -12,24 +12,25 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""A force sensor that was not tared."""
+"""Bias of the force sensor."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import nan
 
 import numpy as np
 
-from .physics import Array, ForceSensorEffect, Number, Scales
-from ..parameters.specification import parameter, ParameterGroup
+from .force_sensor_effect import ForceSensorEffect
+from .numeric import Array, Number
+from .scales import Scales
+from ..parameters.specification import optional_parameter, ParameterGroup
 
 
 @dataclass(frozen=True)
 class ForceBiasParameters(ParameterGroup):
     """Parameters of `ForceBias`."""
 
-    bias: float = parameter(nan, 'Reading without load', 'N', nan_is_off=True)
+    bias: float = optional_parameter('Measured force without load', 'N')
 
 
 class ForceBias(ForceSensorEffect):
@@ -37,7 +38,10 @@ class ForceBias(ForceSensorEffect):
 
     name = 'force_bias'
     equation = 'F_measured = F_e + bias'
+    family = 'sensor_zero'
+    description = 'The force sensor was not tared: a constant is added to the force.'
     Parameters = ForceBiasParameters
+    either_sign = True
 
     def sense(self, t: float, dt: float, force: float, acceleration: float) -> float:
         """Add the bias; see `ForceSensorEffect.sense`."""
@@ -47,11 +51,16 @@ class ForceBias(ForceSensorEffect):
         """Add the bias; see `ForceSensorEffect.sense_along`."""
         return np.asarray(force + self.values.bias)
 
-    def undo(self, t: Number, reading: Number) -> Number:
+    def undo(self, t: Number, measured: Number) -> Number:
         """Subtract the bias; see `ForceSensorEffect.undo`."""
-        return reading - self.values.bias
+        return measured - self.values.bias
 
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """One start: the law is linear in bias."""
         return [(0.002 * scales.force,)]
+
+    @classmethod
+    def largest(cls, scales: Scales) -> float:
+        """Return 0.3 times the largest force."""
+        return 0.3 * scales.force

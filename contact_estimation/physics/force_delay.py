@@ -12,28 +12,26 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""A force sensor whose samples come late."""
+"""Delay of the force signal."""
 
 from __future__ import annotations
 
 from collections import deque
 from dataclasses import dataclass
-from math import nan
 
 import numpy as np
 
-from .physics import Array, ForceSensorEffect, Scales
-from ..parameters.specification import parameter, ParameterGroup
+from .force_sensor_effect import ForceSensorEffect
+from .numeric import Array
+from .scales import Scales
+from ..parameters.specification import optional_parameter, ParameterGroup
 
 
 @dataclass(frozen=True)
 class ForceDelayParameters(ParameterGroup):
     """Parameters of `ForceDelay`."""
 
-    delay: float = parameter(
-        nan, 'Time by which the force is late', 's',
-        minimum=0.0, nan_is_off=True,
-    )
+    delay: float = optional_parameter('Delay of the force', 's', minimum=0.0)
 
 
 class ForceDelay(ForceSensorEffect):
@@ -41,6 +39,8 @@ class ForceDelay(ForceSensorEffect):
 
     name = 'force_delay'
     equation = 'F_measured(t) = F_e(t - delay)'
+    family = 'timing'
+    description = 'The force signal is delayed relative to the motion.'
     Parameters = ForceDelayParameters
 
     memory = True
@@ -50,7 +50,7 @@ class ForceDelay(ForceSensorEffect):
         self._past: deque[tuple[float, float]] = deque()
 
     def sense(self, t: float, dt: float, force: float, acceleration: float) -> float:
-        """Look back, straight between the samples; see `ForceSensorEffect.sense`."""
+        """Interpolate past samples linearly; see `ForceSensorEffect.sense`."""
         past, then = self._past, t - self.values.delay
         past.append((t, force))
         while len(past) > 1 and past[1][0] <= then:
@@ -61,14 +61,19 @@ class ForceDelay(ForceSensorEffect):
         return f_0 + (f_1 - f_0) * (then - t_0) / (t_1 - t_0)
 
     def sense_along(self, t: Array, force: Array, acceleration: Array) -> Array:
-        """Look back, straight between the samples; see `ForceSensorEffect.sense_along`."""
+        """Interpolate past samples linearly; see `ForceSensorEffect.sense_along`."""
         return np.interp(t - self.values.delay, t, force)
 
-    def undo_along(self, t: Array, reading: Array) -> Array:
-        """Look ahead, straight between the samples; see `ForceSensorEffect.undo_along`."""
-        return np.interp(t + self.values.delay, t, reading)
+    def undo_along(self, t: Array, measured: Array) -> Array:
+        """Interpolate future samples linearly; see `ForceSensorEffect.undo_along`."""
+        return np.interp(t + self.values.delay, t, measured)
 
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """Spread the delay."""
         return [(0.001,), (0.004,), (0.012,), (0.03,)]
+
+    @classmethod
+    def largest(cls, scales: Scales) -> float:
+        """Return 0.1 s."""
+        return 0.1

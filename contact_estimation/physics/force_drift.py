@@ -12,24 +12,25 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""A force sensor whose zero wanders."""
+"""Drift of the force sensor."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import nan
 
 import numpy as np
 
-from .physics import Array, ForceSensorEffect, Number, Scales
-from ..parameters.specification import parameter, ParameterGroup
+from .force_sensor_effect import ForceSensorEffect
+from .numeric import Array, Number
+from .scales import Scales
+from ..parameters.specification import optional_parameter, ParameterGroup
 
 
 @dataclass(frozen=True)
 class ForceDriftParameters(ParameterGroup):
     """Parameters of `ForceDrift`."""
 
-    rate: float = parameter(nan, 'Change of the reading without load', 'N/s', nan_is_off=True)
+    rate: float = optional_parameter('Rate of change of the measured force without load', 'N/s')
 
 
 class ForceDrift(ForceSensorEffect):
@@ -37,7 +38,10 @@ class ForceDrift(ForceSensorEffect):
 
     name = 'force_drift'
     equation = 'F_measured = F_e + rate t'
+    family = 'sensor_zero'
+    description = 'The zero of the force sensor drifts linearly with time.'
     Parameters = ForceDriftParameters
+    either_sign = True
 
     def sense(self, t: float, dt: float, force: float, acceleration: float) -> float:
         """Add the drift; see `ForceSensorEffect.sense`."""
@@ -47,11 +51,16 @@ class ForceDrift(ForceSensorEffect):
         """Add the drift; see `ForceSensorEffect.sense_along`."""
         return np.asarray(force + self.values.rate * t)
 
-    def undo(self, t: Number, reading: Number) -> Number:
+    def undo(self, t: Number, measured: Number) -> Number:
         """Subtract the drift; see `ForceSensorEffect.undo`."""
-        return reading - self.values.rate * t
+        return measured - self.values.rate * t
 
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """One start: the law is linear in rate."""
         return [(0.002 * scales.force / scales.duration,)]
+
+    @classmethod
+    def largest(cls, scales: Scales) -> float:
+        """Return the rate that adds half the largest force over the recording."""
+        return 0.5 * scales.force / scales.duration

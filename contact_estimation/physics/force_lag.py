@@ -12,25 +12,27 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""A force sensor with a low-pass in it."""
+"""Low-pass filter in the force sensor."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import exp, nan
+from math import exp
 
 import numpy as np
 from scipy.signal import lfilter
 
-from .physics import Array, ForceSensorEffect, Scales
-from ..parameters.specification import parameter, ParameterGroup
+from .force_sensor_effect import ForceSensorEffect
+from .numeric import Array
+from .scales import Scales
+from ..parameters.specification import optional_parameter, ParameterGroup
 
 
 @dataclass(frozen=True)
 class ForceLagParameters(ParameterGroup):
     """Parameters of `ForceLag`."""
 
-    tau: float = parameter(nan, 'Time constant of the low-pass', 's', minimum=0.0, nan_is_off=True)
+    tau: float = optional_parameter('Time constant of the low-pass filter', 's', minimum=0.0)
 
 
 class ForceLag(ForceSensorEffect):
@@ -38,6 +40,8 @@ class ForceLag(ForceSensorEffect):
 
     name = 'force_lag'
     equation = "tau y' + y = F_e"
+    family = 'timing'
+    description = 'The force signal is low-pass filtered.'
     Parameters = ForceLagParameters
 
     memory = True
@@ -48,21 +52,21 @@ class ForceLag(ForceSensorEffect):
         self._last = 0.0
 
     def sense(self, t: float, dt: float, force: float, acceleration: float) -> float:
-        """Filter with F straight between the samples; see `ForceSensorEffect.sense`."""
+        """Filter F, interpolated linearly; see `ForceSensorEffect.sense`."""
         decay, begin, end = self._weights(dt)
         y = force if self._y is None else decay * self._y + begin * self._last + end * force
         self._y, self._last = y, force
         return y
 
     def sense_along(self, t: Array, force: Array, acceleration: Array) -> Array:
-        """Filter with F straight between the samples; see `ForceSensorEffect.sense_along`."""
+        """Filter F, interpolated linearly; see `ForceSensorEffect.sense_along`."""
         decay, begin, end = self._weights(float(t[1] - t[0]))
         push = np.concatenate(([force[0]], begin * force[:-1] + end * force[1:]))
         return np.asarray(lfilter([1.0], [1.0, -decay], push))
 
-    def undo_along(self, t: Array, reading: Array) -> Array:
-        """Give tau y' + y from central differences; see `ForceSensorEffect.undo_along`."""
-        return np.asarray(reading + self.values.tau * np.gradient(reading, t))
+    def undo_along(self, t: Array, measured: Array) -> Array:
+        """Return tau y' + y from central differences; see `ForceSensorEffect.undo_along`."""
+        return np.asarray(measured + self.values.tau * np.gradient(measured, t))
 
     def _weights(self, dt: float) -> tuple[float, float, float]:
         """Solve the equation over a step: y = decay y_0 + begin F_0 + end F_1."""
@@ -77,3 +81,8 @@ class ForceLag(ForceSensorEffect):
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """Spread tau."""
         return [(0.002,), (0.01,), (0.04,)]
+
+    @classmethod
+    def largest(cls, scales: Scales) -> float:
+        """Return 0.1 s."""
+        return 0.1

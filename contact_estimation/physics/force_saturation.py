@@ -12,24 +12,27 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""A force sensor at the end of its range."""
+"""Saturation of the force sensor."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import nan
 
 import numpy as np
+from numpy.random import Generator
 
-from .physics import Array, ForceSensorEffect, Scales
-from ..parameters.specification import parameter, ParameterGroup
+from .force_sensor_effect import ForceSensorEffect
+from .numeric import Array
+from .random_strength import Strength
+from .scales import Scales
+from ..parameters.specification import optional_parameter, ParameterGroup
 
 
 @dataclass(frozen=True)
 class ForceSaturationParameters(ParameterGroup):
     """Parameters of `ForceSaturation`."""
 
-    limit: float = parameter(nan, 'End of the range', 'N', minimum=0.0, nan_is_off=True)
+    limit: float = optional_parameter('End of the measuring range', 'N', minimum=0.0)
 
 
 class ForceSaturation(ForceSensorEffect):
@@ -37,6 +40,8 @@ class ForceSaturation(ForceSensorEffect):
 
     name = 'force_saturation'
     equation = 'F_measured = clip(F_e, +-limit)'
+    family = 'limits'
+    description = 'The force signal is clipped at the end of the measuring range.'
     Parameters = ForceSaturationParameters
 
     def __init__(self, values: ForceSaturationParameters) -> None:
@@ -56,3 +61,8 @@ class ForceSaturation(ForceSensorEffect):
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """Spread the limit below the greatest force."""
         return [(share * scales.force,) for share in (0.4, 0.6, 0.75, 0.87, 0.96)]
+
+    @classmethod
+    def draw(cls, scales: Scales, rng: Generator) -> Strength:
+        """Lower the limit to a fifth of the largest force; nothing else is random."""
+        return lambda s: {'limit': (1.0 - 0.8 * s) * scales.force}

@@ -12,23 +12,28 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Damping that grows with depth, without a jump at touch-down."""
+"""Hunt-Crossley damping of the wall."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import nan
 from typing import Any
 
-from .physics import ContactEffect, Number, positive, Scales
-from ..parameters.specification import parameter, ParameterGroup
+from .contact_effect import ContactEffect
+from .numeric import Number, positive
+from .random_strength import Values
+from .scales import Scales
+from ..parameters.specification import optional_parameter, ParameterGroup
+
+LARGEST_DAMPING = 300.0
+"""Largest plausible damping at half the depth [N s/m]."""
 
 
 @dataclass(frozen=True)
 class HuntCrossleyDampingParameters(ParameterGroup):
     """Parameters of `HuntCrossleyDamping`."""
 
-    chi: float = parameter(nan, 'Damping a unit of depth', 'N s/m^2', minimum=0.0, nan_is_off=True)
+    chi: float = optional_parameter('Damping per unit depth', 'N s/m^2', minimum=0.0)
 
 
 class HuntCrossleyDamping(ContactEffect):
@@ -41,13 +46,15 @@ class HuntCrossleyDamping(ContactEffect):
 
     name = 'hunt_crossley_damping'
     equation = 'F_e = -(K_e d + chi d v)'
+    family = 'damping_law'
+    description = 'Damping of the wall proportional to depth, without a force step at touch-down.'
     Parameters = HuntCrossleyDampingParameters
     needs_touch = True
 
     replaces_damping = True
 
     def damper(self, d: Number, v: Number, force: Number, exponent: float, m: Any) -> Number:
-        """Give chi d^n v; see `ContactEffect.damper`."""
+        """Return chi d^n v; see `ContactEffect.damper`."""
         depth = d if exponent == 1.0 else positive(d, m) ** exponent
         return self.values.chi * depth * v
 
@@ -55,3 +62,13 @@ class HuntCrossleyDamping(ContactEffect):
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """One start: the law is linear in chi."""
         return [(2.0 * scales.damping / scales.depth,)]
+
+    @classmethod
+    def largest(cls, scales: Scales) -> float:
+        """Return chi that corresponds to LARGEST_DAMPING at half the depth."""
+        return 2.0 * LARGEST_DAMPING / scales.depth
+
+    @classmethod
+    def equivalent_damping(cls, values: Values, damping: float, depth: float) -> float:
+        """Return the damping at half the depth: the law has no B_e."""
+        return 0.5 * values['chi'] * depth

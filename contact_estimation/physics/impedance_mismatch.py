@@ -12,33 +12,28 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""A robot whose impedance is not the one it was told."""
+"""Robot whose impedance differs from the target impedance."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import nan
 
-from .physics import RobotEffect, Scales
-from ..parameters.specification import parameter, ParameterGroup
+from numpy.random import Generator
+
+from .random_strength import random_sign, Strength
+from .robot_effect import RobotEffect
+from .scales import Scales
+from ..parameters.specification import optional_parameter, ParameterGroup
 
 
 @dataclass(frozen=True)
 class ImpedanceMismatchParameters(ParameterGroup):
     """Parameters of `ImpedanceMismatch`."""
 
-    K_t_scale: float = parameter(
-        nan, 'Stiffness of the robot, as a multiple of the nominal', '1',
-        minimum=0.0, nan_is_off=True,
-    )
-    B_t_scale: float = parameter(
-        nan, 'Damping of the robot, likewise', '1',
-        minimum=0.0, nan_is_off=True,
-    )
-    M_t_scale: float = parameter(
-        nan, 'Mass of the robot, likewise', '1',
-        minimum=0.01, nan_is_off=True,
-    )
+    K_t_scale: float = optional_parameter(
+        'Stiffness of the robot divided by K_t', '1', minimum=0.0)
+    B_t_scale: float = optional_parameter('Damping of the robot divided by B_t', '1', minimum=0.0)
+    M_t_scale: float = optional_parameter('Mass of the robot divided by M_t', '1', minimum=0.01)
 
 
 class ImpedanceMismatch(RobotEffect):
@@ -46,6 +41,8 @@ class ImpedanceMismatch(RobotEffect):
 
     name = 'impedance_mismatch'
     equation = 'M_t_scale M_t, B_t_scale B_t, K_t_scale K_t in eq. (1)'
+    family = 'robot'
+    description = 'The robot realises a mass, damping or stiffness other than the target.'
     Parameters = ImpedanceMismatchParameters
     neutral = {'K_t_scale': 1.0, 'B_t_scale': 1.0, 'M_t_scale': 1.0}
 
@@ -59,3 +56,10 @@ class ImpedanceMismatch(RobotEffect):
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """One start: nearly linear."""
         return [(1.002, 1.002, 1.002)]
+
+    @classmethod
+    def draw(cls, scales: Scales, rng: Generator) -> Strength:
+        """Draw the relative deviation of each parameter."""
+        names = ('K_t_scale', 'B_t_scale', 'M_t_scale')
+        shares = [0.5 * random_sign(rng) * float(rng.uniform(0.3, 1.0)) for _ in names]
+        return lambda s: {name: 1.0 + s * share for name, share in zip(names, shares)}

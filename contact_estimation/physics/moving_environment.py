@@ -12,27 +12,31 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""A wall that swings."""
+"""Oscillating surface."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import nan, pi
+from math import pi
 from typing import Any
 
 import numpy as np
+from numpy.random import Generator
 
-from .physics import ContactEffect, Number, Scales
-from ..parameters.specification import parameter, ParameterGroup
+from .contact_effect import ContactEffect
+from .numeric import Number
+from .random_strength import log_uniform, Strength
+from .scales import Scales
+from ..parameters.specification import optional_parameter, ParameterGroup
 
 
 @dataclass(frozen=True)
 class MovingEnvironmentParameters(ParameterGroup):
     """Parameters of `MovingEnvironment`."""
 
-    amplitude: float = parameter(nan, 'Swing of the surface', 'm', minimum=0.0, nan_is_off=True)
-    frequency: float = parameter(nan, 'Its frequency', 'Hz', minimum=0.0, nan_is_off=True)
-    phase: float = parameter(nan, 'Its phase at the first sample', 'rad', nan_is_off=True)
+    amplitude: float = optional_parameter('Amplitude of the surface oscillation', 'm', minimum=0.0)
+    frequency: float = optional_parameter('Frequency of the oscillation', 'Hz', minimum=0.0)
+    phase: float = optional_parameter('Phase of the oscillation at the first sample', 'rad')
 
 
 class MovingEnvironment(ContactEffect):
@@ -40,10 +44,12 @@ class MovingEnvironment(ContactEffect):
 
     name = 'moving_environment'
     equation = 'x_e = nominal + amplitude sin(2 pi frequency t + phase)'
+    family = 'wall_motion'
+    description = 'The surface oscillates sinusoidally.'
     Parameters = MovingEnvironmentParameters
 
     def surface(self, t: Number, state: Any, m: Any) -> tuple[Any, Any]:
-        """Give the swing; see `ContactEffect.surface`."""
+        """Return the oscillation; see `ContactEffect.surface`."""
         p = self.values
         omega = 2.0 * pi * p.frequency
         angle = omega * t + p.phase
@@ -51,7 +57,14 @@ class MovingEnvironment(ContactEffect):
 
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
-        """Take the peaks of the residual's spectrum: the error is a comb in the frequency."""
+        """Start at the peaks of the residual spectrum: the cost has many minima in frequency."""
         found = scales.peaks()
         return [(abs(peak) / scales.stiffness, frequency, float(np.angle(1j * peak)))
                 for frequency, peak in found]
+
+    @classmethod
+    def draw(cls, scales: Scales, rng: Generator) -> Strength:
+        """Draw frequency and phase."""
+        frequency, phase = log_uniform(rng, 0.4, 5.0), float(rng.uniform(0.0, 2.0 * pi))
+        return lambda s: {
+            'amplitude': 0.3 * s * scales.depth, 'frequency': frequency, 'phase': phase}

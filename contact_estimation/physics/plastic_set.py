@@ -12,28 +12,27 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""A wall that keeps part of the deepest dent."""
+"""Plastic set of the wall."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import nan
 from typing import Any
 
 import numpy as np
 
-from .physics import Array, ContactEffect, Flags, Number, positive, Scales
-from ..parameters.specification import parameter, ParameterGroup
+from .contact_effect import ContactEffect
+from .numeric import Array, Flags, Number, positive
+from .scales import Scales
+from ..parameters.specification import optional_parameter, ParameterGroup
 
 
 @dataclass(frozen=True)
 class PlasticSetParameters(ParameterGroup):
     """Parameters of `PlasticSet`."""
 
-    residual: float = parameter(
-        nan, 'Share of the deepest dent that stays', '1',
-        minimum=0.0, maximum=0.999, nan_is_off=True,
-    )
+    residual: float = optional_parameter(
+        'Fraction of the deepest indentation that remains', '1', minimum=0.0, maximum=0.999)
 
 
 class PlasticSet(ContactEffect):
@@ -41,13 +40,15 @@ class PlasticSet(ContactEffect):
 
     name = 'plastic_set'
     equation = 'x_e = nominal + residual (greatest d so far)'
+    family = 'hysteresis'
+    description = 'The wall deforms plastically: part of the deepest indentation remains.'
     Parameters = PlasticSetParameters
     needs_touch = True
 
     states = 1  # greatest d so far, from the untouched surface
 
     def transmit(self, d: Number, v: Number, state: Any, m: Any) -> tuple[Any, Any, Any]:
-        """Give the depth in the dent that stays; see `ContactEffect.transmit`."""
+        """Return the depth in the dent that stays; see `ContactEffect.transmit`."""
         # The dent deepens with the tool, also within a step of integration.
         deepest = state[0] + positive(d - state[0], m)
         return d - self.values.residual * deepest, v, True
@@ -55,14 +56,19 @@ class PlasticSet(ContactEffect):
     def settle(
         self, d: float, v: float, contact: bool, state: tuple[float, ...]
     ) -> tuple[float, ...]:
-        """Remember the greatest d; it counts from the untouched surface."""
+        """Store the largest d, counted from the untouched surface."""
         return (max(state[0], d),)
 
     def states_along(self, t: Array, d: Array, v: Array, contact: Flags) -> Array:
-        """Give the running maximum of d, from the untouched surface."""
+        """Return the running maximum of d, from the untouched surface."""
         return np.maximum.accumulate(np.maximum(d, 0.0))[None, :]
 
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """Small and large."""
         return [(0.002,), (0.03,), (0.3,)]
+
+    @classmethod
+    def largest(cls, scales: Scales) -> float:
+        """Return 0.9."""
+        return 0.9

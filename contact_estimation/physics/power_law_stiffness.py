@@ -12,27 +12,28 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""A spring whose force grows with a power of the depth (Hertz: 3/2)."""
+"""Elastic force that follows a power of the depth (Hertz: 3/2)."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import nan
 from typing import Any
 
-from .physics import ContactEffect, Number, positive, Scales
-from ..parameters.specification import parameter, ParameterGroup
+from numpy.random import Generator
+
+from .contact_effect import ContactEffect
+from .numeric import Number, positive
+from .random_strength import Strength, Values
+from .scales import Scales
+from ..parameters.specification import optional_parameter, ParameterGroup
 
 
 @dataclass(frozen=True)
 class PowerLawStiffnessParameters(ParameterGroup):
     """Parameters of `PowerLawStiffness`."""
 
-    n: float = parameter(
-        nan, 'Exponent of the depth', '1',
-        minimum=0.1, maximum=10.0, nan_is_off=True,
-    )
-    K_n: float = parameter(nan, 'Force at unit depth', 'N/m^n', minimum=0.0, nan_is_off=True)
+    n: float = optional_parameter('Exponent of the depth', '1', minimum=0.1, maximum=10.0)
+    K_n: float = optional_parameter('Force at 1 m depth', 'N/m^n', minimum=0.0)
 
 
 class PowerLawStiffness(ContactEffect):
@@ -40,6 +41,8 @@ class PowerLawStiffness(ContactEffect):
 
     name = 'power_law_stiffness'
     equation = 'F_e = -(K_n d^n + B_e v)'
+    family = 'elastic_law'
+    description = 'The elastic force follows a power of the depth (Hertzian contact: 3/2).'
     Parameters = PowerLawStiffnessParameters
     needs_touch = True
     neutral = {'n': 1.0}
@@ -52,7 +55,7 @@ class PowerLawStiffness(ContactEffect):
         self.exponent = values.n
 
     def spring(self, t: Number, d: Number, force: Number, m: Any) -> Number:
-        """Give K_n d^n; see `ContactEffect.spring`."""
+        """Return K_n d^n; see `ContactEffect.spring`."""
         return self.values.K_n * positive(d, m) ** self.values.n
 
     @classmethod
@@ -60,3 +63,14 @@ class PowerLawStiffness(ContactEffect):
         """Spread the exponent, with the force at half the depth unchanged."""
         half, K = 0.5 * scales.depth, scales.stiffness
         return [(n, K * half ** (1.0 - n)) for n in (0.8, 0.95, 1.0, 1.05, 1.2, 1.5)]
+
+    @classmethod
+    def draw(cls, scales: Scales, rng: Generator) -> Strength:
+        """Draw whether the exponent rises or falls; the force at half the depth stays the same."""
+        most, half = float(rng.choice([1.0, -0.4])), 0.5 * scales.depth
+
+        def values(s: float) -> Values:
+            n = 1.0 + s * most
+            return {'n': n, 'K_n': scales.stiffness * half ** (1.0 - n)}
+
+        return values

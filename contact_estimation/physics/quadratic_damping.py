@@ -12,23 +12,24 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Drag that grows with the square of the speed."""
+"""Quadratic damping of the wall."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import nan
 from typing import Any
 
-from .physics import ContactEffect, Number, Scales
-from ..parameters.specification import parameter, ParameterGroup
+from .contact_effect import ContactEffect
+from .numeric import Number
+from .scales import Scales
+from ..parameters.specification import optional_parameter, ParameterGroup
 
 
 @dataclass(frozen=True)
 class QuadraticDampingParameters(ParameterGroup):
     """Parameters of `QuadraticDamping`."""
 
-    B_2: float = parameter(nan, 'Drag at unit speed', 'N s^2/m^2', nan_is_off=True)
+    B_2: float = optional_parameter('Drag at 1 m/s', 'N s^2/m^2')
 
 
 class QuadraticDamping(ContactEffect):
@@ -36,13 +37,20 @@ class QuadraticDamping(ContactEffect):
 
     name = 'quadratic_damping'
     equation = 'F_e -= B_2 v |v|'
+    family = 'damping_law'
+    description = 'Drag of the wall proportional to the square of the speed.'
     Parameters = QuadraticDampingParameters
 
     def resistance(self, t: Number, d: Number, v: Number, state: Any, m: Any) -> Number:
-        """Give B_2 v |v|; see `ContactEffect.resistance`."""
+        """Return B_2 v |v|; see `ContactEffect.resistance`."""
         return self.values.B_2 * v * abs(v)
 
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """One start: the law is linear in B_2."""
         return [(0.01 * scales.damping / scales.speed,)]
+
+    @classmethod
+    def largest(cls, scales: Scales) -> float:
+        """Return B_2 whose drag at the largest speed is half the largest force."""
+        return 0.5 * scales.force / scales.speed**2

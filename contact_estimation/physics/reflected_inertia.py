@@ -12,25 +12,23 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Inertia of rotors and gears that the feed-forward does not know."""
+"""Inertia of rotors and gears."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import nan
 
-from .physics import RobotEffect, Scales
-from ..parameters.specification import parameter, ParameterGroup
+from .robot_effect import RobotEffect
+from .scales import Scales
+from ..parameters.specification import optional_parameter, ParameterGroup
 
 
 @dataclass(frozen=True)
 class ReflectedInertiaParameters(ParameterGroup):
     """Parameters of `ReflectedInertia`."""
 
-    M_r: float = parameter(
-        nan, 'Inertia that the feed-forward does not know', 'kg',
-        minimum=0.0, nan_is_off=True,
-    )
+    M_r: float = optional_parameter(
+        'Inertia that the feed-forward does not compensate', 'kg', minimum=0.0)
 
 
 class ReflectedInertia(RobotEffect):
@@ -38,6 +36,8 @@ class ReflectedInertia(RobotEffect):
 
     name = 'reflected_inertia'
     equation = "(M_t + M_r) x'' = u + F_e"
+    family = 'inertia'
+    description = 'Inertia of rotors and gears that the feed-forward does not compensate.'
     Parameters = ReflectedInertiaParameters
 
     def __init__(self, values: ReflectedInertiaParameters) -> None:
@@ -48,3 +48,8 @@ class ReflectedInertia(RobotEffect):
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """One start: nearly linear."""
         return [(0.002 * scales.mass,)]
+
+    @classmethod
+    def largest(cls, scales: Scales) -> float:
+        """Return the target mass of the robot."""
+        return scales.mass

@@ -12,26 +12,24 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Dry friction in the joints of the robot."""
+"""Coulomb friction of the robot."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import nan
 from typing import Any
 
-from .physics import Number, RobotEffect, Scales, SIGN_VELOCITY
-from ..parameters.specification import parameter, ParameterGroup
+from .numeric import Number, SIGN_VELOCITY
+from .robot_effect import RobotEffect
+from .scales import Scales
+from ..parameters.specification import optional_parameter, ParameterGroup
 
 
 @dataclass(frozen=True)
 class RobotFrictionParameters(ParameterGroup):
     """Parameters of `RobotFriction`."""
 
-    F_c: float = parameter(
-        nan, 'Dry friction of the robot, against its motion', 'N',
-        minimum=0.0, nan_is_off=True,
-    )
+    F_c: float = optional_parameter('Dry friction force of the robot', 'N', minimum=0.0)
 
 
 class RobotFriction(RobotEffect):
@@ -39,13 +37,20 @@ class RobotFriction(RobotEffect):
 
     name = 'robot_friction'
     equation = "M_t x'' = u - F_c sgn(x') + F_e"
+    family = 'robot'
+    description = 'Dry friction in the joints of the robot opposes its motion.'
     Parameters = RobotFrictionParameters
 
     def drag(self, velocity: Number, m: Any) -> Number:
-        """Give F_c sgn(xd); see `RobotEffect.drag`."""
+        """Return F_c sgn(xd); see `RobotEffect.drag`."""
         return self.values.F_c * m.tanh(velocity / SIGN_VELOCITY)
 
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """One start: the law is linear in F_c."""
         return [(0.002 * scales.force,)]
+
+    @classmethod
+    def largest(cls, scales: Scales) -> float:
+        """Return 0.6 times the largest force."""
+        return 0.6 * scales.force

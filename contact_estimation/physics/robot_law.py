@@ -12,14 +12,15 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The robot with all its effects: one law for the plant's numbers and the diagnosis' arrays."""
+"""The impedance law of a robot with all its effects, for numbers and arrays."""
 
 from __future__ import annotations
 
 import math
 from typing import Any, Sequence
 
-from .physics import Effect, RobotEffect
+from .effect import Effect
+from .robot_effect import RobotEffect
 
 
 class RobotLaw:
@@ -27,23 +28,23 @@ class RobotLaw:
     Eq. (1) as a force on a mass: mass xdd = force + F_e.
 
     force = control(M_t xdd_r - B_t (xd - xd_r) - K_t (x - x_r) + F_r) - drag(xd), the reference
-    late by `reference_delay`, F_r under force tracking alone.
+    delayed by `reference_delay`, F_r with force tracking only.
 
     Parameters
     ----------
     mass, damping, stiffness : float
         M_t [kg], B_t [N s/m], K_t [N/m].
     effects : sequence of Effect
-        Those of the robot act, others are left out.
+        Effects of other ports are ignored.
 
     Attributes
     ----------
     mass : float
-        What moves [kg].
+        Moving mass [kg].
     damping, stiffness : float
         Of the impedance law [N s/m], [N/m].
     reference_delay : float
-        Time by which the reference arrives late [s].
+        Delay of the reference [s].
 
     """
 
@@ -59,7 +60,7 @@ class RobotLaw:
         self._controls = [e for e in arm if type(e).control is not RobotEffect.control]
         self._drags = [e for e in arm if type(e).drag is not RobotEffect.drag]
 
-    def wanted(self, x: Any, v: Any, reference: Any) -> Any:
+    def impedance_force(self, x: Any, v: Any, reference: Any) -> Any:
         """
         Evaluate the impedance law.
 
@@ -73,7 +74,7 @@ class RobotLaw:
         Returns
         -------
         u : float or ndarray, shape (N,)
-            Force asked of the drives [N].
+            Force commanded to the drives [N].
 
         """
         x_r, v_r, a_r, F_r = reference
@@ -82,7 +83,9 @@ class RobotLaw:
 
     def force(self, x: Any, v: Any, reference: Any, m: Any) -> Any:
         """
-        Give the force that drives the mass; parameters as `wanted`, m as `math` or `numpy`.
+        Return the force that drives the mass; parameters as `impedance_force`.
+
+        m is `math` or `numpy`.
 
         Returns
         -------
@@ -90,7 +93,7 @@ class RobotLaw:
             Without F_e [N].
 
         """
-        u = self.wanted(x, v, reference)
+        u = self.impedance_force(x, v, reference)
         for effect in self._controls:
             u = effect.control(u, m)
         for effect in self._drags:
@@ -99,5 +102,5 @@ class RobotLaw:
 
     @property
     def is_linear(self) -> bool:
-        """Whether no effect bends the law."""
+        """Whether the law is linear: no effect limits the control force or adds drag."""
         return not self._controls and not self._drags

@@ -12,26 +12,24 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""A wall that hardens or softens with time."""
+"""Drift of the stiffness."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import nan
 from typing import Any
 
-from .physics import ContactEffect, Number, Scales
-from ..parameters.specification import parameter, ParameterGroup
+from .contact_effect import ContactEffect
+from .numeric import Number
+from .scales import Scales
+from ..parameters.specification import optional_parameter, ParameterGroup
 
 
 @dataclass(frozen=True)
 class StiffnessDriftParameters(ParameterGroup):
     """Parameters of `StiffnessDrift`."""
 
-    rate: float = parameter(
-        nan, 'Relative change of the stiffness in time', '1/s',
-        nan_is_off=True,
-    )
+    rate: float = optional_parameter('Relative change of the stiffness per second', '1/s')
 
 
 class StiffnessDrift(ContactEffect):
@@ -39,7 +37,10 @@ class StiffnessDrift(ContactEffect):
 
     name = 'stiffness_drift'
     equation = 'F_e = -(K_e (1 + rate t) d + B_e v)'
+    family = 'wall_motion'
+    description = 'The stiffness of the wall increases or decreases linearly with time.'
     Parameters = StiffnessDriftParameters
+    either_sign = True
 
     def spring(self, t: Number, d: Number, force: Number, m: Any) -> Number:
         """Let the stiffness drift; see `ContactEffect.spring`."""
@@ -49,3 +50,8 @@ class StiffnessDrift(ContactEffect):
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """One start: nearly linear."""
         return [(0.002 / scales.duration,)]
+
+    @classmethod
+    def largest(cls, scales: Scales) -> float:
+        """Return the rate at which the stiffness changes by 70 % over the recording."""
+        return 0.7 / scales.duration

@@ -12,34 +12,30 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Dry friction that falls once the wall slides."""
+"""Stribeck friction of the wall."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import nan
 from typing import Any
 
-from .physics import ContactEffect, Number, Scales, SIGN_VELOCITY
-from ..parameters.specification import parameter, ParameterGroup
+from numpy.random import Generator
+
+from .contact_effect import ContactEffect
+from .numeric import Number, SIGN_VELOCITY
+from .random_strength import log_uniform, Strength
+from .scales import Scales
+from ..parameters.specification import optional_parameter, ParameterGroup
 
 
 @dataclass(frozen=True)
 class StribeckFrictionParameters(ParameterGroup):
     """Parameters of `StribeckFriction`."""
 
-    F_c: float = parameter(
-        nan, 'Dry friction while the wall slides', 'N',
-        minimum=0.0, nan_is_off=True,
-    )
-    F_s: float = parameter(
-        nan, 'Dry friction as it begins to slide', 'N',
-        minimum=0.0, nan_is_off=True,
-    )
-    v_s: float = parameter(
-        nan, 'Speed at which the friction has fallen', 'm/s',
-        minimum=1e-06, nan_is_off=True,
-    )
+    F_c: float = optional_parameter('Friction force at high speed', 'N', minimum=0.0)
+    F_s: float = optional_parameter('Friction force near zero speed', 'N', minimum=0.0)
+    v_s: float = optional_parameter(
+        'Stribeck velocity: speed at which F_s - F_c has fallen to 1/e', 'm/s', minimum=1e-06)
 
 
 class StribeckFriction(ContactEffect):
@@ -47,18 +43,20 @@ class StribeckFriction(ContactEffect):
 
     name = 'stribeck_friction'
     equation = 'F_e -= (F_c + (F_s - F_c) exp(-(v / v_s)^2)) sgn(v)'
+    family = 'friction'
+    description = 'Dry friction of the wall that decreases with speed (Stribeck effect).'
     Parameters = StribeckFrictionParameters
     jumps = True
 
     def resistance(self, t: Number, d: Number, v: Number, state: Any, m: Any) -> Number:
-        """Give the falling friction; see `ContactEffect.resistance`."""
+        """Return the falling friction; see `ContactEffect.resistance`."""
         p = self.values
         level = p.F_c + (p.F_s - p.F_c) * m.exp(-((v / p.v_s) ** 2))
         return level * m.tanh(v / SIGN_VELOCITY)
 
     @classmethod
     def plausible(cls, values: Any) -> bool:
-        """Friction falls, F_s > F_c, and not within the smooth sign, where no one could see it."""
+        """Return whether friction falls with speed, F_s > F_c, outside the smooth sign."""
         return bool(values.F_s > values.F_c and values.v_s > SIGN_VELOCITY)
 
     @classmethod
@@ -66,3 +64,10 @@ class StribeckFriction(ContactEffect):
         """Spread v_s; the law is linear in F_c and F_s."""
         return [(0.002 * scales.force, 0.004 * scales.force, share * scales.speed)
                 for share in (0.02, 0.05, 0.1, 0.2, 0.4)]
+
+    @classmethod
+    def draw(cls, scales: Scales, rng: Generator) -> Strength:
+        """Draw F_s / F_c and v_s."""
+        fall, v_s = float(rng.uniform(1.5, 3.0)), log_uniform(rng, 0.05, 0.4) * scales.speed
+        most = 0.3 * scales.force
+        return lambda s: {'F_c': s * most / fall, 'F_s': s * most, 'v_s': v_s}

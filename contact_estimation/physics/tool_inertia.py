@@ -12,27 +12,25 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Mass between the force sensor and the contact."""
+"""Inertia of the tool beyond the force sensor."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import nan
 
 import numpy as np
 
-from .physics import Array, ForceSensorEffect, Scales
-from ..parameters.specification import parameter, ParameterGroup
+from .force_sensor_effect import ForceSensorEffect
+from .numeric import Array
+from .scales import Scales
+from ..parameters.specification import optional_parameter, ParameterGroup
 
 
 @dataclass(frozen=True)
 class ToolInertiaParameters(ParameterGroup):
     """Parameters of `ToolInertia`."""
 
-    mass: float = parameter(
-        nan, 'Mass of the tool beyond the sensor', 'kg',
-        minimum=0.0, nan_is_off=True,
-    )
+    mass: float = optional_parameter('Mass between sensor and contact', 'kg', minimum=0.0)
 
 
 class ToolInertia(ForceSensorEffect):
@@ -40,8 +38,10 @@ class ToolInertia(ForceSensorEffect):
 
     name = 'tool_inertia'
     equation = 'F_measured = F_e - mass a'
+    family = 'inertia'
+    description = 'The force sensor also measures the inertia of the tool mounted on it.'
     Parameters = ToolInertiaParameters
-    needs_touch = True  # beside a wall that never lets go it is M_e
+    needs_touch = True  # in an attached environment it is indistinguishable from M_e
 
     def __init__(self, values: ToolInertiaParameters) -> None:
         super().__init__(values)
@@ -59,3 +59,8 @@ class ToolInertia(ForceSensorEffect):
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """One start: the law is linear in mass."""
         return [(0.02,)]
+
+    @classmethod
+    def largest(cls, scales: Scales) -> float:
+        """Return the target mass of the robot."""
+        return scales.mass

@@ -12,27 +12,31 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""A wall that goes on yielding: a Maxwell branch beside spring and damper."""
+"""Viscoelastic relaxation of the wall: a Maxwell branch beside spring and damper."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import exp, nan
+from math import exp
 from typing import Any
 
 import numpy as np
+from numpy.random import Generator
 from scipy.signal import lfilter
 
-from .physics import Array, ContactEffect, Flags, Number, Scales, stretches
-from ..parameters.specification import parameter, ParameterGroup
+from .contact_effect import ContactEffect
+from .numeric import Array, Flags, Number, stretches
+from .random_strength import log_uniform, Strength
+from .scales import Scales
+from ..parameters.specification import optional_parameter, ParameterGroup
 
 
 @dataclass(frozen=True)
 class ViscoelasticRelaxationParameters(ParameterGroup):
     """Parameters of `ViscoelasticRelaxation`."""
 
-    K_1: float = parameter(nan, 'Stiffness that relaxes', 'N/m', minimum=0.0, nan_is_off=True)
-    tau: float = parameter(nan, 'Time in which it relaxes', 's', minimum=0.0001, nan_is_off=True)
+    K_1: float = optional_parameter('Stiffness of the relaxing branch', 'N/m', minimum=0.0)
+    tau: float = optional_parameter('Relaxation time constant', 's', minimum=0.0001)
 
 
 class ViscoelasticRelaxation(ContactEffect):
@@ -40,25 +44,27 @@ class ViscoelasticRelaxation(ContactEffect):
 
     name = 'viscoelastic_relaxation'
     equation = "F_e -= s, s' = K_1 v - s / tau"
+    family = 'relaxation'
+    description = 'The force relaxes while the depth is held (Maxwell branch).'
     Parameters = ViscoelasticRelaxationParameters
 
     states = 1
 
     def resistance(self, t: Number, d: Number, v: Number, state: Any, m: Any) -> Number:
-        """Give s; see `ContactEffect.resistance`."""
+        """Return s; see `ContactEffect.resistance`."""
         return state[0]
 
     def state_rates(
         self, t: float, d: float, v: float, contact: bool, state: tuple[float, ...]
     ) -> tuple[float, ...]:
-        """Give s'; see `ContactEffect.state_rates`."""
+        """Return s'; see `ContactEffect.state_rates`."""
         driven = self.values.K_1 * v if contact else 0.0
         return (driven - state[0] / self.values.tau,)
 
     def settle(
         self, d: float, v: float, contact: bool, state: tuple[float, ...]
     ) -> tuple[float, ...]:
-        """Keep s >= 0 out of contact: the branch cannot pull the surface on."""
+        """Keep s >= 0 out of contact: the branch cannot pull the surface."""
         return state if contact else (max(state[0], 0.0),)
 
     def states_along(self, t: Array, d: Array, v: Array, contact: Flags) -> Array:
@@ -72,7 +78,7 @@ class ViscoelasticRelaxation(ContactEffect):
         s, last = np.empty(len(t)), 0.0
         for first, stop in stretches(contact):
             if contact[first]:
-                # Touch-down falls between two samples: since then the tool has gone d.
+                # Touch-down lies between two samples: since then the tool has moved by d.
                 entry = K_1 * min(float(d[first]), h * abs(float(v[first]))) if first else 0.0
                 steps = np.concatenate(([entry], push[first + 1:stop]))
                 s[first:stop] = lfilter([1.0], [1.0, -decay], steps, zi=[decay * last])[0]
@@ -85,3 +91,9 @@ class ViscoelasticRelaxation(ContactEffect):
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """Spread tau; the law is linear in K_1."""
         return [(0.01 * scales.stiffness, tau) for tau in (0.01, 0.03, 0.1, 0.3, 1.0)]
+
+    @classmethod
+    def draw(cls, scales: Scales, rng: Generator) -> Strength:
+        """Draw tau."""
+        tau = log_uniform(rng, 0.03, 0.6)
+        return lambda s: {'K_1': 2.0 * s * scales.stiffness, 'tau': tau}

@@ -13,11 +13,11 @@
 # limitations under the License.
 
 """
-How a force goes on between its samples.
+Behaviour of a recorded force between its samples.
 
-Straight lines are what a reader expects; a force that a sensor samples is smooth, and one that a
-digital controller puts out is held until the next. Taking one for the other looks like a lag or
-a delay of half a sample. Each is given as samples whose straight lines have the true areas.
+Linear interpolation is the usual assumption, but a sampled sensor signal is smooth, and the output
+of a digital controller is held until the next sample. Confusing them looks like a lag or a delay
+of half a sample. Each is represented by samples whose linear interpolation has the true areas.
 """
 
 from __future__ import annotations
@@ -38,24 +38,24 @@ _GAIN = -_POLE / _AHEAD
 
 def straight(force: Array) -> Array:
     """
-    Leave samples as they are.
+    Return the samples of a linearly interpolated force: the force itself.
 
     Parameters
     ----------
     force : ndarray, shape (N,)
-        Measured.
+        Measured force.
 
     Returns
     -------
     samples : ndarray, shape (N,)
-        In the same unit.
+        Samples in the same unit.
 
     """
     return force
 
 
 def smooth(force: Array) -> Array:
-    """Follow the smooth curve through all samples; parameters as `straight`."""
+    """Return the samples of a smooth curve through the force; parameters as `straight`."""
     # A tone's area over an interval is tan(u) / u times that under the line, u = omega h / 2. With
     # q = sin(u)^2, which is -1/4 of the second difference, it is 1 + q / 3 / (1 - 11 q / 15) to a
     # hundredth for four samples a period or more (a compact scheme, Lele 1992).
@@ -66,8 +66,8 @@ def smooth(force: Array) -> Array:
 
 
 def held(force: Array) -> Array:
-    """Hold each sample until the next; parameters as `straight`."""
-    # The line through the middles of the steps, half a sample late.
+    """Return the samples of a force held until the next; parameters as `straight`."""
+    # The line through the centres of the steps, delayed by half a sample.
     late = force.copy()
     late[1:] = 0.5 * (force[1:] + force[:-1])
     return late
@@ -76,7 +76,7 @@ def held(force: Array) -> Array:
 BETWEEN: dict[str, Callable[[Array], Array]] = {
     'straight': straight, 'smooth': smooth, 'held': held,
 }
-"""What may happen between samples, by name, the likeliest first."""
+"""Behaviour between samples by name, the most likely first."""
 
 NOISE = {'straight': (1.0,), 'smooth': (-1.0 / 12.0, 7.0 / 6.0, -1.0 / 12.0), 'held': (0.5, 0.5)}
-"""Weights with which each passes on white noise of the samples, `smooth` to first order."""
+"""Filter weights of each for white noise of the samples, `smooth` to first order."""

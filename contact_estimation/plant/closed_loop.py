@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Plant and estimation session closed over the reference, without ROS and as fast as it goes."""
+"""Closed loop of plant and estimation session without ROS, as fast as possible."""
 
 from __future__ import annotations
 
@@ -21,22 +21,23 @@ from math import isnan
 
 from .plant_parameters import PlantParameters
 from .sensors import Sensors
-from .world import ReferenceAt, Truth, World
-from ..estimation.session import ContactSession, Result
+from .world import Truth, World
+from ..estimation.result import Result
+from ..estimation.session import ContactSession
 from ..exceptions import ParameterRangeError
 from ..reference.experiment import Experiment
-from ..reference.setpoints import Reference
+from ..reference.setpoints import Reference, ReferenceAt
 
 
 @dataclass(frozen=True)
 class ClosedLoopRun:
     """
-    What a run has given, one entry a sample.
+    Result of a run, one entry per sample.
 
     Attributes
     ----------
     truths : list of Truth
-        The world.
+        True states of the world.
     results : list of Result
         Samples, estimates and references.
 
@@ -54,7 +55,7 @@ class ClosedLoopRun:
 
 def extrapolate(since: float, reference: Reference) -> ReferenceAt:
     """
-    Follow a reference until the next comes: its parabola for two sample periods at most.
+    Extrapolate a reference by its parabola until the next one arrives.
 
     Parameters
     ----------
@@ -66,7 +67,7 @@ def extrapolate(since: float, reference: Reference) -> ReferenceAt:
     Returns
     -------
     reference_at : callable
-        Time [s] to (x_r, its rate, its acceleration, F_r).
+        From time [s] to the reference.
 
     """
     x, v, a, F_r = reference
@@ -80,7 +81,7 @@ def extrapolate(since: float, reference: Reference) -> ReferenceAt:
 
 def push(force: float) -> ReferenceAt:
     """
-    Push a bare arm until the next control force comes.
+    Hold the control force of a bare arm until the next one arrives.
 
     Parameters
     ----------
@@ -90,42 +91,43 @@ def push(force: float) -> ReferenceAt:
     Returns
     -------
     reference_at : callable
-        Time [s] to (x_r, its rate, its acceleration, F_r): at rest but for the force.
+        From time [s] to a reference at rest with this force.
 
     """
-    return lambda t: (0.0, 0.0, 0.0, force)
+    reference = Reference(0.0, 0.0, 0.0, force)
+    return lambda t: reference
 
 
 def run_closed_loop(
     plant: PlantParameters, session: ContactSession, experiment: Experiment, duration: float
 ) -> ClosedLoopRun:
     """
-    Run the experiment.
+    Run an experiment in closed loop.
 
-    The reference made of sample k is followed from sample k + 1 on, as over ROS. A bare arm
-    (`robot.control` is force) is pushed by the estimator's control force: that of sample k, held
-    from sample k to k + 1, as a robot's own servo at the sample rate does.
+    The reference computed from sample k is followed from sample k + 1, as over ROS. A bare arm
+    (`robot.control` is force) is driven by the control force of the estimator: that of sample k,
+    held from sample k to k + 1, as by a servo at the sample rate.
 
     Parameters
     ----------
     plant : PlantParameters
-        The simulated world.
+        Parameters of the simulated world.
     session : ContactSession
-        Fresh.
+        New session.
     experiment : Experiment
-        What is wanted.
+        Setpoints over time.
     duration : float
-        Time to run [s].
+        Simulated time [s].
 
     Returns
     -------
     run : ClosedLoopRun
-        One entry a sample.
+        One entry per sample.
 
     Raises
     ------
     ParameterRangeError
-        If a bare arm meets an estimator that does not control.
+        If the estimator computes no control force for a bare arm.
 
     """
     bare = plant.robot.control == 'force'
@@ -135,7 +137,7 @@ def run_closed_loop(
     period_ns = round(1e9 * period)
     begin = experiment.desired(0.0)
     world, sensors = World(plant, begin.position), Sensors(plant)
-    reference = Reference(begin.position, 0.0, 0.0, 0.0)
+    reference = Reference(begin.position, 0.0, 0.0)
     run, pushed = ClosedLoopRun([], []), push(0.0)
     for k in range(round(duration * plant.sample_rate)):
         follow = pushed if bare else extrapolate(k * period, reference)
@@ -156,21 +158,21 @@ def run_closed_loop(
 
 def require_control(session: ContactSession) -> None:
     """
-    Refuse a bare arm that nobody would control.
+    Raise if no estimator would control a bare arm.
 
     Parameters
     ----------
     session : ContactSession
-        With the estimator that runs.
+        Session with its estimator.
 
     Raises
     ------
     ParameterRangeError
-        If its estimator makes no control force.
+        If the estimator computes no control force.
 
     """
     if isnan(session.pipeline.estimator.control_force):
         raise ParameterRangeError(
-            'robot.control force needs an estimator that makes a control force: expected mrac, '
+            'robot.control force needs an estimator that computes a control force: expected mrac, '
             f'got {session.parameters.estimator}; use it, or robot.control impedance'
         )

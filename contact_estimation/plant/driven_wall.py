@@ -23,30 +23,31 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .plant_parameters import PlantParameters
+from .runge_kutta import combine, shift, State
 from ..exceptions import ParameterRangeError, SignalShapeError
 from ..physics import effects_that_are_on
 from ..physics.contact_law import ContactLaw
-from ..physics.physics import Effect, ForceSensorEffect
+from ..physics.effect import Effect
+from ..physics.force_sensor_effect import ForceSensorEffect
 
 Array = NDArray[np.float64]
-State = tuple[float, ...]  # x, v, then the effects' internal states
 
 
 def run_driven_wall(
     parameters: PlantParameters, t: Array, force: Array, x0: float, v0: float = 0.0
 ) -> Array:
     """
-    Run the environment free on a measured force.
+    Simulate the environment under a measured force.
 
-    M_e xdd = -F_e - (B_e v + K_e delta + physics), the force straight between its samples and
-    freed of what the model says of the sensor.
+    M_e xdd = -F_e - (B_e v + K_e delta + physics), the force interpolated linearly and
+    corrected for the effects of the sensor.
 
     Parameters
     ----------
     parameters : PlantParameters
-        The model; environment, physics and `integration_rate` count.
+        Model, of which environment, physics and `integration_rate` matter.
     t : ndarray, shape (N,)
-        Times of the samples [s], growing; N >= 2.
+        Times of the samples [s], increasing; N >= 2.
     force : ndarray, shape (N,)
         Measured F_e [N].
     x0, v0 : float
@@ -60,9 +61,9 @@ def run_driven_wall(
     Raises
     ------
     ParameterRangeError
-        If the wall has no mass, or can let go.
+        If the wall has no mass or is unilateral.
     SignalShapeError
-        If the arrays do not fit together.
+        If the arrays do not match.
 
     """
     return run_driven_wall_with_rates(parameters, t, force, x0, v0)[0]
@@ -72,7 +73,7 @@ def run_driven_wall_with_rates(
     parameters: PlantParameters, t: Array, force: Array, x0: float, v0: float = 0.0
 ) -> Array:
     """
-    Run the environment free; parameters as of `run_driven_wall`.
+    Simulate the environment with rates; parameters as `run_driven_wall`.
 
     Returns
     -------
@@ -92,17 +93,17 @@ def run_driven_wall_with_rates(
 
 class DrivenWall:
     """
-    The attached environment, by Runge-Kutta steps of fourth order.
+    The attached environment, integrated by fourth-order Runge-Kutta steps.
 
     Parameters
     ----------
     parameters : PlantParameters
-        The model.
+        Model.
 
     Raises
     ------
     ParameterRangeError
-        If the wall has no mass, or can let go.
+        If the wall has no mass or is unilateral.
 
     """
 
@@ -118,7 +119,7 @@ class DrivenWall:
         self._law = ContactLaw(
             wall.stiffness, wall.damping, wall.location, wall.inertia, False, effects
         )
-        # A mass beyond the sensor moves with the wall, and the sensor drives it too.
+        # A mass between sensor and wall moves with the wall, driven by the measured force.
         self._mass = self._law.inertia + sum(effect.added_mass for effect in self._sensor)
         if self._mass <= 0.0:
             raise ParameterRangeError(
@@ -129,7 +130,7 @@ class DrivenWall:
 
     def true_force(self, t: Array, reading: Array) -> Array:
         """
-        Free a measured force of what the sensor's physics have made of it, but for mass.
+        Remove the effects of the sensor from a measured force, except for its mass.
 
         Parameters
         ----------
@@ -139,7 +140,7 @@ class DrivenWall:
         Returns
         -------
         force : ndarray, shape (N,)
-            F_e, less mass times acceleration [N].
+            F_e less mass times acceleration [N].
 
         """
         for effect in reversed(self._sensor):
@@ -148,12 +149,12 @@ class DrivenWall:
 
     def run(self, t: Array, force: Array, start: tuple[float, float]) -> Array:
         """
-        Integrate.
+        Integrate the equation of motion.
 
         Parameters
         ----------
         t, force : ndarray, shape (N,)
-            Time since the first sample [s] and force without the sensor's physics [N].
+            Time since the first sample [s] and force without effects of the sensor [N].
         start : tuple of float
             Position [m] and velocity [m/s] at the first sample.
 
@@ -177,12 +178,10 @@ class DrivenWall:
     def _step(self, t: float, state: State, h: float, force: float, slope: float) -> State:
         half, middle = 0.5 * h, force + 0.5 * slope
         k1 = self._rates(t, state, force)
-        k2 = self._rates(t + half, _moved(state, half, k1), middle)
-        k3 = self._rates(t + half, _moved(state, half, k2), middle)
-        k4 = self._rates(t + h, _moved(state, h, k3), force + slope)
-        sixth = h / 6.0
-        x, v, *states = [s + sixth * (a + 2.0 * b + 2.0 * c + d)
-                         for s, a, b, c, d in zip(state, k1, k2, k3, k4)]
+        k2 = self._rates(t + half, shift(state, half, k1), middle)
+        k3 = self._rates(t + half, shift(state, half, k2), middle)
+        k4 = self._rates(t + h, shift(state, h, k3), force + slope)
+        x, v, *states = combine(state, h, k1, k2, k3, k4)
         if not states:
             return x, v
         return (x, v, *self._law.settle(t + h, x, v, tuple(states)))
@@ -196,7 +195,3 @@ class DrivenWall:
     def _acceleration(self, t: float, state: State, force: float) -> float:
         resistance = self._law.resistance(t, state[0], state[1], state[2:], math)
         return float(-force - resistance) / self._mass
-
-
-def _moved(state: State, h: float, rates: State) -> State:
-    return tuple([s + h * rate for s, rate in zip(state, rates)])

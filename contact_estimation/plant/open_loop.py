@@ -24,8 +24,9 @@ from numpy.typing import NDArray
 from .plant_parameters import PlantParameters
 from .sampled_reference import reference_through
 from .sensors import Sensors
-from .world import ReferenceAt, Truth, World
-from ..physics.physics import Effect
+from .world import Truth, World
+from ..physics.effect import Effect
+from ..reference.setpoints import ReferenceAt
 from ..signals.contact_recording import ContactRecording
 from ..signals.contact_sample import ContactSample
 
@@ -37,27 +38,27 @@ def run_open_loop(
     further: Sequence[Effect] = (),
 ) -> tuple[list[Truth], ContactRecording]:
     """
-    Simulate.
+    Simulate the plant on a given reference.
 
     Parameters
     ----------
     plant : PlantParameters
         The world.
     reference : callable
-        Time [s] to (x_r, its rate, its acceleration, F_r).
+        From time [s] to the reference.
     start : float
-        Where the robot rests at t = 0 [m].
+        Initial position of the robot, at rest [m].
     duration : float
-        Time to run [s].
+        Simulated time [s].
     further : sequence of Effect
-        As of `World`.
+        As in `World`.
 
     Returns
     -------
     truths : list of Truth
-        The world, one entry a sample.
+        True states, one per sample.
     recording : ContactRecording
-        What the sensors tell of it.
+        Measurements.
 
     """
     period = 1.0 / plant.sample_rate
@@ -77,15 +78,15 @@ def simulate_on(
     parameters: PlantParameters, t: Array, reference_rows: Array, x0: float, v0: float = 0.0
 ) -> list[Truth]:
     """
-    Simulate on a sampled reference, straight between its samples.
+    Simulate on a sampled reference, interpolated linearly.
 
     Parameters
     ----------
     parameters : PlantParameters
-        The world; `integration_rate` decides how many steps are made a sample, and one or two
-        are enough at 500 Hz, unless dry friction acts on a light robot.
+        Parameters of the world. At 500 Hz, an `integration_rate` of one or two steps per sample
+        suffices unless dry friction acts on a light robot.
     t : ndarray, shape (N,)
-        Times of the samples [s], growing.
+        Times of the samples [s], increasing.
     reference_rows : ndarray, shape (4, N)
         x_r [m], its rate [m/s] and acceleration [m/s^2], F_r [N] (0: none).
     x0, v0 : float
@@ -94,7 +95,7 @@ def simulate_on(
     Returns
     -------
     truths : list of Truth
-        One entry a sample; their time counts from t[0].
+        True states, one per sample; their time counts from t[0].
 
     """
     since = t - t[0]
@@ -105,21 +106,21 @@ def simulate_at(
     parameters: PlantParameters, t: Array, reference: ReferenceAt, x0: float, v0: float = 0.0
 ) -> list[Truth]:
     """
-    Simulate, and look at given times.
+    Simulate, and return the true states at given times.
 
     Parameters
     ----------
     parameters, x0, v0
-        As of `simulate_on`.
+        As in `simulate_on`.
     t : ndarray, shape (N,)
-        Times to look at [s], growing from 0 on.
+        Output times [s], >= 0, increasing.
     reference : callable
-        Time [s] to (x_r, its rate, its acceleration, F_r).
+        From time [s] to the reference.
 
     Returns
     -------
     truths : list of Truth
-        One entry a time.
+        True states, one per time.
 
     """
     world, truths = World(parameters, x0, v0), []

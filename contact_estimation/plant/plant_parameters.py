@@ -30,10 +30,10 @@ PAPER_NOISE = {'sensors.force_noise': 1.0, 'sensors.distribution': 'uniform'}
 class WallParameters(ParameterGroup):
     """The environment, eq. (3)."""
 
-    stiffness: float = parameter(4800.0, 'K_e', 'N/m', minimum=0.0)
-    damping: float = parameter(200.0, 'B_e', 'N s/m', minimum=0.0)
-    location: float = parameter(0.0, 'Surface of the untouched wall, x_e', 'm')
-    inertia: float = parameter(0.0, 'M_e, moves with the tool while in contact', 'kg', minimum=0.0)
+    stiffness: float = parameter(4800.0, 'Stiffness K_e', 'N/m', minimum=0.0)
+    damping: float = parameter(200.0, 'Damping B_e', 'N s/m', minimum=0.0)
+    location: float = parameter(0.0, 'Position x_e of the untouched surface', 'm')
+    inertia: float = parameter(0.0, 'Mass M_e moving with the tool in contact', 'kg', minimum=0.0)
     unilateral: bool = parameter(True, 'The wall cannot pull; false: permanently attached')
 
 
@@ -41,24 +41,24 @@ class WallParameters(ParameterGroup):
 class RobotParameters(ParameterGroup):
     """The robot under impedance control, eq. (1), or a bare arm."""
 
-    mass: float = parameter(50.0, 'M_t', 'kg', minimum=1e-6)
-    damping: float = parameter(1000.0, 'B_t', 'N s/m', minimum=0.0)
-    stiffness: float = parameter(5000.0, 'K_t', 'N/m', minimum=0.0)
-    force_tracking: bool = parameter(False, 'Adds F_r to the control force')
+    mass: float = parameter(50.0, 'Target mass M_t', 'kg', minimum=1e-6)
+    damping: float = parameter(1000.0, 'Target damping B_t', 'N s/m', minimum=0.0)
+    stiffness: float = parameter(5000.0, 'Target stiffness K_t', 'N/m', minimum=0.0)
+    force_tracking: bool = parameter(False, 'The robot adds F_r to its control force')
     control: str = parameter(
-        'impedance', 'impedance: obeys eq. (1) with these; force: a bare arm of this mass and '
-        'damping, pushed by the control force of the estimator `mrac`',
+        'impedance', 'impedance: obeys eq. (1) with these values; force: a bare arm of this mass '
+        'and damping, driven by the control force of the estimator `mrac`',
         choices=('impedance', 'force'), read_only=True,
     )
 
     def law(self) -> RobotParameters:
         """
-        Give the parameters of eq. (1) that the robot obeys.
+        Return the parameters of eq. (1) that the robot obeys.
 
         Returns
         -------
         robot : RobotParameters
-            Of a bare arm: without stiffness, F_r pushes, and the reference must rest.
+            For a bare arm without stiffness and driven by F_r; its reference must be at rest.
 
         """
         if self.control == 'impedance':
@@ -68,36 +68,37 @@ class RobotParameters(ParameterGroup):
 
 @dataclass(frozen=True)
 class SensorParameters(ParameterGroup):
-    """What the sensors add."""
+    """Noise and resolution of the sensors."""
 
     force_noise: float = parameter(
         0.0, 'Half width (uniform) or standard deviation (normal) of the force noise', 'N',
         minimum=0.0,
     )
-    position_noise: float = parameter(0.0, 'As force_noise, of the position', 'm', minimum=0.0)
-    velocity_noise: float = parameter(0.0, 'As force_noise, of the velocity', 'm/s', minimum=0.0)
+    position_noise: float = parameter(0.0, 'Position noise, like force_noise', 'm', minimum=0.0)
+    velocity_noise: float = parameter(0.0, 'Velocity noise, like force_noise', 'm/s', minimum=0.0)
     position_quantisation: float = parameter(
-        0.0, 'Step of the position reading; 0: none', 'm', minimum=0.0
+        0.0, 'Resolution of the position; 0: unlimited', 'm', minimum=0.0
     )
-    publish_velocity: bool = parameter(True, 'joint_states carries a velocity')
+    publish_velocity: bool = parameter(True, 'Whether joint_states contains velocities')
     distribution: str = parameter(
-        'normal', 'Of the noise; the paper has uniform', choices=('normal', 'uniform')
+        'normal', 'Distribution of the noise; the paper uses uniform',
+        choices=('normal', 'uniform'),
     )
 
 
 @dataclass(frozen=True)
 class PlantParameters(ParameterGroup):
-    """The simulated world, as `plant_node` and the model file have it."""
+    """The simulated world: parameters of `plant_node` and of a model file."""
 
     environment: WallParameters = group(WallParameters)
     robot: RobotParameters = group(RobotParameters)
     sensors: SensorParameters = group(SensorParameters)
     physics: Any = group(PhysicsParameters)
     sample_rate: float = parameter(
-        500.0, 'Rate of the samples', 'Hz', minimum=1.0, maximum=1e5, read_only=True
+        500.0, 'Sample rate of the sensors', 'Hz', minimum=1.0, maximum=1e5, read_only=True
     )
     integration_rate: float = parameter(
-        5000.0, 'Least rate of integration steps', 'Hz', minimum=1.0, maximum=1e6,
+        5000.0, 'Minimum rate of integration steps', 'Hz', minimum=1.0, maximum=1e6,
         read_only=True,
     )
-    seed: int = parameter(0, 'Of all noise', minimum=0, read_only=True)
+    seed: int = parameter(0, 'Seed of all noise', minimum=0, read_only=True)

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""A reference straight between its samples, as a function of time."""
+"""Linear interpolation of a sampled reference."""
 
 from __future__ import annotations
 
@@ -21,32 +21,32 @@ import bisect
 import numpy as np
 from numpy.typing import NDArray
 
-from .world import ReferenceAt
 from ..exceptions import SignalShapeError
+from ..reference.setpoints import Reference, ReferenceAt
 
 Array = NDArray[np.float64]
 
 
 def reference_through(t: Array, rows: Array) -> ReferenceAt:
     """
-    Let a reference run straight between its samples; before and after, it rests.
+    Interpolate a reference linearly; before the first and after the last sample it rests.
 
     Parameters
     ----------
     t : ndarray, shape (N,)
-        Times of the samples [s], growing; N >= 1.
+        Times of the samples [s], strictly increasing; N >= 1.
     rows : ndarray, shape (4, N)
         x_r [m], its rate [m/s] and acceleration [m/s^2], F_r [N].
 
     Returns
     -------
     reference_at : callable
-        Time [s] to (x_r, its rate, its acceleration, F_r).
+        From time [s] to the reference.
 
     Raises
     ------
     SignalShapeError
-        If the shapes do not fit together, or the times do not grow.
+        If the shapes do not match or the times do not increase.
 
     """
     if np.ndim(t) != 1 or len(t) < 1 or np.shape(rows) != (4, len(t)):
@@ -56,13 +56,13 @@ def reference_through(t: Array, rows: Array) -> ReferenceAt:
         )
     if not np.all(np.diff(t) > 0.0):
         raise SignalShapeError(
-            'the times of a reference must grow, got equal or falling ones; sort them, and keep '
-            'one sample a time'
+            'the times of a reference must increase strictly, got equal or decreasing ones; '
+            'sort the samples and keep one per time'
         )
     times: list[float] = t.tolist()
     points: list[tuple[float, float, float, float]] = list(zip(*rows.tolist()))
     slopes = list(zip(*(np.diff(rows) / np.diff(t)).tolist()))
-    before, after = ((points[k][0], 0.0, 0.0, 0.0) for k in (0, -1))
+    before, after = (Reference(points[k][0], 0.0, 0.0) for k in (0, -1))
     begin, end, place = times[0], times[-1], 0
 
     def at(now: float) -> tuple[float, float, float, float]:

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What force and position sensors make of the truth, seeded."""
+"""Simulated measurements of force and position, with seeded noise."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class Sensors:
     def __init__(self, parameters: PlantParameters) -> None:
         self.configure(parameters)
         seeds = np.random.SeedSequence(parameters.seed).spawn(3)
-        # One stream a signal: switching one noise off leaves the others as they were.
+        # One stream per signal: switching one noise off does not change the others.
         self._streams = [self._noise(np.random.default_rng(seed)) for seed in seeds]
 
     def configure(self, parameters: PlantParameters) -> None:
@@ -50,7 +50,7 @@ class Sensors:
         Parameters
         ----------
         parameters : PlantParameters
-            The new values.
+            New values.
 
         """
         self._p = parameters.sensors
@@ -66,12 +66,12 @@ class Sensors:
 
     def measure(self, truth: Truth) -> tuple[float, float, float]:
         """
-        Measure once.
+        Return one measurement.
 
         Parameters
         ----------
         truth : Truth
-            The world now.
+            Present state of the world.
 
         Returns
         -------

@@ -29,6 +29,7 @@ from .sampled_reference import reference_through
 from .sensors import Sensors
 from .world import Truth
 from ..reference.experiment import Experiment
+from ..reference.setpoints import Reference
 
 Array = NDArray[np.float64]
 Stamps = NDArray[np.int64]
@@ -37,14 +38,14 @@ Stamps = NDArray[np.int64]
 @dataclass(frozen=True)
 class Simulation:
     """
-    What the sensors tell of a simulated world, and what the robot was to do.
+    Measurements of a simulated world, and the reference of its robot.
 
     Attributes
     ----------
     stamp_ns : ndarray of int64, shape (N,)
-        Of the samples [ns].
+        Stamps of the samples [ns].
     measured : ndarray, shape (3, N)
-        F_e [N], x [m] and its rate [m/s], NaN where the model does not publish it.
+        F_e [N], x [m] and its rate [m/s], NaN where not published.
     reference_ns : ndarray of int64, shape (M,)
         Stamps of the reference [ns].
     reference : ndarray, shape (4, M)
@@ -63,23 +64,23 @@ def simulate_command(
     start: tuple[float, float],
 ) -> Simulation:
     """
-    Simulate on a reference.
+    Simulate a model on a recorded reference.
 
     Parameters
     ----------
     model : PlantParameters
-        The world.
+        Parameters of the world.
     stamp_ns : ndarray of int64, shape (N,)
-        When to measure [ns], growing.
+        Stamps of the measurements [ns], increasing.
     reference_ns, reference
-        As in `Simulation`; straight between the samples.
+        As in `Simulation`; interpolated linearly.
     start : tuple of float
         Position [m] and velocity [m/s] of the robot at the first stamp.
 
     Returns
     -------
     simulation : Simulation
-        With noise as the model's sensors have it.
+        Includes the noise of the modelled sensors.
 
     """
     first = stamp_ns[0]
@@ -90,26 +91,26 @@ def simulate_command(
 
 def simulate_experiment(model: PlantParameters, experiment: Experiment) -> Simulation:
     """
-    Simulate on what an experiment wants, passed through.
+    Simulate a model on the setpoints of an experiment.
 
     Parameters
     ----------
     model : PlantParameters
-        The world, sampled at its `sample_rate`.
+        Parameters of the world, which is sampled at its `sample_rate`.
     experiment : Experiment
-        What is wanted.
+        Setpoints over time.
 
     Returns
     -------
     simulation : Simulation
-        Stamps begin with 0. No force law is active, so the reference has no force.
+        Stamps start at 0. No force law is active, so the reference has no force.
 
     """
     count = round(experiment.duration * model.sample_rate) + 1
     stamp_ns = np.round(1e9 / model.sample_rate * np.arange(count)).astype(np.int64)
-    wanted = [experiment.desired(t) for t in (stamp_ns * 1e-9).tolist()]
-    reference = np.array([(*desired[:3], 0.0) for desired in wanted]).T
-    start = wanted[0].position, wanted[0].velocity
+    desired = [experiment.desired(t) for t in (stamp_ns * 1e-9).tolist()]
+    reference = np.array([Reference(*d[:3]) for d in desired]).T
+    start = desired[0].position, desired[0].velocity
     return simulate_command(model, stamp_ns, stamp_ns, reference, start)
 
 
@@ -123,20 +124,20 @@ def simulate_force(
     Parameters
     ----------
     model : PlantParameters
-        The wall.
+        Parameters of the wall.
     stamp_ns : ndarray of int64, shape (N,)
-        Of the force [ns], growing.
+        Stamps of the force [ns], increasing.
     force : ndarray, shape (N,)
         Measured F_e [N].
     start : tuple of float
         Position [m] and velocity [m/s] at the first stamp.
     between : str
-        How the force goes on between its samples, a key of `BETWEEN`.
+        Behaviour of the force between its samples, a key of `BETWEEN`.
 
     Returns
     -------
     simulation : Simulation
-        Its force is the one given, with noise as the model's sensors have it.
+        Its force is the given one plus the noise of the modelled sensors.
 
     """
     t = (stamp_ns - stamp_ns[0]) * 1e-9

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""A simulation as a recording of the contract's topics."""
+"""Writing of a simulation as a recording."""
 
 from __future__ import annotations
 
@@ -34,16 +34,16 @@ def write_simulation(
     path: Path, simulation: Simulation, axis: str, joint: str, frame_id: str
 ) -> None:
     """
-    Write a simulation.
+    Write a simulation to an MCAP file.
 
     Parameters
     ----------
     path : Path
-        The .mcap file, which must not exist.
+        New .mcap file.
     simulation : Simulation
-        What to write.
+        Simulation to write.
     axis : str
-        'x', 'y' or 'z': where the force stands in the wrench.
+        'x', 'y' or 'z': axis of the force in the wrench.
     joint : str
         Name of the joint.
     frame_id : str

@@ -12,41 +12,42 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Robot and wall, integrated finely with exact unilateral contact."""
+"""Simulation of robot and wall with unilateral contact resolved within integration steps."""
 
 from __future__ import annotations
 
 from enum import Enum
 import math
 from math import ceil
-from typing import Any, Callable, NamedTuple, Sequence
+from typing import Any, NamedTuple, Sequence
 
 from .plant_parameters import PlantParameters
+from .runge_kutta import combine, shift, State
 from ..physics import effects_that_are_on
 from ..physics.contact_law import ContactLaw
-from ..physics.physics import Effect, ForceSensorEffect
+from ..physics.effect import Effect
+from ..physics.force_sensor_effect import ForceSensorEffect
 from ..physics.robot_law import RobotLaw
+from ..reference.setpoints import ReferenceAt
 
-State = tuple[float, ...]  # x, v, then the effects' internal states
-ReferenceAt = Callable[[float], tuple[float, float, float, float]]
 _BISECTIONS = 30
 _MOST_SWITCHES = 4.0
-_CREDIT_A_STEP = 0.1  # a backlash at rest against its end switches for ever, at every step
+_CREDIT_A_STEP = 0.1  # a backlash resting at its end would switch at every step
 
 
 class Mode(Enum):
-    """Which equation of contact holds; each is smooth by itself."""
+    """Which equation of contact holds; each equation is smooth."""
 
     FREE = 'free'
     PRESSING = 'pressing'
     SLACK = 'slack'
-    """The surface is reached, but the wall has let go, or pulls as hard as it can."""
+    """The surface is reached, but the force is 0 or at the largest pull."""
 
     HELD = 'held'
     """Out of contact, but the wall still pulls."""
 
 
-_FREE, _PRESSING, _SLACK, _HELD = Mode  # an enumeration's own look-up is slow
+_FREE, _PRESSING, _SLACK, _HELD = Mode  # attribute access of an enumeration is slow
 
 
 class _Instant(NamedTuple):
@@ -59,18 +60,18 @@ class _Instant(NamedTuple):
 
 class Truth(NamedTuple):
     """
-    The world at an instant, before any noise.
+    Noise-free state of the world at one instant.
 
     Attributes
     ----------
     t : float
         Time [s].
     position, velocity, acceleration : float
-        Of the end-effector [m], [m/s], [m/s^2].
+        Motion of the end-effector [m], [m/s], [m/s^2].
     force : float
         F_e [N], negative while pressing.
     sensed : float
-        What the physics of the force sensor make of F_e [N].
+        F_e after the effects of the force sensor [N].
 
     """
 
@@ -86,19 +87,19 @@ class World:
     """
     Impedance-controlled robot against a wall.
 
-    M_t xdd = u - drag + F_e with u of eq. (1) and F_e of eq. (3), plus what the effects add.
-    Fourth-order Runge-Kutta; touch-down and release are found by bisection and stepped onto, so
-    that no step straddles a switch of equations. The physics of the force sensor follow at every
-    step, for a lag is no matter of samples.
+    M_t xdd = u - drag + F_e with u of eq. (1) and F_e of eq. (3), plus effects.
+    Fourth-order Runge-Kutta; touch-down and release are located by bisection, so that no step
+    straddles a switch of equations. Effects of the force sensor are evaluated at every step,
+    because a lag is continuous in time.
 
     Parameters
     ----------
     parameters : PlantParameters
-        The world.
+        Parameters of the world.
     position, velocity : float
-        Of the robot at t = 0 [m], [m/s].
+        Initial state of the robot [m], [m/s].
     further : sequence of Effect
-        Physics that no parameter file knows, beside those of the parameters.
+        Effects in addition to those of the parameters, such as ones outside EFFECTS.
 
     """
 
@@ -115,15 +116,15 @@ class World:
 
     def configure(self, parameters: PlantParameters) -> None:
         """
-        Change the world while it runs.
+        Change the parameters while running.
 
         Parameters
         ----------
         parameters : PlantParameters
-            The new world; the set of effects with internal states must stay.
+            New parameters; the set of effects with internal states must not change.
 
         """
-        if parameters.physics != self._physics:  # else effects would forget their past
+        if parameters.physics != self._physics:  # else effects would lose their past
             self._physics = parameters.physics
             self._effects = [*effects_that_are_on(parameters.physics), *self._further]
             self._chain = [e for e in self._effects if isinstance(e, ForceSensorEffect)]
@@ -143,14 +144,14 @@ class World:
 
     def advance(self, duration: float, reference: ReferenceAt) -> None:
         """
-        Integrate.
+        Integrate the equations of motion.
 
         Parameters
         ----------
         duration : float
             Time to integrate over [s].
         reference : callable
-            Time [s] to (x_r, its rate, its acceleration, F_r).
+            From time [s] to the reference.
 
         """
         self._reference = reference
@@ -165,7 +166,7 @@ class World:
 
     def truth(self, reference: ReferenceAt) -> Truth:
         """
-        Look at the world now.
+        Return the present state of the world.
 
         Parameters
         ----------
@@ -175,7 +176,7 @@ class World:
         Returns
         -------
         truth : Truth
-            Free of noise.
+            State without noise.
 
         """
         self._reference = reference
@@ -185,7 +186,7 @@ class World:
 
     def _sense(self, force: float, acceleration: float) -> float:
         last, reading = self._last_sensed
-        if last == self.t:  # a lag must not pass the same instant twice
+        if last == self.t:  # a lag must not be advanced twice to the same time
             return reading
         dt = self.t - last if last >= 0.0 else 0.0
         for effect in self._chain:
@@ -202,7 +203,7 @@ class World:
         return float(self._robot.force(x, v, (x_r, v_r, a_r, tracked), math))
 
     def _look(self, t: float, state: State) -> _Instant:
-        """Find out which equation of contact holds, and solve it."""
+        """Determine which equation of contact holds, and solve it."""
         law, mass = self._law, self._robot.mass
         x, v = state[0], state[1]
         u = self._control(t, x, v)
@@ -248,12 +249,10 @@ class World:
         half, mode = 0.5 * h, now.mode
         x, v, *_ = state
         k1: State = (v, now.acceleration, *self._law.rates(t, x, v, state[2:]))
-        k2 = self._rates(t + half, _moved(state, half, k1), mode)
-        k3 = self._rates(t + half, _moved(state, half, k2), mode)
-        k4 = self._rates(t + h, _moved(state, h, k3), mode)
-        sixth = h / 6.0
-        x, v, *states = [s + sixth * (a + 2.0 * b + 2.0 * c + d)
-                         for s, a, b, c, d in zip(state, k1, k2, k3, k4)]
+        k2 = self._rates(t + half, shift(state, half, k1), mode)
+        k3 = self._rates(t + half, shift(state, half, k2), mode)
+        k4 = self._rates(t + h, shift(state, h, k3), mode)
+        x, v, *states = combine(state, h, k1, k2, k3, k4)
         return (x, v, *self._law.settle(t + h, x, v, tuple(states)))
 
     def _rates(self, t: float, state: State, mode: Mode) -> State:
@@ -262,7 +261,7 @@ class World:
         return (v, self._acceleration(t, x, v, states, mode), *self._law.rates(t, x, v, states))
 
     def _step_with_events(self, h: float, now: _Instant) -> _Instant:
-        """Step, cut at every switch of the contact equation, but stepping over chatter."""
+        """Step, split at switches of the contact equation unless it chatters."""
         t, end = self.t, self.t + h
         self._credit = min(_MOST_SWITCHES, self._credit + _CREDIT_A_STEP)
         while True:
@@ -271,7 +270,7 @@ class World:
             if then.mode is now.mode or self._credit < 1.0:
                 break
             self._credit -= 1.0
-            # Just beyond the switch, where the new equation holds.
+            # Ends just after the switch, where the new equation holds.
             until = self._until_switch(t, end - t, now)
             self._state = self._runge_kutta(t, self._state, until, now)
             t += until
@@ -283,7 +282,7 @@ class World:
         return then
 
     def _until_switch(self, t: float, h: float, now: _Instant) -> float:
-        """Bisect for the time until another equation holds [s]."""
+        """Return the time until another equation holds [s], by bisection."""
         low, high = 0.0, h
         for _ in range(_BISECTIONS):
             middle = 0.5 * (low + high)
@@ -293,7 +292,3 @@ class World:
             else:
                 high = middle
         return high
-
-
-def _moved(state: State, h: float, rates: State) -> State:
-    return tuple([s + h * rate for s, rate in zip(state, rates)])

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Signals that excite: sine, multisine and pseudo-random binary sequence."""
+"""Excitation signals: sine, multisine and pseudo-random binary sequence."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ from ..exceptions import ParameterRangeError
 
 
 class Excitation(ABC):
-    """A signal of time, in the unit of its amplitude."""
+    """An excitation signal, in the unit of its amplitude."""
 
     @abstractmethod
     def value(self, t: float) -> float:
         """
-        Evaluate the signal.
+        Return the value of the signal.
 
         Parameters
         ----------
@@ -49,7 +49,7 @@ class Excitation(ABC):
     @abstractmethod
     def rates(self, t: float) -> tuple[float, float]:
         """
-        Differentiate the signal; steps have no rate.
+        Return the derivatives of the signal; steps count as 0.
 
         Parameters
         ----------
@@ -81,18 +81,18 @@ class Sine(Excitation):
         self.amplitude, self.omega = amplitude, omega
 
     def value(self, t: float) -> float:
-        """Evaluate; see `Excitation.value`."""
+        """Return the value; see `Excitation.value`."""
         return self.amplitude * sin(self.omega * t)
 
     def rates(self, t: float) -> tuple[float, float]:
-        """Differentiate; see `Excitation.rates`."""
+        """Return the derivatives; see `Excitation.rates`."""
         w = self.omega
         return self.amplitude * w * cos(w * t), -w * w * self.value(t)
 
 
 class Multisine(Excitation):
     """
-    A sum of sines of equal size with Schroeder phases, which keep the peak low.
+    Sum of sines of equal amplitude with Schroeder phases, which keep the peak low.
 
     Parameters
     ----------
@@ -117,11 +117,11 @@ class Multisine(Excitation):
         self._scale = amplitude / float(np.max(np.abs(total)))
 
     def value(self, t: float) -> float:
-        """Evaluate; see `Excitation.value`."""
+        """Return the value; see `Excitation.value`."""
         return self._scale * sum(sin(w * t + p) for w, p in self._parts)
 
     def rates(self, t: float) -> tuple[float, float]:
-        """Differentiate; see `Excitation.rates`."""
+        """Return the derivatives; see `Excitation.rates`."""
         return (
             self._scale * sum(w * cos(w * t + p) for w, p in self._parts),
             -self._scale * sum(w * w * sin(w * t + p) for w, p in self._parts),
@@ -130,7 +130,7 @@ class Multisine(Excitation):
 
 class PseudoRandomBinary(Excitation):
     """
-    The paper's PRBS: 10 registers, feedback from registers 7 and 10, shifted at 20 Hz.
+    Pseudo-random binary sequence of the paper: 10 registers, feedback from 7 and 10, 20 Hz.
 
     Parameters
     ----------
@@ -147,21 +147,21 @@ class PseudoRandomBinary(Excitation):
         self.amplitude, self.shift_rate = amplitude, shift_rate
 
     def value(self, t: float) -> float:
-        """Evaluate; see `Excitation.value`."""
+        """Return the value; see `Excitation.value`."""
         bits = register_sequence()
-        # The epsilon keeps a stamp that is a rounding error before a shift on its far side.
+        # The epsilon places a stamp that is a rounding error before a shift after it.
         bit = bits[int(t * self.shift_rate + 1e-6) % len(bits)]
         return self.amplitude if bit else -self.amplitude
 
     def rates(self, t: float) -> tuple[float, float]:
-        """Differentiate; see `Excitation.rates`."""
+        """Return the derivatives; see `Excitation.rates`."""
         return 0.0, 0.0
 
 
 @lru_cache(maxsize=1)
 def register_sequence() -> tuple[int, ...]:
     """
-    Run the register once through its period of 2^10 - 1 shifts, from all ones.
+    Return one period, 2^10 - 1 shifts, of the shift register started with all ones.
 
     Returns
     -------

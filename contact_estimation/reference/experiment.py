@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Experiments: what the robot is asked to do over time."""
+"""Experiments: setpoints over time."""
 
 from __future__ import annotations
 
@@ -24,22 +24,25 @@ from .excitation import Excitation
 from .quintic import quintic
 from .setpoints import Desired
 
+START = -0.10
+"""Default position before an experiment [m]."""
+
 
 @dataclass(frozen=True)
 class Segment:
     """
-    A quintic to a position, with what is superposed meanwhile.
+    Quintic motion to a position, with superposed excitation.
 
     Attributes
     ----------
     duration : float
-        Time it takes [s], > 0.
+        Duration [s], > 0.
     position : float
-        Where it ends [m]; the same as before holds still.
+        Final position [m]; equal to the previous one for a hold.
     force : float
-        F_d [N], positive while pressing; NaN where no force is wanted.
+        F_d [N], positive while pressing; NaN: no force prescribed.
     force_excitation, position_excitation : Excitation or None
-        Added to F_d [N] and to x_d [m], of the time since the start of the experiment.
+        Added to F_d [N] and x_d [m]; functions of the time since the start of the experiment.
 
     """
 
@@ -57,11 +60,11 @@ class Experiment:
     Parameters
     ----------
     name : str
-        For people.
+        Name for reports.
     start : float
         Position before the first segment [m].
     segments : sequence of Segment
-        One after the other.
+        In order.
 
     """
 
@@ -74,18 +77,18 @@ class Experiment:
 
     @property
     def duration(self) -> float:
-        """Length of the whole [s]."""
+        """Total duration [s]."""
         return self._begins[-1]
 
     def cyclic(self) -> 'Experiment':
         """
-        Close the experiment to a cycle that plays for ever.
+        Return the experiment as an endless cycle.
 
         Returns
         -------
         experiment : Experiment
-            The same segments, with a way back to the start where they end elsewhere: a jump of
-            x_d would be an impact.
+            The same segments, with a motion back to the start where they end elsewhere: a jump
+            of x_d would cause an impact.
 
         """
         segments = self.segments
@@ -97,17 +100,18 @@ class Experiment:
 
     def desired(self, t: float) -> Desired:
         """
-        Evaluate the experiment.
+        Return the setpoint at a given time.
 
         Parameters
         ----------
         t : float
-            Time since its start [s]; before and after, it rests, unless it is a cycle.
+            Time since the start [s]; before and after the experiment the setpoint rests, unless it
+            is a cycle.
 
         Returns
         -------
         desired : Desired
-            What is wanted then.
+            Setpoint.
 
         """
         if self._repeats and t >= 0.0:
@@ -130,12 +134,12 @@ class Experiment:
 
     def hold(self) -> tuple[float, float] | None:
         """
-        Find the longest stretch in which force is wanted and x_d rests.
+        Return the longest interval in which a force is prescribed and x_d rests.
 
         Returns
         -------
         interval : tuple of float or None
-            Begin and end [s]; None where there is none.
+            Begin and end [s]; None if there is no such interval.
 
         """
         rests = [
@@ -148,6 +152,6 @@ class Experiment:
         return max(rests, key=lambda r: r[1] - r[0], default=None)
 
     @property
-    def wanted_force(self) -> float:
-        """F_d of the hold [N]; NaN where no force is wanted."""
+    def desired_force(self) -> float:
+        """F_d of the hold [N]; NaN where no force is prescribed."""
         return next((s.force for s in self.segments if s.force == s.force), nan)

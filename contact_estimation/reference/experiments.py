@@ -12,23 +12,21 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The named experiments, and those of YAML files."""
+"""Experiments by name."""
 
 from __future__ import annotations
 
-from math import isfinite, nan, pi
+from math import pi
 from pathlib import Path
-from typing import Any, Callable, Mapping
-
-import yaml
+from typing import Any, Callable
 
 from .excitation import Excitation, Multisine, PseudoRandomBinary, Sine
-from .experiment import Experiment, Segment
-from ..exceptions import ModelFileError, UnknownNameError
+from .experiment import Experiment, Segment, START
+from .experiment_file import read_experiment
+from ..exceptions import UnknownNameError
 
 DEPTH = 0.0204
-"""End of x_d [m]: 50 N under eq. (1) with the nominal values."""
-START = -0.10
+"""Final x_d [m]: 50 N under eq. (1) with the nominal values."""
 DESIRED_FORCE = 50.0
 
 FORCE_EXCITATION: dict[str, Excitation | None] = {
@@ -47,37 +45,37 @@ def manoeuvre(
     force: float = DESIRED_FORCE,
 ) -> Experiment:
     """
-    Build the paper's manoeuvre: approach, press, withdraw.
+    Return the manoeuvre of the paper: approach, press, withdraw.
 
     Parameters
     ----------
     name : str
         Name of the experiment.
     force_excitation : Excitation or None
-        Added to F_d while force is wanted [N], eq. (40).
+        Added to F_d while a force is prescribed [N], eq. (40).
     position_excitation : Excitation or None
         Added to x_d from the approach to the end of the withdrawal [m], eq. (41).
     hold_s : float
-        Time at depth [s].
+        Duration of the hold [s].
     force : float
-        F_d [N]; NaN: no force wanted, eq. (1) alone.
+        F_d [N]; NaN: no force prescribed, eq. (1) alone.
 
     Returns
     -------
     experiment : Experiment
-        Of 10 s plus `hold_s`.
+        Lasts 10 s plus `hold_s`.
 
     """
-    wanted: dict[str, Any] = {'force': force, 'position_excitation': position_excitation}
+    pressing: dict[str, Any] = {'force': force, 'position_excitation': position_excitation}
     if force == force:
-        wanted['force_excitation'] = force_excitation
+        pressing['force_excitation'] = force_excitation
     return Experiment(
         name,
         START,
         (
             Segment(4.4, START),
-            Segment(2.2, DEPTH, **wanted),
-            Segment(hold_s, DEPTH, **wanted),
+            Segment(2.2, DEPTH, **pressing),
+            Segment(hold_s, DEPTH, **pressing),
             Segment(2.2, START, position_excitation=position_excitation),
             Segment(1.2, START),
         ),
@@ -86,14 +84,14 @@ def manoeuvre(
 
 def rich() -> Experiment:
     """
-    Build three touches that differ in speed and depth, each with excitation of its own.
+    Return three episodes that differ in speed, depth and excitation.
 
-    No force is wanted, eq. (1) alone: for a recording that `diagnose` can learn from.
+    No force is prescribed, eq. (1) alone: suited to recordings for `diagnose`.
 
     Returns
     -------
     experiment : Experiment
-        Of 15.8 s.
+        Lasts 15.8 s.
 
     """
     away = -0.02
@@ -123,34 +121,27 @@ EXPERIMENTS: dict[str, Callable[[], Experiment]] = {
     'rich': rich,
 }
 
-_SEGMENT_KEYS = {'duration', 'position', 'force', 'force_excitation', 'position_excitation'}
-_EXCITATIONS: dict[str, tuple[Callable[..., Excitation], dict[str, str]]] = {
-    'sine': (Sine, {'amplitude': 'amplitude', 'angular_frequency': 'omega'}),
-    'multisine': (Multisine, {'amplitude': 'amplitude', 'angular_frequencies': 'omegas'}),
-    'prbs': (PseudoRandomBinary, {'amplitude': 'amplitude', 'shift_rate': 'shift_rate'}),
-}
-
 
 def experiment_named(name: str) -> Experiment:
     """
-    Find an experiment by name, or read it from a YAML file.
+    Return an experiment by name, or read it from a YAML file.
 
     Parameters
     ----------
     name : str
-        A key of EXPERIMENTS or the path of a file ending in .yaml or .yml.
+        Key of EXPERIMENTS, or path of a file ending in .yaml or .yml.
 
     Returns
     -------
     experiment : Experiment
-        Ready to be played.
+        The experiment.
 
     Raises
     ------
     UnknownNameError
-        If there is no such name.
+        If the name is unknown.
     ModelFileError
-        If the file is missing or not of the schema.
+        If the file is missing or does not follow the schema.
 
     """
     if name in EXPERIMENTS:
@@ -158,144 +149,3 @@ def experiment_named(name: str) -> Experiment:
     if Path(name).suffix in ('.yaml', '.yml'):
         return read_experiment(Path(name))
     raise UnknownNameError.among('experiment', name, [*EXPERIMENTS, 'FILE.yaml'])
-
-
-def read_experiment(path: Path) -> Experiment:
-    """
-    Read an experiment from a YAML file; doc/commands.md gives the schema.
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-
-    Returns
-    -------
-    experiment : Experiment
-        Ready to be played.
-
-    Raises
-    ------
-    ModelFileError
-        If the file is missing or not of the schema.
-
-    """
-    try:
-        content = yaml.safe_load(path.read_text())
-    except OSError as error:
-        raise ModelFileError(f'experiment file {path} cannot be read: {error.strerror}') from error
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        reason = ' '.join(str(error).split())
-        raise ModelFileError(f'experiment file {path} is not YAML: {reason}') from error
-    _expect(isinstance(content, Mapping), path, 'a mapping with `start` and `segments`', content)
-    _expect_keys(content, {'name', 'start', 'segments'}, path)
-    segments = content.get('segments')
-    _expect(isinstance(segments, list) and bool(segments), path, 'a list `segments`', segments)
-    start = _number(content.get('start', START), path, 'start')
-    made = tuple(_segment(entry, path) for entry in segments)
-    return Experiment(str(content.get('name', path.stem)), start, made)
-
-
-def experiment_text(experiment: Experiment) -> str:
-    """
-    Write an experiment as `read_experiment` reads it.
-
-    Parameters
-    ----------
-    experiment : Experiment
-        Of segments with excitations of the kinds that files know.
-
-    Returns
-    -------
-    text : str
-        YAML; numbers keep their bits.
-
-    """
-    segments = [_segment_entry(segment) for segment in experiment.segments]
-    content = {'name': experiment.name, 'start': float(experiment.start), 'segments': segments}
-    return str(yaml.safe_dump(content, sort_keys=False, default_flow_style=None, width=99))
-
-
-def _segment_entry(segment: Segment) -> dict[str, Any]:
-    entry: dict[str, Any] = {'duration': float(segment.duration),
-                             'position': float(segment.position)}
-    if segment.force == segment.force:
-        entry['force'] = float(segment.force)
-    for name in ('force_excitation', 'position_excitation'):
-        excitation = getattr(segment, name)
-        if excitation is not None:
-            entry[name] = _excitation_entry(excitation)
-    return entry
-
-
-def _excitation_entry(excitation: Excitation) -> dict[str, Any]:
-    kind, names = next(
-        (kind, names) for kind, (make, names) in _EXCITATIONS.items() if type(excitation) is make)
-    return {'kind': kind,
-            **{key: getattr(excitation, name) for key, name in names.items()}}
-
-
-def _segment(entry: Any, path: Path) -> Segment:
-    _expect(isinstance(entry, Mapping), path, 'segments that are mappings', entry)
-    _expect_keys(entry, _SEGMENT_KEYS, path)
-    duration = _number(entry.get('duration'), path, 'duration')
-    _expect(duration >= 1e-3, path, 'duration >= 0.001 s', duration)
-    return Segment(
-        duration,
-        _number(entry.get('position'), path, 'position'),
-        _number(entry['force'], path, 'force') if 'force' in entry else nan,
-        _excitation(entry.get('force_excitation'), path),
-        _excitation(entry.get('position_excitation'), path),
-    )
-
-
-def _excitation(entry: Any, path: Path) -> Excitation | None:
-    if entry is None:
-        return None
-    _expect(isinstance(entry, Mapping) and 'kind' in entry, path, 'an excitation with `kind`',
-            entry)
-    if not isinstance(entry['kind'], str) or entry['kind'] not in _EXCITATIONS:
-        raise UnknownNameError.among(f'excitation in {path}', entry['kind'], _EXCITATIONS)
-    make, names = _EXCITATIONS[entry['kind']]
-    _expect_keys(entry, {'kind', *names}, path)
-    _expect('amplitude' in entry, path, 'an excitation with `amplitude`', entry)
-    values = {names[key]: _numbers(value, path, key) for key, value in entry.items()
-              if key != 'kind'}
-    try:
-        return make(**values)
-    except TypeError as error:
-        raise ModelFileError(
-            f'experiment file {path}: excitation {entry["kind"]!r} needs {", ".join(names)}, '
-            f'got {dict(entry)!r}'
-        ) from error
-
-
-def _numbers(value: Any, path: Path, key: str) -> float | list[float]:
-    if key.endswith('frequencies'):
-        _expect(isinstance(value, list), path, f'`{key}` as a list', value)
-        return [_number(entry, path, key) for entry in value]
-    return _number(value, path, key)
-
-
-def _number(value: Any, path: Path, key: str) -> float:
-    if isinstance(value, str):  # PyYAML takes 1e5 for a text
-        try:
-            value = float(value)
-        except ValueError:
-            pass
-    number = isinstance(value, (int, float)) and not isinstance(value, bool)
-    _expect(number and isfinite(value), path, f'`{key}` as a number', value)
-    return float(value)
-
-
-def _expect(holds: bool, path: Path, expected: str, received: Any) -> None:
-    if not holds:
-        raise ModelFileError(
-            f'experiment file {path}: expected {expected}, got {received!r}; see doc/commands.md'
-        )
-
-
-def _expect_keys(entry: Mapping[str, Any], known: set[str], path: Path) -> None:
-    for key in entry:
-        if key not in known:
-            raise UnknownNameError.among(f'key in experiment file {path}', key, known)

@@ -13,12 +13,12 @@
 # limitations under the License.
 
 """
-The laws that turn a wanted force into a reference position.
+The laws that convert a desired force into a reference position.
 
 Eq. (20) alone does not make F_e follow F_r: under eq. (1) the static force is
 F_r K_t K_e / (K_hat (K_t + K_e)). Either the robot adds F_r to its control force (force
-tracking), or the reference reaches deeper by F_r / K_t (`series`); both together press too hard
-and are refused.
+tracking), or the reference is deeper by F_r / K_t (`series`); both together result in too large a
+force and are refused.
 """
 
 from __future__ import annotations
@@ -71,4 +71,4 @@ LAWS: dict[str, Compliance | None] = {
     'series': series_compliance,
     'pass_through': None,
 }
-"""Compliance by the name of the law; None: x_d passes through, whatever the force wanted."""
+"""Compliance by name of the law; None: x_d passes through, whatever F_r is."""

@@ -26,7 +26,7 @@ def quintic(start: float, end: float, duration: float, t: float) -> tuple[float,
     start, end : float
         Positions [m].
     duration : float
-        Time from one to the other [s], > 0.
+        Duration of the motion [s], > 0.
     t : float
         Time since the start [s]; clipped to [0, duration].
 

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The reference trajectory x_r, continuous whatever the estimate and the wishes do."""
+"""The reference trajectory x_r, continuous under jumps of estimate and setpoint."""
 
 from __future__ import annotations
 
@@ -27,34 +27,34 @@ from ..parameters.specification import parameter, ParameterGroup
 
 @dataclass(frozen=True)
 class ReferenceParameters(ParameterGroup):
-    """How a wanted force becomes a reference position."""
+    """Conversion of a desired force into a reference position."""
 
     robot_stiffness: float = parameter(
-        5000.0, 'K_t of the robot, needed by the law `series`', 'N/m', minimum=1e-3
+        5000.0, 'K_t of the robot, used by the law `series`', 'N/m', minimum=1e-3
     )
     robot_force_tracking: bool = parameter(
         False, 'The robot adds F_r to its control force itself; excludes the law `series`'
     )
     stiffness_floor: float = parameter(
-        500.0, 'The laws never use a smaller K_hat: a bad estimate must not command depth',
+        500.0, 'Lower limit of K_hat in the laws, so that a bad estimate commands no large depth',
         'N/m', minimum=1e-3,
     )
     maximum_velocity: float = parameter(
-        0.25, 'Slew limit of x_r while a force law is active', 'm/s', minimum=1e-6
+        0.25, 'Slew rate limit of x_r while a force law is active', 'm/s', minimum=1e-6
     )
     fade_s: float = parameter(
         0.2, 'Time over which the offset between two laws fades out', 's',
         minimum=1e-3, maximum=60.0,
     )
     maximum_force_rate: float = parameter(
-        2000.0, 'A faster change of F_r counts as a step, which has no feed-forward', 'N/s',
+        2000.0, 'Faster changes of F_r are treated as steps, without feed-forward', 'N/s',
         minimum=0.0,
     )
 
 
 class ReferenceGenerator:
     """
-    Turn what is desired into what the robot shall follow.
+    Convert setpoints of the planner into the reference that the robot follows.
 
     A force law applies while F_r is finite and there is contact; otherwise x_d passes through.
     Whenever that changes, the offset between old and new reference fades out smoothly.
@@ -62,14 +62,14 @@ class ReferenceGenerator:
     Parameters
     ----------
     law : str
-        A key of LAWS.
+        Key of LAWS.
     parameters : ReferenceParameters
         Limits.
 
     Raises
     ------
     ParameterRangeError
-        If `series` meets a robot that tracks force itself.
+        If `series` is combined with force tracking by the robot.
 
     """
 
@@ -79,16 +79,16 @@ class ReferenceGenerator:
         self.reset()
 
     def reset(self) -> None:
-        """Forget the past: the next reference is taken as it comes."""
+        """Discard the past: the next reference is not smoothed."""
         self._mode: str | None = None
         self._last: Reference | None = None
         self._offset, self._faded_s = 0.0, 0.0
-        self._lags = False  # behind what is wanted, because of the slew limit
+        self._lags = False  # behind its target because of the slew rate limit
         self._forces: list[tuple[float, float]] = []  # (time, F_r), at most three
 
     def configure(self, law: str, parameters: ReferenceParameters) -> None:
         """
-        Take another law or other limits while running; x_r stays continuous.
+        Change law or limits while running; x_r stays continuous.
 
         Parameters
         ----------
@@ -98,7 +98,7 @@ class ReferenceGenerator:
         Raises
         ------
         ParameterRangeError
-            If `series` meets a robot that tracks force itself.
+            If `series` is combined with force tracking by the robot.
 
         """
         refuse_double_tracking(law, parameters.robot_force_tracking)
@@ -110,18 +110,18 @@ class ReferenceGenerator:
         self, t: float, dt: float, desired: Desired, contact: bool, x_e: float, K_hat: float
     ) -> Reference:
         """
-        Make the reference of one instant.
+        Compute the reference of one instant.
 
         Parameters
         ----------
         t : float
-            Time at which it shall be followed [s].
+            Time at which the robot follows it [s].
         dt : float
             Time since the last call [s].
         desired : Desired
-            What is wanted then.
+            Setpoint at that time.
         contact : bool
-            Whether the wall is touched.
+            Whether there is contact.
         x_e : float
             Location of the wall [m].
         K_hat : float
@@ -145,7 +145,7 @@ class ReferenceGenerator:
         faded = self._fade(dt, target)
         reference = faded
         if active or self._offset != 0.0 or self._lags:
-            # What the planner itself wants is never too fast.
+            # The speed of the setpoint itself is never limited.
             own = 0.0 if active else abs(desired.velocity)
             reference = self._limit(dt, faded, self._p.maximum_velocity + own)
         self._last = reference._replace(force=desired.force if active else 0.0)
@@ -171,7 +171,7 @@ class ReferenceGenerator:
 
     def _switch(self, mode: str, dt: float, target: Reference) -> None:
         if mode != self._mode and self._mode is not None and self._last is not None:
-            # Carry the old reference on by its velocity, so that the rate has no kink either.
+            # Extrapolate the old reference by its velocity, so that the rate is continuous too.
             expected = self._last.position + dt * self._last.velocity
             self._offset, self._faded_s = expected - target.position, 0.0
         self._mode = mode
@@ -192,13 +192,13 @@ class ReferenceGenerator:
             target.acceleration - o * (6.0 - 12.0 * s) / duration**2,
         )
 
-    def _limit(self, dt: float, wanted: Reference, speed: float) -> Reference:
+    def _limit(self, dt: float, target: Reference, speed: float) -> Reference:
         if self._last is None or dt <= 0.0:
-            return wanted
-        step, most = wanted.position - self._last.position, speed * dt
+            return target
+        step, most = target.position - self._last.position, speed * dt
         self._lags = abs(step) > most
         if not self._lags:
-            return wanted
+            return target
         sign = 1.0 if step > 0.0 else -1.0
         return Reference(self._last.position + sign * most, sign * speed, 0.0)
 
@@ -217,12 +217,12 @@ def refuse_double_tracking(law: str, force_tracking: bool) -> None:
     Raises
     ------
     ParameterRangeError
-        If both would press: 74.5 N instead of 50 N on the benchmark.
+        If both are chosen: 74.5 N result instead of 50 N on the benchmark.
 
     """
     if law == 'series' and force_tracking:
         raise ParameterRangeError(
-            'reference_law series and a robot with force_tracking both correct for K_t, and '
-            'together press about 1.5 times too hard; expected one of them, got both; use '
+            'reference_law series and a robot with force_tracking both correct for K_t, which '
+            'together results in about 1.5 times the force; expected one of them, got both; use '
             'reference_law eq20 with force tracking, or switch force_tracking off'
         )

@@ -12,23 +12,23 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Setpoints: what the planner wants, and the reference that the robot follows."""
+"""Setpoints: what the planner asks for, and the reference that the robot follows."""
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Callable, NamedTuple
 
 
 class Desired(NamedTuple):
     """
-    What the planner wants at an instant.
+    Setpoint of the planner at one instant.
 
     Attributes
     ----------
     position, velocity, acceleration : float
         x_d with derivatives [m], [m/s], [m/s^2].
     force : float
-        F_r, positive while pressing [N]; NaN where no force is wanted.
+        F_r, positive while pressing [N]; NaN where no force is prescribed.
 
     """
 
@@ -55,3 +55,12 @@ class Reference(NamedTuple):
     velocity: float
     acceleration: float
     force: float = 0.0
+
+
+ReferenceAt = Callable[[float], tuple[float, float, float, float]]
+"""
+From time [s] to the fields of a `Reference` there.
+
+A plain tuple suffices: an integrator asks many thousand times per second, and a named tuple takes
+ten times as long to make.
+"""

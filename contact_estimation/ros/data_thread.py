@@ -15,11 +15,11 @@
 """
 A thread that waits on just the data subscriptions.
 
-rclpy's executors rebuild their wait set around every message, which takes more of a 2 ms cycle
-than the estimation does. This thread keeps one wait set for the data alone and takes raw bytes;
-parameters, services and timers stay on an ordinary executor. The wait set is not public API of
-rclpy: where its parts are missing, the subscriptions go to the executor like any other, with a
-warning. All use of that API is in this module.
+rclpy's executors rebuild their wait set for every message, which takes longer than the
+estimation. This thread keeps one wait set for the data alone and takes raw bytes; parameters,
+services and timers stay on an ordinary executor. The wait set is not public API of rclpy: where
+it is missing, the subscriptions are left to the executor, with a warning. All use of that API is
+in this module.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ class RawSubscriptions:
     node : rclpy.node.Node
         Owner of the subscriptions.
     dedicated : bool
-        False: leave them to the node's executor, the way of stock rclpy.
+        False: leave them to the node's executor, as usual in rclpy.
 
     """
 
@@ -76,8 +76,8 @@ class RawSubscriptions:
         self.dedicated = dedicated and HAS_WAIT_SET
         if dedicated and not HAS_WAIT_SET:
             node.get_logger().warning(
-                'this rclpy has no wait set to share; data goes over the executor, which costs '
-                'several times the CPU'
+                'this rclpy has no WaitSet to use directly; data is served by the executor, at '
+                'several times the CPU load'
             )
         self._group = _NeverByExecutor() if self.dedicated else None
         self._waking: list[tuple[Any, Callback]] = []
@@ -101,8 +101,8 @@ class RawSubscriptions:
         callback : callable
             Takes the bytes.
         wakes : bool
-            False: such messages wait until one of another topic comes and are handed out before
-            it; each wake costs more than the message does.
+            False: messages wait until one of another topic arrives and are served before it;
+            waking the thread takes longer than processing the message.
 
         """
         subscription = self._node.create_subscription(
@@ -112,7 +112,7 @@ class RawSubscriptions:
 
     def wait(self, timeout_ns: int) -> None:
         """
-        Wait for messages and hand those that have come to their callbacks.
+        Wait for messages and pass them to their callbacks.
 
         Parameters
         ----------
@@ -139,7 +139,7 @@ class RawSubscriptions:
                 callback(taken[0])
 
     def take_all(self) -> None:
-        """Hand all waiting messages to their callbacks, without waiting."""
+        """Pass all queued messages to their callbacks, without waiting."""
         self._take_all(self._quiet)
         self._take_all(self._waking)
 
@@ -155,14 +155,14 @@ class RawSubscriptions:
 
 class DataThread:
     """
-    Serve raw subscriptions on a thread of their own until stopped.
+    Serve raw subscriptions on a dedicated thread until stopped.
 
     Parameters
     ----------
     subscriptions : RawSubscriptions
-        What to serve; nothing is to do where they are left to the executor.
+        What to serve; no thread starts where they are left to the executor.
     on_error : callable
-        Gets an exception that a callback let through; the thread goes on.
+        Called with an exception raised in a callback; the thread continues.
 
     """
 
@@ -174,12 +174,12 @@ class DataThread:
         self._thread = Thread(target=self._run, name='data', daemon=True)
 
     def start(self) -> None:
-        """Begin to serve."""
+        """Start the thread."""
         if self._subscriptions.dedicated:
             self._thread.start()
 
     def stop(self) -> None:
-        """Finish the current wait and end."""
+        """Finish the current wait and stop."""
         self._stop.set()
         if self._thread.is_alive():
             self._thread.join()
@@ -189,6 +189,6 @@ class DataThread:
         while not self._stop.is_set() and context.ok():
             try:
                 self._subscriptions.wait(_WAKE_NS)
-            except Exception as error:  # noqa: B902 - whatever happens, the node goes on
+            except Exception as error:  # noqa: B902 - the node continues after any error
                 if context.ok():
                     self._on_error(error)

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Publishing of estimates and reference, as ready bytes."""
+"""Publishers of estimates and reference, which send serialised messages."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from rclpy.node import Node
 
 from .message_classes import message_class
 from .topics import OUTPUT_QOS, REFERENCE, STRING, TRAJECTORY, VECTOR3
-from ..estimation.session import Result
+from ..estimation.result import Result
 from ..messages import encode_string, TrajectoryEncoder, Vector3StampedEncoder
 
 _ALWAYS: dict[str, Callable[[Any], float]] = {
@@ -64,28 +64,28 @@ class EstimatePublishers:
         self._pose = node.create_publisher(PoseStamped, '~/target_pose', OUTPUT_QOS)
         self._wanted: list[tuple[Any, Callable[[Any], float]]] = []
         self._last_status: tuple[str, str] | None = None
-        self._place = 0
+        self._places = [0]
         self.look_for_subscribers()
 
     def use(self, frame_id: str, axes: str) -> None:
         """
-        Set the frame and the axes of all that is published from now on.
+        Set the frame and the axes of all outputs.
 
         Parameters
         ----------
         frame_id : str
             Of the wrench.
         axes : str
-            Of 'x', 'y' and 'z' those that are estimated, the contact axis first.
+            The estimated axes, the contact axis first.
 
         """
         self.frame_id, self._further_axes = frame_id, axes[1:]
-        self._place, *self._further_places = ('xyz'.index(axis) for axis in axes)
+        self._places = ['xyz'.index(axis) for axis in axes]
         self._vectors = Vector3StampedEncoder(frame_id)
         self._trajectories = TrajectoryEncoder(frame_id, self._joint)
 
     def look_for_subscribers(self) -> None:
-        """Find out which of the optional topics somebody wants; not for every sample."""
+        """Find the optional topics that have subscribers; too slow for every sample."""
         wanted = [(self._publishers[name], get) for name, get in _ALWAYS.items()]
         for name, get in _ON_DEMAND.items():
             if self._publishers[name].get_subscription_count() > 0:
@@ -104,33 +104,33 @@ class EstimatePublishers:
             Publish x_r as a pose too.
 
         """
-        estimate, stamp_ns = result.estimate, result.sample.stamp_ns
+        estimate, stamp_ns = result.estimates[0], result.sample.stamp_ns
         reference = result.reference
         if reference is not None:
-            # First of all: the robot waits for this one.
+            # Published first: the robot waits for it.
             self._reference.publish(
                 self._trajectories.encode(result.reference_stamp_ns, *reference)
             )
-        encode, place = self._vectors.encode, self._place
+        encode, places = self._vectors.encode, self._places
         for publisher, get in self._wanted:
             vector = [nan, nan, nan]
-            vector[place] = get(estimate)
-            for further_place, other in zip(self._further_places, result.further):
-                vector[further_place] = get(other)
+            for place, of_axis in zip(places, result.estimates):
+                vector[place] = get(of_axis)
             publisher.publish(encode(stamp_ns, *vector))
         self.publish_status(estimate.status.value, self._reason(result))
         if with_pose and reference is not None:
             self._publish_pose(result.reference_stamp_ns, reference.position)
 
     def _reason(self, result: Result) -> str:
-        """Say why the status is so, and how it is on further axes."""
-        if not result.further:
-            return result.estimate.reason
+        """Return the reason of the status, and the status of the further axes."""
+        estimate, *further = result.estimates
+        if not further:
+            return estimate.reason
         others = ', '.join(
             f'{axis} {other.status.value}' + (f' ({other.reason})' if other.reason else '')
-            for axis, other in zip(self._further_axes, result.further)
+            for axis, other in zip(self._further_axes, further)
         )
-        return f'{result.estimate.reason}; {others}' if result.estimate.reason else others
+        return f'{estimate.reason}; {others}' if estimate.reason else others
 
     def publish_status(self, status: str, reason: str) -> None:
         """
@@ -150,5 +150,5 @@ class EstimatePublishers:
         message = PoseStamped()
         message.header.stamp.sec, message.header.stamp.nanosec = divmod(stamp_ns, 1_000_000_000)
         message.header.frame_id = self.frame_id
-        setattr(message.pose.position, 'xyz'[self._place], position)
+        setattr(message.pose.position, 'xyz'[self._places[0]], position)
         self._pose.publish(message)

@@ -12,14 +12,14 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What the estimator node says of itself on /diagnostics."""
+"""Diagnostics of the estimator node, for /diagnostics."""
 
 from __future__ import annotations
 
 from collections import deque
 from math import isfinite
 import time
-from typing import Any, Mapping
+from typing import Any, Sequence
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
@@ -29,19 +29,19 @@ from ..estimation.session import ContactSession
 from ..estimators.estimator import Estimate
 
 _LATENCIES_KEPT = 2000
-_TARE_DUE = 2.0  # force noises; the level is a mean over half a second
+_TARE_DUE = 2.0  # standard deviations of the force noise; the level is a mean over 0.5 s
 
 
 class EstimatorDiagnostics:
     """
-    Gather figures at every sample and make a status of them now and then.
+    Collect statistics at every sample and report them as a diagnostic status.
 
     Parameters
     ----------
     name : str
         Of the node.
     silence_s : float
-        Without a wrench for so long, the status warns [s].
+        Time without a wrench after which the status is STALE [s].
 
     """
 
@@ -56,12 +56,12 @@ class EstimatorDiagnostics:
         self._rejected_before = 0
 
     def arrived(self) -> None:
-        """Note that a wrench has come."""
+        """Note the arrival of a wrench."""
         self._last_arrival = time.monotonic()
 
     def published(self, stamp_ns: int) -> None:
         """
-        Note that a sample's results are out.
+        Note that the outputs for a sample have been published.
 
         Parameters
         ----------
@@ -74,23 +74,22 @@ class EstimatorDiagnostics:
 
     def failed(self, error: Exception) -> None:
         """
-        Note an error that the node survived.
+        Note an exception in a data callback.
 
         Parameters
         ----------
         error : Exception
-            It.
+            The exception, after which the node continues.
 
         """
         self.errors += 1
         self.last_error = f'{type(error).__name__}: {error}'
 
     def message(
-        self, stamp: Any, session: ContactSession, estimate: Estimate | None,
-        further: Mapping[str, Estimate],
+        self, stamp: Any, session: ContactSession, estimates: Sequence[Estimate]
     ) -> DiagnosticArray:
         """
-        Make the message.
+        Return the diagnostic message.
 
         Parameters
         ----------
@@ -98,23 +97,22 @@ class EstimatorDiagnostics:
             Now.
         session : ContactSession
             Whose counters are reported.
-        estimate : Estimate or None
-            The last one.
-        further : mapping of str to Estimate
-            The last one of every axis beside the contact axis.
+        estimates : sequence of Estimate
+            The last one of each axis; empty before the first.
 
         Returns
         -------
         message : DiagnosticArray
-            One status with all figures.
+            One status with all values.
 
         """
+        estimate = estimates[0] if estimates else None
         level, text = self._judge(session, estimate)
         values = {**self._rates(), **self._estimation(session, estimate)}
-        for axis, other in further.items():
-            values.update((f'{axis}_{k}', v) for k, v in _figures(other).items())
-            values[f'{axis}_contact'] = session.pipelines[axis].contact
-        values.update(self._trouble(session))
+        for (axis, pipeline), other in list(zip(session.pipelines.items(), estimates))[1:]:
+            values.update((f'{axis}_{k}', v) for k, v in _values_of(other).items())
+            values[f'{axis}_contact'] = pipeline.contact
+        values.update(self._problems(session))
         status = DiagnosticStatus(
             level=level, name=f'{self._name}: contact estimation', message=text,
             hardware_id='', values=[KeyValue(key=k, value=str(v)) for k, v in values.items()],
@@ -130,7 +128,7 @@ class EstimatorDiagnostics:
         if silent > self.silence_s:
             return DiagnosticStatus.STALE, f'no wrench for {silent:.1f} s; is the sensor running?'
         if estimate is None:
-            return DiagnosticStatus.WARN, 'wrench comes, but no joint state fits its stamps'
+            return DiagnosticStatus.WARN, 'wrenches come, but no joint state matches their stamps'
         if newly:
             return DiagnosticStatus.WARN, f'{newly} samples rejected since the last report'
         warning = _warning(session)
@@ -166,11 +164,11 @@ class EstimatorDiagnostics:
             return values
         details = {f'{parameters.estimator}_{name}': f'{value:.8g}'
                    for name, value in pipeline.estimator.details.items()}
-        return {**values, **_figures(estimate), **details}
+        return {**values, **_values_of(estimate), **details}
 
-    def _trouble(self, session: ContactSession) -> dict[str, Any]:
+    def _problems(self, session: ContactSession) -> dict[str, Any]:
         values: dict[str, Any] = {
-            'missing': session.missing,
+            'missing': session.pipeline.missing,
             'time_jumps': session.time_jumps,
             'errors': self.errors,
         }
@@ -180,8 +178,8 @@ class EstimatorDiagnostics:
         return values
 
 
-def _figures(estimate: Estimate) -> dict[str, str]:
-    """Write what is known of one axis."""
+def _values_of(estimate: Estimate) -> dict[str, str]:
+    """Return the estimate of one axis as texts."""
     values = {}
     for name in ('stiffness', 'stiffness_std', 'damping', 'damping_std', 'location', 'inertia'):
         value = getattr(estimate, name)
@@ -193,18 +191,18 @@ def _figures(estimate: Estimate) -> dict[str, str]:
 
 
 def _warning(session: ContactSession) -> str:
-    """Tell of what makes good-looking numbers wrong: a biased sensor, a wrong rate."""
+    """Return a warning of a biased sensor or a wrong sample rate, which bias the estimates."""
     for axis, pipeline in session.pipelines.items():
         if _needs_tare(pipeline):
             where = f' along {axis}' if len(session.pipelines) > 1 else ''
             level = -pipeline.free_flight_level
-            return f'the sensor reads {level:.3g} N out of contact{where}; call ~/tare there'
+            return f'the sensor reads {level:.3g} N in free flight{where}; call ~/tare there'
     rate, period = session.parameters.sample_rate, session.pipeline.sample_period_s
     if period > 0.0 and not 0.9 < period * rate < 1.1:
-        return f'samples come at {1.0 / period:.4g} Hz, but sample_rate is {rate:g}; set it'
+        return f'samples come at {1.0 / period:.4g} Hz, but sample_rate is {rate:g}; correct it'
     return ''
 
 
 def _needs_tare(pipeline: EstimationPipeline) -> bool:
-    """Tell a biased sensor from noise."""
+    """Return whether the free-flight force exceeds its noise."""
     return abs(pipeline.free_flight_level) > max(_TARE_DUE * pipeline.noise_std, 1e-3)

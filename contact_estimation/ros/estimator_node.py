@@ -31,11 +31,11 @@ from .estimator_diagnostics import EstimatorDiagnostics
 from .estimator_node_parameters import EstimatorNodeParameters
 from .parameters import declare, serve_changes
 from .running import run_node
-from ..estimation.axes import estimated_axes
 from ..estimation.events import biases, CHANGE, EstimationEvent, event_now, RESET, START, TARE
+from ..estimation.inputs import MessageInputs
 from ..estimation.parameters import EstimationParameters
-from ..estimation.readings import ContactReadings
-from ..estimation.session import ContactSession, Result
+from ..estimation.result import Result
+from ..estimation.session import ContactSession
 from ..exceptions import MessageError
 from ..messages import TrajectoryDecoder
 from ..parameters.specification import ParameterSpecification, specifications
@@ -46,7 +46,7 @@ PURPOSE = 'estimator_node: estimate contact stiffness and damping, publish a ref
 
 
 def all_specifications() -> list[ParameterSpecification]:
-    """List the parameters of the node."""
+    """Return the specifications of the node's parameters."""
     return [*specifications(EstimationParameters), *specifications(EstimatorNodeParameters)]
 
 
@@ -54,8 +54,8 @@ class EstimatorNode(Node):
     """
     The session between subscriptions and publishers.
 
-    Samples are processed on the data thread; parameters, services and diagnostics on the
-    executor's. A lock makes every event fall between two samples.
+    Samples are processed on the data thread; parameters, services and diagnostics on that of the
+    executor. Under the lock every event falls between two samples.
 
     Raises
     ------
@@ -74,7 +74,7 @@ class EstimatorNode(Node):
         self._lock = Lock()
         self._last: Result | None = None
         parameters = self._session.parameters
-        self._axes = ''.join(estimated_axes(parameters))
+        self._axes = ''.join(self._session.pipelines)
         self._outputs = EstimatePublishers(self, parameters.joint)
         self._outputs.use(parameters.frame_id, self._axes)
         self._events = self.create_publisher(String, '~/events', topics.EVENTS_QOS)
@@ -90,13 +90,10 @@ class EstimatorNode(Node):
         serve_changes(self, all_specifications(), self._change_parameters)
 
     def _subscribe(self) -> None:
-        readings = ContactReadings(self._session)
-        self._wrench, self._joints = readings.wrench, readings.joints
-        self._force = readings.force_of
-        self._add_wrench, self._add_motion = readings.add_wrench, readings.add_motion
+        self._inputs = MessageInputs(self._session)
         self._desired = TrajectoryDecoder()
         data = RawSubscriptions(self, self._own.dedicated_wait_set)
-        # In this order they are served: a wrench finds the wish and the motion of its instant.
+        # Served in this order: setpoint and motion of an instant precede its wrench.
         for topic, type_name, callback, wakes in (
             (topics.DESIRED, topics.TRAJECTORY, self._on_desired, False),
             (topics.JOINT_STATES, 'sensor_msgs/msg/JointState', self._on_joints, True),
@@ -106,11 +103,11 @@ class EstimatorNode(Node):
         self._thread = DataThread(data, self._diagnostics.failed)
 
     def start(self) -> None:
-        """Begin to serve data."""
+        """Start the data thread."""
         self._thread.start()
 
     def stop(self) -> None:
-        """End the data thread."""
+        """Stop the data thread."""
         self._thread.stop()
 
     # -- data -------------------------------------------------------------------------------
@@ -118,34 +115,23 @@ class EstimatorNode(Node):
     def _on_wrench(self, raw: bytes) -> None:
         self._diagnostics.arrived()
         with self._lock:
-            try:
-                reading = self._wrench.decode(raw)
-            except MessageError as error:
-                self._session.count_rejected(f'wrench_{error.reason}')
-                return
-            if not self._session.accepts_frame(reading.frame_id):
-                return
-            if reading.frame_id != self._outputs.frame_id:
-                self._outputs.use(reading.frame_id, self._axes)
-            self._publish(self._add_wrench(reading.stamp_ns, self._force(reading)))
+            results = self._inputs.process_wrench(raw)
+            if self._inputs.frame_id != self._outputs.frame_id:
+                self._outputs.use(self._inputs.frame_id, self._axes)
+            self._publish(results)
 
     def _on_joints(self, raw: bytes) -> None:
         with self._lock:
-            try:
-                reading = self._joints.decode(raw)
-            except MessageError as error:
-                self._session.count_rejected(f'joint_states_{error.reason}')
-                return
-            self._publish(self._add_motion(*reading))
+            self._publish(self._inputs.process_joints(raw))
 
     def _on_desired(self, raw: bytes) -> None:
         with self._lock:
             try:
-                stamp_ns, *wish = self._desired.decode(raw)
+                stamp_ns, *desired = self._desired.decode(raw)
             except MessageError as error:
                 self._session.count_rejected(f'desired_{error.reason}')
                 return
-            self._session.add_desired(stamp_ns, Desired(*wish))
+            self._session.add_desired(stamp_ns, Desired(*desired))
 
     def _publish(self, results: Sequence[Result]) -> None:
         for result in results:
@@ -169,7 +155,7 @@ class EstimatorNode(Node):
         with self._lock:
             self._session.reset()
             self._event(event_now(self._session, RESET, {}))
-        response.success, response.message = True, 'estimate is the first guess again'
+        response.success, response.message = True, 'estimate is reset to its initial values'
         return response
 
     def _on_tare(self, request: Any, response: Any) -> Any:
@@ -185,11 +171,9 @@ class EstimatorNode(Node):
     def _report(self) -> None:
         self._outputs.look_for_subscribers()
         with self._lock:
-            last = self._last
-            message = self._diagnostics.message(
-                self.get_clock().now().to_msg(), self._session, last and last.estimate,
-                dict(zip(self._axes[1:], last.further)) if last else {},
-            )
+            estimates = self._last.estimates if self._last else ()
+            now = self.get_clock().now().to_msg()
+            message = self._diagnostics.message(now, self._session, estimates)
         self._diagnostics_publisher.publish(message)
 
 

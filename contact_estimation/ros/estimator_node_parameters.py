@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What the estimator node needs beside the estimation itself."""
+"""Parameters of the estimator node itself."""
 
 from __future__ import annotations
 
@@ -29,12 +29,12 @@ class EstimatorNodeParameters(ParameterGroup):
         2.0, 'Rate of /diagnostics', 'Hz', minimum=1.0, maximum=10.0, read_only=True
     )
     silence_s: float = parameter(
-        0.5, 'Diagnostics warn when no wrench has come for this long', 's', minimum=0.01
+        0.5, 'Diagnostics are stale after this time without a wrench', 's', minimum=0.01
     )
     publish_target_pose: bool = parameter(
         False, 'Publish x_r as a pose on ~/target_pose, for Cartesian controllers'
     )
     dedicated_wait_set: bool = parameter(
-        True, 'Serve data on a wait set of its own; false: on the executor, as stock rclpy does',
+        True, 'Serve data on a dedicated wait set; false: on the executor, as usual in rclpy',
         read_only=True,
     )

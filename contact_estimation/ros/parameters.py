@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Parameters of a dataclass as ROS parameters: declared once there, live here."""
+"""Parameters of a dataclass as ROS parameters."""
 
 from __future__ import annotations
 
@@ -76,12 +76,12 @@ def declare(node: Node, known: Iterable[ParameterSpecification]) -> dict[str, An
 
 def descriptor(spec: ParameterSpecification) -> ParameterDescriptor:
     """
-    Describe a parameter to ROS tools.
+    Return the ROS descriptor of a parameter.
 
     Parameters
     ----------
     spec : ParameterSpecification
-        What the dataclass says.
+        Its specification.
 
     Returns
     -------
@@ -115,7 +115,7 @@ def serve_changes(
     change: Callable[[Mapping[str, Any]], None],
 ) -> None:
     """
-    Let parameters change live.
+    Apply changes of ROS parameters at run time.
 
     Parameters
     ----------
@@ -124,8 +124,8 @@ def serve_changes(
     known : iterable of ParameterSpecification
         Its parameters.
     change : callable
-        Takes dotted names and values; a ContactEstimationError rejects them, and its text is
-        the reason that the caller sees.
+        Called with dotted names and values; a ContactEstimationError rejects them, with its
+        text as the reason.
 
     """
 
@@ -146,7 +146,7 @@ def serve_changes(
 
 def _as_number(parameter: Parameter) -> Parameter:
     """
-    Take 500, '1e-06' and 'nan' for the numbers that they are.
+    Convert 500, '1e-06' and 'nan' to floating-point numbers.
 
     `ros2 param set NAME 500` sends an integer, and `ros2 param load` sends what `ros2 param dump`
     has written as 1e-06 or nan as text.

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The three figures by which a latency is told."""
+"""Percentiles of a latency."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from typing import Sequence
 
 def percentiles(values: Sequence[float]) -> dict[str, float | None]:
     """
-    Take median, 99th percentile and maximum.
+    Return median, 99th percentile and maximum.
 
     Parameters
     ----------

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Simulated robot, wall and sensors in real time, and the experiment that moves them."""
+"""Real-time simulation of robot, wall and sensors in an experiment."""
 
 from __future__ import annotations
 
@@ -44,11 +44,11 @@ from ..reference.experiments import experiment_named
 from ..reference.setpoints import Reference
 
 PURPOSE = 'plant_node: simulate robot, wall and sensors, and play an experiment on them'
-_SETTLING_S = 0.5  # a match seen here may not yet be seen on the other side
+_SETTLING_S = 0.5  # a publisher may see a match before the subscriber does
 
 
 def all_specifications() -> list[ParameterSpecification]:
-    """List the parameters of the node."""
+    """Return the specifications of the node's parameters."""
     return [*specifications(PlantParameters), *specifications(PlantNodeParameters)]
 
 
@@ -107,11 +107,11 @@ class PlantNode(Node):
         )
 
     def start(self) -> None:
-        """Begin as soon as somebody listens."""
+        """Start the simulation when a subscriber is there."""
         self._thread.start()
 
     def stop(self) -> None:
-        """End the simulation and write the summary."""
+        """Stop the simulation and write the summary."""
         self._stopping = True
         if self._thread.is_alive():
             self._thread.join()
@@ -137,7 +137,7 @@ class PlantNode(Node):
             self._follow_newest(begin_ns, k)
             follow = extrapolate(self._followed_since, self._reference)
             self._world.advance(self._period_ns * 1e-9, follow)
-        self._wait_until(time.perf_counter_ns() + 50_000_000)  # the last answers
+        self._wait_until(time.perf_counter_ns() + 50_000_000)  # the last references
 
     def _wait_for_subscribers(self) -> None:
         give_up = time.monotonic() + self._own.patience_s
@@ -152,7 +152,7 @@ class PlantNode(Node):
         self._wait_until(time.perf_counter_ns() + int(seconds * 1e9))
 
     def _wait_until(self, deadline_ns: int) -> None:
-        """Take references while waiting."""
+        """Receive references while waiting."""
         while not self._stopping:
             remaining = deadline_ns - time.perf_counter_ns()
             if remaining <= 0:
@@ -163,7 +163,7 @@ class PlantNode(Node):
                 time.sleep(min(remaining, 100_000_000) * 1e-9)
 
     def _send(self, k: int, stamp_ns: int) -> None:
-        """Send sample k; the wish goes first, since the answer needs it."""
+        """Publish sample k, its setpoint first, since the reference depends on it."""
         truth = self._world.truth(extrapolate(self._followed_since, self._reference))
         force, position, velocity = self._sensors.measure(truth)
         period = self._period_ns * 1e-9
@@ -184,7 +184,7 @@ class PlantNode(Node):
         self._waiting.append((stamp_ns, Reference(x, v, a, effort)))
 
     def _follow_newest(self, begin_ns: int, k: int) -> None:
-        """Follow the newest reference whose instant has come."""
+        """Follow the newest reference that is due."""
         now_ns = begin_ns + k * self._period_ns
         while self._waiting and self._waiting[0][0] <= now_ns:
             stamp_ns, self._reference = self._waiting.popleft()

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What the plant node needs beside the simulated world."""
+"""Parameters of the plant node itself."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from ..parameters.specification import parameter, ParameterGroup
 
 @dataclass(frozen=True)
 class PlantNodeParameters(ParameterGroup):
-    """The experiment and the node's surroundings."""
+    """The experiment, and when it starts and ends."""
 
     experiment: str = parameter(
         'sine', 'Name of an experiment, or a YAML file of segments', read_only=True

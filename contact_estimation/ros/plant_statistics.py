@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""How many samples were sent and how soon each was answered."""
+"""Samples sent, and the latency of the references received."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ from .percentiles import percentiles
 
 class PlantStatistics:
     """
-    Count samples and answers, and time them by a send time of their own.
+    Count samples and references, and measure latency from the time of sending.
 
     Parameters
     ----------
     period_ns : int
-        Sample period [ns]; the answer to sample k is stamped with the instant of sample k + 1.
+        Sample period [ns]; the reference for sample k has the stamp of sample k + 1.
 
     """
 
@@ -43,12 +43,12 @@ class PlantStatistics:
 
     def sent(self, k: int, true_force: float) -> None:
         """
-        Note that a sample goes out now.
+        Note that a sample is being sent.
 
         Parameters
         ----------
         k : int
-            Its number.
+            Index of the sample.
         true_force : float
             F_e before the sensor [N].
 
@@ -59,7 +59,7 @@ class PlantStatistics:
 
     def answered(self, reference_stamp_ns: int) -> None:
         """
-        Note that an answer has come.
+        Note the arrival of a reference.
 
         Parameters
         ----------
@@ -74,7 +74,7 @@ class PlantStatistics:
 
     def summary(self) -> dict[str, Any]:
         """
-        Sum up.
+        Return the statistics.
 
         Returns
         -------

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Record the contract's topics to MCAP, such that a kill loses at most the last second."""
+"""Record the topics to MCAP; a killed process loses at most the last second."""
 
 from __future__ import annotations
 
@@ -38,13 +38,13 @@ from ..recordings.estimation_metadata import RECORD, to_metadata
 PURPOSE = 'recorder_node: record wrench, joints, references and estimates as a rosbag2 folder'
 _FLUSH_S = 0.4
 
-# Best effort takes any publisher, and a sensor's driver is best effort.
+# Best effort matches any publisher; sensor drivers are best effort.
 _RECORD_QOS = QoSProfile(depth=1000, reliability=ReliabilityPolicy.BEST_EFFORT)
 
 
 @dataclass(frozen=True)
 class RecorderParameters(ParameterGroup):
-    """Where to write and whom to listen to."""
+    """Output and topics of the recorder."""
 
     output: str = parameter('', 'Folder to write, which must not exist', read_only=True)
     estimator: str = parameter(
@@ -113,11 +113,11 @@ class RecorderNode(Node):
         self.create_timer(_FLUSH_S, self._flush)
 
     def start(self) -> None:
-        """Begin to record."""
+        """Start recording."""
         self._thread.start()
 
     def stop(self) -> None:
-        """Take what has come and close the recording."""
+        """Write the queued messages and close the recording."""
         self._thread.stop()
         if self._data.dedicated:
             self._data.take_all()
@@ -126,7 +126,7 @@ class RecorderNode(Node):
     def _recording(self, topic: str, type_name: str, qos: QoSProfile) -> Callable[[bytes], None]:
         name = self.resolve_topic_name(topic)
         write, is_events = self._writer.write, topic.endswith('/events')
-        # What the contract's publishers offer, so that a bag that is played reaches anybody.
+        # The QoS that the publishers offer, so that a played bag matches every subscriber.
         offered = OfferedQos.of_profile(qos if is_events else topics.OUTPUT_QOS)
 
         def record(raw: bytes) -> None:
@@ -137,7 +137,7 @@ class RecorderNode(Node):
         return record
 
     def _keep_start(self, raw: bytes) -> None:
-        """Store the estimator's parameters at start where every MCAP tool finds them."""
+        """Store the estimator's initial parameters as MCAP metadata."""
         event = EstimationEvent.from_text(decode_string(raw))
         if event.kind == START:
             self._writer.write_metadata(RECORD, to_metadata(event.parameters))

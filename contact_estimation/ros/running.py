@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""How every node of this package starts, runs and ends."""
+"""Start, run and shut down a node of this package."""
 
 from __future__ import annotations
 
@@ -36,14 +36,14 @@ class RunnableNode(Protocol):
     """A node with data threads."""
 
     def start(self) -> None:
-        """Begin to work."""
+        """Start the threads."""
 
     def stop(self) -> None:
-        """End all threads and finish files."""
+        """Stop all threads and close files."""
 
     @property
     def finished(self) -> bool:
-        """Whether the node has nothing more to do."""
+        """Whether the task of the node is complete."""
 
 
 def run_node(
@@ -76,15 +76,15 @@ def run_node(
     if '--help' in arguments or '-h' in arguments:
         print(help_text(purpose, known))
         return 0
-    # rclpy.init needs a place for its logs.
+    # rclpy.init needs a directory for its logs.
     if 'HOME' not in os.environ:
         os.environ.setdefault('ROS_LOG_DIR', '/tmp')
     try:
-        # rcl would print the error of a parameter file before we do, over several lines.
+        # rcl would print the error of a parameter file first, over several lines.
         set_logger_level('rcl', LoggingSeverity.FATAL)
         rclpy.init(args=['node', *arguments], signal_handler_options=SignalHandlerOptions.NO)
         set_logger_level('rcl', LoggingSeverity.UNSET)
-    except Exception as error:  # noqa: B902 - rcl's own errors share no base class
+    except Exception as error:  # noqa: B902 - the errors of rcl have no common base class
         print(f'cannot start: {_one_line(error)}', file=sys.stderr)
         return 1
     interrupted = _on_signals()

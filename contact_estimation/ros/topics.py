@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Names, types and quality of service of the contract's topics."""
+"""Names, types and quality of service of the topics."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ VECTOR3 = 'geometry_msgs/msg/Vector3Stamped'
 TRAJECTORY = 'trajectory_msgs/msg/JointTrajectory'
 
 INPUT_QOS = QoSProfile(depth=100, reliability=ReliabilityPolicy.BEST_EFFORT)
-"""Takes any publisher; deep, so that a stall of the machine loses nothing."""
+"""Matches any publisher; deep, so that no message is dropped while the machine stalls."""
 
 OUTPUT_QOS = QoSProfile(depth=100, reliability=ReliabilityPolicy.RELIABLE)
 
@@ -38,4 +38,4 @@ EVENTS_QOS = QoSProfile(
     reliability=ReliabilityPolicy.RELIABLE,
     durability=DurabilityPolicy.TRANSIENT_LOCAL,
 )
-"""A recorder that comes late still gets the parameters at start and every change since."""
+"""A late recorder still receives the initial parameters and every change since."""

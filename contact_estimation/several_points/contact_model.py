@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Environment equations as pure functions: scalar or array in, the same out."""
+"""Equations of the environment as pure functions of scalars or arrays."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def kelvin_voigt_force(
 
 def static_force_eq20(F_r: float, K_hat: float, K_e: float, K_t: float) -> float:
     """
-    Compute the force that eq. (20) settles to under eq. (1).
+    Compute the static force that eq. (20) leads to under eq. (1).
 
     K_t (x - x_r) = F_e with x_r = x_e + F_r / K_hat and F_e = -K_e (x - x_e) gives
     F_r K_t K_e / (K_hat (K_t + K_e)): about half of F_r for equal stiffnesses, which is why the
@@ -78,7 +78,7 @@ def static_force_eq20(F_r: float, K_hat: float, K_e: float, K_t: float) -> float
     Parameters
     ----------
     F_r : float
-        Force wanted [N], positive while pressing.
+        Desired force [N], positive while pressing.
     K_hat : float
         Estimated stiffness [N/m], > 0.
     K_e : float

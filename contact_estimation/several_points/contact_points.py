@@ -15,8 +15,9 @@
 """
 Eq. (6): the force of several contact points on one tool, as pure functions.
 
-The points share K_e and B_e. Each has a surface with a normal from wall to robot, presses on its
-own, and rubs against it: F_e = sum_i F_ni (n_i - mu s_i), F_ni = K_e delta_i + B_e deltadot_i.
+The points share K_e and B_e. Each has a surface with a normal from wall to robot, presses
+independently and slides with friction:
+F_e = sum_i F_ni (n_i - mu s_i), F_ni = K_e delta_i + B_e deltadot_i.
 A robot that presses along +x against one point has n = (-1, 0, 0), which is eq. (3).
 """
 
@@ -38,23 +39,23 @@ SLIP_SPEED = 4e-4  # [m/s]; below it friction grows linearly, as in all effects 
 @dataclass(frozen=True)
 class ContactGeometry:
     """
-    Points of the tool that may touch, and the plane that each of them may touch.
+    Contact points of the tool, and the plane that each of them may touch.
 
     Attributes
     ----------
     points : ndarray, shape (N, 3)
-        In the frame of the tool [m].
+        Positions in the frame of the tool [m].
     surfaces : ndarray, shape (N, 3)
-        Any place on the surface of each point, in the frame of the force [m].
+        One position on the surface of each point, in the frame of the force [m].
     normals : ndarray, shape (N, 3)
         Unit vectors n_i from wall to robot, in the frame of the force.
 
     Raises
     ------
     SignalShapeError
-        If the arrays differ in shape or are not of N rows of 3.
+        If the arrays differ in shape or do not have shape (N, 3).
     ParameterRangeError
-        If a normal has not the length 1.
+        If a normal is not of unit length.
 
     """
 
@@ -86,13 +87,13 @@ class ToolMotion(NamedTuple):
     Attributes
     ----------
     position : ndarray, shape (3,)
-        Of the tool's origin [m].
+        Position of the tool's origin [m].
     rotation : ndarray, shape (3, 3)
-        From the frame of the tool to that of the force.
+        From the frame of the tool to the frame of the force.
     velocity : ndarray, shape (3,)
-        Of the tool's origin [m/s].
+        Velocity of the tool's origin [m/s].
     angular_velocity : ndarray, shape (3,)
-        In the frame of the force [rad/s].
+        Angular velocity in the frame of the force [rad/s].
 
     """
 
@@ -141,7 +142,7 @@ def point_motions(geometry: ContactGeometry, motion: ToolMotion) -> PointMotions
     Returns
     -------
     motions : PointMotions
-        Of every point, whether it touches or not.
+        Motion of every point, in contact or not.
 
     """
     normals = geometry.normals
@@ -164,7 +165,7 @@ def slip_directions(slip: Array) -> Array:
     Returns
     -------
     directions : ndarray, shape (N, 3)
-        Of length 1 while sliding, 0 at rest.
+        Unit length while sliding, 0 at rest.
 
     """
     speed = np.linalg.norm(slip, axis=1, keepdims=True)  # (N, 1) [m/s]
@@ -186,7 +187,7 @@ def contact_forces(
     geometry : ContactGeometry
         Points and surfaces.
     motions : PointMotions
-        Of the points.
+        Motion of the points.
     K_e : float
         Stiffness [N/m], > 0.
     B_e : float
@@ -197,7 +198,7 @@ def contact_forces(
     Returns
     -------
     forces : ndarray, shape (N, 3)
-        On the tool [N].
+        Force on the tool [N].
 
     Raises
     ------
@@ -213,17 +214,17 @@ def contact_forces(
 
 def total_wrench(arms: Array, forces: Array) -> tuple[Array, Array]:
     """
-    Add the forces of all points up, eq. (6), and their moments about the tool's origin.
+    Sum the forces of all points, eq. (6), and their moments about the tool's origin.
 
     Parameters
     ----------
     arms, forces : ndarray, shape (N, 3)
-        From the origin to each point [m], and the force there [N].
+        Vectors from the origin to each point [m], and the forces there [N].
 
     Returns
     -------
     force, torque : ndarray, shape (3,)
-        On the tool [N], [N m].
+        Force [N] and torque [N m] on the tool.
 
     """
     return forces.sum(axis=0), np.cross(arms, forces).sum(axis=0)
@@ -231,10 +232,10 @@ def total_wrench(arms: Array, forces: Array) -> tuple[Array, Array]:
 
 def rubless_directions(geometry: ContactGeometry, sticking: NDArray[np.bool_]) -> Array:
     """
-    Find the directions into which no sticking point can push by friction.
+    Return the directions in which friction of sticking points cannot act.
 
-    At rest friction is any force up to mu F_n along the surface, which no motion tells. One point
-    leaves its normal, two of one surface the same, two of different surfaces nothing at all.
+    At rest, friction is an unknown force of up to mu F_n along the surface. One sticking point
+    leaves its normal, two of one surface the same, two of different surfaces no direction.
 
     Parameters
     ----------
@@ -259,16 +260,16 @@ def force_regressor(
     geometry: ContactGeometry, motions: PointMotions, touching: NDArray[np.bool_]
 ) -> Array:
     """
-    Write eq. (6) as F_e = Phi (K_e, B_e, mu K_e, mu B_e)^T, linear in the four.
+    Return Phi of eq. (6) written as F_e = Phi (K_e, B_e, mu K_e, mu B_e)^T.
 
     Parameters
     ----------
     geometry : ContactGeometry
         Points and surfaces.
     motions : PointMotions
-        Of the points.
+        Motion of the points.
     touching : ndarray of bool, shape (N,)
-        Points that press; the others contribute nothing.
+        Points in contact; the others do not contribute.
 
     Returns
     -------

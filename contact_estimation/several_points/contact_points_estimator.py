@@ -35,7 +35,7 @@ from .contact_points_parameters import ContactPointsParameters
 from ..estimators.estimator import EstimateStatus
 from ..exceptions import SignalShapeError
 
-_STEPS = 2  # of Gauss and Newton a sample; the last sample's result is a near start
+_STEPS = 2  # Gauss-Newton steps per sample, starting from the last result
 _SURE = 3.0  # standard deviations
 _UNSURE = 'a point may touch or not'
 _STICKING = 'points stick: their friction is unknown'
@@ -63,7 +63,7 @@ class ContactPointsSample(NamedTuple):
 
 class ContactPointsEstimate(NamedTuple):
     """
-    What is known after one sample.
+    Estimate after one sample.
 
     Attributes
     ----------
@@ -74,11 +74,11 @@ class ContactPointsEstimate(NamedTuple):
     stiffness_std, damping_std, friction_std : float
         Their standard deviations; 0 for a friction that is known.
     touching : tuple of bool
-        Which points press, as far as is known.
+        Points that are known to press.
     status : EstimateStatus
         Free, estimating or frozen.
     reason : str
-        Why it is frozen or held; '' where there is nothing to say.
+        Why the estimate is frozen or held, else ''.
 
     """
 
@@ -96,20 +96,20 @@ class ContactPointsEstimate(NamedTuple):
 
 class ContactPointsEstimator:
     """
-    Recursive least squares on eq. (6), three rows a sample.
+    Recursive least squares on eq. (6), three rows per sample.
 
-    The force is linear in (K_e, B_e, mu K_e, mu B_e). Their information Lambda = P^-1 gathers as
-    in eqs. (36) to (38), written for P^-1, which does not wind up where nothing slides; the three
-    parameters then are the best point on theta = (K, B, mu K, mu B), found by Gauss and Newton:
-    least squares over all samples, whatever the order in which friction and contact came.
+    The force is linear in (K_e, B_e, mu K_e, mu B_e). Their information Lambda = P^-1 is
+    updated as in eqs. (36) to (38), written for P^-1, which does not wind up while nothing
+    slides. The three parameters are the best point on theta = (K, B, mu K, mu B), found by
+    Gauss-Newton steps: least squares over all samples.
 
-    Which points press follows from geometry: a point that is inside and goes deeper presses
-    whatever K_e and B_e are; one that withdraws, if K_hat delta + B_hat deltadot says so beyond
-    its uncertainty. While one point is in doubt nothing is learned.
+    Which points press follows from geometry: a point that penetrates and moves deeper presses
+    for any K_e and B_e; a withdrawing point presses if K_hat delta + B_hat deltadot exceeds its
+    uncertainty. Samples with an undecided point are not used.
 
-    A sticking point rubs with a force that its motion does not tell; a measured velocity near 0
-    would stand in for its direction as mere noise, which biases mu and K_hat towards 0. So of
-    the three rows only those remain that no sticking point can push along.
+    The friction of a sticking point does not follow from its motion: the direction of a measured
+    velocity near 0 is noise and biases mu and K_hat towards 0. Only rows that friction of
+    sticking points cannot affect are used.
 
     Parameters
     ----------
@@ -128,7 +128,7 @@ class ContactPointsEstimator:
         self.reset()
 
     def reset(self) -> None:
-        """Go back to the first guess."""
+        """Restart from the first guess."""
         p = self.parameters
         self._prior = np.array([p.initial_stiffness, p.initial_damping, p.initial_friction])
         spread = np.array([p.stiffness_std, p.damping_std, p.friction_std or 1.0])
@@ -143,22 +143,22 @@ class ContactPointsEstimator:
 
     def update(self, sample: ContactPointsSample) -> ContactPointsEstimate:
         """
-        Take one sample.
+        Process one sample.
 
         Parameters
         ----------
         sample : ContactPointsSample
-            Finite.
+            Sample without NaN.
 
         Returns
         -------
         estimate : ContactPointsEstimate
-            What is known now.
+            Estimate after the sample.
 
         Raises
         ------
         SignalShapeError
-            If the force has not three components.
+            If the force does not have three components.
 
         """
         force = np.asarray(sample.force, float)
@@ -180,7 +180,7 @@ class ContactPointsEstimator:
         return self._estimate(sample, touching, status, self._reason)
 
     def _judge(self, motions: PointMotions) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-        """Tell which points press, and of which this is unsure."""
+        """Return which points press, and for which this is undecided."""
         delta, rate = motions.delta, motions.delta_dot
         margin = _SURE * self.parameters.position_noise
         K, B, _ = self._theta
@@ -193,19 +193,19 @@ class ContactPointsEstimator:
         return presses, ~presses & ~let_go & (delta > -margin)
 
     def _rows(self, motions: PointMotions, touching: NDArray[np.bool_]) -> Array:
-        """Choose the directions in which the force is known from the motion."""
+        """Return the directions in which the force follows from the motion."""
         if not self._free[2] and self._prior[2] == 0.0:
-            return np.eye(3)  # nothing rubs
+            return np.eye(3)  # no friction
         sticks = np.linalg.norm(motions.slip, axis=1) < self.parameters.sliding_speed
         return rubless_directions(self.geometry, touching & sticks)
 
     def _learn(self, Phi: Array, force: Array) -> None:
-        """Add up to three rows to the information, and find the parameters that fit best."""
+        """Add up to three rows to the information and update the parameters."""
         p = self.parameters
         gain, forget = Phi.T / p.force_noise**2, p.forgetting_factor
         rows = gain @ Phi  # (4, 4)
         self._information = forget * self._information + rows
-        self._squared = forget**2 * self._squared + rows  # of the noise, weighted by lambda^2
+        self._squared = forget**2 * self._squared + rows  # for the noise, weighted by lambda^2
         self._projected_force = forget * self._projected_force + gain @ force
         for _ in range(_STEPS):
             self._theta = self._step(self._theta)
@@ -213,7 +213,7 @@ class ContactPointsEstimator:
         self._hold()
 
     def _step(self, theta: Array) -> Array:
-        """Go to the minimum of the linearised problem, along the limits where it is outside."""
+        """Return the minimum of the linearised problem within the limits."""
         free, low = self._free.copy(), np.array([1e-3, 0.0, 0.0])
         for _ in theta:
             J = _jacobian(theta)
@@ -230,7 +230,7 @@ class ContactPointsEstimator:
         return theta
 
     def _spread(self, theta: Array) -> Array:
-        """Compute the covariance: with forgetting, H^-1 of weights times squared weights."""
+        """Return the covariance; with forgetting, a sandwich of weights and squared weights."""
         J, free = _jacobian(theta), np.ix_(self._free, self._free)
         weighted = (J.T @ self._information @ J + self._prior_information)[free]
         squared = (J.T @ self._squared @ J + self._prior_information)[free]
@@ -240,7 +240,7 @@ class ContactPointsEstimator:
         return covariance
 
     def _hold(self) -> None:
-        """Take over what the data tell well enough."""
+        """Publish the parameters whose standard deviation is small enough."""
         limit = self.parameters.maximum_relative_std
         K, B, _ = self._theta
         known_K = sqrt(self._covariance[0, 0]) <= limit * K
@@ -266,12 +266,12 @@ class ContactPointsEstimator:
 
 
 def _products(theta: Array) -> Array:
-    """Write (K, B, mu) as the four parameters in which the force is linear."""
+    """Return the four parameters in which the force is linear."""
     K, B, mu = theta
     return np.array([K, B, mu * K, mu * B])
 
 
 def _jacobian(theta: Array) -> Array:
-    """Differentiate `_products`, shape (4, 3)."""
+    """Return the Jacobian of `_products`, shape (4, 3)."""
     K, B, mu = theta
     return np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [mu, 0.0, K], [0.0, mu, B]])

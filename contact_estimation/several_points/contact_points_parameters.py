@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Tuning of the estimation from several contact points."""
+"""Parameters of the estimation from several contact points."""
 
 from __future__ import annotations
 
@@ -23,12 +23,13 @@ from ..parameters.specification import parameter, ParameterGroup
 
 @dataclass(frozen=True)
 class ContactPointsParameters(ParameterGroup):
-    """First guess, limits, noise and memory of the estimation from several contact points."""
+    """Prior, noise and memory of the estimation from several contact points."""
 
     initial_stiffness: float = parameter(3000.0, 'First guess of K_e', 'N/m', minimum=1e-3)
     initial_damping: float = parameter(50.0, 'First guess of B_e', 'N s/m', minimum=0.0)
     initial_friction: float = parameter(
-        0.0, 'First guess of mu, or mu itself where friction_std is 0', minimum=0.0, maximum=10.0
+        0.0, 'First guess of mu; the known mu where friction_std is 0', minimum=0.0,
+        maximum=10.0,
     )
     stiffness_std: float = parameter(
         1e5, 'Prior standard deviation of K_e', 'N/m', minimum=1e-3, maximum=1e12
@@ -40,21 +41,22 @@ class ContactPointsParameters(ParameterGroup):
         1.0, 'Prior standard deviation of mu; 0: known, not estimated', minimum=0.0, maximum=1e3
     )
     forgetting_factor: float = parameter(
-        0.999, 'lambda per sample in contact; nearer to 1: smoother, slower', minimum=0.5,
-        maximum=1.0,
+        0.999, 'Forgetting factor lambda per sample in contact; closer to 1: smoother, slower',
+        minimum=0.5, maximum=1.0,
     )
     force_noise: float = parameter(
         0.6, 'Standard deviation of each force component', 'N', minimum=1e-9, maximum=1e6
     )
     position_noise: float = parameter(
-        1e-5, 'Standard deviation of the position of a point; nearer to its surface, nothing is '
-        'learned', 'm', minimum=0.0,
+        1e-5, 'Standard deviation of the position of a point; samples with a point closer to its '
+        'surface are not used', 'm', minimum=0.0,
     )
     sliding_speed: float = parameter(
-        2e-3, 'Slower than this a point sticks, and directions into which its friction may push '
-        'are left out; well above the noise of the velocity', 'm/s', minimum=0.0,
+        2e-3, 'Below this speed a point counts as sticking, and force directions that its '
+        'friction may affect are not used; choose it well above the velocity noise', 'm/s',
+        minimum=0.0,
     )
     maximum_relative_std: float = parameter(
-        0.2, 'K_hat and B_hat move only while their relative standard deviation is below this',
+        0.2, 'K_hat and B_hat are updated only while their relative standard deviation is lower',
         minimum=1e-4,
     )

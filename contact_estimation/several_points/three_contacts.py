@@ -12,32 +12,23 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""
-Eq. (6) on a tool with three contact points that come, slide and go.
-
-python -m contact_estimation.several_points.three_contacts --output DIR
-"""
+"""Estimation of eq. (6) on a tool whose three contact points touch, slide and release."""
 
 from __future__ import annotations
 
-import json
-from pathlib import Path
-from typing import Any, Mapping, NamedTuple, Sequence
-
-import numpy as np
+from typing import NamedTuple, Sequence
 
 from .contact_points_estimator import ContactPointsEstimate, ContactPointsEstimator
 from .contact_points_parameters import ContactPointsParameters
-from .three_contacts_picture import draw_picture
-from .three_contacts_world import B_E, DURATION, GEOMETRY, Instant, K_E, MU, POINTS, RATE, simulate
-from ..commands.command_line import command, Parser
+from .three_contacts_world import B_E, GEOMETRY, Instant, K_E, MU
 
 VARIANTS: dict[str, ContactPointsParameters] = {
     'friction estimated': ContactPointsParameters(),
     'friction known': ContactPointsParameters(initial_friction=MU, friction_std=0.0),
     'friction left out': ContactPointsParameters(initial_friction=0.0, friction_std=0.0),
 }
-ALL_TOUCH_S = 6.8  # while all points slide
+ALL_TOUCH_S = 6.8
+"""Time at which all points slide [s]."""
 
 
 class Errors(NamedTuple):
@@ -50,19 +41,19 @@ class Errors(NamedTuple):
 
 def estimate(instants: Sequence[Instant], variant: str) -> list[ContactPointsEstimate]:
     """
-    Run one variant over a simulation.
+    Run one variant of the estimator over a simulation.
 
     Parameters
     ----------
     instants : sequence of Instant
-        What was simulated.
+        Simulated motion and force.
     variant : str
-        A key of VARIANTS.
+        Key of VARIANTS.
 
     Returns
     -------
     estimates : list of ContactPointsEstimate
-        One an instant.
+        One per instant.
 
     """
     estimator = ContactPointsEstimator(GEOMETRY, VARIANTS[variant])
@@ -71,96 +62,20 @@ def estimate(instants: Sequence[Instant], variant: str) -> list[ContactPointsEst
 
 def errors_of(estimate: ContactPointsEstimate) -> Errors:
     """
-    Compare an estimate with the truth.
+    Return the errors of an estimate against the simulated parameters.
 
     Parameters
     ----------
     estimate : ContactPointsEstimate
-        It.
+        Estimate to compare.
 
     Returns
     -------
     errors : Errors
-        Signed.
+        Signed errors.
 
     """
     return Errors(
         100.0 * (estimate.stiffness / K_E - 1.0), 100.0 * (estimate.damping / B_E - 1.0),
         estimate.friction - MU,
     )
-
-
-def run(options: Any) -> int:
-    """
-    Simulate, estimate, print and draw.
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        Of `make_parser`.
-
-    Returns
-    -------
-    code : int
-        0.
-
-    """
-    instants = simulate(options.seed)
-    runs = {variant: estimate(instants, variant) for variant in VARIANTS}
-    print(f'eq. (6), {len(POINTS)} points, {DURATION:g} s at {RATE:g} Hz, seed {options.seed}: '
-          f'K_e {K_E:g} N/m, B_e {B_E:g} N s/m, mu {MU:g}')
-    _print_touches(instants)
-    _print_estimates(runs, round(ALL_TOUCH_S * RATE), f'at {ALL_TOUCH_S:g} s, all three sliding')
-    _print_estimates(runs, -1, 'after the last contact')
-    if options.output:
-        folder = Path(options.output)
-        folder.mkdir(parents=True, exist_ok=True)
-        draw_picture(instants, runs, folder / 'three_contacts.png')
-        summary = {name: _summary(estimates[-1]) for name, estimates in runs.items()}
-        (folder / 'three_contacts.json').write_text(json.dumps(summary, indent=1) + '\n')
-        print(f'wrote {folder / "three_contacts.png"} and three_contacts.json')
-    return 0
-
-
-def _print_touches(instants: Sequence[Instant]) -> None:
-    for point, name in enumerate(POINTS):
-        presses = [i.t for i in instants if np.any(i.forces[point])]
-        most = max(float(np.linalg.norm(i.forces[point])) for i in instants)
-        print(f'  {name:<12} touches from {presses[0]:.2f} to {presses[-1]:.2f} s, '
-              f'at most {most:.1f} N')
-
-
-def _print_estimates(
-    runs: Mapping[str, Sequence[ContactPointsEstimate]], place: int, when: str
-) -> None:
-    print(f'{when}:')
-    for name, estimates in runs.items():
-        e, off = estimates[place], errors_of(estimates[place])
-        print(f'  {name:<19} K {e.stiffness:7.1f} +- {e.stiffness_std:.1f} N/m '
-              f'({off.stiffness_percent:+.2f} %)  B {e.damping:6.1f} +- {e.damping_std:.1f} N s/m '
-              f'({off.damping_percent:+.2f} %)  mu {e.friction:.4f} +- {e.friction_std:.4f}')
-
-
-def _summary(e: ContactPointsEstimate) -> dict[str, float]:
-    return {**{name: getattr(e, name) for name in ('stiffness', 'damping', 'friction')},
-            **{f'{k}_error' if k == 'friction' else k.replace('_percent', '_error_percent'): v
-               for k, v in errors_of(e)._asdict().items()}}
-
-
-def make_parser() -> Parser:
-    """Build the command line of the example."""
-    parser = Parser(
-        prog='three_contacts',
-        description='Estimate K_e, B_e and friction from the force on a tool with three contact '
-        'points that come, slide and go (eq. 6), with friction estimated, known and left out.',
-    )
-    parser.add_argument('--output', metavar='DIR', help='folder for picture and JSON')
-    parser.add_argument('--seed', type=int, default=0, help='of the noise (0)')
-    return parser
-
-
-main = command(make_parser, run)
-
-
-if __name__ == '__main__':
-    raise SystemExit(main())

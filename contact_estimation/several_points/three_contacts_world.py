@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""A tool that meets a floor with two points and a wall with a third: motion, force and noise."""
+"""Simulation of a tool that touches a floor with two points and a wall with a third."""
 
 from __future__ import annotations
 
@@ -73,11 +73,11 @@ class Instant(NamedTuple):
     t : float
         Time [s].
     sample : ContactPointsSample
-        What sensors tell.
+        Measured force and motion.
     delta : ndarray, shape (3,)
         True penetrations [m].
     forces : ndarray, shape (3, 3)
-        True force at every point [N].
+        True force at each point [N].
 
     """
 
@@ -89,7 +89,7 @@ class Instant(NamedTuple):
 
 def motion_at(t: float) -> ToolMotion:
     """
-    Compute pose and twist that the tool is led through.
+    Return the prescribed pose and twist of the tool.
 
     Parameters
     ----------
@@ -99,7 +99,7 @@ def motion_at(t: float) -> ToolMotion:
     Returns
     -------
     motion : ToolMotion
-        Without noise.
+        True motion.
 
     """
     place, rate = [*_START, _PITCH], [0.0] * 4
@@ -121,17 +121,17 @@ def motion_at(t: float) -> ToolMotion:
 
 def simulate(seed: int = 0) -> list[Instant]:
     """
-    Simulate what force sensor and robot tell.
+    Simulate the measurements of force sensor and robot.
 
     Parameters
     ----------
     seed : int
-        Of the noise.
+        Seed of the noise.
 
     Returns
     -------
     instants : list of Instant
-        500 a second.
+        500 per second.
 
     """
     noise = np.random.default_rng(seed)
@@ -143,10 +143,10 @@ def _instant(k: int, noise: np.random.Generator) -> Instant:
     points = point_motions(GEOMETRY, motion)
     forces = contact_forces(GEOMETRY, points, K_E, B_E, MU)
     force, _ = total_wrench(points.arms, forces)
-    told = motion._replace(
+    measured = motion._replace(
         position=motion.position + noise.normal(0.0, POSITION_NOISE, 3),
         velocity=motion.velocity + noise.normal(0.0, VELOCITY_NOISE, 3),
     )
     felt = force + noise.uniform(-FORCE_NOISE, FORCE_NOISE, 3)
-    sample = ContactPointsSample(round(k * 1e9 / RATE), felt, told)
+    sample = ContactPointsSample(round(k * 1e9 / RATE), felt, measured)
     return Instant(k / RATE, sample, points.delta, forces)

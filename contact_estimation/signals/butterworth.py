@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The low-pass that every signal passes alike."""
+"""The low-pass filter of all signals."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class ButterworthBank:
     channels : int
         Number of signals.
     cutoff_frequency : float
-        -3 dB frequency [Hz]; 0 lets everything pass unchanged.
+        -3 dB frequency [Hz]; 0: no filter.
     sample_rate : float
         Nominal sampling frequency [Hz].
 
@@ -62,13 +62,13 @@ class ButterworthBank:
         self.reset()
 
     def reset(self) -> None:
-        """Forget the past: as if all signals had been 0 for ever."""
+        """Reset the state: as if all signals had been 0 before."""
         self._s1 = [0.0 for _ in self._channels]
         self._s2 = [0.0 for _ in self._channels]
 
     def noise_gain(self, weights: Sequence[float] = (1.0,)) -> float:
         """
-        Tell which share of the variance of white noise passes.
+        Return the share of the variance of white noise that passes.
 
         Parameters
         ----------

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Contact decided from the measured force, with hysteresis."""
+"""Contact detection from the measured force, with hysteresis."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ _OUTLIER = 4.0  # standard deviations beyond which a free-flight sample counts o
 
 @dataclass(frozen=True)
 class ContactParameters(ParameterGroup):
-    """When a sample counts as contact, for learning and for the force laws."""
+    """Thresholds of contact, for the estimator and for the force laws."""
 
     force_noise: float = parameter(
         0.6,
-        'Standard deviation of the force noise to start from; learned in free flight after that',
+        'Initial standard deviation of the force noise, which is then estimated in free flight',
         'N',
         minimum=1e-9,
         maximum=1e6,
@@ -41,10 +41,13 @@ class ContactParameters(ParameterGroup):
         1e-6, 'Standard deviation of the position noise', 'm', minimum=0.0
     )
     on_ratio: float = parameter(
-        4.0, 'Contact begins above this many force noises; higher: later, fewer false', minimum=1.0
+        4.0,
+        'Contact begins above this many standard deviations of the force noise; higher: later, '
+        'fewer false contacts', minimum=1.0,
     )
     off_ratio: float = parameter(
-        2.0, 'Contact ends below this many force noises; at most on_ratio', minimum=0.0
+        2.0, 'Contact ends below this many standard deviations of the force noise; at most '
+        'on_ratio', minimum=0.0,
     )
     minimum_force: float = parameter(
         0.0, 'Contact begins above this force whatever the noise', 'N', minimum=0.0
@@ -56,11 +59,11 @@ class ContactParameters(ParameterGroup):
 
 class ContactDetector:
     """
-    Decide contact and learn the level and noise of the force in free flight.
+    Detect contact, and estimate level and noise of the force in free flight.
 
-    Gating on delta > 0 alone teaches the estimator the withdrawal, where the wall has already
-    let go although delta > 0; so contact needs a measured force above the noise. That the
-    predicted force is above the noise too is asked where the estimator learns.
+    Gating on delta > 0 alone would include the withdrawal, where the wall has lost contact
+    although delta > 0; so contact requires a measured force above the noise. A predicted force
+    above the noise is required where the estimator is updated.
 
     Parameters
     ----------
@@ -74,7 +77,7 @@ class ContactDetector:
         self.reset()
 
     def reset(self) -> None:
-        """Forget contact, free-flight level and noise."""
+        """Reset contact, free-flight level and noise."""
         self.contact = False
         self.level = 0.0
         self._variance = self._p.force_noise**2
@@ -83,7 +86,7 @@ class ContactDetector:
 
     def configure(self, parameters: ContactParameters) -> None:
         """
-        Change the thresholds, keeping what was learned unless the noise itself is given anew.
+        Change the thresholds; the estimated noise stays unless its initial value changes.
 
         Parameters
         ----------
@@ -105,7 +108,7 @@ class ContactDetector:
         self, dts: Sequence[float], pressings: Sequence[float], inside: Sequence[bool]
     ) -> tuple[list[bool], list[float]]:
         """
-        Decide for samples, one after the other.
+        Detect contact in samples, one after the other.
 
         Parameters
         ----------
@@ -114,7 +117,7 @@ class ContactDetector:
         pressings : sequence of float
             -F_e, measured [N].
         inside : sequence of bool
-            Whether the tool may be inside the wall: delta > 0 within what is known of x_e.
+            Whether the tool can be inside the wall: delta > 0 within the uncertainty of x_e.
 
         Returns
         -------
@@ -132,7 +135,7 @@ class ContactDetector:
             if contact:
                 contact = may and measured > off
             elif may and measured > on:
-                above += 1  # a first touch, not yet confirmed, is kept out of the statistics
+                above += 1  # a touch not yet confirmed is excluded from the statistics
                 contact = above >= p.samples
             else:
                 above = 0

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The same fields as one sample has, as arrays."""
+"""Consecutive samples as arrays."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ class ContactRecording:
     @classmethod
     def of(cls, samples: Sequence[ContactSample]) -> 'ContactRecording':
         """
-        Stack samples into arrays.
+        Return samples stacked into arrays.
 
         Parameters
         ----------
@@ -90,10 +90,10 @@ class ContactRecording:
         return np.asarray((self.stamp_ns - self.stamp_ns[:1]) * 1e-9, np.float64)
 
     def __len__(self) -> int:
-        """Count the samples."""
+        """Return the number of samples."""
         return len(self.stamp_ns)
 
     def __iter__(self) -> Iterator[ContactSample]:
-        """Walk over the samples, in plain Python numbers."""
+        """Iterate over the samples, in plain Python numbers."""
         columns = (self.stamp_ns, self.position, self.velocity, self.force)
         return map(ContactSample, *(column.tolist() for column in columns))

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""One instant of the contact axis."""
+"""Motion and force at one instant."""
 
 from __future__ import annotations
 
@@ -21,10 +21,9 @@ from typing import NamedTuple
 
 class ContactSample(NamedTuple):
     """
-    Motion and force at one instant, along the contact axis.
+    Motion and force at one instant, along one axis.
 
-    A NamedTuple, since making a frozen dataclass of this size costs more than a whole update of
-    an estimator.
+    A NamedTuple: creating a frozen dataclass of this size takes longer than an estimator update.
 
     Attributes
     ----------
@@ -33,7 +32,7 @@ class ContactSample(NamedTuple):
     position : float
         x of the end-effector [m], +x into the wall.
     velocity : float
-        Its rate [m/s]; NaN where the robot does not tell.
+        Its rate [m/s]; NaN where not measured.
     force : float
         Measured F_e [N], negative while pressing.
 
@@ -43,3 +42,7 @@ class ContactSample(NamedTuple):
     position: float
     velocity: float
     force: float
+
+
+AxesSample = tuple[ContactSample, ...]
+"""One sample of each estimated axis, all with the same stamp, the contact axis first."""

@@ -13,7 +13,7 @@
 # limitations under the License.
 
 """
-Relations y = phi^T theta that hold at every instant of contact.
+Relations y = phi^T theta that hold at every instant of contact, and their filtered rows.
 
 A relation turns raw samples into one row (y, phi_K, phi_B, phi_c, phi_M), or None where it does
 not hold at this instant. The row is gated and filtered afterwards, all columns alike, so that
@@ -23,7 +23,12 @@ neither the touch-down nor the filter biases the estimate. y is the pressing for
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from math import ceil, pi, sqrt
 from typing import ClassVar, NamedTuple, Sequence
+
+from .butterworth import ButterworthBank
+from .compensated_sample import CompensatedSample
+from .contact_sample import ContactSample
 
 Row = Sequence[float]
 COLUMNS = 5
@@ -32,7 +37,7 @@ COLUMNS = 5
 
 class Weighting(NamedTuple):
     """
-    How a row weighs successive samples: by this, noise enters it.
+    Weights of successive samples in a row, which determine how noise enters it.
 
     Attributes
     ----------
@@ -65,6 +70,7 @@ class NoiseGain(NamedTuple):
 
 
 NO_GAIN = NoiseGain(0.0, 0.0)
+_ZEROS = (0.0,) * COLUMNS
 
 
 class Relation(ABC):
@@ -79,10 +85,10 @@ class Relation(ABC):
     """
 
     weightings: ClassVar[tuple[Weighting, ...]]
-    """The ways in which rows may weigh samples."""
+    """All that a row may have."""
 
     weighting: Weighting
-    """Which of these the last row has."""
+    """That of the last row."""
 
     def __init__(self, sample_period_s: float) -> None:
         self._longest = 1.5 * sample_period_s
@@ -91,7 +97,7 @@ class Relation(ABC):
 
     @abstractmethod
     def leave(self) -> None:
-        """Note that contact has ended: forget the samples before."""
+        """End the contact: forget the samples before."""
 
     @abstractmethod
     def row(self, dt: float, delta: float, velocity: float, pressing: float) -> Row | None:
@@ -107,7 +113,7 @@ class Relation(ABC):
         velocity : float
             Its rate [m/s], NaN where not measured.
         pressing : float
-            -F_e without known extra physics [N].
+            -F_e, less the force of known physics [N].
 
         Returns
         -------
@@ -180,3 +186,103 @@ class TustinRelation(Relation):
             1.0,
             self._per_T2 * (delta - 2.0 * d1 + d2),
         )
+
+
+class GatedRows:
+    """
+    Rows of a relation in contact and zeros out of contact, all passed through one filter.
+
+    Parameters
+    ----------
+    relation : type of Relation
+        Builds the rows.
+    cutoff_frequency : float
+        Of the filter [Hz]; 0: none.
+    sample_rate : float
+        Nominal [Hz].
+
+    """
+
+    def __init__(
+        self, relation: type[Relation], cutoff_frequency: float, sample_rate: float
+    ) -> None:
+        self._relation_class, self._T = relation, 1.0 / sample_rate
+        self._filter = ButterworthBank(COLUMNS, cutoff_frequency, sample_rate)
+        # The slower pole decays with cutoff / sqrt(2): after so many samples 1e-9 is left.
+        self._tail = 0 if cutoff_frequency == 0.0 else ceil(21.0 * sqrt(2.0) * sample_rate
+                                                            / (2.0 * pi * cutoff_frequency))
+        self._gains = {
+            w: NoiseGain(self._filter.noise_gain(w.force),
+                         self._filter.noise_gain(w.rate) / self._T**2)
+            for w in relation.weightings
+        }
+        self.restart()
+
+    def restart(self) -> None:
+        """Start afresh with the next sample."""
+        self._filter.reset()
+        self._tail_left = 0
+        # The second and third build the columns of K_e and x_e where known physics bend them.
+        self._relation, *self._columns = (self._relation_class(self._T) for _ in range(3))
+
+    def in_contact(
+        self, dts: Sequence[float], samples: Sequence[ContactSample], deltas: Sequence[float],
+        pressings: Sequence[float],
+    ) -> tuple[Sequence[Row | None], list[NoiseGain]]:
+        """
+        Return the filtered rows of a stretch of contact.
+
+        Parameters
+        ----------
+        dts, deltas, pressings : sequence of float
+            Of each sample as for `Relation.row`.
+        samples : sequence of ContactSample
+            The samples.
+
+        Returns
+        -------
+        rows, gains : sequence of row or None, list of NoiseGain
+            One a sample, and how noise enters it.
+
+        """
+        relation, rows, gains = self._relation, [], []
+        row_of, gain_of = relation.row, self._gains
+        for dt, delta, sample, pressing in zip(dts, deltas, samples, pressings):
+            rows.append(row_of(dt, delta, sample[2], pressing))
+            gains.append(gain_of[relation.weighting])
+        return self._filtered(rows), gains
+
+    def compensated(
+        self, dts: Sequence[float], samples: Sequence[CompensatedSample]
+    ) -> tuple[Sequence[Row | None], list[NoiseGain]]:
+        """Return rows as `in_contact`, columns of K_e and x_e weighted over time as the force."""
+        rows: list[Row | None] = []
+        gains: list[NoiseGain] = []
+        relation, gain_of = self._relation, self._gains
+        stiffness, constant = self._columns
+        for dt, now in zip(dts, samples):
+            travel, v = now.travel, now.velocity
+            row = relation.row(dt, travel, v, now.rest)
+            K = stiffness.row(dt, travel, v, now.stiffness_column)
+            c = constant.row(dt, travel, v, now.constant_column)
+            rows.append((row[0], K[0], row[2], c[0], row[4]) if row and K and c else None)
+            gains.append(gain_of[relation.weighting])
+        return self._filtered(rows), gains
+
+    def _filtered(self, rows: list[Row | None]) -> Sequence[Row | None]:
+        self._tail_left = self._tail
+        filtered = self._filter.process([row or _ZEROS for row in rows])
+        if None in rows:  # the relation waits for consecutive samples
+            return [new if row else None for row, new in zip(rows, filtered)]
+        return filtered
+
+    def leave(self, count: int) -> None:
+        """Filter the zeros of samples out of contact, until the filter's response has decayed."""
+        for relation in (self._relation, *self._columns):
+            relation.leave()
+        if self._tail_left:
+            zeros = min(self._tail_left, count)
+            self._filter.process([_ZEROS] * zeros)
+            self._tail_left -= zeros
+            if not self._tail_left:
+                self._filter.reset()

@@ -12,73 +12,78 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Wrench and joint samples brought together by their stamps alone."""
+"""Pairing of wrenches and joint states by their stamps."""
 
 from __future__ import annotations
 
 from collections import Counter, deque
 from dataclasses import dataclass
+from itertools import repeat
 from math import inf, isfinite, nan
-from typing import Iterable
+from typing import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .contact_sample import ContactSample
+from .contact_sample import AxesSample, ContactSample
 from ..parameters.specification import parameter, ParameterGroup
 
-Motion = tuple[int, float, float]  # stamp_ns, position, velocity
-_MOTIONS_KEPT = 10_000  # where no wrench comes
-_NOTHING: tuple[ContactSample, ...] = ()
+Columns = Sequence[NDArray[np.float64]]
+"""An array of shape (N,) for each axis."""
+
+_MOTIONS_KEPT = 10_000  # while no wrench comes
+_NOTHING: tuple[AxesSample, ...] = ()
 
 
 @dataclass(frozen=True)
 class SynchronisationParameters(ParameterGroup):
-    """How long to wait, and what counts as a gap."""
+    """Time limits of the pairing, and the ranges of valid measurements."""
 
     timeout_s: float = parameter(
-        0.1, 'A wrench without a joint sample at or after it is given up after this', 's',
+        0.1, 'A wrench is dropped when no joint state at or after it comes within this time', 's',
         minimum=1e-3, maximum=60.0,
     )
     maximum_gap_s: float = parameter(
-        0.05, 'Joint samples further apart than this are not interpolated between', 's',
+        0.05, 'No interpolation between joint states further apart than this', 's',
         minimum=1e-4, maximum=10.0,
     )
     time_jump_s: float = parameter(
-        0.5, 'Stamps going back by more than this mean that time itself was set back', 's',
+        0.5, 'A stamp earlier than the last one by more than this is a backward clock jump', 's',
         minimum=1e-3, maximum=1e6,
     )
     maximum_force: float = parameter(
-        1e6, 'A larger force is no measurement and is rejected; set it to the range of the sensor',
-        'N', minimum=1.0,
+        1e6, 'A larger force is rejected; set it to the range of the sensor', 'N', minimum=1.0
     )
     maximum_position: float = parameter(
-        1e3, 'A larger position is no measurement and is rejected', 'm', minimum=1e-3
+        1e3, 'A larger position is rejected', 'm', minimum=1e-3
     )
     maximum_velocity: float = parameter(
-        1e3, 'A larger velocity is no measurement and is rejected', 'm/s', minimum=1e-3
+        1e3, 'A larger velocity is rejected', 'm/s', minimum=1e-3
     )
 
 
 class Synchroniser:
     """
-    Pair each wrench with the motion at its stamp.
+    Pair each wrench with the motion at its stamp, on all axes at once.
 
-    A wrench is paired when a joint sample stamped at or after it has come; the motion is
-    interpolated to the wrench's stamp. The result depends on the samples and their stamps, not
-    on which topic was served first.
+    A wrench is paired when a joint state stamped at or after it has come; the motion is
+    interpolated to the stamp of the wrench. Where one axis has no valid measurement, the message
+    counts for none, so that all axes have the same samples. The result depends on the messages
+    and their stamps, not on which topic was served first.
 
     Parameters
     ----------
     parameters : SynchronisationParameters
-        Time limits.
+        Time limits and ranges.
 
     Attributes
     ----------
     rejected : Counter
-        Samples not used, by reason.
+        Number of messages rejected, by reason.
     time_jumps : int
-        Times that the stamps were set back.
+        Number of backward clock jumps.
+    jumped : bool
+        Set at a backward clock jump; reset by the user of the samples.
 
     """
 
@@ -87,25 +92,17 @@ class Synchroniser:
         self.rejected: Counter[str] = Counter()
         self.time_jumps = 0
         self.jumped = False
-        self._wrenches: deque[tuple[int, float]] = deque()
-        self._motions: deque[Motion] = deque()
+        self._wrenches: deque[tuple[int, Sequence[float]]] = deque()
+        self._motions: deque[tuple[int, Sequence[float]]] = deque()
         self._last_wrench_ns = self._last_motion_ns = -(2**63)
 
     @property
     def waits(self) -> bool:
-        """Whether a wrench waits for its joint sample."""
+        """Whether a wrench waits for its joint state."""
         return bool(self._wrenches)
 
     def configure(self, parameters: SynchronisationParameters) -> None:
-        """
-        Take other limits.
-
-        Parameters
-        ----------
-        parameters : SynchronisationParameters
-            Time limits.
-
-        """
+        """Set other limits, as for the constructor."""
         self._timeout_ns = int(parameters.timeout_s * 1e9)
         self._gap_ns = int(parameters.maximum_gap_s * 1e9)
         self._jump_ns = int(parameters.time_jump_s * 1e9)
@@ -113,106 +110,102 @@ class Synchroniser:
         self._largest_position = parameters.maximum_position
         self._largest_velocity = parameters.maximum_velocity
 
-    def add_wrench(self, stamp_ns: int, force: float) -> Iterable[ContactSample]:
+    def add_wrench(self, stamp_ns: int, forces: Sequence[float]) -> Sequence[AxesSample]:
         """
-        Take a wrench.
+        Add a wrench.
 
         Parameters
         ----------
         stamp_ns : int
             Header stamp [ns].
-        force : float
-            F_e [N].
+        forces : sequence of float
+            F_e along each axis [N].
 
         Returns
         -------
-        samples : iterable of ContactSample
-            All that are complete now.
+        samples : sequence of AxesSample
+            All that this wrench completes.
 
         """
         if stamp_ns <= self._last_wrench_ns:
-            if not self._set_back('wrench', stamp_ns, self._last_wrench_ns):
+            if not self._is_jump('wrench', stamp_ns, self._last_wrench_ns):
                 return _NOTHING
             self._restart(stamp_ns)
         self._last_wrench_ns = stamp_ns
-        if not abs(force) <= self._largest_force:  # NaN as well
-            finite = isfinite(force)
-            self.rejected['wrench_absurd' if finite else 'wrench_not_finite'] += 1
-            return _NOTHING
+        for force in forces:
+            if not abs(force) <= self._largest_force:  # also true for NaN
+                self._reject('wrench', force)
+                return _NOTHING
         motions = self._motions
         if motions and not self._wrenches and motions[-1][0] == stamp_ns:
-            last = motions[-1]  # the usual case: both stamps are one instant
+            last = motions[-1]  # the usual case: both stamps are equal
             motions.clear()
             motions.append(last)
-            return (ContactSample(stamp_ns, last[1], last[2], force),)
-        self._wrenches.append((stamp_ns, force))
+            return (_sample(stamp_ns, last[1], forces),)
+        self._wrenches.append((stamp_ns, forces))
         return self._pair()
 
-    def add_motion(
-        self, stamp_ns: int, position: float, velocity: float
-    ) -> Iterable[ContactSample]:
+    def add_motion(self, stamp_ns: int, motion: Sequence[float]) -> Sequence[AxesSample]:
         """
-        Take a joint sample.
+        Add a joint state.
 
         Parameters
         ----------
         stamp_ns : int
             Header stamp [ns].
-        position, velocity : float
-            x [m] and its rate [m/s], NaN where not measured.
+        motion : sequence of float
+            x of each axis [m], then its rate of each axis [m/s], NaN where not measured.
 
         Returns
         -------
-        samples : iterable of ContactSample
-            All that are complete now.
+        samples : sequence of AxesSample
+            All that this joint state completes.
 
         """
         if stamp_ns <= self._last_motion_ns:
-            if not self._set_back('joint', stamp_ns, self._last_motion_ns):
+            if not self._is_jump('joint', stamp_ns, self._last_motion_ns):
                 return _NOTHING
             self._motions.clear()
         self._last_motion_ns = stamp_ns
-        if velocity in (inf, -inf):
-            velocity = nan
-        if not abs(position) <= self._largest_position or abs(velocity) > self._largest_velocity:
-            finite = isfinite(position)
-            self.rejected['joint_absurd' if finite else 'joint_not_finite'] += 1
-            return _NOTHING
+        for position, velocity in zip(motion, motion[len(motion) // 2:]):
+            too_fast = self._largest_velocity < abs(velocity) < inf  # infinite: not measured
+            if too_fast or not abs(position) <= self._largest_position:
+                self._reject('joint', position)
+                return _NOTHING
+        if inf in motion or -inf in motion:
+            motion = tuple([nan if abs(value) == inf else value for value in motion])
         wrenches = self._wrenches
         if len(wrenches) == 1 and wrenches[0][0] == stamp_ns:
-            force = wrenches.popleft()[1]
+            forces = wrenches.popleft()[1]
             self._motions.clear()
-            self._motions.append((stamp_ns, position, velocity))
-            return (ContactSample(stamp_ns, position, velocity, force),)
-        self._motions.append((stamp_ns, position, velocity))
+            self._motions.append((stamp_ns, motion))
+            return (_sample(stamp_ns, motion, forces),)
+        self._motions.append((stamp_ns, motion))
         if wrenches:
             return self._pair()
         self._drop_old_motions()
         return _NOTHING
 
     def add_pairs(
-        self,
-        stamps_ns: NDArray[np.int64],
-        forces: NDArray[np.float64],
-        positions: NDArray[np.float64],
-        velocities: NDArray[np.float64],
-    ) -> list[ContactSample] | None:
+        self, stamps_ns: NDArray[np.int64], forces: Columns, positions: Columns,
+        velocities: Columns,
+    ) -> list[AxesSample] | None:
         """
-        Take wrenches and joint samples that have the same stamps, many at once.
+        Add wrenches and joint states that have the same stamps, many at once.
 
-        Gives what `add_wrench` and `add_motion` would give one by one, or refuses.
+        Returns what `add_wrench` and `add_motion` would return one by one, or refuses.
 
         Parameters
         ----------
         stamps_ns : ndarray of int64, shape (N,)
             Stamps of both [ns].
-        forces, positions, velocities : ndarray, shape (N,)
-            F_e [N], x [m] and its rate [m/s], NaN where not measured.
+        forces, positions, velocities : sequence of ndarray, shape (N,)
+            F_e [N], x [m] and its rate [m/s], NaN where not measured, of each axis.
 
         Returns
         -------
-        samples : list of ContactSample or None
-            None where something is irregular, so that they must be taken one by one.
+        samples : list of AxesSample or None
+            None where stamps or values are irregular and must be added one by one.
 
         """
         last = max(self._last_wrench_ns, self._last_motion_ns)
@@ -220,34 +213,29 @@ class Synchroniser:
             not self._wrenches
             and int(stamps_ns[0]) > last
             and bool((np.diff(stamps_ns) > 0).all())
-            and bool((np.abs(forces) <= self._largest_force).all())
-            and bool((np.abs(positions) <= self._largest_position).all())
-            and not bool((np.abs(velocities) > self._largest_velocity).any())
+            and all(bool((np.abs(F) <= self._largest_force).all()) for F in forces)
+            and all(bool((np.abs(x) <= self._largest_position).all()) for x in positions)
+            and not any(bool((np.abs(v) > self._largest_velocity).any()) for v in velocities)
         )
         if not regular:
             return None
-        columns = (stamps_ns, positions, velocities, forces)
-        samples = list(map(ContactSample, *(column.tolist() for column in columns)))
-        newest = samples[-1]
-        self._last_wrench_ns = self._last_motion_ns = newest.stamp_ns
+        stamps = stamps_ns.tolist()
+        samples: list[AxesSample] = list(zip(*(
+            map(ContactSample, stamps, *(column.tolist() for column in columns))
+            for columns in zip(positions, velocities, forces)
+        )))
+        self._last_wrench_ns = self._last_motion_ns = stamps[-1]
         self._motions.clear()
-        self._motions.append(newest[:3])
+        positions_now, velocities_now, _ = zip(*(sample[1:] for sample in samples[-1]))
+        self._motions.append((stamps[-1], positions_now + velocities_now))
         return samples
 
-    def count(self, reason: str) -> None:
-        """
-        Count a sample that somebody else found unusable.
+    def _reject(self, kind: str, value: float) -> None:
+        """Count a message by the first of its values that is no measurement."""
+        self.rejected[f'{kind}_absurd' if isfinite(value) else f'{kind}_not_finite'] += 1
 
-        Parameters
-        ----------
-        reason : str
-            Why.
-
-        """
-        self.rejected[reason] += 1
-
-    def _set_back(self, kind: str, stamp_ns: int, last_ns: int) -> bool:
-        """Tell a jump of time from a duplicate or a late sample, and count the latter."""
+    def _is_jump(self, kind: str, stamp_ns: int, last_ns: int) -> bool:
+        """Distinguish a clock jump from a duplicate or late message, and count the latter."""
         if stamp_ns < last_ns - self._jump_ns:
             return True
         same = stamp_ns == last_ns
@@ -255,8 +243,8 @@ class Synchroniser:
         return False
 
     def _restart(self, stamp_ns: int) -> None:
-        # Joint samples from before the jump belong to no wrench any more; those that jumped
-        # first are kept.
+        # Joint states from before the jump pair with no wrench any more; those that jumped first
+        # are kept.
         newest = stamp_ns + self._jump_ns
         self._motions = deque(motion for motion in self._motions if motion[0] <= newest)
         self.time_jumps += 1
@@ -268,15 +256,15 @@ class Synchroniser:
         # Keeps one at or before the last wrench, to interpolate from, and all after it.
         motions, limit = self._motions, self._last_wrench_ns
         if limit > self._last_motion_ns + self._jump_ns:
-            limit = -(2**63)  # time was set back, and the wrenches have not followed yet
+            limit = -(2**63)  # the clock jumped back, and no wrench has come since
         while len(motions) > 1 and (motions[1][0] <= limit or len(motions) > _MOTIONS_KEPT):
             motions.popleft()
 
-    def _pair(self) -> list[ContactSample]:
-        samples: list[ContactSample] = []
+    def _pair(self) -> list[AxesSample]:
+        samples: list[AxesSample] = []
         wrenches, motions = self._wrenches, self._motions
         while wrenches:
-            stamp_ns, force = wrenches[0]
+            stamp_ns, forces = wrenches[0]
             if not motions or motions[-1][0] < stamp_ns:
                 newest = max(self._last_wrench_ns, motions[-1][0] if motions else stamp_ns)
                 if newest - stamp_ns <= self._timeout_ns:
@@ -285,26 +273,28 @@ class Synchroniser:
             else:
                 motion = self._motion_at(stamp_ns)
                 if motion is not None:
-                    samples.append(ContactSample(stamp_ns, motion[0], motion[1], force))
+                    samples.append(_sample(stamp_ns, motion, forces))
             wrenches.popleft()
         return samples
 
-    def _motion_at(self, stamp_ns: int) -> tuple[float, float] | None:
+    def _motion_at(self, stamp_ns: int) -> Sequence[float] | None:
         motions = self._motions
         while len(motions) > 1 and motions[1][0] <= stamp_ns:
             motions.popleft()
-        first = motions[0]
-        if first[0] == stamp_ns:
-            return first[1], first[2]
-        if first[0] > stamp_ns:
+        first_ns, first = motions[0]
+        if first_ns == stamp_ns:
+            return first
+        if first_ns > stamp_ns:
             self.rejected['joint_missing'] += 1  # none at or before it
             return None
-        second = motions[1]
-        if second[0] - first[0] > self._gap_ns:
+        second_ns, second = motions[1]
+        if second_ns - first_ns > self._gap_ns:
             self.rejected['joint_gap'] += 1
             return None
-        share = (stamp_ns - first[0]) / (second[0] - first[0])
-        return (
-            first[1] + share * (second[1] - first[1]),
-            first[2] + share * (second[2] - first[2]),
-        )
+        share = (stamp_ns - first_ns) / (second_ns - first_ns)
+        return [a + share * (b - a) for a, b in zip(first, second)]
+
+
+def _sample(stamp_ns: int, motion: Sequence[float], forces: Sequence[float]) -> AxesSample:
+    velocities = motion[len(forces):]
+    return tuple(map(ContactSample, repeat(stamp_ns), motion, velocities, forces))

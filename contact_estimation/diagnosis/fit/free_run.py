@@ -29,7 +29,7 @@ from ..observe.observed import Observed
 from ...parameters.specification import specifications
 from ...parameters.values import build, flatten
 from ...physics import EFFECTS
-from ...physics.physics import SIGN_VELOCITY
+from ...physics.numeric import SIGN_VELOCITY
 from ...plant.driven_wall import run_driven_wall
 from ...plant.open_loop import simulate_on
 from ...plant.plant_parameters import PlantParameters

@@ -21,7 +21,7 @@ import numpy as np
 from .fitting import Fit
 from ..observe.prepared_recording import PreparedRecording, Recordings
 from ..observe.residuals import force_residual
-from ...physics.physics import Scales
+from ...physics.scales import Scales
 
 _PEAKS, _HIGHEST_HZ = 3, 20.0
 
@@ -56,7 +56,7 @@ def measure_scales(recordings: Recordings, base: Fit) -> Scales:
         pull = max(pull, float(np.percentile(o.force, 99.8)))
         duration = max(duration, float(o.t[-1]))
         if o.reference is not None:
-            u = laws.robot.wanted(o.x, o.v, o.reference)
+            u = laws.robot.impedance_force(o.x, o.v, o.reference)
             control = max(control, float(np.max(np.abs(u))))
     return Scales(
         depth, speed, force, control, pull, duration, max(model.stiffness, 1e-9),

@@ -24,7 +24,7 @@ from .scales import measure_scales
 from ..observe.model import Model
 from ..observe.prepared_recording import Recordings
 from ...physics import EFFECTS
-from ...physics.physics import RobotEffect
+from ...physics.robot_effect import RobotEffect
 
 _FOLLOWED, _TO_END = 6, 2  # candidates that are refined, and those of them fitted to the end
 _FAR = 2.0  # times the noise: power of the residuals
@@ -55,7 +55,7 @@ def candidates_for(model: Model, with_robot: bool) -> list[str]:
         if name not in model.effects
         and (with_robot or not issubclass(cls, RobotEffect))
         and (wall.unilateral or not cls.needs_touch)
-        and not (name == 'environment_inertia' and model.with_inertia)
+        and not (cls.base_parameter == 'inertia' and model.with_inertia)
     ]
 
 

@@ -25,8 +25,10 @@ from numpy.typing import NDArray
 
 from ...parameters.specification import specifications
 from ...physics import EFFECTS
+from ...physics.contact_effect import ContactEffect
 from ...physics.contact_law import ContactLaw
-from ...physics.physics import ContactEffect, Effect, ForceSensorEffect
+from ...physics.effect import Effect
+from ...physics.force_sensor_effect import ForceSensorEffect
 from ...physics.robot_law import RobotLaw
 from ...plant.plant_parameters import PlantParameters
 

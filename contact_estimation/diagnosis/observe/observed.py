@@ -195,7 +195,7 @@ def _carried(
     wall, robot = model.environment, model.robot
     if reference is not None:
         law = RobotLaw(robot.mass, robot.damping, robot.stiffness, ())
-        push = law.wanted(0.0, 0.0, reference) + force
+        push = law.impedance_force(0.0, 0.0, reference) + force
         system = discretise(law.mass, law.damping, law.stiffness, h)
         return run(system, push, float(position[0]), law.stiffness)
     if not wall.unilateral and wall.inertia > 0.0:

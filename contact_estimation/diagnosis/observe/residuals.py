@@ -200,7 +200,7 @@ def _robot_innovations(recording: PreparedRecording, laws: Laws, force: Array, d
     assert recording.observer is not None
     reference = o.reference_at(robot.reference_delay)
     if robot.is_linear:
-        push = robot.wanted(0.0, 0.0, reference)
+        push = robot.impedance_force(0.0, 0.0, reference)
     else:
         push = (robot.force(o.x, o.v, reference, np) + robot.damping * o.v
                 + robot.stiffness * o.x)

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from .model import Model
 from .observed import Observed, START_S
-from ...physics.physics import stretches
+from ...physics.numeric import stretches
 
 Flags = NDArray[np.bool_]
 

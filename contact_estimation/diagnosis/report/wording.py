@@ -17,7 +17,6 @@
 
 from __future__ import annotations
 
-import inspect
 from typing import Sequence
 
 from ..conclude.dependence import Dependence
@@ -220,8 +219,7 @@ def meaning(name: str) -> str:
     Returns
     -------
     meaning : str
-        First line of the docstring of its module.
+        Its description.
 
     """
-    module = inspect.getmodule(EFFECTS[name])
-    return inspect.cleandoc((module and module.__doc__) or '').split('\n')[0]
+    return EFFECTS[name].description

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The picture of the three contacts."""
+"""Figure of the simulation and estimates of the three contacts."""
 
 from __future__ import annotations
 
@@ -31,36 +31,36 @@ _LIMITS = {'stiffness': (0.7 * K_E, 1.3 * K_E), 'damping': (0.0, 2.2 * B_E),
            'friction': (-0.05, 0.5)}
 
 
-def draw_picture(
+def plot_three_contacts(
     instants: Sequence[Instant],
     runs: Mapping[str, Sequence[ContactPointsEstimate]],
     path: Path,
 ) -> None:
     """
-    Draw which point presses when, the force, and what each variant made of it.
+    Plot the force at each point, the measured force and the estimates of each variant.
 
     Parameters
     ----------
     instants : sequence of Instant
-        What was simulated.
+        Simulated motion and force.
     runs : mapping
-        Estimates of every variant.
+        Name of each variant to its estimates.
     path : Path
-        PNG to write.
+        PNG file to write.
 
     """
     pyplot = require_matplotlib()
     figure, axes = pyplot.subplots(5, 1, figsize=(9.0, 11.0), sharex=True, layout='constrained')
     figure.suptitle('Three contact points, eq. (6)', color=_INK, x=0.01, ha='left', fontsize=12)
     t = np.array([i.t for i in instants])
-    _draw_points(axes[0], t, instants)
-    _draw_force(axes[1], t, instants)
+    _plot_points(axes[0], t, instants)
+    _plot_force(axes[1], t, instants)
     for axis, name, true, label in (
         (axes[2], 'stiffness', K_E, 'K_e [N/m]'),
         (axes[3], 'damping', B_E, 'B_e [N s/m]'),
         (axes[4], 'friction', MU, 'mu'),
     ):
-        _draw_estimates(axis, t, runs, name, true)
+        _plot_estimates(axis, t, runs, name, true)
         axis.set_ylabel(label)
     axes[4].set_xlabel('time [s]')
     for axis in axes:
@@ -71,21 +71,21 @@ def draw_picture(
     pyplot.close(figure)
 
 
-def _draw_points(axis: Any, t: np.ndarray, instants: Sequence[Instant]) -> None:
+def _plot_points(axis: Any, t: np.ndarray, instants: Sequence[Instant]) -> None:
     forces = np.array([np.linalg.norm(i.forces, axis=1) for i in instants])  # (T, 3) [N]
     for column, (name, colour) in enumerate(zip(POINTS, _COLOURS)):
         axis.plot(t, forces[:, column], color=colour, linewidth=1.0, label=name)
     axis.set_ylabel('force at a point [N]')
 
 
-def _draw_force(axis: Any, t: np.ndarray, instants: Sequence[Instant]) -> None:
+def _plot_force(axis: Any, t: np.ndarray, instants: Sequence[Instant]) -> None:
     felt = np.array([i.sample.force for i in instants])  # (T, 3) [N]
     for column, (name, colour) in enumerate(zip('xyz', _COLOURS)):
         axis.plot(t, felt[:, column], color=colour, linewidth=0.6, label=f'F_{name} measured')
     axis.set_ylabel('sum, with noise [N]')
 
 
-def _draw_estimates(
+def _plot_estimates(
     axis: Any, t: np.ndarray, runs: Mapping[str, Sequence[ContactPointsEstimate]], name: str,
     true: float,
 ) -> None:

@@ -1,0 +1,145 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The reference that accompanies each sample, from the planner's setpoints and the estimate."""
+
+from __future__ import annotations
+
+from collections import Counter, deque
+from math import inf, isfinite, nan
+
+from .parameters import EstimationParameters
+from ..estimators.estimator import Estimate, EstimateStatus
+from ..reference.reference_generator import ReferenceGenerator
+from ..reference.setpoints import Desired, Reference
+from ..signals.contact_sample import ContactSample
+
+_SETPOINTS_KEPT = 64
+_BEFORE_ANY = -(2**63)
+
+
+class ReferenceStream:
+    """
+    Setpoints in, one reference a sample out.
+
+    Parameters
+    ----------
+    parameters : EstimationParameters
+        All parameters.
+    rejected : Counter
+        Where rejected setpoints are counted, by reason.
+
+    """
+
+    def __init__(self, parameters: EstimationParameters, rejected: Counter[str]) -> None:
+        self._rejected = rejected
+        self._generator = ReferenceGenerator(parameters.reference_law, parameters.reference)
+        self._setpoints: deque[tuple[int, Desired]] = deque(maxlen=_SETPOINTS_KEPT)
+        self.configure(parameters)
+        self.restart()
+
+    def configure(self, parameters: EstimationParameters) -> None:
+        """
+        Set new parameters while running; x_r stays continuous.
+
+        Parameters
+        ----------
+        parameters : EstimationParameters
+            All parameters.
+
+        """
+        self._generator.configure(parameters.reference_law, parameters.reference)
+        self._timeout_s = parameters.synchronisation.timeout_s
+        self._default_force = parameters.force_reference
+        self.period_ns = round(1e9 / parameters.sample_rate)
+
+    def restart(self) -> None:
+        """Start afresh with the next sample, as after a backward clock jump."""
+        self._generator.reset()
+        self._start_ns = self._last_ns = _BEFORE_ANY
+        self._resting_position = nan
+
+    def add(self, stamp_ns: int, desired: Desired) -> None:
+        """
+        Add a setpoint of the planner.
+
+        Parameters
+        ----------
+        stamp_ns : int
+            Instant from which it holds [ns].
+        desired : Desired
+            Position with derivatives and force. A position that is not finite is rejected; a
+            force <= 0 counts as none, derivatives that are not finite as 0.
+
+        """
+        if not isfinite(desired.position):
+            self._rejected['desired_not_finite'] += 1
+            return
+        force = desired.force
+        if not 0.0 < force < inf:
+            if force == force and force != 0.0:  # NaN and 0 mean that no force is desired
+                self._rejected['desired_force_not_positive'] += 1
+            force = nan
+        v, a = (rate if isfinite(rate) else 0.0 for rate in desired[1:3])
+        if self._setpoints and stamp_ns < self._setpoints[-1][0]:
+            self._setpoints.clear()  # the clock jumped back, or the planner has replanned
+        self._setpoints.append((stamp_ns, Desired(desired.position, v, a, force)))
+
+    def step(self, sample: ContactSample, estimate: Estimate) -> Reference:
+        """
+        Compute the reference for one sample period after a sample.
+
+        Parameters
+        ----------
+        sample : ContactSample
+            Of the contact axis.
+        estimate : Estimate
+            After that sample.
+
+        Returns
+        -------
+        reference : Reference
+            x_r with derivatives.
+
+        """
+        stamp_ns, period = sample.stamp_ns, self.period_ns * 1e-9
+        if self._start_ns == _BEFORE_ANY:
+            self._start_ns = stamp_ns
+        # After a gap the robot still is where the last reference left it.
+        elapsed = period
+        if self._last_ns != _BEFORE_ANY:
+            elapsed = min((stamp_ns - self._last_ns) * 1e-9, 2.0 * period)
+        self._last_ns = stamp_ns
+        target_ns = stamp_ns + self.period_ns
+        contact = estimate.status is not EstimateStatus.FREE
+        return self._generator.step(
+            (target_ns - self._start_ns) * 1e-9, elapsed,
+            self._setpoint_at(target_ns, sample.position), contact,
+            estimate.location, estimate.stiffness,
+        )
+
+    def _setpoint_at(self, stamp_ns: int, position: float) -> Desired:
+        """
+        Return the newest setpoint at an instant; before any, the position of the first sample.
+
+        A setpoint older than the timeout is a position to rest at: its rates no longer apply.
+
+        """
+        for stamp, desired in reversed(self._setpoints):
+            if stamp <= stamp_ns:
+                old = (stamp_ns - stamp) * 1e-9 > self._timeout_s
+                return desired._replace(velocity=0.0, acceleration=0.0) if old else desired
+        if self._resting_position != self._resting_position:
+            self._resting_position = position
+        return Desired(self._resting_position, 0.0, 0.0, self._default_force)

@@ -1,0 +1,219 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Base class of all effects: everything the package has to know of one."""
+
+from __future__ import annotations
+
+from abc import ABC
+from dataclasses import fields
+from math import isnan
+from typing import Any, ClassVar, Mapping
+
+from numpy.random import Generator
+
+from .random_strength import random_sign, Strength, Values
+from .scales import Scales
+from ..exceptions import ParameterRangeError
+from ..parameters.specification import ParameterGroup
+
+_LARGEST_OVER_START = 30.0  # of an effect that does not say what is plausible
+
+
+class Effect(ABC):
+    """
+    Base class of all effects.
+
+    Attributes
+    ----------
+    name : str
+        Key in EFFECTS and in `physics` of a model file.
+    port : str
+        Where the effect acts: 'contact', 'force_sensor' or 'robot'.
+    family : str
+        Kind of physics, such as 'friction'; effects of one family are easily confused.
+    equation : str
+        The law, as reports print it.
+    description : str
+        One sentence that explains the effect to a reader of a report.
+    Parameters : type of ParameterGroup
+        All fields are floats; NaN, the default, switches the effect off.
+    neutral : mapping
+        Values of parameters at which the effect vanishes, where not 0.
+    in_logarithm : tuple of str
+        Parameters searched on a logarithmic scale, because their unit depends on another one.
+    needs_touch : bool
+        Whether the effect cannot be identified in a permanently attached environment.
+    base_parameter : str
+        Name of the parameter of the wall that describes the same physics; '' if there is none.
+    either_sign : bool
+        Whether the first parameter is drawn with either sign.
+
+    Parameters
+    ----------
+    values : ParameterGroup
+        An instance of `Parameters` without NaN.
+
+    """
+
+    name: ClassVar[str]
+    port: ClassVar[str]
+    family: ClassVar[str]
+    equation: ClassVar[str]
+    description: ClassVar[str]
+    Parameters: ClassVar[type[ParameterGroup]]
+    neutral: ClassVar[Mapping[str, float]] = {}
+    in_logarithm: ClassVar[tuple[str, ...]] = ()
+    needs_touch: ClassVar[bool] = False
+    base_parameter: ClassVar[str] = ''
+    either_sign: ClassVar[bool] = False
+
+    def __init__(self, values: ParameterGroup) -> None:
+        self.values: Any = values
+
+    @classmethod
+    def when_on(cls, values: ParameterGroup) -> 'Effect | None':
+        """
+        Make the effect if its parameters are given.
+
+        Parameters
+        ----------
+        values : ParameterGroup
+            An instance of `Parameters`.
+
+        Returns
+        -------
+        effect : Effect or None
+            None where all parameters are NaN.
+
+        Raises
+        ------
+        ParameterRangeError
+            If only some of the parameters are given.
+
+        """
+        names = [field.name for field in fields(values)]
+        missing = [name for name in names if isnan(getattr(values, name))]
+        if len(missing) == len(names):
+            return None
+        if missing:
+            raise ParameterRangeError(
+                f'physics.{cls.name} needs all of {", ".join(names)}; missing: '
+                f'{", ".join(missing)}; set them too, or all to NaN to switch the effect off'
+            )
+        return cls(values)
+
+    @classmethod
+    def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
+        """
+        Return the points from which a search for the parameters starts.
+
+        Parameters
+        ----------
+        scales : Scales
+            Orders of magnitude in the recording.
+
+        Returns
+        -------
+        starts : list of tuple of float
+            Values of all parameters; several where the cost has several local minima.
+
+        """
+        raise NotImplementedError
+
+    @classmethod
+    def plausible(cls, values: Any) -> bool:
+        """
+        Return whether values, each within its range, are physically possible together.
+
+        Parameters
+        ----------
+        values : ParameterGroup
+            An instance of `Parameters`.
+
+        Returns
+        -------
+        plausible : bool
+            For example False for a Stribeck friction that rises with speed.
+
+        """
+        return True
+
+    @classmethod
+    def largest(cls, scales: Scales) -> float:
+        """
+        Return the largest plausible magnitude of the first parameter.
+
+        Parameters
+        ----------
+        scales : Scales
+            Orders of magnitude in the world that the effect acts in.
+
+        Returns
+        -------
+        largest : float
+            In the unit of the parameter.
+
+        """
+        neutral = cls.neutral.get(fields(cls.Parameters)[0].name, 0.0)
+        return neutral + _LARGEST_OVER_START * (cls.starts(scales)[0][0] - neutral)
+
+    @classmethod
+    def draw(cls, scales: Scales, rng: Generator) -> Strength:
+        """
+        Draw everything but the magnitude at random.
+
+        By default the first parameter is proportional to the magnitude and the others keep the
+        values of the first start.
+
+        Parameters
+        ----------
+        scales : Scales
+            Orders of magnitude in the world that the effect acts in.
+        rng : numpy.random.Generator
+            Random number generator.
+
+        Returns
+        -------
+        strength : callable
+            From a magnitude, 0 (absent) to 1 (largest plausible), to parameters by name.
+
+        """
+        names = [field.name for field in fields(cls.Parameters)]
+        rest = dict(zip(names[1:], cls.starts(scales)[0][1:]))
+        neutral = cls.neutral.get(names[0], 0.0)
+        most = (cls.largest(scales) - neutral) * (random_sign(rng) if cls.either_sign else 1.0)
+        return lambda s: {names[0]: neutral + s * most, **rest}
+
+    @classmethod
+    def equivalent_damping(cls, values: Values, damping: float, depth: float) -> float:
+        """
+        Return B_e of the spring-damper that a model without the effect would contain.
+
+        Parameters
+        ----------
+        values : mapping
+            Parameters of the effect by name.
+        damping : float
+            B_e of the wall beside the effect [N s/m].
+        depth : float
+            Largest penetration [m].
+
+        Returns
+        -------
+        damping : float
+            B_e [N s/m].
+
+        """
+        return damping

@@ -1,0 +1,74 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+Types and helper functions shared by the laws.
+
+A law is written once and evaluated on single numbers (m is `math`) by the plant and on whole
+arrays (m is `numpy`) by the diagnosis.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, Iterator, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+Number = TypeVar('Number', float, Any)
+
+SIGN_VELOCITY = 4e-4
+"""Width of the smooth sign [m/s]: sgn(v) = tanh(v / SIGN_VELOCITY)."""
+
+
+def positive(x: Number, m: Any) -> Number:
+    """
+    Return max(x, 0).
+
+    Parameters
+    ----------
+    x : float or ndarray
+        Any quantity.
+    m : module
+        `math` or `numpy`.
+
+    Returns
+    -------
+    y : float or ndarray
+        Same shape and unit as `x`.
+
+    """
+    return max(x, 0.0) if m is math else m.maximum(x, 0.0)
+
+
+def stretches(flag: Flags) -> Iterator[tuple[int, int]]:
+    """
+    Split a flag into runs of equal values.
+
+    Parameters
+    ----------
+    flag : ndarray of bool, shape (N,)
+        For example whether there is contact.
+
+    Yields
+    ------
+    first, stop : int
+        Half-open index range of one run.
+
+    """
+    edges = [0, *(np.flatnonzero(np.diff(flag)) + 1).tolist(), len(flag)]
+    yield from zip(edges[:-1], edges[1:])

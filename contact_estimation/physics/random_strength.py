@@ -1,0 +1,53 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Random effects of open magnitude, and the distributions from which they are drawn."""
+
+from __future__ import annotations
+
+from math import exp, log
+from typing import Callable, Mapping
+
+from numpy.random import Generator
+
+Values = Mapping[str, float]
+"""Parameters of an effect by name."""
+
+Strength = Callable[[float], Values]
+"""From a magnitude, 0 (absent) to 1 (largest plausible), to the parameters of an effect."""
+
+
+def log_uniform(rng: Generator, low: float, high: float) -> float:
+    """
+    Draw a positive number whose logarithm is uniformly distributed.
+
+    Parameters
+    ----------
+    rng : numpy.random.Generator
+        Random number generator.
+    low, high : float
+        Range, > 0.
+
+    Returns
+    -------
+    number : float
+        In the unit of the range.
+
+    """
+    return exp(rng.uniform(log(low), log(high)))
+
+
+def random_sign(rng: Generator) -> float:
+    """Draw -1 or 1 with equal probability."""
+    return float(rng.choice([-1.0, 1.0]))

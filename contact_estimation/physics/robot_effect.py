@@ -1,0 +1,74 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Base class of the effects of the robot."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from .effect import Effect
+from .numeric import Number
+
+
+class RobotEffect(Effect):
+    """Physics of the robot: how its motion departs from the target impedance of eq. (1)."""
+
+    port = 'robot'
+    mass_scale: float = 1.0
+    damping_scale: float = 1.0
+    stiffness_scale: float = 1.0
+    reflected_inertia: float = 0.0
+    """Mass that the feed-forward does not compensate [kg]."""
+
+    reference_delay: float = 0.0
+    """Delay of the reference [s]."""
+
+    def control(self, u: Number, m: Any) -> Number:
+        """
+        Return the control force that the drives deliver.
+
+        Parameters
+        ----------
+        u : float or ndarray, shape (N,)
+            Force commanded by the impedance law [N].
+        m : module
+            `math` or `numpy`.
+
+        Returns
+        -------
+        u : float or ndarray, shape (N,)
+            Delivered force [N].
+
+        """
+        return u
+
+    def drag(self, velocity: Number, m: Any) -> Number:
+        """
+        Return the force that resists the motion of the robot.
+
+        Parameters
+        ----------
+        velocity : float or ndarray, shape (N,)
+            Velocity of the end-effector [m/s].
+        m : module
+            `math` or `numpy`.
+
+        Returns
+        -------
+        force : float or ndarray, shape (N,)
+            Drag [N], positive where it resists positive velocity.
+
+        """
+        return 0.0 * velocity

@@ -1,0 +1,70 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Run inside a package extended by `toy_effect` and `toy_estimator`: print facts as JSON."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+import sys
+from typing import Any
+
+from contact_estimation.api import read_model
+from contact_estimation.blind_trials.trial import plan_effects
+from contact_estimation.commands.write_config import config_files
+from contact_estimation.diagnosis.fit.search import candidates_for
+from contact_estimation.diagnosis.observe.model import Model
+from contact_estimation.estimation.parameters import EstimationParameters
+from contact_estimation.estimation.session import ContactSession
+from contact_estimation.parameters.values import build
+from contact_estimation.plant.closed_loop import ClosedLoopRun, run_closed_loop
+from contact_estimation.plant.plant_parameters import PlantParameters
+from contact_estimation.reference.excitation import Sine
+from contact_estimation.reference.experiment import Experiment, Segment
+
+KNOWN = {'physics.toy_effect.K_5': 1e12}
+FIXED = {'estimator': 'toy_estimator', 'environment.initial_damping': 200.0}
+MODEL_FILE = 'plant_node: {ros__parameters: {physics: {toy_effect: {K_5: 1.0e+12}}}}'
+TOUCH = Experiment('touch', -0.002, (
+    Segment(0.2, -0.002), Segment(0.3, 0.02),
+    Segment(0.7, 0.02, position_excitation=Sine(0.002, 20.0))))
+
+
+def run(plant: PlantParameters, **parameters: Any) -> ClosedLoopRun:
+    """Press against the wall while an estimator runs."""
+    chosen = {'reference_law': 'pass_through', **parameters}
+    session = ContactSession(build(EstimationParameters, chosen))
+    return run_closed_loop(plant, session, TOUCH, TOUCH.duration)
+
+
+def facts(folder: Path) -> dict[str, Any]:
+    """Return what the package does with the toys."""
+    (folder / 'model.yaml').write_text(MODEL_FILE)
+    model = read_model(str(folder / 'model.yaml'))
+    plain = run(PlantParameters(), **FIXED)
+    uncompensated, compensated = run(model), run(model, **KNOWN)
+    return {
+        'force': [-min(t.force for t in r.truths) for r in (plain, uncompensated)],
+        'toy_estimator': plain.results[-1].estimate.stiffness,
+        'uncompensated': uncompensated.results[-1].estimate.stiffness,
+        'compensated': compensated.results[-1].estimate.stiffness,
+        'candidates': candidates_for(Model.of(PlantParameters()), True),
+        'trials': plan_effects(100, 0),
+        'config': config_files(),
+    }
+
+
+if __name__ == '__main__':
+    print(json.dumps(facts(Path(sys.argv[1]))))

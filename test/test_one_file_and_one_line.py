@@ -1,0 +1,92 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""A new effect or estimator is one new file and its line in the dictionary, nothing else."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+import shutil
+import subprocess
+import sys
+from typing import Any
+
+import contact_estimation
+import pytest
+
+HERE = Path(__file__).resolve().parent
+
+
+def add(package: Path, toy: str, dictionary: str) -> None:
+    """Copy a file into a package and enter its class into the dictionary of the package."""
+    shutil.copy(HERE / f'{toy}.py', package)
+    name = toy.title().replace('_', '')
+    before, entry, after = (package / '__init__.py').read_text().partition(f'{dictionary}: dict[')
+    after = after.replace(' = {\n', f" = {{\n    '{toy}': {name},\n", 1)
+    registry = f'{before}from .{toy} import {name}\n\n{entry}{after}'
+    (package / '__init__.py').write_text(registry)
+
+
+@pytest.fixture(scope='module')
+def facts(tmp_path_factory: pytest.TempPathFactory) -> Any:
+    """Extend a copy of the package, and look at what it does."""
+    folder = tmp_path_factory.mktemp('extended')
+    package = folder / 'contact_estimation'
+    shutil.copytree(contact_estimation.__path__[0], package,
+                    ignore=shutil.ignore_patterns('__pycache__'))
+    add(package / 'physics', 'toy_effect', 'EFFECTS')
+    add(package / 'estimators', 'toy_estimator', 'ESTIMATORS')
+    shutil.copy(HERE / 'extended_package_facts.py', folder)
+    done = subprocess.run(
+        [sys.executable, 'extended_package_facts.py', str(folder)], cwd=folder,
+        env={**os.environ, 'PYTHONPATH': str(folder)}, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+def test_plant_simulates_a_new_effect_from_a_model_file(facts: Any) -> None:
+    without, with_effect = facts['force']
+    assert with_effect > without + 2.0
+
+
+def test_estimators_compensate_a_new_effect(facts: Any) -> None:
+    assert abs(facts['compensated'] / 4800.0 - 1.0) < 0.03
+    assert facts['uncompensated'] > 1.1 * 4800.0
+
+
+def test_diagnosis_tries_a_new_effect(facts: Any) -> None:
+    assert 'toy_effect' in facts['candidates']
+
+
+def test_blind_trials_draw_a_new_effect(facts: Any) -> None:
+    assert 'toy_effect' in facts['trials']
+
+
+def test_config_files_hold_a_new_effect_with_comments(facts: Any) -> None:
+    lines = (
+        '      # The wall hardens suddenly.\n      toy_effect:\n'
+        '        # Coefficient of the fifth power [N/m^5]\n        K_5: .nan\n')
+    assert all(lines in text for text in facts['config'].values())
+
+
+def test_a_new_estimator_runs_under_its_name(facts: Any) -> None:
+    assert abs(facts['toy_estimator'] / 4800.0 - 1.0) < 0.03
+
+
+def test_config_file_holds_a_new_estimator_with_its_tuning(facts: Any) -> None:
+    text = facts['config']['estimator_node.yaml']
+    assert 'one of toy_estimator, indirect_adaptive' in text
+    assert '        # Share of the error removed by one sample; at least 0\n' in text

@@ -1,0 +1,66 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""An estimator that the library does not have: a gradient step on K_e, with B_e known."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import nan
+from typing import Sequence
+
+from contact_estimation.estimators.estimator import (
+    Frozen,
+    OnlineEstimator,
+    ParameterEstimate,
+    TimedRow,
+)
+from contact_estimation.parameters.specification import parameter, ParameterGroup
+
+
+@dataclass(frozen=True)
+class ToyEstimatorParameters(ParameterGroup):
+    """Tuning of `ToyEstimator`."""
+
+    gain: float = parameter(1.0, 'Share of the error removed by one sample', '1', minimum=0.0)
+
+
+class ToyEstimator(OnlineEstimator):
+    """Normalised least mean squares on y = K_e delta + B_e v."""
+
+    Parameters = ToyEstimatorParameters
+
+    def configure(self, tuning: ParameterGroup) -> None:
+        """Take new tuning."""
+        assert isinstance(tuning, ToyEstimatorParameters)
+        self._gain = tuning.gain
+
+    def start_from(self, stiffness: float, damping: float) -> None:
+        """Start from given values."""
+        self.stiffness, self.damping = stiffness, damping
+
+    def update(
+        self, rows: Sequence[TimedRow], noise_variance: float, frozen: Frozen
+    ) -> list[ParameterEstimate]:
+        """Step once per row."""
+        estimates = []
+        for _, (y, phi_K, phi_B, *_) in rows:
+            error = y - self.stiffness * phi_K - self.damping * phi_B
+            self.stiffness += self._gain * error / max(phi_K, 1e-3)
+            estimates.append(self.current())
+        return estimates
+
+    def current(self) -> ParameterEstimate:
+        """Return the present estimate."""
+        return ParameterEstimate(self.stiffness, self.damping, nan, nan, 0.0, nan)
