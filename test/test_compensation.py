@@ -147,7 +147,9 @@ def test_estimator_in_closed_loop_that_does_not_know_is_wrong(name: str) -> None
     assert wrong[worst] > 3.0 * right[worst]
 
 
-@pytest.mark.parametrize('estimator', ['rls', 'kalman'])
+@pytest.mark.parametrize('estimator', [
+    'rls', pytest.param('kalman', marks=pytest.mark.slow),
+])
 @pytest.mark.parametrize('name', EFFECTS)
 def test_estimator_of_a_smooth_command_that_knows_the_effect_is_right(
     name: str, estimator: str

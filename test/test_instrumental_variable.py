@@ -73,6 +73,7 @@ def test_position_noise_does_not_bias_the_damping(experiment: str) -> None:
     assert abs(np.mean(errors)) < 1.5  # its standard deviation: 0.9 % / sqrt(3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('name', PLAIN)
 def test_position_noise_biases_the_others_downwards(name: str) -> None:
     errors = [error for error, _ in damping_errors(name, 'none')]

@@ -97,6 +97,7 @@ def test_arm_is_within_a_fifth_of_a_millimetre_of_the_model_after_two_seconds(
     assert np.max(np.abs(model_errors(arm_run(arm, experiment)))) < 2e-4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('arm', CORNERS)
 def test_arm_is_not_with_the_adaptation_frozen(arm: tuple[float, float]) -> None:
     run = closed_loop({'estimator': 'mrac', **FROZEN}, bare(arm), duration=9.6)

@@ -158,6 +158,7 @@ def test_predicted_difference_is_about_what_fits_to_a_new_recording_leave(index:
     assert 0.5 < (gained - already) / new.residual_count / predicted < 2.0
 
 
+@pytest.mark.slow
 def test_best_proposal_differs_more_than_the_others() -> None:
     d = open_question()
     proposal, judge = choose(d), Judge(d)

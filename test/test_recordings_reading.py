@@ -211,6 +211,7 @@ def test_damaged_summary_is_replaced_by_reading(tmp_path: Path) -> None:
     assert numbers(reader) == list(range(300))
 
 
+@pytest.mark.slow
 def test_ten_times_the_messages_need_the_same_memory(tmp_path: Path) -> None:
     peaks = []
     for count in (20_000, 200_000):

@@ -88,6 +88,7 @@ def figures(name: str) -> dict[str, float]:
     return {'excited': np.mean(excited), 'still': np.mean(still), 'recovery': np.mean(recovery)}
 
 
+@pytest.mark.slow
 def test_damping_is_at_least_twice_as_quiet_as_with_fixed_forgetting() -> None:
     assert figures('rls_adaptive')['excited'] < 0.5 * figures('rls')['excited']
 

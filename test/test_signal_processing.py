@@ -80,6 +80,7 @@ def test_settling_time_is_the_last_instant_outside_five_percent() -> None:
     assert settling_time(t, force) == pytest.approx(1.0)
 
 
+@pytest.mark.slow
 def test_as_written_it_shows_the_paper_s_stiffness_error() -> None:
     errors = [100.0 * (estimate('signal_processing', step_recording(s)).stiffness / K_E - 1.0)
               for s in range(3)]

@@ -58,6 +58,7 @@ def gentle(name: str, K_e: float, **settings: Any) -> list[Estimate]:
     return estimates_of(gentle_samples(K_e, **settings), pipeline)
 
 
+@pytest.mark.slow
 @EACH
 @STIFF
 @pytest.mark.parametrize('B_e', [200.0, 2000.0])
@@ -72,6 +73,7 @@ def test_closed_loop_errors_are_within_3_claimed_std(
     assert abs(last.damping - B_e) < 3.0 * last.damping_std
 
 
+@pytest.mark.slow
 @EACH
 @STIFF
 def test_closed_loop_claims_the_stiffness_to_2_percent(name: str, K_e: float) -> None:
