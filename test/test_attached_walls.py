@@ -60,6 +60,7 @@ def test_effect_of_an_attached_wall_is_named(name: str) -> None:
     assert found.motion.corrected < 0.15 * found.motion.recalibrated
 
 
+@pytest.mark.slow
 def test_offsets_of_wall_and_sensor_are_told_apart_by_nothing() -> None:
     found = diagnosed(attached(*physics('force_bias', 5.0).items()), nominal(**ATTACHED))
     both = {*named(found), *found.effects[0].indistinguishable_from}
@@ -133,6 +134,7 @@ def shaken() -> tuple[Signals, tuple[float, float, float]]:
     return Signals(t, -force, t, position + noise, *NO_REFERENCE), (K, B, M)
 
 
+@pytest.mark.slow
 def test_smooth_force_is_not_taken_for_a_lag() -> None:
     signals, values = shaken()
     found = diagnosed(signals, nominal(

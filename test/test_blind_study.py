@@ -143,6 +143,7 @@ def test_a_finished_study_is_only_scored(tmp_path: Path) -> None:
     assert told[-1] == 1.0
 
 
+@pytest.mark.slow
 def test_a_failed_diagnosis_leaves_its_error_message(tmp_path: Path) -> None:
     files = TrialFiles.of(tmp_path, 'trial_x')
     diagnose_blind(files)  # creates the folder of the reports

@@ -113,6 +113,7 @@ def test_nominal_stiffness_is_off_by_at_most_25_and_damping_by_60_percent() -> N
     assert draw_nominal_wall(WALL, rng, exact=1.0) == WALL
 
 
+@pytest.mark.slow
 def test_a_quarter_of_worlds_lacks_velocity_and_a_fifth_drops_samples() -> None:
     rng = np.random.default_rng(0)
     drawn = [draw_world(rng).sensors for _ in range(800)]
@@ -125,6 +126,7 @@ def test_hunt_crossley_wall_is_modelled_with_its_damping_at_half_depth() -> None
     assert equivalent_wall('coulomb_friction', {'F_c': 3.0}, WORLD) == WALL
 
 
+@pytest.mark.slow
 def test_experiments_have_consistent_derivatives_and_end_at_rest() -> None:
     for seed in range(6):
         experiment = draw_experiment(Stage(0.0, -0.02, 0.05), np.random.default_rng(seed))
@@ -206,6 +208,7 @@ def test_active_intervals_cover_the_large_residual() -> None:
     assert active_intervals(np.full(4000, np.nan), t) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('name', UNKNOWN)
 def test_an_effect_outside_the_library_shows_at_its_port(
     name: str,

@@ -126,6 +126,7 @@ def test_every_parameter_can_be_changed_in_contact() -> None:
     assert not problems((spec.name, other_value(spec)) for spec in CHANGEABLE)
 
 
+@pytest.mark.slow
 def test_every_parameter_can_be_set_to_its_minimum_in_contact() -> None:
     assert not problems((spec.name, type(spec.default)(spec.minimum or 0))
                         for spec in LOWER if spec.name not in RANGES)
@@ -167,6 +168,7 @@ def test_minimum_stiffness_above_the_maximum_is_refused() -> None:
         })
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('estimator', ESTIMATORS)
 def test_replay_of_the_samples_gives_the_live_estimates(estimator: str) -> None:
     live = closed_loop({'estimator': estimator}, PAPER_SENSORS).results[:3500]

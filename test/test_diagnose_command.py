@@ -95,6 +95,7 @@ def test_recording_gives_what_its_signals_give(
     assert sorted(tmp_path.iterdir()) == [path]
 
 
+@pytest.mark.slow
 def test_samples_that_are_not_finite_are_left_out(
     folder: Path, tmp_path: Path, command: Command
 ) -> None:
@@ -107,6 +108,7 @@ def test_samples_that_are_not_finite_are_left_out(
     assert ended.code == 0 and ended.out.startswith('consistent: ')
 
 
+@pytest.mark.slow
 def test_recording_without_reference_is_diagnosed_in_contact_alone(
     folder: Path, tmp_path: Path, command: Command
 ) -> None:
@@ -166,6 +168,7 @@ def test_holdout_without_contact_is_refused(folder: Path, command: Command) -> N
     assert 'free.mcap has no contact' in line
 
 
+@pytest.mark.slow
 def test_missing_topic_is_named_with_the_recorded_ones(
     folder: Path, tmp_path: Path, command: Command
 ) -> None:
@@ -191,6 +194,7 @@ def test_model_file_that_is_wrong_is_refused_with_a_hint(
     assert hint in command.refusal(folder / 'clean.mcap', '--nominal', model)
 
 
+@pytest.mark.slow
 def test_parameter_file_of_the_plant_node_is_a_model_file(
     folder: Path, tmp_path: Path, command: Command
 ) -> None:
@@ -208,7 +212,7 @@ def test_missing_options_and_files_are_refused(
     (tmp_path / 'other.yaml').write_text('estimator_node: {ros__parameters: {}}\n')
     line = command.refusal(clean, '--nominal', tmp_path / 'other.yaml')
     assert 'must have a section plant_node' in line
-    assert '--seed must be >= 0' in command.refusal(clean, '--nominal', model, '--seed', -1)
+    assert 'seed must be >= 0' in command.refusal(clean, '--nominal', model, '--seed', -1)
 
 
 def test_results_that_cannot_be_written_are_refused_before_the_work(
@@ -238,6 +242,7 @@ def test_nominal_model_file_is_never_replaced(
     assert model.read_bytes() == before
 
 
+@pytest.mark.slow
 def test_fitted_and_held_out_recording_may_have_the_same_file_name(
     folder: Path, tmp_path: Path, command: Command
 ) -> None:

@@ -49,6 +49,7 @@ def refused(signals: Signals, match: str) -> None:
         diagnosed(signals)
 
 
+@pytest.mark.slow
 def test_constant_force_is_refused() -> None:
     refused(changed(force=np.full(1825, -3.0)), 'wrench is constant at -3.*topic, axis')
 
@@ -141,6 +142,7 @@ def slow_ramp(sign: float) -> Signals:
                    np.empty((4, 0)))
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings('error')
 @pytest.mark.parametrize('sign, location', [(1.0, 0.0), (-1.0, -0.002)])
 def test_slow_ramp_is_diagnosed_without_numerical_warnings(sign: float, location: float) -> None:

@@ -45,6 +45,7 @@ def line(axis: Any, label: str) -> Any:
     return found
 
 
+@pytest.mark.slow
 @EVERY
 def test_held_out_spans_are_the_samples_excluded_from_fitting(name: str) -> None:
     recording = diagnosed(name).recordings[0]

@@ -46,6 +46,7 @@ def test_cost_of_a_fit_is_that_of_its_residuals() -> None:
     assert found.cost == pytest.approx(float(np.sum(found.residuals**2)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('start', [(500.0, 5.0), (50000.0, 1000.0)])
 def test_fit_finds_its_way_from_far_off(start: tuple[float, float]) -> None:
     recording, model = prepared_from(recorded())
@@ -94,6 +95,7 @@ def test_value_searched_by_its_logarithm_stays_finite(logarithm: float) -> None:
     assert np.isfinite(residual_function([recording], bent)(coordinates)).all()
 
 
+@pytest.mark.slow
 def test_standard_deviations_cover_the_errors() -> None:
     errors = []
     for seed in (1, 2, 3):
@@ -105,6 +107,7 @@ def test_standard_deviations_cover_the_errors() -> None:
     assert np.sqrt(np.mean(np.square(errors))) < 3.0
 
 
+@pytest.mark.slow
 def test_standard_deviations_of_what_is_not_fitted_are_not_numbers() -> None:
     recording, model = prepared_from(recorded(**physics('hunt_crossley_damping', 12000.0)))
     found = fit([recording], model.with_effect('hunt_crossley_damping', (10000.0,)))

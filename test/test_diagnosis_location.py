@@ -62,6 +62,7 @@ def located(name: str, values: tuple[float, ...]) -> Location:
     return locate(*recalibrated(recorded(**physics(name, *values))))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('name, values, expected', WORLDS)
 def test_port_of_an_effect_is_guessed_from_its_residuals(
     name: str, values: tuple[float, ...], expected: str
@@ -83,6 +84,7 @@ def test_saturation_is_seen_at_large_depth_or_speed() -> None:
     assert 'large' in located('force_saturation', (70.0,)).region
 
 
+@pytest.mark.slow
 def test_plastic_set_is_seen_in_contact_only() -> None:
     recording, model = recalibrated(recorded(**physics('plastic_set', 0.06)))
     o = recording.observed
@@ -98,6 +100,7 @@ def test_bias_is_seen_in_free_flight_too() -> None:
     assert place.intervals_s[0][0] < 0.5
 
 
+@pytest.mark.slow
 def test_resonance_is_located_around_its_frequency() -> None:
     place = locate(*recalibrated(with_unknown(
         'wall_resonance', ('mass', 0.4), ('frequency', 9.0), ('damping_ratio', 0.05))))

@@ -60,6 +60,7 @@ def test_noise_floor_follows_the_noise(noise: float) -> None:
     assert noise_of(signals) == pytest.approx(noise, rel=0.1)
 
 
+@pytest.mark.slow
 def test_noise_floor_of_even_noise_is_its_standard_deviation() -> None:
     signals = recorded(sensors__distribution='uniform', sensors__position_noise=0.0)
     assert noise_of(signals) == pytest.approx(FORCE_NOISE / np.sqrt(3.0), rel=0.1)
@@ -75,6 +76,7 @@ def test_noise_floor_without_free_flight_comes_from_the_spectrum() -> None:
     assert noise_of(pressed) == pytest.approx(FORCE_NOISE, rel=0.15)
 
 
+@pytest.mark.slow
 def test_force_without_noise_has_the_least_noise_floor() -> None:
     signals = recorded(sensors__force_noise=0.0)
     assert noise_of(signals) == pytest.approx(1e-4 * np.ptp(signals.force), rel=0.01)

@@ -65,7 +65,9 @@ class Page(HTMLParser):
             self.text += data
 
 
-@pytest.fixture(scope='module', params=NAMES)
+@pytest.fixture(scope='module', params=[
+    name if name == 'friction' else pytest.param(name, marks=pytest.mark.slow) for name in NAMES
+])
 def page(request: pytest.FixtureRequest) -> tuple[str, str]:
     """Build the page of each world once."""
     pytest.importorskip('matplotlib')
@@ -111,6 +113,7 @@ def test_page_begins_with_the_headline_and_ends_with_the_next_experiment() -> No
     assert places == sorted(places)
 
 
+@pytest.mark.slow
 def test_sections_without_content_are_left_out() -> None:
     pytest.importorskip('matplotlib')
     text = as_html(replace(diagnosed('clean'), evidence={}), 'a.mcap')
@@ -118,6 +121,7 @@ def test_sections_without_content_are_left_out() -> None:
     assert 'Next experiment' not in text and 'Candidate effects' not in text
 
 
+@pytest.mark.slow
 def test_text_from_outside_is_escaped() -> None:
     pytest.importorskip('matplotlib')
     hostile = '<script>"&'

@@ -85,6 +85,7 @@ def test_force_residual_of_the_true_model_is_the_sensor_s_noise() -> None:
     assert abs(np.mean(residual)) < 4.0 * FORCE_NOISE / np.sqrt(len(residual))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('name, values, in_force, in_motion', EFFECTS_BY_CHANNEL)
 def test_effect_shows_in_the_channels_it_acts_on(
     name: str, values: tuple[float, ...], in_force: bool, in_motion: bool

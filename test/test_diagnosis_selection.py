@@ -123,6 +123,7 @@ def test_search_ranks_the_true_effect_first() -> None:
     assert found[0].model.values[-1] == pytest.approx(600.0, rel=0.05)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('K_2, depth', [(1500.0, 0.006), (300.0, 0.011), (5000.0, 0.009)])
 def test_search_finds_the_depth_of_a_second_spring(K_2: float, depth: float) -> None:
     recording, base = prepared(*physics('bilinear_stiffness', K_2, depth).items())
@@ -171,6 +172,7 @@ def test_superfluous_effect_is_pruned() -> None:
     assert set(rivals) == {'coulomb_friction'}
 
 
+@pytest.mark.slow
 def test_scales_are_those_of_the_recording() -> None:
     recording, base = prepared(*physics('moving_environment', 0.0003, 1.7, 0.7).items())
     scales, o = measure_scales([recording], base), recording.observed

@@ -120,6 +120,7 @@ def test_world_with_a_state_is_that_of_an_independent_integration(name: str) -> 
     np.testing.assert_allclose(got, expected.y[0], atol=1e-8)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('name', sorted(NOT_SMOOTH))
 def test_world_with_an_edge_converges(name: str) -> None:
     coarse, fine = (positions(name, integration_rate=rate) for rate in (5e3, 2e4))

@@ -76,6 +76,7 @@ def test_rows_without_any_motion_do_not_break_the_fit() -> None:
     assert residual_variance(rows.T @ rows, 100.0, True) == pytest.approx(0.0, abs=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('weights', [(1.0,), (0.5, 0.5), (0.25, 0.5, 0.25)])
 @pytest.mark.parametrize('cutoff', [0.0, 50.0])
 def test_noise_gain_is_the_share_of_white_noise_that_passes(

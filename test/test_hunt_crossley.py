@@ -189,6 +189,7 @@ def test_details_name_the_law() -> None:
     assert list(details) == ['K', 'n', 'chi', 'K_std', 'n_std', 'chi_std']
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('experiment', ['sine', 'multisine', 'none'])
 def test_closed_loop_presses_with_the_wanted_force_on_the_nonlinear_wall(
     experiment: str,

@@ -80,6 +80,7 @@ def test_position_noise_biases_the_others_downwards(name: str) -> None:
     assert max(errors) < -4.0  # every one of them
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('name', [*PLAIN, 'instrumental_variable'])
 def test_claimed_std_covers_the_bias(name: str) -> None:
     assert all(abs(error) < 2.0 * std for error, std in damping_errors(name, 'none'))

@@ -60,6 +60,7 @@ def test_free_filter_equals_the_textbook_recursion() -> None:
     np.testing.assert_allclose(got, expected, rtol=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('wall', [1e-3, -1e-3])
 def test_closed_loop_recovers_a_wall_that_is_1_mm_elsewhere(wall: float) -> None:
     run = closed_loop(
@@ -78,6 +79,7 @@ def test_wall_that_is_1_mm_elsewhere_leaves_the_stiffness_right(wall: float) -> 
     assert run.last.stiffness == pytest.approx(4800.0, rel=0.02)
 
 
+@pytest.mark.slow
 def test_claimed_std_is_within_a_factor_2_of_the_errors_over_20_seeds() -> None:
     errors = []
     for seed in range(20):

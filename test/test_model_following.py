@@ -121,6 +121,7 @@ def test_reference_model_is_stable_at_any_sample_period() -> None:
     assert abs(motion.position) < 1e-9
 
 
+@pytest.mark.slow
 def test_lyapunov_function_falls_by_the_work_of_the_feedback() -> None:
     m, b, dt = 75.0, 100.0, 2e-5
     tuning = ModelFollowingParameters()

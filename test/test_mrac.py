@@ -109,6 +109,7 @@ def test_arm_presses_as_the_target_impedance_says() -> None:
     assert pressed == pytest.approx(50.0 * 1e5 / (1e5 + 4800.0), rel=0.01)
 
 
+@pytest.mark.slow
 def test_arm_is_found_in_the_closed_loop() -> None:
     controller = arm_run((75.0, 100.0)).session.pipeline.estimator
     assert isinstance(controller, ModelReferenceAdaptive)

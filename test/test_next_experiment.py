@@ -167,6 +167,7 @@ def test_best_proposal_differs_more_than_the_others() -> None:
     assert proposal is not None and max(strengths, key=lambda w: strengths[w]) in proposal.text
 
 
+@pytest.mark.slow
 def test_models_that_are_the_same_are_not_promised_apart() -> None:
     d = open_question()
     twin = replace(d, rivals={'quadratic_damping': d.corrected})

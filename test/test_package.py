@@ -143,6 +143,7 @@ print(dict(os.environ) == before)
     assert output_of(code) == 'True'
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not Path('/proc/self/status').exists(), reason='counts threads in /proc')
 @pytest.mark.parametrize('given, one', [({}, True), ({'OMP_NUM_THREADS': '3'}, False)])
 def test_commands_compute_on_one_thread_unless_the_user_chooses(

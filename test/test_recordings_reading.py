@@ -122,6 +122,7 @@ def test_log_times_are_those_of_the_messages(tmp_path: Path) -> None:
     assert (reader.start_ns, reader.end_ns) == (0, 299)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('compression, chunked', [
     (CompressionType.ZSTD, True), (CompressionType.NONE, True), (CompressionType.NONE, False),
 ])

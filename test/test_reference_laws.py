@@ -45,6 +45,7 @@ def test_pass_through_has_no_compliance() -> None:
     assert LAWS['pass_through'] is None
 
 
+@pytest.mark.slow
 def test_eq20_settles_at_its_static_formula() -> None:
     run = closed_loop({'reference_law': 'eq20'}, experiment='none', duration=8.6)
     expected = static_force_eq20(50.0, run.last.stiffness, 4800.0, 5000.0)

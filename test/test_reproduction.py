@@ -62,6 +62,7 @@ def test_same_seed_gives_the_same_errors_and_another_does_not() -> None:
     assert best.run(3) == best.run(3) != best.run(4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('name', ['simulation_sine', 'simulation_none', 'simulation_prbs'])
 def test_best_estimator_is_within_four_bounds(name: str) -> None:
     errors = case(name, BEST).run(11)
@@ -69,12 +70,14 @@ def test_best_estimator_is_within_four_bounds(name: str) -> None:
     assert abs(errors.damping) < 4.0 * errors.damping_bound
 
 
+@pytest.mark.slow
 def test_plain_rls_stays_accurate_through_the_hold_without_excitation() -> None:
     errors = case('simulation_none', 'rls').run(0)
     assert abs(errors.stiffness) < 1.0
     assert abs(errors.damping) < 15.0
 
 
+@pytest.mark.slow
 def test_mrac_drives_its_own_arm_and_differs_from_indirect_adaptive() -> None:
     mrac = case('simulation_none', 'mrac').run(0)
     adaptive = case('simulation_none', 'indirect_adaptive').run(0)

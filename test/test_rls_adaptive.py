@@ -93,6 +93,7 @@ def test_damping_is_at_least_twice_as_quiet_as_with_fixed_forgetting() -> None:
     assert figures('rls_adaptive')['excited'] < 0.5 * figures('rls')['excited']
 
 
+@pytest.mark.slow
 def test_damping_is_remembered_twice_as_well_through_a_still_contact() -> None:
     assert figures('rls_adaptive')['still'] < 0.5 * figures('rls')['still']
 
@@ -150,6 +151,7 @@ def test_frozen_parameters_do_not_move(frozen: Frozen) -> None:
     assert moved == [not frozen.stiffness, not frozen.damping]
 
 
+@pytest.mark.slow
 def test_covariance_does_not_wind_up_without_excitation() -> None:
     of, noise = estimator(), np.random.default_rng(11).standard_normal(20_000)
     for row in rows_of(500).tolist():

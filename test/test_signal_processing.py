@@ -87,6 +87,7 @@ def test_as_written_it_shows_the_paper_s_stiffness_error() -> None:
     assert all(12.0 < error < 15.0 for error in errors)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('seed', range(3))
 def test_refined_it_is_within_three_standard_deviations(seed: int) -> None:
     found = estimate('signal_processing_refined', step_recording(seed))

@@ -69,6 +69,7 @@ def test_identified_arm_makes_signal_processing_usable() -> None:
     assert abs(refined.damping) < 15.0
 
 
+@pytest.mark.slow
 def test_same_seed_gives_the_same_errors_and_another_does_not() -> None:
     step = case('testbed_none', 'signal_processing_refined')
     assert step.run(5) == step.run(5) != step.run(6)

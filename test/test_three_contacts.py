@@ -57,6 +57,7 @@ def test_every_point_comes_and_goes_and_all_slide_together() -> None:
     assert first.tolist() == sorted(first) and len(set(first)) == 3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('variant', ['friction estimated', 'friction known'])
 @pytest.mark.parametrize('place', [ALL_TOUCH, -1])
 def test_with_friction_stiffness_and_damping_are_true(variant: str, place: int) -> None:
@@ -68,6 +69,7 @@ def test_with_friction_stiffness_and_damping_are_true(variant: str, place: int) 
     assert e.stiffness_std < 3.0 and e.damping_std < 1.0  # so the bounds are no idle ones
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('place', [ALL_TOUCH, -1])
 def test_without_friction_damping_is_biased_far_beyond_its_standard_deviation(
     place: int
