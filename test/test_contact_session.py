@@ -232,6 +232,16 @@ def test_desired_of_the_future_waits_for_its_stamp() -> None:
     assert [r.position for r in references if r] == [-0.02, -0.03]
 
 
+def test_setpoints_outlive_a_latency_of_seconds() -> None:
+    session, count = session_for(), 1500
+    first = SAMPLES[0].stamp_ns
+    for k in range(1, count):  # the planner is 3 s ahead of the samples that are processed
+        session.add_desired(first + k * PERIOD_NS, Desired(-1e-5 * k, 0.0, 0.0, nan))
+    references = [r.reference for r in feed(session, SAMPLES[:3])]
+    positions = [r.position for r in references if r]
+    assert positions == pytest.approx([-1e-5, -2e-5, -3e-5], rel=1e-12)
+
+
 @pytest.mark.parametrize('position', [nan, inf])
 def test_desired_position_that_is_not_finite_is_counted(position: float) -> None:
     session = session_for()

@@ -25,7 +25,7 @@ from ..reference.reference_generator import ReferenceGenerator
 from ..reference.setpoints import Desired, Reference
 from ..signals.contact_sample import ContactSample
 
-_SETPOINTS_KEPT = 64
+_MAX_SETPOINTS = 100_000  # that no sample has reached yet; older ones are dropped beyond
 _BEFORE_ANY = -(2**63)
 
 
@@ -45,7 +45,7 @@ class ReferenceStream:
     def __init__(self, parameters: EstimationParameters, rejected: Counter[str]) -> None:
         self._rejected = rejected
         self._generator = ReferenceGenerator(parameters.reference_law, parameters.reference)
-        self._setpoints: deque[tuple[int, Desired]] = deque(maxlen=_SETPOINTS_KEPT)
+        self._setpoints: deque[tuple[int, Desired]] = deque(maxlen=_MAX_SETPOINTS)
         self.configure(parameters)
         self.restart()
 
@@ -136,10 +136,13 @@ class ReferenceStream:
         A setpoint older than the timeout is a position to rest at: its rates no longer apply.
 
         """
-        for stamp, desired in reversed(self._setpoints):
-            if stamp <= stamp_ns:
-                old = (stamp_ns - stamp) * 1e-9 > self._timeout_s
-                return desired._replace(velocity=0.0, acceleration=0.0) if old else desired
+        setpoints = self._setpoints
+        while len(setpoints) > 1 and setpoints[1][0] <= stamp_ns:
+            setpoints.popleft()  # superseded; by stamps, so that a latency never loses one
+        if setpoints and setpoints[0][0] <= stamp_ns:
+            stamp, desired = setpoints[0]
+            old = (stamp_ns - stamp) * 1e-9 > self._timeout_s
+            return desired._replace(velocity=0.0, acceleration=0.0) if old else desired
         if self._resting_position != self._resting_position:
             self._resting_position = position
         return Desired(self._resting_position, 0.0, 0.0, self._default_force)
