@@ -16,6 +16,7 @@
 
 import os
 from pathlib import Path
+import struct
 import subprocess
 import sys
 from typing import Any
@@ -210,6 +211,18 @@ def test_damaged_summary_is_replaced_by_reading(tmp_path: Path) -> None:
     reader = RecordingReader(path)
     assert len(reader.topics()) == 2
     assert numbers(reader) == list(range(300))
+
+
+def test_message_outside_the_chunks_is_read_though_no_index_lists_it(tmp_path: Path) -> None:
+    path = plain_file(tmp_path / 'a.mcap')
+    content = path.read_bytes()
+    message = struct.pack('<HIQQ8s', 1, 0, 300, 300, (300).to_bytes(8, 'little'))
+    record = struct.pack('<BQ', 5, len(message)) + message
+    summary, offsets, _ = struct.unpack('<QQI', content[-28:-8])
+    at = summary - 13  # before the record DATA_END
+    footer = struct.pack('<QQI', summary + len(record), offsets + len(record), 0)
+    path.write_bytes(content[:at] + record + content[at:-28] + footer + content[-8:])
+    assert numbers(RecordingReader(path)) == list(range(301))
 
 
 @pytest.mark.slow

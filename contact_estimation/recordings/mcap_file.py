@@ -166,7 +166,7 @@ class McapFile:
 
     def _indexed(self, stream: BinaryIO, channels: Channels) -> Iterator[list[RecordedMessage]]:
         """Read the chunks that hold a wanted channel."""
-        for start, end, present in self.summary.chunks:
+        for start, end, _, present in self.summary.chunks:
             if present and present.isdisjoint(channels.handed_out):
                 continue
             stream.seek(start + RECORD_HEAD.size)

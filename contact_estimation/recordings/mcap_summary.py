@@ -42,10 +42,15 @@ _AFTER_CRC = 4 + len(MAGIC)
 
 
 class ChunkPlace(NamedTuple):
-    """A chunk in the file, and its channels; none are known where it has no message index."""
+    """
+    A chunk in the file, and its channels; none are known where it has no message index.
+
+    Its message index ends at `next_record`.
+    """
 
     start: int
     end: int
+    next_record: int
     channels: frozenset[int]
 
 
@@ -61,7 +66,7 @@ class Summary:
     descriptions : list of Schema or Channel
         Those listed.
     complete : bool
-        All channels, chunks and metadata records are listed.
+        All channels, chunks and metadata records are listed, and no message is outside chunks.
     chunks : list of ChunkPlace
         In file order.
     metadata : list of Record
@@ -109,9 +114,26 @@ def read_summary(stream: BinaryIO, size: int) -> Summary:
     if footer.summary_crc and zlib.crc32(content[:-_AFTER_CRC]) != footer.summary_crc:
         return Summary(whole=True)
     try:
-        return _collected(StreamReader(BytesIO(content), skip_magic=True).records)
+        found = _collected(StreamReader(BytesIO(content), skip_magic=True).records)
+        if found.complete and _messages_outside(found.chunks, stream, footer.summary_start):
+            found.complete = False
+        return found
     except Exception:  # damaged numbers and texts raise almost anything
         return Summary(whole=True)
+
+
+def _messages_outside(chunks: list[ChunkPlace], stream: BinaryIO, end: int) -> bool:
+    """Return whether a message stands between chunks, where no index lists it."""
+    begins = [len(MAGIC), *(chunk.next_record for chunk in chunks)]
+    ends = [*(chunk.start for chunk in chunks), end]
+    for place, gap_end in zip(begins, ends):
+        while place < gap_end:
+            stream.seek(place)
+            opcode, length = RECORD_HEAD.unpack(stream.read(RECORD_HEAD.size))
+            if opcode == Opcode.MESSAGE:
+                return True
+            place += RECORD_HEAD.size + length
+    return False
 
 
 def _collected(records: Iterable[McapRecord]) -> Summary:
@@ -125,8 +147,9 @@ def _collected(records: Iterable[McapRecord]) -> Summary:
         elif isinstance(record, ChunkIndex):
             present = frozenset(record.message_index_offsets)
             start = record.chunk_start_offset
+            end = start + record.chunk_length
             found.chunks.append(ChunkPlace(
-                start, start + record.chunk_length, known.setdefault(present, present)
+                start, end, end + record.message_index_length, known.setdefault(present, present)
             ))
         elif isinstance(record, MetadataIndex):
             found.metadata.append(Record(
