@@ -33,11 +33,11 @@ class PlantNodeParameters(ParameterGroup):
         read_only=True,
     )
     repeat: bool = parameter(
-        False, 'Play the experiment again and again until the duration is over; without a '
-        'duration, for ever', read_only=True,
+        False, 'Repeat the experiment until the duration is over; without a '
+        'duration, without end', read_only=True,
     )
     subscribers: int = parameter(
-        1, 'Start when wrench and joint_states have so many subscribers', minimum=0,
+        1, 'Number of subscribers of wrench and joint_states to wait for at the start', minimum=0,
         maximum=1000, read_only=True,
     )
     patience_s: float = parameter(

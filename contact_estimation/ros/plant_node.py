@@ -92,7 +92,7 @@ class PlantNode(Node):
         self._joint_states = JointStateEncoder(
             own.frame_id, own.joint, self._plant.sensors.publish_velocity
         )
-        self._wishes = TrajectoryEncoder(own.frame_id, own.joint)
+        self._setpoints = TrajectoryEncoder(own.frame_id, own.joint)
         self._references = TrajectoryDecoder()
 
         def publisher(type_name: str, topic: str) -> Any:
@@ -100,7 +100,7 @@ class PlantNode(Node):
 
         self._wrench_publisher = publisher('geometry_msgs/msg/WrenchStamped', topics.WRENCH)
         self._joint_publisher = publisher('sensor_msgs/msg/JointState', topics.JOINT_STATES)
-        self._wish_publisher = publisher(topics.TRAJECTORY, topics.DESIRED)
+        self._setpoint_publisher = publisher(topics.TRAJECTORY, topics.DESIRED)
         self._data = RawSubscriptions(self)
         self._data.subscribe(
             topics.REFERENCE, topics.TRAJECTORY, topics.INPUT_QOS, self._on_reference
@@ -167,8 +167,9 @@ class PlantNode(Node):
         truth = self._world.truth(extrapolate(self._followed_since, self._reference))
         force, position, velocity = self._sensors.measure(truth)
         period = self._period_ns * 1e-9
-        wish = self._experiment.desired((k + 1) * period)
-        self._wish_publisher.publish(self._wishes.encode(stamp_ns + self._period_ns, *wish))
+        setpoint = self._experiment.desired((k + 1) * period)
+        setpoint_stamp_ns = stamp_ns + self._period_ns
+        self._setpoint_publisher.publish(self._setpoints.encode(setpoint_stamp_ns, *setpoint))
         self._joint_publisher.publish(self._joint_states.encode(stamp_ns, position, velocity))
         self.statistics.sent(k, truth.force)
         self._wrench_publisher.publish(self._wrenches.encode(stamp_ns, force, 0.0, 0.0))

@@ -99,10 +99,10 @@ def run_node(
 
 def _on_signals() -> Event:
     """
-    Take SIGINT and SIGTERM as a wish to end.
+    Return an event that SIGINT and SIGTERM set, instead of ending at once.
 
-    rclpy's own handlers shut the context down at once, and a thread that is about to publish
-    fails amid a sample; so the threads end first, and what has come is still taken.
+    rclpy's own handlers shut the context down at once, under a thread that is about to publish;
+    here the threads end first, and samples that have arrived are still processed.
     """
     interrupted = Event()
     for number in (signal.SIGINT, signal.SIGTERM):

@@ -208,7 +208,7 @@ class GatedRows:
     ) -> None:
         self._relation_class, self._T = relation, 1.0 / sample_rate
         self._filter = ButterworthBank(COLUMNS, cutoff_frequency, sample_rate)
-        # The slower pole decays with cutoff / sqrt(2): after so many samples 1e-9 is left.
+        # The slower pole decays with cutoff / sqrt(2): after this number of samples 1e-9 is left.
         self._tail = 0 if cutoff_frequency == 0.0 else ceil(21.0 * sqrt(2.0) * sample_rate
                                                             / (2.0 * pi * cutoff_frequency))
         self._gains = {

@@ -36,7 +36,7 @@ from .prepared_recording import PreparedRecording
 Array = NDArray[np.float64]
 
 ROBUST = 5.0
-"""Residuals count linearly beyond so many standard deviations (Huber 1964)."""
+"""Standard deviations beyond which residuals count linearly (Huber 1964)."""
 
 _DROP = 5.0  # standard deviations: the charge for a sample at which the force vanished
 
