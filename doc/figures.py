@@ -46,9 +46,9 @@ def main() -> None:
         run(folder, 'simulate', '--model', str(MODELS / 'dry_friction.yaml'), '--experiment',
             'rich', '--seed', '1', '--output', 'run.mcap')
         text = run(folder, 'diagnose', 'run.mcap', '--nominal', str(MODELS / 'nominal.yaml'),
-                   '--html', 'report.page')
+                   '--html', 'report.html')
         (IMAGES / 'diagnosis.txt').write_text(text)
-        page = (folder / 'report.page').read_text(encoding='utf-8')
+        page = (folder / 'report.html').read_text(encoding='utf-8')
         (IMAGES / 'diagnosis.png').write_bytes(first_picture(page))
 
 

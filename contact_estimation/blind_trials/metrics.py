@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Metrics of a study: percentages and medians over its scores, each with its required value."""
+"""Metrics of a study: percentages and medians over its scores, each with its target."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ class Metric(NamedTuple):
 
     @property
     def met(self) -> bool | None:
-        """Whether the requirement is met; None without value or requirement."""
+        """Whether the target is met; None without value or target."""
         if self.value is None or self.limit is None:
             return None
         return self.value >= self.limit if self.at_least else self.value <= self.limit

@@ -27,7 +27,7 @@ from .scoring import Score
 from ..figures import require_matplotlib
 from ..physics import EFFECTS
 
-# Scripts read earlier studies: the keys of the JSON file stay.
+# The keys of the JSON file are those of earlier versions, which scripts read.
 _SCORE_KEYS = {
     'names': 'said', 'alternatives': 'rivals', 'found': 'named', 'found_alone': 'alone',
     'extra_names': 'surplus', 'false_alarm': 'accused', 'unexplained': 'unnamed',

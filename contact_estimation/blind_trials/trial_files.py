@@ -122,7 +122,7 @@ def write_json(path: Path, content: Any) -> None:
 
 def nominal_model(trial: Trial) -> str:
     """
-    Write the nominal model: the wall as modelled, the robot as it is.
+    Write the nominal model: the wall as modelled, the true robot.
 
     Parameters
     ----------

@@ -19,7 +19,7 @@ The executables that need no ROS.
 Each sets the default of one thread before it imports its command, and with it numpy, which reads
 OMP_NUM_THREADS only then. The matrices are small: a second thread of the linear algebra only
 waits, and beside other work it made a diagnosis six times as slow. Importing the library sets
-nothing: the number of threads is its user's to choose.
+nothing: its user chooses the number of threads.
 """
 
 from __future__ import annotations

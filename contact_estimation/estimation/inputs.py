@@ -133,6 +133,6 @@ class MessageInputs:
         return self._session.add_pairs(stamps_ns, columns, *motions[1:])
 
     def _accepts(self, frame_id: str) -> bool:
-        """Check the frame of a wrench; the first one counts where none is configured."""
+        """Check the frame of a wrench; without a configured frame the first one is adopted."""
         self.frame_id = self.frame_id or frame_id
         return frame_id == self.frame_id

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""From the samples of one axis to its estimates: the path of node, replay and diagnosis."""
+"""From the samples of one axis to its estimates: the path of node, replay and off-line runs."""
 
 from __future__ import annotations
 

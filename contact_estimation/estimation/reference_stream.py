@@ -31,7 +31,7 @@ _BEFORE_ANY = -(2**63)
 
 class ReferenceStream:
     """
-    Setpoints in, one reference a sample out.
+    Compute one reference per sample from the setpoints.
 
     Parameters
     ----------

@@ -221,12 +221,12 @@ class ContactSession:
     # -- setpoints, references and events ---------------------------------------------------
 
     def add_desired(self, stamp_ns: int, desired: Desired) -> None:
-        """Add a setpoint of the planner, in force from a stamp on; see `ReferenceStream.add`."""
+        """Add a setpoint of the planner, effective from its stamp; see `ReferenceStream.add`."""
         self._stream.add(stamp_ns, desired)
 
     def add_reference(self, stamp_ns: int, reference: Reference, jumps: int = 0) -> None:
         """
-        Add a reference that takes effect at a stamp; in the order of the stamps, early or not.
+        Add a reference that takes effect at a stamp; in stamp order, possibly ahead of samples.
 
         Parameters
         ----------

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""An estimator that is updated only with what the data excite, with honest standard deviations."""
+"""An estimator that is updated only with what the data excite, with systematic errors in its deviations."""
 
 from __future__ import annotations
 
@@ -236,7 +236,7 @@ class SupervisedEstimator:
         self._until_judgement = self.monitor.until_judgement
 
     def _predict(self) -> None:
-        """Fix what predicts the force of a row and linearises it, until the next judgement."""
+        """Store prediction and linearisation for the rows until the next judgement."""
         self._linear = self.estimator.linearisation()
         if self.estimator.estimates_location:
             self._prediction = 0.0, 0.0, -1.0  # no prediction before the location is known

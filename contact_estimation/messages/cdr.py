@@ -107,7 +107,7 @@ class CdrCursor:
         return range(begin, begin + size, 8)
 
     def finish(self) -> None:
-        """Check that no more than unused buffer follows."""
+        """Check that only padding follows."""
         if len(self.raw) - self._at > _MOST_TRAILING_BYTES:
             raise ValueError(f'{len(self.raw) - self._at} bytes follow its last field')
 

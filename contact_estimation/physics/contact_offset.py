@@ -48,7 +48,7 @@ class ContactOffset(ContactEffect):
 
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
-        """Both sides."""
+        """Start with offsets of both signs."""
         return [(0.001 * scales.depth,), (-0.001 * scales.depth,)]
 
     @classmethod

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Base class of all effects: everything the package has to know of one."""
+"""Base class of all effects: the interface that every effect implements."""
 
 from __future__ import annotations
 

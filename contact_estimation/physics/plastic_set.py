@@ -65,7 +65,7 @@ class PlasticSet(ContactEffect):
 
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
-        """Small and large."""
+        """Start with a small and a large residual."""
         return [(0.002,), (0.03,), (0.3,)]
 
     @classmethod

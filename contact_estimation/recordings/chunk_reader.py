@@ -81,7 +81,7 @@ class Channels:
         self._schemas: dict[int, str] = {}
 
     def add(self, record: Schema | Channel | None) -> None:
-        """Add a schema or channel; None, a damaged one, is ignored."""
+        """Add a schema or channel; None (damaged) is ignored."""
         if isinstance(record, Schema):
             self._schemas[record.id] = record.name
         elif record is not None:

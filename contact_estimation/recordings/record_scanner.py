@@ -52,7 +52,7 @@ class Record(NamedTuple):
 
 class RecordScanner:
     """
-    Walk over the records of a file; where one is not plausible, search the next that is.
+    Walk over the records of a file; where one is not plausible, search for the next plausible one.
 
     Parameters
     ----------

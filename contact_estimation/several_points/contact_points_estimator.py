@@ -78,7 +78,7 @@ class ContactPointsEstimate(NamedTuple):
     status : EstimateStatus
         Free, estimating or frozen.
     reason : str
-        Why the estimate is frozen or held, else ''.
+        Why parameters are frozen, else ''.
 
     """
 
@@ -250,8 +250,8 @@ class ContactPointsEstimator:
         if known_B:
             self._damping = float(B)
         self._reason = {
-            (True, True): '', (True, False): 'damping held: weak excitation',
-            (False, True): 'stiffness held: weak excitation', (False, False): 'weak excitation',
+            (True, True): '', (True, False): 'damping frozen: weak excitation',
+            (False, True): 'stiffness frozen: weak excitation', (False, False): 'weak excitation',
         }[known_K, known_B]
 
     def _estimate(

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""A sample from which known physics have been taken out, and what does so."""
+"""A sample with known physics compensated, and the interface of compensations."""
 
 from __future__ import annotations
 

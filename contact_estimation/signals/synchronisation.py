@@ -68,7 +68,7 @@ class Synchroniser:
 
     A wrench is paired when a joint state stamped at or after it has come; the motion is
     interpolated to the stamp of the wrench. Where one axis has no valid measurement, the message
-    counts for none, so that all axes have the same samples. The result depends on the messages
+    is rejected for all, so that all axes have the same samples. The result depends on the messages
     and their stamps, not on which topic was served first.
 
     Parameters

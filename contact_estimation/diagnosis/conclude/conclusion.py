@@ -45,7 +45,7 @@ MODELS = ('nominal', 'recalibrated', 'corrected')
 
 class Fitted(NamedTuple):
     """
-    The outcome of all fitting, of which the conclusion is drawn.
+    The results of all fits, from which `conclude` decides.
 
     Attributes
     ----------
@@ -60,7 +60,7 @@ class Fitted(NamedTuple):
     holdouts : sequence of PreparedRecording
         Held-out recordings.
     odd_robot : bool
-        Whether the motion was taken for noise, because no effect explains it.
+        Whether the motion misfit was treated as noise, because no effect explains it.
 
     """
 

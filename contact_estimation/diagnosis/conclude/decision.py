@@ -43,14 +43,14 @@ FULLY = 0.97
 
 _PREDICTABLE = 0.1  # share of the residual that a smoother predicts: structure, not noise
 _SIGNIFICANT = 3.0  # standard deviations
-_HELD_OUT_POWER = 2.0  # mean square of held-out residuals, in that of the noise, of a wrong model
+_HELD_OUT_POWER = 2.0  # held-out mean square, over that of the noise, of a wrong model
 _HELD_OUT_EXPLAINED = 0.5  # least share of the held-out misfit that names must explain
 _AUTOCORRELATION = 0.25  # of neighbouring residuals: structure that no smoother predicts
 
 
 class Decision(NamedTuple):
     """
-    What to say of a selection.
+    The named effects, and whether something remains unexplained.
 
     Attributes
     ----------
@@ -84,7 +84,7 @@ def decide(
     whole : sequence of PreparedRecording
         The same with their held-out parts.
     odd_robot : bool
-        Whether the motion was taken for noise, because no effect explains it.
+        Whether the motion misfit was treated as noise, because no effect explains it.
     progress : callable
         Called with a description of each stage.
 
@@ -104,7 +104,7 @@ def decide(
         predictable = max(predictable_share(one, best.model) for one in recordings)
         structured = predictable > _PREDICTABLE or _AUTOCORRELATION < max(
             autocorrelation(one, best.model) for one in recordings)
-        # A real wall that a force drives is measured to more digits than laws hold.
+        # A real wall that a force drives is measured more precisely than any law is valid.
         unexplained = structured and (with_robot or not named or explained < FULLY)
     if named and releases:
         unexplained = False  # the rest is the instant, within a sample, of the release

@@ -44,7 +44,7 @@ _BINS = 12
 _PAST = 5  # blocks
 _LEAST_STRETCHES = 8
 _SEGMENT = 4  # stretches: lowest frequency of the spectrum
-_LEAST_SHARE = 0.05  # a correct model on smoothed motion leaves up to so much
+_LEAST_SHARE = 0.05  # of the residuals, that smoothing alone can cause
 
 
 class Dependence(NamedTuple):

@@ -138,7 +138,7 @@ def _recalibrate(recordings: Recordings, model: Model) -> tuple[Recordings, Fit]
 
 
 def _likeliest_between_samples(recordings: Recordings, selection: Selection) -> str:
-    """Return the course of the force between samples, of `BETWEEN`, that asks least physics."""
+    """Return the course of the force between samples, of `BETWEEN`, with the fewest effects."""
     base, best, costs = selection.base, selection.best, {}
     for name in BETWEEN:
         changed = [one.with_force_between_samples(name, base.model) for one in recordings]
@@ -151,7 +151,7 @@ def _likeliest_between_samples(recordings: Recordings, selection: Selection) -> 
 
 
 def _robot_is_odd(recordings: Recordings, selection: Selection) -> bool:
-    """Return whether a large misfit is in the motion alone, such as of late commands."""
+    """Return whether a large misfit is in the motion alone, for example from late commands."""
     best, base = selection.best, selection.base
     if best.cost < (1.0 + LEFT) * best.residual_count or (
             best.cost < (1.0 - EXPLAINED) * base.cost):

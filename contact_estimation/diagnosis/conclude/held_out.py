@@ -110,7 +110,7 @@ def _sums(signal: Array, span: int) -> Array:
 
 def errors_of(parts: Sequence[Part]) -> tuple[Errors, Errors]:
     """
-    Pool parts.
+    Compute the root-mean-square errors over all parts.
 
     Parameters
     ----------
@@ -186,7 +186,7 @@ def as_good(
     generator: np.random.Generator,
 ) -> bool:
     """
-    Return whether a rival predicts held-out data no worse than by the width of the interval.
+    Return whether a rival predicts held-out data as well, to within the interval's width.
 
     Parameters
     ----------

@@ -105,8 +105,8 @@ def guess_port(recording: PreparedRecording, model: Model) -> str:
     """
     Infer the port from the channels in which residuals are.
 
-    A missing effect of the wall shows in the measured force and, as a push, in the motion; one of
-    the sensor in the force alone; one of the robot in the motion alone.
+    A missing effect of the contact shows in the measured force and, through that force, in the
+    motion; one of the sensor in the force alone; one of the robot in the motion alone.
 
     Parameters
     ----------

@@ -44,7 +44,7 @@ _NEAR = 3.0  # times the best cost: other rivals are out of the question
 
 class Names(NamedTuple):
     """
-    The effects of a model, with what they could be confused with.
+    Name the effects of a model, with the effects they may be confused with.
 
     Attributes
     ----------
@@ -112,7 +112,7 @@ def _values(best: Fit, name: str, stds: Array) -> dict[str, Value]:
 
 
 def _rivals(selection: Selection, name: str, recordings: Recordings) -> list[Fit]:
-    """Fit the nearest rivals to the motion as smoothed now; all others are far behind."""
+    """Fit the nearest rivals to the motion as smoothed now; the rest fit much worse."""
     near = _NEAR * selection.best.cost
     nearest = [rival for rival in selection.rivals.get(name, [])[:_NEAREST] if rival.cost < near]
     fits = [fit(recordings, rival.model, steps=8) for rival in nearest]

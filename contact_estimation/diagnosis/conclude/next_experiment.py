@@ -13,7 +13,7 @@
 # limitations under the License.
 
 """
-The experiment that separates effects which the recordings could not.
+The experiment that distinguishes effects which the recordings cannot.
 
 Each candidate is simulated with the corrected model; then the rival is fitted to that motion and
 to the old recordings together. Its remaining residuals are what the diagnosis would see

@@ -51,7 +51,7 @@ class Value:
 @dataclass(frozen=True)
 class NamedEffect:
     """
-    An effect that the recordings ask for.
+    An effect that the recordings support.
 
     Attributes
     ----------
@@ -181,7 +181,7 @@ class Diagnosis:
 
     @property
     def shown(self) -> str:
-        """Name of the recording that is located and shown."""
+        """Name of the recording that is plotted, and in which the mismatch is located."""
         return self.recordings[0].name
 
     @property

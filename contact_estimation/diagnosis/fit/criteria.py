@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""When an effect is worth its parameters; thresholds calibrated on worlds without effects."""
+"""Whether an effect improves the fit enough to justify its parameters; thresholds calibrated on worlds without effects."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ SHARE = 0.3
 
 def noise_scale(found: Fit) -> float:
     """
-    Return the variance of the residuals in that of the noise, at least 1.
+    Return the ratio of the residual variance to that of the noise, at least 1.
 
     Parameters
     ----------
@@ -51,7 +51,7 @@ def noise_scale(found: Fit) -> float:
 
 def penalty(model: Model) -> float:
     """
-    Price the free parameters of the effects.
+    Compute the penalty on the free parameters of the effects.
 
     Parameters
     ----------

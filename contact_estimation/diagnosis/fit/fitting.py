@@ -189,7 +189,7 @@ def differentiate_by(
 
 def step(recordings: Recordings, model: Model) -> tuple[float, Model]:
     """
-    Take one Gauss-Newton step, exact for what is linear.
+    Take one Gauss-Newton step, exact in linear parameters.
 
     Parameters
     ----------

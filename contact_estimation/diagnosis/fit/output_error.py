@@ -15,7 +15,7 @@
 """
 The last refinement: output error of the free run.
 
-The residuals take the measured motion for true, which costs some accuracy where the motion is
+The residuals treat the measured motion as exact, which costs some accuracy where the motion is
 sharpest. The free run from the command needs no measured motion; its errors against measured
 position and force are noise if the values are right (Ljung 1999, section 3.3).
 """

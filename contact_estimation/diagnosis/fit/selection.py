@@ -13,7 +13,7 @@
 # limitations under the License.
 
 """
-Selection of the effects that recordings ask for: forward search, exchange, pruning.
+Selection of the effects that recordings support: forward search, exchange, pruning.
 
 An effect is taken only if its gain is significant and a fair share of the unexplained misfit, see
 `criteria`.

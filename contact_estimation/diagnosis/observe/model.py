@@ -170,7 +170,7 @@ class Model:
 
     @property
     def at_end(self) -> NDArray[np.bool_]:
-        """Which of all values are at a bound of their range; practically no wall is one."""
+        """Which of all values are at a bound of their range; a stiffness of practically zero counts."""
         values, (low, high) = np.array(self.values), self.bounds
         little = 1e-6 * np.abs(values)
         little[:2] = _NO_WALL
@@ -228,7 +228,7 @@ class Model:
 
 @lru_cache(maxsize=None)
 def _ranges(effect: str) -> tuple[tuple[str, float, float], ...]:
-    """List an effect's parameters with their ranges; searches ask a thousand times."""
+    """List an effect's parameters with their ranges; cached, since every search step asks."""
     return tuple(
         (spec.name, -np.inf if spec.minimum is None else spec.minimum,
          np.inf if spec.maximum is None else spec.maximum)

@@ -43,7 +43,7 @@ _FORGOTTEN = 4.0  # times 1 / omega_o: the observer has forgotten an error
 @dataclass(frozen=True, eq=False)
 class PreparedRecording:
     """
-    Everything but the model that residuals depend on, see `residuals`.
+    All inputs of the residuals except the model, see `residuals`.
 
     Attributes
     ----------

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Recordings as the diagnosis takes them."""
+"""Read a recording for the diagnosis."""
 
 from __future__ import annotations
 

@@ -154,7 +154,7 @@ def response_to(recording: PreparedRecording, push: Array, model: Model) -> Arra
 
 def trust_motion_less(recording: PreparedRecording, model: Model) -> PreparedRecording:
     """
-    Return the recording with the motion misfit of a model taken for noise.
+    Return the recording with its motion noise raised to cover the misfit of a model.
 
     Parameters
     ----------

@@ -13,7 +13,7 @@
 # limitations under the License.
 
 
-"""What every section of the page is made of."""
+"""Data shared by all sections of the page."""
 
 from __future__ import annotations
 
