@@ -123,6 +123,7 @@ def test_finished_steps_of_a_trial_are_not_repeated(
     assert calls == ['diagnose']
 
 
+@pytest.mark.slow
 def test_an_incomplete_recording_is_written_again(tmp_path: Path) -> None:
     files = TrialFiles.of(tmp_path, 'trial_x')
     files.recording.parent.mkdir()

@@ -251,6 +251,7 @@ def test_trial_has_its_requested_degree() -> None:
     assert r == pytest.approx(trial.requested_degree, rel=0.1)
 
 
+@pytest.mark.slow
 def test_clean_world_has_no_effect() -> None:
     trial = draw_trial('', np.random.default_rng(4))
     assert (trial.effect, trial.values, trial.physics) == ('', {}, {})

@@ -45,6 +45,7 @@ def test_indirect_adaptive_meets_the_paper_s_damping_error(paper_run: Run) -> No
     assert paper_run.last.damping == pytest.approx(200.0, rel=0.01)
 
 
+@pytest.mark.slow
 def test_rls_meets_the_paper_s_errors() -> None:
     last = closed_loop({'estimator': 'rls'}, PAPER_SENSORS).last
     assert last.stiffness == pytest.approx(4800.0, rel=0.013)
@@ -87,6 +88,7 @@ def test_last_contact_is_none_where_the_wall_is_out_of_reach() -> None:
     assert run.last_contact is None
 
 
+@pytest.mark.slow
 def test_last_contact_is_the_last_sample_with_force() -> None:
     run = run_closed_loop(
         PlantParameters(), ContactSession(EstimationParameters()), experiment_named('none'), 6.5

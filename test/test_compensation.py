@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Known extra physics: estimators that are told of an effect find K_e and B_e of the contract."""
+"""Known extra physics: estimators that compensate an effect find K_e and B_e."""
 
 from __future__ import annotations
 
@@ -116,7 +116,7 @@ def errors(estimate: Estimate) -> tuple[float, float]:
 
 
 def assert_found(name: str, estimate: Estimate, bounds: tuple[float, float]) -> None:
-    """Check K_hat and B_hat against the contract's K_e and B_e of an effect."""
+    """Check K_hat and B_hat against K_e and B_e beside an effect."""
     K, B = errors(estimate)
     if name in WITHOUT_STIFFNESS:
         assert estimate.stiffness == pytest.approx(GUESS, rel=0.01)

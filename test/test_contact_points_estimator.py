@@ -189,6 +189,7 @@ def test_point_that_withdraws_is_known_to_have_let_go_once_the_wall_is_known() -
     assert (fast.touching, fast.status) == ((False, False, False), EstimateStatus.FREE)
 
 
+@pytest.mark.slow
 def test_noisy_velocity_of_a_sticking_point_does_not_pull_friction_to_zero() -> None:
     noise = np.random.default_rng(5)
     sticking = [
@@ -211,6 +212,7 @@ def test_a_change_of_the_wall_is_followed() -> None:
     assert last.stiffness == pytest.approx(7000.0, rel=0.01)
 
 
+@pytest.mark.slow
 def test_reset_is_a_new_estimator() -> None:
     used, new = estimator_with(), estimator_with()
     run(used, samples(*FIRST))

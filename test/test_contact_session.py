@@ -132,6 +132,7 @@ def test_every_parameter_can_be_set_to_its_minimum_in_contact() -> None:
                         for spec in LOWER if spec.name not in RANGES)
 
 
+@pytest.mark.slow
 def test_every_parameter_can_be_set_to_its_maximum_in_contact() -> None:
     assert not problems((spec.name, type(spec.default)(spec.maximum or 0)) for spec in UPPER)
 

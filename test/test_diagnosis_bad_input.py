@@ -54,6 +54,7 @@ def test_constant_force_is_refused() -> None:
     refused(changed(force=np.full(1825, -3.0)), 'wrench is constant at -3.*topic, axis')
 
 
+@pytest.mark.slow
 def test_constant_position_is_refused() -> None:
     refused(changed(position=np.zeros(1825)), 'joint_states is constant at 0.*topic, axis')
 
@@ -101,6 +102,7 @@ def test_one_touch_is_enough() -> None:
     assert [effect.name for effect in found.effects] == ['coulomb_friction']
 
 
+@pytest.mark.slow
 def test_recording_that_ends_in_contact_is_diagnosed() -> None:
     assert diagnosed(cut(recorded(), 0.0, 6.4)).verdict == 'consistent'
 

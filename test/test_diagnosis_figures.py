@@ -55,6 +55,7 @@ def test_held_out_spans_are_the_samples_excluded_from_fitting(name: str) -> None
     assert recording.use[~inside].mean() > 0.95
 
 
+@pytest.mark.slow
 def test_close_up_contains_the_greatest_mismatch() -> None:
     data = plot_data(diagnosed('unknown'))
     before = data.residuals[0].by_model[data.pair[0]]
@@ -63,6 +64,7 @@ def test_close_up_contains_the_greatest_mismatch() -> None:
     assert np.mean(before[inside] ** 2) > 1.2 * np.mean(before**2)
 
 
+@pytest.mark.slow
 def test_comparison_shows_recording_and_all_models() -> None:
     data = plot_data(diagnosed('friction'))
     whole, close = plot_comparison(data, data.force).axes

@@ -61,6 +61,7 @@ def test_fit_stays_within_the_ranges_of_the_parameters() -> None:
     assert found.model.values[-1] < 0.05
 
 
+@pytest.mark.slow
 def test_step_is_exact_for_what_is_linear() -> None:
     recording, model = prepared_from(recorded(**physics('force_bias', 2.0)))
     start = model.with_effect('force_bias', (0.01,))

@@ -192,6 +192,7 @@ def test_true_model_predicts_a_part_to_its_noise() -> None:
     assert part.motion is None
 
 
+@pytest.mark.slow
 def test_model_is_as_good_as_itself_and_not_as_a_worse_one() -> None:
     recording, model = prepared_from(recorded(**physics('coulomb_friction', 2.0)))
     everything = np.ones(len(recording.observed.t), bool)
@@ -209,6 +210,7 @@ def test_part_of_one_block_cannot_tell() -> None:
     assert not as_good(recording, samples, model, model, np.random.default_rng(0))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('touch', [(0.03, 1.2), (0.02, 1.5)])
 def test_one_real_touch_holds_out_part_of_itself(touch: Touch) -> None:
     recording, model = prepared_from(recorded(touches(touch, swing=0.006)))

@@ -71,6 +71,7 @@ def test_port_of_an_effect_is_guessed_from_its_residuals(
     assert guess_port(recording, model) == expected
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('name, values, expected', WORLDS)
 def test_location_is_plausible(name: str, values: tuple[float, ...], expected: str) -> None:
     place = located(name, values)

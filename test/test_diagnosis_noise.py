@@ -42,6 +42,7 @@ def noise_of(signals: Signals, **changes: Any) -> float:
     return force_noise(model, observe(signals, model.nominal))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('changes', [
     {},
     physics('force_bias', 2.0),
@@ -54,6 +55,7 @@ def test_noise_floor_is_that_of_the_sensor(changes: dict[str, Any]) -> None:
     assert noise_of(recorded(**changes)) == pytest.approx(FORCE_NOISE, rel=0.1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('noise', [0.05, 1.5])
 def test_noise_floor_follows_the_noise(noise: float) -> None:
     signals = recorded(sensors__force_noise=noise)

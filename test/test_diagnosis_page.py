@@ -141,6 +141,7 @@ def test_every_section_has_a_template_and_every_template_is_used() -> None:
     assert {path.stem for path in TEMPLATES.glob('*.html')} == {*SECTIONS, *shared}
 
 
+@pytest.mark.slow
 def test_templates_are_installed(tmp_path: Path) -> None:
     pytest.importorskip('setuptools')
     subprocess.run([sys.executable, 'setup.py', '-q', 'build_py', '--build-lib', str(tmp_path)],
@@ -149,6 +150,7 @@ def test_templates_are_installed(tmp_path: Path) -> None:
     assert {path.name for path in installed.iterdir()} == {p.name for p in TEMPLATES.iterdir()}
 
 
+@pytest.mark.slow
 def test_headline_names_effects_and_refitted_values() -> None:
     assert headline(diagnosed('friction')) == (
         'The simulation lacks coulomb friction in the contact')
@@ -162,6 +164,7 @@ def test_every_effect_has_a_meaning_of_one_line(name: str) -> None:
     assert 10 < len(meaning(name)) < 99 and meaning(name).endswith('.')
 
 
+@pytest.mark.slow
 def test_missing_matplotlib_is_an_error_with_remedy(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, 'matplotlib', None)
     with pytest.raises(MissingPackageError, match='matplotlib.*pip install'):

@@ -40,6 +40,7 @@ PLACE = {'intervals_s', 'phase', 'region', 'band_hz', 'port'}
 EVERY = pytest.mark.parametrize('name', VERDICTS)
 
 
+@pytest.mark.slow
 @EVERY
 def test_worlds_get_their_verdicts(name: str) -> None:
     assert diagnosed(name).verdict == VERDICTS[name]

@@ -70,6 +70,7 @@ def mean_squares(recording: PreparedRecording, model: Model) -> tuple[float, flo
     return force, motion
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('seed', [1, 2, 3])
 def test_true_model_leaves_noise_of_variance_one(seed: int) -> None:
     recording, model = prepared_from(recorded(seed=seed))
@@ -95,6 +96,7 @@ def test_effect_shows_in_the_channels_it_acts_on(
         assert left > 8.0 if shows else left < 2.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('name, values', [case[:2] for case in EFFECTS_BY_CHANNEL])
 def test_true_effect_explains_what_it_did(name: str, values: tuple[float, ...]) -> None:
     recording, model = prepared_from(recorded(**physics(name, *values)))

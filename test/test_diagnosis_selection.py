@@ -138,6 +138,7 @@ def test_implausible_values_are_not_found(monkeypatch: pytest.MonkeyPatch) -> No
     assert search([recording], base, ['stribeck_friction'], lambda name: None)
 
 
+@pytest.mark.slow
 def test_nothing_is_taken_from_a_clean_world() -> None:
     recording, base = prepared()
     selection = select([recording], base)
@@ -146,6 +147,7 @@ def test_nothing_is_taken_from_a_clean_world() -> None:
     assert max(selection.evidence.values()) < 0.1
 
 
+@pytest.mark.slow
 def test_selection_of_an_effect_has_rivals_and_evidence() -> None:
     recording, base = prepared(*physics('force_delay', 0.006).items())
     selection = select([recording], base)

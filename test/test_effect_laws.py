@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Every effect of wall and sensor against the contract's formula, and against the plant."""
+"""Every effect of wall and sensor against an independent formula, and against the plant."""
 
 from __future__ import annotations
 

@@ -106,6 +106,7 @@ def test_world_is_that_of_an_independent_integration(name: str) -> None:
     assert np.max(np.abs(expected - nominal)) > 1e-5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('name', RATES)
 def test_world_with_a_state_is_that_of_an_independent_integration(name: str) -> None:
     values = example_values(name)

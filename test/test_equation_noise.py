@@ -56,6 +56,7 @@ def test_residual_variance_is_that_of_the_batch_fit(with_location: bool) -> None
     assert got == pytest.approx(expected, rel=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('cutoff', [20.0, 50.0, 100.0])
 def test_residual_of_filtered_rows_gives_the_noise_before_the_filter(cutoff: float) -> None:
     bank = ButterworthBank(5, cutoff, 500.0)

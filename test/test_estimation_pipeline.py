@@ -252,6 +252,7 @@ def test_stiffness_within_2_percent_from_noisy_positions_alone(estimator: str) -
     assert estimates_of(samples, pipeline)[-1].stiffness == pytest.approx(5000.0, rel=0.02)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('estimator', ['kalman', 'rls', 'indirect_adaptive'])
 def test_stiff_wall_is_found_within_3_seconds(estimator: str) -> None:
     estimation = {'estimator': estimator, 'tuning.indirect_adaptive.normalised': True}

@@ -80,6 +80,7 @@ def test_damping_is_never_negative(estimates: Any) -> None:
     assert min(e.damping for e in estimates) >= 0.0
 
 
+@pytest.mark.slow
 @EACH
 def test_paper_s_loop_ends_within_the_paper_s_errors(name: str) -> None:
     last = closed_loop({'estimator': name}, PAPER_SENSORS).last

@@ -59,6 +59,7 @@ def estimates_by_axis(results: list[Result]) -> dict[str, list[Any]]:
     return dict(zip(AXES, map(list, columns)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('estimator', ESTIMATORS)
 def test_every_axis_is_estimated_as_if_it_were_alone(estimator: str) -> None:
     together = estimates_by_axis(feed_axes(session_of_axes(False, estimator=estimator), SAMPLES))

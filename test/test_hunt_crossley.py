@@ -113,6 +113,7 @@ def test_recursion_equals_the_batch_fit_of_the_nonlinear_law() -> None:
     np.testing.assert_allclose(of.law[3:], spread, rtol=0.1)
 
 
+@pytest.mark.slow
 def test_published_pair_gives_the_force_at_the_mean_penetration() -> None:
     samples = samples_of((K, N, CHI), amplitude=0.0, contact_s=6.0)
     last = estimates_of(samples, pipeline_with(estimator='hunt_crossley'))[-1]

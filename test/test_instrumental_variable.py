@@ -86,6 +86,7 @@ def test_claimed_std_covers_the_bias(name: str) -> None:
     assert all(abs(error) < 2.0 * std for error, std in damping_errors(name, 'none'))
 
 
+@pytest.mark.slow
 def test_claim_of_instrumental_variables_is_the_narrowest() -> None:
     claims = {
         name: np.mean([std for _, std in damping_errors(name, 'none')])

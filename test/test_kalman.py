@@ -70,6 +70,7 @@ def test_closed_loop_recovers_a_wall_that_is_1_mm_elsewhere(wall: float) -> None
     assert run.last.location == pytest.approx(wall, abs=1e-4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('wall', [1e-3, -1e-3])
 def test_wall_that_is_1_mm_elsewhere_leaves_the_stiffness_right(wall: float) -> None:
     run = closed_loop(

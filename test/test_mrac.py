@@ -104,6 +104,7 @@ def test_arm_is_not_with_the_adaptation_frozen(arm: tuple[float, float]) -> None
     assert np.max(np.abs(model_errors(run))) > 2e-4
 
 
+@pytest.mark.slow
 def test_arm_presses_as_the_target_impedance_says() -> None:
     pressed = arm_run((75.0, 300.0)).force_at(7.0, 8.5)
     assert pressed == pytest.approx(50.0 * 1e5 / (1e5 + 4800.0), rel=0.01)
@@ -117,6 +118,7 @@ def test_arm_is_found_in_the_closed_loop() -> None:
     assert controller.following.damping == pytest.approx(100.0, rel=0.1)
 
 
+@pytest.mark.slow
 def test_stiff_wall_and_position_alone_do_not_shake_the_arm() -> None:
     plant: dict[str, Any] = {'environment.stiffness': 5e4, 'environment.damping': 500.0,
                              'sensors.publish_velocity': False}
@@ -126,6 +128,7 @@ def test_stiff_wall_and_position_alone_do_not_shake_the_arm() -> None:
     assert np.max(np.abs(model_errors(run, 0.0))) < 1e-3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('experiment', ['sine', 'none'])
 def test_environment_is_found_with_and_without_excitation(experiment: str) -> None:
     last = arm_run((75.0, 300.0), experiment).last

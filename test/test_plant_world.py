@@ -138,6 +138,7 @@ def test_touch_down_happens_at_the_exact_time(location: float) -> None:
     assert forces[0] == 0.0 > forces[1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('changes', [{}, {'environment__damping': 0.0}])
 def test_result_does_not_depend_on_the_integration_rate(changes: dict[str, Any]) -> None:
     coarse, fine = (

@@ -194,6 +194,7 @@ def test_flushed_messages_are_readable_while_recording(tmp_path: Path) -> None:
     writer.close()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('rate_hz, seconds', [(1000, 20), (20, 20), (1, 20)])
 def test_kill_loses_at_most_the_last_second(tmp_path: Path, rate_hz: Any, seconds: Any) -> None:
     path = tmp_path / 'run'

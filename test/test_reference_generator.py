@@ -188,6 +188,7 @@ def test_double_tracking_is_refused_live_and_changes_nothing() -> None:
     assert play(of, 0, 100) == play(same, 0, 100)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('estimation, plant', [
     ({'estimator': 'indirect_adaptive'}, PAPER_SENSORS), ({'reference_law': 'series'}, {}),
 ], ids=['eq20', 'series'])

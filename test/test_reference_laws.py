@@ -52,6 +52,7 @@ def test_eq20_settles_at_its_static_formula() -> None:
     assert run.force_at(8.0, 8.5) == pytest.approx(expected, rel=0.01)
 
 
+@pytest.mark.slow
 def test_eq20_of_the_benchmark_settles_at_half_of_the_wanted_force() -> None:
     run = closed_loop({'reference_law': 'eq20'}, experiment='none', duration=8.6)
     assert run.force_at(8.0, 8.5) == pytest.approx(25.5, abs=0.3)
@@ -69,6 +70,7 @@ def test_force_tracking_gives_the_wanted_force() -> None:
     assert run.force_at(7.0, 8.5) == pytest.approx(50.0, rel=0.02)
 
 
+@pytest.mark.slow
 def test_both_together_would_press_too_hard() -> None:
     run = closed_loop({'reference_law': 'series'}, {'robot.force_tracking': True}, duration=8.6)
     assert run.force_at(7.0, 8.5) == pytest.approx(74.5, rel=0.02)

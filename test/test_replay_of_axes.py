@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The command replay on several axes: columns, fields and vectors beside the contract's."""
+"""The command replay on several axes: columns, fields and vectors beside those of one axis."""
 
 from __future__ import annotations
 

@@ -98,6 +98,7 @@ def test_damping_is_remembered_twice_as_well_through_a_still_contact() -> None:
     assert figures('rls_adaptive')['still'] < 0.5 * figures('rls')['still']
 
 
+@pytest.mark.slow
 def test_a_wall_that_changed_is_followed_as_fast_as_with_fixed_forgetting() -> None:
     assert figures('rls_adaptive')['recovery'] < 1.2 * figures('rls')['recovery']
 

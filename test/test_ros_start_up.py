@@ -46,7 +46,7 @@ WRONG: list[tuple[str, dict[str, Any], list[str]]] = [
 
 
 def assert_one_line(finished: Finished, *parts: str) -> None:
-    """Check that a process has failed as the contract says."""
+    """Check that a process has failed with one line and exit code 1."""
     assert 'Traceback' not in finished.stderr
     lines = finished.stderr.strip().splitlines()
     assert len(lines) == 1, finished.stderr

@@ -54,7 +54,7 @@ def experiment_file(folder: Path) -> str:
 
 
 def signals_of(path: Path) -> RecordedSignals:
-    """Read a recording of the contract's topics."""
+    """Read a recording of the default topics."""
     return read_signals(RecordingReader(path), RecordingSource())
 
 
@@ -105,6 +105,7 @@ def test_simulating_like_a_simulation_repeats_it(tmp_path: Path) -> None:
     np.testing.assert_allclose(first.joint_states.values, again.joint_states.values, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_reference_is_followed_straight_between_samples_that_lack_rates(tmp_path: Path) -> None:
     t = 0.04 * np.arange(50)
     driven_recording(tmp_path / 'coarse.mcap', np.zeros(1200))

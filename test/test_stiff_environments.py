@@ -132,6 +132,7 @@ def test_claim_is_of_use_all_the_same(name: str) -> None:
     assert gentle(name, 1e6)[-1].stiffness_std < 0.03e6
 
 
+@pytest.mark.slow
 @EACH
 def test_sensor_that_reads_exactly_0_out_of_contact_does_not_make_sure(name: str) -> None:
     errors, claims = [], []

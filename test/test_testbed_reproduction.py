@@ -33,6 +33,7 @@ def within_a_factor_of_two(error: float, paper: float) -> bool:
     return 0.5 * paper <= abs(error) <= 2.0 * paper
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('name, estimator', [
     ('testbed_sine', 'indirect_adaptive'), ('testbed_none', 'indirect_adaptive'),
     ('testbed_none', 'rls'),
@@ -50,6 +51,7 @@ def test_plain_rls_under_excitation_errs_as_in_the_paper_in_damping_only() -> No
     assert abs(errors.stiffness) > 2.0 * PAPER['testbed_sine', 'rls'].stiffness
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('name, stiffness, damping', [
     ('testbed_sine', 1.0, 5.0), ('testbed_none', 2.0, 10.0), ('testbed_prbs', 1.0, 5.0),
 ])
@@ -61,6 +63,7 @@ def test_best_estimator_is_accurate_on_the_testbed(
     assert abs(errors.damping) < damping
 
 
+@pytest.mark.slow
 def test_identified_arm_makes_signal_processing_usable() -> None:
     plain = case('testbed_none', 'signal_processing').run(3)
     refined = case('testbed_none', 'signal_processing_refined').run(3)

@@ -49,6 +49,7 @@ def estimates(variant: str) -> list[ContactPointsEstimate]:
     return estimate(simulated(), variant)
 
 
+@pytest.mark.slow
 def test_every_point_comes_and_goes_and_all_slide_together() -> None:
     pressing = np.array([np.any(i.forces, axis=1) for i in simulated()])  # (T, 3)
     assert not pressing[0].any() and not pressing[-1].any()
@@ -79,6 +80,7 @@ def test_without_friction_damping_is_biased_far_beyond_its_standard_deviation(
     assert abs(e.damping - 200.0) > 20.0 * e.damping_std
 
 
+@pytest.mark.slow
 def test_points_are_known_to_touch_where_they_do() -> None:
     pairs = [(e.touching, tuple(np.any(i.forces, axis=1).tolist()))
              for e, i in zip(estimates('friction estimated'), simulated())
