@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The contract's table of effects, each law written out by hand: F_e of a given motion."""
+"""The laws of all effects, written out by hand: F_e of a given motion."""
 
 from __future__ import annotations
 

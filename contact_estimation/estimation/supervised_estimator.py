@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""An estimator that is updated only with what the data excite, with systematic errors in its deviations."""
+"""An estimator updated only by informative data, with systematic errors in its deviations."""
 
 from __future__ import annotations
 

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Whether an effect improves the fit enough to justify its parameters; thresholds calibrated on worlds without effects."""
+"""Whether an effect improves the fit enough to justify its parameters; calibrated thresholds."""
 
 from __future__ import annotations
 

@@ -170,7 +170,7 @@ class Model:
 
     @property
     def at_end(self) -> NDArray[np.bool_]:
-        """Which of all values are at a bound of their range; a stiffness of practically zero counts."""
+        """Which of all values are at a bound of their range, or practically zero."""
         values, (low, high) = np.array(self.values), self.bounds
         little = 1e-6 * np.abs(values)
         little[:2] = _NO_WALL
