@@ -48,6 +48,7 @@ def found_in(name: str, channel: str) -> dict[str, Dependence]:
     return {one.on: one for one in every if one.channel == channel}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('name, channel, on', [
     ('coulomb_friction', 'force', 'velocity'), ('cubic_stiffness', 'force', 'depth'),
     ('force_drift', 'force', 'time'), ('tool_inertia', 'force', 'acceleration'),

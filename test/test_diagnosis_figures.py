@@ -76,6 +76,7 @@ def test_comparison_shows_recording_and_all_models() -> None:
     assert line(whole, 'corrected').get_color() == COLOURS['corrected']
 
 
+@pytest.mark.slow
 def test_position_is_plotted_in_millimetres() -> None:
     data = plot_data(diagnosed('friction'))
     assert data.position is not None

@@ -86,6 +86,7 @@ def test_force_without_noise_has_the_least_noise_floor() -> None:
     assert noise_of(pushed, **ATTACHED) >= 1e-4 * np.ptp(pushed.force)
 
 
+@pytest.mark.slow
 def test_position_noise_is_known_to_a_tenth() -> None:
     expected = np.sqrt(POSITION_NOISE**2 + QUANTUM**2 / 12.0)
     seen = [observe(recorded(seed=seed), nominal()).position_noise for seed in (1, 2, 3)]

@@ -233,6 +233,7 @@ def test_dropout_in_contact_leaves_the_estimate_right(estimator: str) -> None:
     assert last.stiffness == pytest.approx(4800.0, rel=0.02)
 
 
+@pytest.mark.slow
 @BY_ESTIMATOR
 @pytest.mark.parametrize('seed', [1, 2, 3])
 def test_damping_within_10_percent_from_noisy_positions_alone(estimator: str, seed: int) -> None:

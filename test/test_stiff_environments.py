@@ -114,6 +114,7 @@ def test_damping_that_was_never_told_is_the_first_guess_and_nothing_is_claimed(
     assert last.damping == 50.0 and isnan(last.damping_std)
 
 
+@pytest.mark.slow
 @EACH
 @STIFF
 @pytest.mark.parametrize('B_e', [200.0, 5000.0])
