@@ -17,7 +17,7 @@
 from __future__ import annotations
 
 from contact_estimation.exceptions import ParameterRangeError, SignalShapeError
-from contact_estimation.several_points.contact_model import kelvin_voigt_force, static_force_eq20
+from contact_estimation.several_points.contact_model import kelvin_voigt_force
 import numpy as np
 import pytest
 
@@ -69,15 +69,3 @@ def test_stiffness_that_is_not_positive_is_refused(K_e: float) -> None:
 def test_negative_damping_is_refused(B_e: float) -> None:
     with pytest.raises(ParameterRangeError, match='B_e must be >= 0 N s/m'):
         kelvin_voigt_force(0.0, 0.0, 1.0, B_e)
-
-
-@pytest.mark.parametrize('K_hat', [1000.0, 4800.0, 9000.0])
-def test_static_force_solves_the_two_springs(K_hat: float) -> None:
-    F_r, K_e, K_t = 50.0, 4800.0, 5000.0
-    # K_t (x - F_r / K_hat) - F_e = 0 and F_e + K_e x = 0, in (x, F_e) with x_e = 0.
-    _, F_e = np.linalg.solve([[K_t, -1.0], [K_e, 1.0]], [K_t * F_r / K_hat, 0.0])
-    assert static_force_eq20(F_r, K_hat, K_e, K_t) == pytest.approx(-F_e, rel=1e-12)
-
-
-def test_static_force_of_the_benchmark_is_half_of_the_wanted() -> None:
-    assert static_force_eq20(50.0, 4800.0, 4800.0, 5000.0) == pytest.approx(25.5, abs=0.02)

@@ -39,7 +39,9 @@ PURPOSE = 'recorder_node: record wrench, joints, references and estimates as a r
 _FLUSH_S = 0.4
 
 # Best effort matches any publisher; sensor drivers are best effort.
-_RECORD_QOS = QoSProfile(depth=1000, reliability=ReliabilityPolicy.BEST_EFFORT)
+_ANY_QOS = QoSProfile(depth=1000, reliability=ReliabilityPolicy.BEST_EFFORT)
+# The estimator publishes reliably: what a busy machine drops is sent again.
+_ESTIMATE_QOS = QoSProfile(depth=1000, reliability=ReliabilityPolicy.RELIABLE)
 
 
 @dataclass(frozen=True)
@@ -69,19 +71,20 @@ def recorded_topics(estimator: str) -> dict[str, tuple[str, QoSProfile]]:
 
     """
     vectors = ('stiffness', 'damping', 'stiffness_std', 'damping_std', 'location', 'inertia')
-    plain = {
+    of_any_publisher = {
         topics.DESIRED: topics.TRAJECTORY,
         topics.JOINT_STATES: 'sensor_msgs/msg/JointState',
         topics.WRENCH: 'geometry_msgs/msg/WrenchStamped',
         topics.REFERENCE: topics.TRAJECTORY,
-        **{f'{estimator}/{name}': topics.VECTOR3 for name in vectors},
-        f'{estimator}/status': topics.STRING,
         topics.DIAGNOSTICS: 'diagnostic_msgs/msg/DiagnosticArray',
         '/parameter_events': 'rcl_interfaces/msg/ParameterEvent',
     }
-    wanted = {topic: (type_name, _RECORD_QOS) for topic, type_name in plain.items()}
-    wanted[f'{estimator}/events'] = topics.STRING, topics.EVENTS_QOS
-    return wanted
+    return {
+        **{topic: (type_name, _ANY_QOS) for topic, type_name in of_any_publisher.items()},
+        **{f'{estimator}/{name}': (topics.VECTOR3, _ESTIMATE_QOS) for name in vectors},
+        f'{estimator}/status': (topics.STRING, _ESTIMATE_QOS),
+        f'{estimator}/events': (topics.STRING, topics.EVENTS_QOS),
+    }
 
 
 class RecorderNode(Node):

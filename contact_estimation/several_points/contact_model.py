@@ -65,31 +65,3 @@ def kelvin_voigt_force(
     if not B_e >= 0.0:
         raise ParameterRangeError(f'B_e must be >= 0 N s/m, got {B_e!r}')
     return np.where(delta > 0.0, np.minimum(0.0, -(K_e * delta + B_e * delta_dot)), 0.0)
-
-
-def static_force_eq20(F_r: float, K_hat: float, K_e: float, K_t: float) -> float:
-    """
-    Compute the static force that eq. (20) leads to under eq. (1).
-
-    K_t (x - x_r) = F_e with x_r = x_e + F_r / K_hat and F_e = -K_e (x - x_e) gives
-    F_r K_t K_e / (K_hat (K_t + K_e)): about half of F_r for equal stiffnesses, which is why the
-    `series` law and force tracking exist.
-
-    Parameters
-    ----------
-    F_r : float
-        Desired force [N], positive while pressing.
-    K_hat : float
-        Estimated stiffness [N/m], > 0.
-    K_e : float
-        True stiffness [N/m], > 0.
-    K_t : float
-        Target stiffness of the robot [N/m], > 0.
-
-    Returns
-    -------
-    force : float
-        Static contact force [N], positive while pressing.
-
-    """
-    return F_r * K_t * K_e / (K_hat * (K_t + K_e))
