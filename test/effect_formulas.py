@@ -20,6 +20,8 @@ from typing import Any, Callable
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.signal import fftconvolve
+from scipy.special import gamma
 from world_reference import B_e, K_e
 
 Array = NDArray[np.float64]
@@ -53,16 +55,34 @@ def relaxation(t: Array, x: Array, v: Array, a: Array, K_1: float, tau: float) -
 
 
 def hysteresis(
-    t: Array, x: Array, v: Array, a: Array, alpha: float, beta: float, gamma: float
+    t: Array, x: Array, v: Array, a: Array, alpha: float, beta: float, asymmetry: float
 ) -> Array:
     """Integrate z' = v - beta |v| z - gamma v |z|; z = 0 out of contact."""
     h = t[1] - t[0]
 
     def step(z: float, k: int) -> float:
-        rate = v[k] - beta * abs(v[k]) * z - gamma * v[k] * abs(z)
+        rate = v[k] - beta * abs(v[k]) * z - asymmetry * v[k] * abs(z)
         return float(z + h * rate) if x[k] > 0.0 else 0.0
 
     return cut(x, K_e * x + B_e * v + alpha * followed(step, len(t)))
+
+
+def dahl(t: Array, x: Array, v: Array, a: Array, F_c: float, sigma: float) -> Array:
+    """Integrate dz = sigma (dd - z / F_c abs(dd)) over d = x > 0; z = 0 out of contact."""
+    moves = np.diff(np.maximum(x, 0.0), prepend=max(float(x[0]), 0.0))
+
+    def step(z: float, k: int) -> float:
+        return float(z + sigma * (moves[k] - abs(moves[k]) * z / F_c)) if x[k] > 0.0 else 0.0
+
+    return cut(x, K_e * x + B_e * v + followed(step, len(t)))
+
+
+def springpot(t: Array, x: Array, v: Array, a: Array, C: float, alpha: float) -> Array:
+    """Differentiate the penetration by the L1 scheme for Caputo's derivative, by convolution."""
+    k = np.arange(len(t) + 1.0) ** (1.0 - alpha)
+    moves = np.diff(np.maximum(x, 0.0), prepend=max(float(x[0]), 0.0))
+    rate = fftconvolve(np.diff(k), moves)[:len(t)] / (t[1] - t[0]) ** alpha / gamma(2.0 - alpha)
+    return cut(x, K_e * x + B_e * v + C * rate)
 
 
 def sticking(t: Array, x: Array, v: Array, a: Array, F_a: float) -> Array:
@@ -106,14 +126,18 @@ FORMULAS: dict[str, Formula] = {
     'coulomb_friction': lambda t, x, v, a, F_c: cut(
         x, K_e * x + B_e * v + F_c * np.tanh(v / 4e-4)),
     'stribeck_friction': lambda t, x, v, a, *p: cut(x, K_e * x + B_e * v + sliding(v, *p)),
+    'presliding_friction': dahl,
     'environment_inertia': lambda t, x, v, a, M_e: cut(x, K_e * x + B_e * v + M_e * a),
     'cubic_stiffness': lambda t, x, v, a, K_3: cut(x, K_e * x + B_e * v + K_3 * x**3),
     'power_law_stiffness': lambda t, x, v, a, n, K_n: cut(
         x, K_n * np.maximum(x, 0.0) ** n + B_e * v),
+    'exponential_stiffness': lambda t, x, v, a, A, depth: cut(
+        x, K_e * x + B_e * v + A * (np.exp(x / depth) - 1.0 - x / depth)),
     'hunt_crossley_damping': lambda t, x, v, a, chi: cut(x, K_e * x + chi * x * v),
     'quadratic_damping': lambda t, x, v, a, B_2: cut(
         x, K_e * x + B_e * v + B_2 * np.sign(v) * v**2),
     'viscoelastic_relaxation': relaxation,
+    'fractional_relaxation': springpot,
     'bouc_wen_hysteresis': hysteresis,
     'contact_offset': lambda t, x, v, a, offset: cut(
         x - offset, K_e * (x - offset) + B_e * v),

@@ -32,9 +32,12 @@ Array = NDArray[np.float64]
 WORLDS: dict[str, tuple[float, ...]] = {
     'coulomb_friction': (3.0,),
     'stribeck_friction': (2.0, 5.0, 0.05),
+    'presliding_friction': (6.0, 20000.0),
     'cubic_stiffness': (1e6,),
+    'exponential_stiffness': (2.0, 0.004),
     'quadratic_damping': (60.0,),
     'viscoelastic_relaxation': (800.0, 0.1),
+    'fractional_relaxation': (500.0, 0.35),
     'bouc_wen_hysteresis': (1500.0, 150.0, 40.0),
     'bilinear_stiffness': (1500.0, 0.004),
     'stiffness_drift': (0.01,),

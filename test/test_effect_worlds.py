@@ -26,6 +26,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from world_reference import (
     B_e,
+    B_t,
     control,
     K_e,
     K_t,
@@ -60,6 +61,8 @@ INDEPENDENT: dict[str, Callable[..., dict[str, Any]]] = {
     'environment_inertia': lambda M_e: {'M_e': M_e},
     'cubic_stiffness': resisting(lambda t, d, v, K_3: K_3 * d**3),
     'power_law_stiffness': resisting(lambda t, d, v, n, K_n: K_n * max(d, 0.0)**n - K_e * d),
+    'exponential_stiffness': resisting(
+        lambda t, d, v, A, depth: A * (np.exp(d / depth) - 1.0 - d / depth)),
     'hunt_crossley_damping': resisting(lambda t, d, v, chi: chi * d * v - B_e * v),
     'quadratic_damping': resisting(lambda t, d, v, B_2: B_2 * v * abs(v)),
     'contact_offset': lambda offset: {'surface': lambda t: (offset, 0.0)},
@@ -80,10 +83,12 @@ INDEPENDENT: dict[str, Callable[..., dict[str, Any]]] = {
 """By effect: its law in the words of `solve_contact`, from its parameters."""
 
 RATES: dict[str, Callable[..., float]] = {
+    'presliding_friction': lambda v, z, F_c, sigma: sigma * (v - abs(v) * z / F_c),
     'viscoelastic_relaxation': lambda v, s, K_1, tau: K_1 * v - s / tau,
     'bouc_wen_hysteresis': lambda v, z, alpha, beta, gamma: (
         v - beta * abs(v) * z - gamma * v * abs(z)),
 }
+TRANSFORMED = {'fractional_relaxation'}
 NOT_SMOOTH = {'adhesion', 'backlash', 'plastic_set'}  # facts about them: test_effect_laws.py
 
 
@@ -93,7 +98,7 @@ def positions(name: str, **values: Any) -> Any:
 
 
 def test_every_effect_is_compared() -> None:
-    compared = {*INDEPENDENT, *RATES, *NOT_SMOOTH}
+    compared = {*INDEPENDENT, *RATES, *TRANSFORMED, *NOT_SMOOTH}
     assert {n for n, cls in EFFECTS.items() if cls.port != 'force_sensor'} == compared
 
 
@@ -119,6 +124,29 @@ def test_world_with_a_state_is_that_of_an_independent_integration(name: str) -> 
     expected = solve_ivp(rates, (0.0, T[-1]), [START, 0.0, 0.0], t_eval=T, max_step=2e-3, **SMOOTH)
     got = positions(name, environment__unilateral=False)
     np.testing.assert_allclose(got, expected.y[0], atol=1e-8)
+
+
+def inverse_laplace(transform: Callable[[Any], Any], t: float, nodes: int = 40) -> float:
+    """Invert on Talbot's contour (Abate and Valko 2004)."""
+    radius = 0.4 * nodes / t
+    angle = np.pi * np.arange(1, nodes) / nodes
+    cot = 1.0 / np.tan(angle)
+    s, turn = radius * angle * (cot + 1j), 1.0 + 1j * (angle + (angle * cot - 1.0) * cot)
+    rest = np.sum((np.exp(t * s) * transform(s) * turn).real)
+    return float(radius / nodes * (0.5 * np.exp(radius * t) * transform(radius) + rest))
+
+
+def test_world_with_a_fractional_derivative_is_that_of_its_laplace_transform() -> None:
+    C, alpha = example_values('fractional_relaxation')
+
+    def moved(s: Any) -> Any:
+        pull = (M_t * s**2 + B_t * s + K_t) * 0.012 * (1.0 / s - s / (s**2 + 81.0))
+        rest = (B_t + B_e) * s + K_t + K_e + C * s**alpha
+        return (pull - K_e * START / s) / (M_t * s**2 + rest)
+
+    got = positions('fractional_relaxation', environment__unilateral=False)
+    expected = [START + inverse_laplace(moved, t) for t in T[5:].tolist()]
+    np.testing.assert_allclose(got[5:], expected, atol=1e-7)
 
 
 @pytest.mark.slow

@@ -39,7 +39,9 @@ EACH = pytest.mark.parametrize('name', EFFECTS)
 VANISHING = {  # where 0 or the neutral value is out of range, or another has to fit
     'stribeck_friction': {'physics__stribeck_friction__v_s': 1.0},
     'power_law_stiffness': {'physics__power_law_stiffness__K_n': K_e},
+    'exponential_stiffness': {'physics__exponential_stiffness__depth': 1.0},
     'viscoelastic_relaxation': {'physics__viscoelastic_relaxation__tau': 1.0},
+    'fractional_relaxation': {'physics__fractional_relaxation__alpha': 0.5},
     'force_saturation': {'physics__force_saturation__limit': 1e9},
     'actuator_saturation': {'physics__actuator_saturation__limit': 1e5},
 }

@@ -30,16 +30,19 @@ from .cubic_stiffness import CubicStiffness
 from .dead_zone import DeadZone
 from .effect import Effect
 from .environment_inertia import EnvironmentInertia
+from .exponential_stiffness import ExponentialStiffness
 from .force_bias import ForceBias
 from .force_delay import ForceDelay
 from .force_drift import ForceDrift
 from .force_lag import ForceLag
 from .force_saturation import ForceSaturation
+from .fractional_relaxation import FractionalRelaxation
 from .hunt_crossley_damping import HuntCrossleyDamping
 from .impedance_mismatch import ImpedanceMismatch
 from .moving_environment import MovingEnvironment
 from .plastic_set import PlasticSet
 from .power_law_stiffness import PowerLawStiffness
+from .presliding_friction import PreslidingFriction
 from .quadratic_damping import QuadraticDamping
 from .reflected_inertia import ReflectedInertia
 from .robot_friction import RobotFriction
@@ -52,12 +55,15 @@ from ..parameters.specification import group, ParameterGroup
 EFFECTS: dict[str, type[Effect]] = {
     'coulomb_friction': CoulombFriction,
     'stribeck_friction': StribeckFriction,
+    'presliding_friction': PreslidingFriction,
     'environment_inertia': EnvironmentInertia,
     'cubic_stiffness': CubicStiffness,
     'power_law_stiffness': PowerLawStiffness,
+    'exponential_stiffness': ExponentialStiffness,
     'hunt_crossley_damping': HuntCrossleyDamping,
     'quadratic_damping': QuadraticDamping,
     'viscoelastic_relaxation': ViscoelasticRelaxation,
+    'fractional_relaxation': FractionalRelaxation,
     'bouc_wen_hysteresis': BoucWenHysteresis,
     'contact_offset': ContactOffset,
     'moving_environment': MovingEnvironment,

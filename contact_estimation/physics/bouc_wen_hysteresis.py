@@ -19,15 +19,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import lru_cache
 from math import expm1, log1p
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.random import Generator
-from numpy.typing import NDArray
 
 from .contact_effect import ContactEffect
 from .numeric import Array, Flags, Number, stretches
 from .random_strength import log_uniform, Strength
+from .reversals import Motion, motion_of, path_of
 from .scales import Scales
 from ..parameters.specification import optional_parameter, ParameterGroup
 
@@ -45,58 +45,10 @@ class BoucWenHysteresisParameters(ParameterGroup):
     gamma: float = optional_parameter('Difference between loading and unloading', '1/m')
 
 
-class _Path(NamedTuple):
-    """
-    A deflection, split into legs between its reversals.
-
-    Attributes
-    ----------
-    ways : ndarray, shape (L,)
-        Signed length of each leg [m].
-    leg : ndarray of int, shape (N,)
-        Leg of each sample.
-    gone : ndarray, shape (N,)
-        Distance from the beginning of that leg [m].
-
-    """
-
-    ways: Array
-    leg: NDArray[np.int_]
-    gone: Array
-
-
-@lru_cache(maxsize=4)
-def _path(depths: bytes, rates: bytes, before: float, h: float) -> _Path:
-    """Split a deflection where its linearly interpolated rate changes sign."""
-    d, v = np.frombuffer(depths), np.frombuffer(rates)
-    steps = np.diff(d, prepend=before)
-    turns = v[:-1] * v[1:] < 0.0
-    turning = np.flatnonzero(turns)
-    v_0, v_1, all_of_it = v[turning], v[turning + 1], steps[turning + 1]
-    share = v_0 / (v_0 - v_1)
-    out, back = 0.5 * h * v_0 * share, 0.5 * h * v_1 * (1.0 - share)
-    # The rest of the measured step is split in proportion.
-    out = out + share * (all_of_it - out - back)
-    steps[turning + 1] -= out
-    steps = np.insert(steps, turning + 1, out)
-    samples = np.arange(len(d))
-    samples[1:] += np.cumsum(turns)
-    up = steps > 0.0
-    starts = np.flatnonzero(np.concatenate(([True], up[1:] != up[:-1])))
-    leg = np.zeros(len(steps), int)
-    leg[starts[1:]] = 1
-    leg = np.cumsum(leg)
-    gone = np.cumsum(steps)
-    gone -= np.concatenate(([0.0], gone[starts[1:] - 1]))[leg]
-    return _Path(np.add.reduceat(steps, starts), leg[samples], gone[samples])
-
-
 @lru_cache(maxsize=8)
-def _branch(
-    beta: float, gamma: float, depths: bytes, rates: bytes, before: float, h: float
-) -> Array:
+def _branch(beta: float, gamma: float, motion: Motion) -> Array:
     """Return z at each sample, from 0; cached, because searches repeat arguments."""
-    path, z = _path(depths, rates, before, h), 0.0
+    path, z = path_of(motion), 0.0
     begins: list[float] = []
     zeros: list[float] = []  # distance along the leg at which z changes sign
     above, below = (_propagate(beta, gamma * sign, path.ways, path.ways) for sign in (1.0, -1.0))
@@ -176,13 +128,8 @@ class BoucWenHysteresis(ContactEffect):
         for first, stop in stretches(contact):
             if not contact[first]:
                 continue
-            inside, rate = d[first:stop], v[first:stop]
-            before = float(inside[0])
-            if first:  # touch-down lies between two samples: since then the tool has moved by d
-                before = max(0.0, before - abs(float(rate[0])) * h)
-            # Only the reversals of a path matter, and they lie between the samples.
-            states[first:stop] = _branch(
-                beta, gamma, inside.tobytes(), rate.tobytes(), before, h)
+            motion = motion_of(d[first:stop], v[first:stop], h, touches_down=first > 0)
+            states[first:stop] = _branch(beta, gamma, motion)
         return states[None, :]
 
     @classmethod

@@ -1,0 +1,124 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Friction of the wall that sticks elastically before it slides (Dahl 1968)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from math import copysign, exp
+from typing import Any
+
+import numpy as np
+from numpy.random import Generator
+
+from .contact_effect import ContactEffect
+from .numeric import Array, Flags, Number, stretches
+from .random_strength import log_uniform, Strength
+from .reversals import Motion, motion_of, path_of
+from .scales import Scales
+from ..parameters.specification import optional_parameter, ParameterGroup
+
+
+@dataclass(frozen=True)
+class PreslidingFrictionParameters(ParameterGroup):
+    """Parameters of `PreslidingFriction`."""
+
+    F_c: float = optional_parameter('Friction force after a long slide', 'N', minimum=0.0)
+    sigma: float = optional_parameter('Stiffness at a reversal', 'N/m', minimum=0.0)
+
+
+@lru_cache(maxsize=8)
+def _friction(F_c: float, rate: float, motion: Motion) -> Array:
+    """Return z at each sample, from 0; z / F_c approaches the sign of the travel by `rate`."""
+    path, z = path_of(motion), 0.0
+    ends = np.copysign(F_c, path.ways)
+    begins: list[float] = []
+    for end, kept in zip(ends.tolist(), np.exp(-rate * np.abs(path.ways)).tolist()):
+        begins.append(z)
+        z = end + (z - end) * kept
+    end_of, begin_of = ends[path.leg], np.array(begins)[path.leg]
+    return np.asarray(end_of + (begin_of - end_of) * np.exp(-rate * np.abs(path.gone)))
+
+
+class PreslidingFriction(ContactEffect):
+    """
+    R = z, z' = sigma v (1 - z / F_c sgn v); z = 0 out of contact.
+
+    The sign is sharp, because z does not jump. Over a stretch u of one direction s
+    z = F_c s + (z_0 - F_c s) exp(-sigma u / F_c), however fast: the integrated state is the
+    displacement since the last step, with which `settle` advances z exactly.
+
+    """
+
+    name = 'presliding_friction'
+    equation = "F_e -= z, z' = sigma v (1 - z / F_c sgn v)"
+    family = 'friction'
+    description = 'Dry friction that rises over a short travel after each reversal (Dahl model).'
+    Parameters = PreslidingFrictionParameters
+
+    states = 2
+
+    def __init__(self, values: PreslidingFrictionParameters) -> None:
+        super().__init__(values)
+        self._rate = values.sigma / values.F_c if values.F_c > 0.0 else 0.0
+
+    def resistance(self, t: Number, d: Number, v: Number, state: Any, m: Any) -> Number:
+        """Return z; see `ContactEffect.resistance`."""
+        # `states_along` gives a z that is up to date.
+        return state[1] if m is np else self._after(state[0], state[1])
+
+    def _after(self, moved: float, z: float) -> float:
+        """Return z after a stretch of one direction."""
+        end = copysign(self.values.F_c, moved)
+        return end + (z - end) * exp(-self._rate * abs(moved))
+
+    def state_rates(
+        self, t: float, d: float, v: float, contact: bool, state: tuple[float, ...]
+    ) -> tuple[float, ...]:
+        """Return the rate of the displacement; see `ContactEffect.state_rates`."""
+        return (v if contact else 0.0, 0.0)
+
+    def settle(
+        self, d: float, v: float, contact: bool, state: tuple[float, ...]
+    ) -> tuple[float, ...]:
+        """Advance z by the displacement since the last step; reset it out of contact."""
+        return (0.0, self._after(*state) if contact else 0.0)
+
+    def states_along(self, t: Array, d: Array, v: Array, contact: Flags) -> Array:
+        """Advance z exactly from turn to turn."""
+        states, h = np.zeros((2, len(t))), float(t[1] - t[0])
+        for first, stop in stretches(contact):
+            if contact[first]:
+                motion = motion_of(d[first:stop], v[first:stop], h, touches_down=first > 0)
+                states[1, first:stop] = _friction(self.values.F_c, self._rate, motion)
+        return states
+
+    @classmethod
+    def plausible(cls, values: Any) -> bool:
+        """Return whether there is a force, and a travel over which it rises."""
+        return bool(values.F_c > 0.0 and values.sigma > 0.0)
+
+    @classmethod
+    def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
+        """Spread the travel over which friction rises; z grows in proportion to both values."""
+        F_c = 0.1 * scales.force
+        return [(F_c, F_c / (share * scales.depth)) for share in (0.001, 0.004, 0.015, 0.06)]
+
+    @classmethod
+    def draw(cls, scales: Scales, rng: Generator) -> Strength:
+        """Draw the travel over which friction rises."""
+        most, travel = 0.4 * scales.force, log_uniform(rng, 0.003, 0.03) * scales.depth
+        return lambda s: {'F_c': s * most, 'sigma': s * most / travel}

@@ -1,0 +1,129 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Deflections that are split where the motion reverses, for laws with a memory of reversals."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .numeric import Array
+
+
+class Path(NamedTuple):
+    """
+    A deflection, split into legs between its reversals.
+
+    Attributes
+    ----------
+    ways : ndarray, shape (L,)
+        Signed length of each leg [m].
+    leg : ndarray of int, shape (N,)
+        Leg of each sample.
+    gone : ndarray, shape (N,)
+        Distance from the beginning of that leg [m].
+
+    """
+
+    ways: Array
+    leg: NDArray[np.int_]
+    gone: Array
+
+
+class Motion(NamedTuple):
+    """
+    One stretch of contact; hashable, so that what follows from it can be cached.
+
+    Attributes
+    ----------
+    depths, rates : bytes
+        Penetration [m] and its rate [m/s] at the samples.
+    before : float
+        Penetration at the sample before, or of the touch-down since then [m].
+    h : float
+        Sample period [s].
+
+    """
+
+    depths: bytes
+    rates: bytes
+    before: float
+    h: float
+
+
+def motion_of(d: Array, v: Array, h: float, touches_down: bool) -> Motion:
+    """
+    Return one stretch of contact.
+
+    Parameters
+    ----------
+    d, v : ndarray, shape (N,)
+        Penetration [m] and its rate [m/s].
+    h : float
+        Sample period [s].
+    touches_down : bool
+        Whether the tool came from free flight between the sample before and the first one.
+
+    Returns
+    -------
+    motion : Motion
+        Since touch-down the tool has moved by d, at most v h.
+
+    """
+    first = float(d[0])
+    before = max(0.0, first - abs(float(v[0])) * h) if touches_down else first
+    return Motion(d.tobytes(), v.tobytes(), before, h)
+
+
+@lru_cache(maxsize=4)
+def path_of(motion: Motion) -> Path:
+    """
+    Split a motion where its linearly interpolated rate changes sign: between the samples.
+
+    Parameters
+    ----------
+    motion : Motion
+        One stretch of contact.
+
+    Returns
+    -------
+    path : Path
+        Its legs; cached, because searches repeat arguments.
+
+    """
+    d, v, h = np.frombuffer(motion.depths), np.frombuffer(motion.rates), motion.h
+    steps = np.diff(d, prepend=motion.before)
+    turns = v[:-1] * v[1:] < 0.0
+    turning = np.flatnonzero(turns)
+    v_0, v_1, all_of_it = v[turning], v[turning + 1], steps[turning + 1]
+    share = v_0 / (v_0 - v_1)
+    out, back = 0.5 * h * v_0 * share, 0.5 * h * v_1 * (1.0 - share)
+    # The rest of the measured step is split in proportion.
+    out = out + share * (all_of_it - out - back)
+    steps[turning + 1] -= out
+    steps = np.insert(steps, turning + 1, out)
+    samples = np.arange(len(d))
+    samples[1:] += np.cumsum(turns)
+    up = steps > 0.0
+    starts = np.flatnonzero(np.concatenate(([True], up[1:] != up[:-1])))
+    leg = np.zeros(len(steps), int)
+    leg[starts[1:]] = 1
+    leg = np.cumsum(leg)
+    gone = np.cumsum(steps)
+    gone -= np.concatenate(([0.0], gone[starts[1:] - 1]))[leg]
+    return Path(np.add.reduceat(steps, starts), leg[samples], gone[samples])
