@@ -25,8 +25,9 @@ import pytest
 
 ROOT = Path(contact_estimation.__file__).parent
 LAYERS = [
-    'exceptions', 'figures', 'parameters', 'messages', 'recordings', 'signals', 'physics',
-    'reference', 'estimators', 'estimation', 'plant', 'several_points', 'reproduction',
+    'exceptions', 'figures', 'parameters', 'messages', 'recordings', 'signals',
+    'foreign_laws', 'physics', 'reference', 'estimators', 'estimation', 'plant',
+    'several_points', 'reproduction',
     'diagnosis.observe', 'diagnosis.fit', 'diagnosis.conclude', 'diagnosis.report',
     'diagnosis.report.page', 'blind_trials', 'ros', 'commands', 'benchmarks',
 ]

@@ -177,7 +177,10 @@ def _rms(values: Array) -> float:
     return float(np.sqrt(np.nanmean(values**2)))
 
 
-def conceal(degree_of: Callable[[float], float], requested: float) -> Concealed:
+def conceal(
+    degree_of: Callable[[float], float], requested: float, first: float = _FIRST_STRENGTH,
+    simulations: int = _SIMULATIONS, converged: float = _CONVERGED,
+) -> Concealed:
     """
     Search the strength at which an effect is concealed to a requested degree.
 
@@ -190,23 +193,29 @@ def conceal(degree_of: Callable[[float], float], requested: float) -> Concealed:
         Degree r as a function of the strength; one simulation each.
     requested : float
         Requested degree r, > 1.
+    first : float
+        Strength to begin with.
+    simulations : int
+        Most strengths to try.
+    converged : float
+        Relative deviation that ends the search.
 
     Returns
     -------
     concealed : Concealed
-        Closest strength found, within 2 % where possible.
+        Closest strength found.
 
     """
-    goal, strength = _excess(requested), _FIRST_STRENGTH
+    goal, strength = _excess(requested), first
     below: tuple[float, float] | None = None
     above: tuple[float, float] | None = None
     best = Concealed(0.0, 1.0)
-    for _ in range(_SIMULATIONS):
+    for _ in range(simulations):
         r = degree_of(strength)
         if abs(r - requested) < abs(best.degree - requested):
             best = Concealed(strength, r)
         at_end = strength == (1.0 if r < requested else _MIN_STRENGTH)
-        if abs(r / requested - 1.0) < _CONVERGED or at_end:
+        if abs(r / requested - 1.0) < converged or at_end:
             break
         if r < requested:
             below = strength, _excess(r)

@@ -82,8 +82,8 @@ class Faded(Excitation):
                 w_ddot * value + 2.0 * w_dot * first + w * second)
 
 
-class _Builder:
-    """Builds an experiment segment by segment."""
+class Builder:
+    """Builds an experiment segment by segment, from rest at the rest position."""
 
     def __init__(self, stage: Stage) -> None:
         self._stage = stage
@@ -122,7 +122,7 @@ class _Builder:
 
 def _rich(stage: Stage, rng: Generator) -> Experiment:
     """Build two or three touches of different depth and speed, each with a multisine."""
-    builder = _Builder(stage)
+    builder = Builder(stage)
     count = int(rng.integers(2, 4))
     for level in rng.permutation([1.0, *rng.uniform(0.3, 0.9, count - 1)]).tolist():
         builder.wait(float(rng.uniform(0.5, 1.2)))
@@ -137,7 +137,7 @@ def _rich(stage: Stage, rng: Generator) -> Experiment:
 
 def _cycles(stage: Stage, rng: Generator) -> Experiment:
     """Build touches of two levels each, without excitation signal."""
-    builder = _Builder(stage)
+    builder = Builder(stage)
     for _ in range(int(rng.integers(3, 5))):
         builder.wait(float(rng.uniform(0.4, 1.2)))
         level = float(rng.uniform(0.4, 1.0))
@@ -163,7 +163,7 @@ def _paper(stage: Stage, rng: Generator) -> Experiment:
 
 
 def _single(stage: Stage, rng: Generator, name: str, signal: Excitation) -> Experiment:
-    builder = _Builder(stage)
+    builder = Builder(stage)
     builder.wait(float(rng.uniform(0.5, 1.0)))
     builder.press(1.0, float(rng.uniform(1.2, 2.2)))
     builder.wait(0.4)

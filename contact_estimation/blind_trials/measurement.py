@@ -83,7 +83,7 @@ def measure(run: Run, sensors: SensorModel, rng: Generator) -> Measurement:
     Parameters
     ----------
     run : Run
-        True signals at TRUTH_HZ.
+        True signals, at least as fast as the sensors.
     sensors : SensorModel
         Sensor model.
     rng : numpy.random.Generator
@@ -116,7 +116,7 @@ def _force(run: Run, t: Array, sensors: SensorModel, rng: Generator) -> tuple[Ar
     """Return the measured force and the same without noise and quantisation."""
     sensed, delay = run.sensed, 0.0
     if sensors.low_pass:
-        b, a = butter(2, sensors.low_pass, fs=TRUTH_HZ)
+        b, a = butter(2, sensors.low_pass, fs=1.0 / float(run.t[1] - run.t[0]))
         sensed = lfilter(b, a, sensed - sensed[0]) + sensed[0]
         delay = sqrt(2.0) / (2.0 * pi * sensors.low_pass)  # group delay at low frequency
     clean = np.interp(t + delay, run.t, sensed)

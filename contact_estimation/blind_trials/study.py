@@ -29,12 +29,15 @@ from typing import Callable, NamedTuple, Sequence
 
 import numpy as np
 
+from .rig_trial import draw_rig_trial
 from .scoring import Score, score
 from .trial import draw_trial, plan_effects
-from .trial_files import TrialFiles, write_json, write_trial
-from .unknown_effects import UNKNOWN
+from .trial_files import TrialFiles, write_json, write_rig_trial, write_trial
+from ..foreign_laws import FOREIGN_LAWS, UNKNOWN_LAWS
 
 _TIMEOUT_S = 1800.0  # of one diagnosis
+_ON_RIG = (2, 3)  # kinds of trials: with effects, clean, unknown, foreign
+_EVERY_CLEAN = 9
 
 
 class PlannedTrial(NamedTuple):
@@ -46,26 +49,32 @@ class PlannedTrial(NamedTuple):
     name : str
         Name of the files; it does not reveal the effect.
     effect : str
-        Key of EFFECTS or of UNKNOWN; '' for a clean world.
+        Key of EFFECTS or of ALL_LAWS; '' for a clean world.
     seed : tuple of int
         Seed of all random draws of the trial.
+    on_rig : bool
+        Whether on a rig with nuisances, else in a world that obeys the library's laws exactly.
 
     """
 
     name: str
     effect: str
     seed: tuple[int, int, int]
+    on_rig: bool = False
 
 
-def plan_study(count: int, clean: int, seed: int, unknown: int = 0) -> list[PlannedTrial]:
+def plan_study(
+    count: int, clean: int, seed: int, unknown: int = 0, foreign: int = 0
+) -> list[PlannedTrial]:
     """
     Plan a study.
 
     Parameters
     ----------
-    count, clean, unknown : int
-        Numbers of trials with an effect of the library, without an effect, and with an effect
-        outside the library.
+    count, clean, unknown, foreign : int
+        Numbers of trials with an effect of the library, without an effect, with a law that no
+        effect describes, and with a law of the literature that an effect describes only about
+        (every ninth of the latter has none).
     seed : int
         Seed of the study.
 
@@ -75,9 +84,16 @@ def plan_study(count: int, clean: int, seed: int, unknown: int = 0) -> list[Plan
         A larger study with the same seed contains the trials of a smaller one.
 
     """
-    kinds = (plan_effects(count, seed), [''] * clean, plan_effects(unknown, seed, UNKNOWN))
-    return [PlannedTrial(_name((seed, kind, k)), effect, (seed, kind, k))
+    kinds = (plan_effects(count, seed), [''] * clean, plan_effects(unknown, seed, UNKNOWN_LAWS),
+             _plan_foreign(foreign, seed))
+    return [PlannedTrial(_name((seed, kind, k)), effect, (seed, kind, k), kind in _ON_RIG)
             for kind, effects in enumerate(kinds) for k, effect in enumerate(effects)]
+
+
+def _plan_foreign(count: int, seed: int) -> list[str]:
+    """Plan laws of the literature with a clean world after every eight."""
+    laws = iter(plan_effects(count, seed, FOREIGN_LAWS))
+    return ['' if k % _EVERY_CLEAN == _EVERY_CLEAN - 1 else next(laws) for k in range(count)]
 
 
 def _name(seed: tuple[int, int, int]) -> str:
@@ -86,7 +102,7 @@ def _name(seed: tuple[int, int, int]) -> str:
 
 def run_study(
     folder: Path, trials: Sequence[PlannedTrial], jobs: int,
-    progress: Callable[[float, str], None],
+    progress: Callable[[float, str], None], only_write: bool = False,
 ) -> list[Score]:
     """
     Run the remaining trials of a study and score all.
@@ -101,15 +117,17 @@ def run_study(
         Number of processes.
     progress : callable
         Called with the completed fraction and the name of the trial just finished.
+    only_write : bool
+        Whether to write recordings, nominal models and truths without diagnosing.
 
     Returns
     -------
     scores : list of Score
-        In the order of the plan.
+        In the order of the plan; empty if nothing was diagnosed.
 
     """
     with ProcessPoolExecutor(jobs) as pool:
-        pending = {pool.submit(run_trial, folder, trial): trial for trial in trials}
+        pending = {pool.submit(run_trial, folder, trial, only_write): trial for trial in trials}
         try:
             for done, future in enumerate(as_completed(pending), 1):
                 future.result()
@@ -117,10 +135,10 @@ def run_study(
         except BaseException:
             pool.shutdown(cancel_futures=True)
             raise
-    return [_score(folder, trial) for trial in trials]
+    return [] if only_write else [_score(folder, trial) for trial in trials]
 
 
-def run_trial(folder: Path, planned: PlannedTrial) -> None:
+def run_trial(folder: Path, planned: PlannedTrial, only_write: bool = False) -> None:
     """
     Run the missing steps of a trial.
 
@@ -130,14 +148,19 @@ def run_trial(folder: Path, planned: PlannedTrial) -> None:
         Folder of the study.
     planned : PlannedTrial
         The trial.
+    only_write : bool
+        Whether to stop before the diagnosis.
 
     """
     files = TrialFiles.of(folder, planned.name)
     if not files.truth.exists():
         rng = np.random.default_rng(planned.seed)
-        write_trial(draw_trial(planned.effect, rng), files, rng)
+        if planned.on_rig:
+            write_rig_trial(draw_rig_trial(planned.effect, rng), files, rng)
+        else:
+            write_trial(draw_trial(planned.effect, rng), files, rng)
         files.report.unlink(missing_ok=True)
-    if not files.report.exists():
+    if not only_write and not files.report.exists():
         diagnose_blind(files)
 
 

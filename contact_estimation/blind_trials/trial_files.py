@@ -26,9 +26,12 @@ import yaml
 
 from .ground_truth import ground_truth
 from .measurement import INTEGRATION_HZ, measure, Measurement, TRUTH_HZ
+from .rig import simulate_rig
+from .rig_trial import integration_rate, rig_truth, RigTrial
 from .simulation import simulate
 from .trial import Trial
 from ..messages import JointStateEncoder, TrajectoryEncoder, WrenchEncoder
+from ..plant.plant_parameters import RobotParameters, WallParameters
 from ..recordings import RecordingWriter
 
 _EPOCH_NS = 1_760_000_000_000_000_000
@@ -95,11 +98,36 @@ def write_trial(trial: Trial, files: TrialFiles, rng: Generator) -> None:
     """
     run = simulate(trial.world, trial.physics, TRUTH_HZ, INTEGRATION_HZ)
     measurement = measure(run, trial.world.sensors, rng)
+    with_velocity = trial.world.sensors.velocity_noise is not None
+    _write_inputs(files, measurement, with_velocity,
+                  nominal_model(trial.nominal, trial.world.robot))
+    write_json(files.truth, ground_truth(trial, run, measurement.force_floor))
+
+
+def write_rig_trial(trial: RigTrial, files: TrialFiles, rng: Generator) -> None:
+    """
+    Simulate a trial on a rig and write its files; parameters as `write_trial`.
+
+    An attached specimen has no robot and its recording no reference.
+
+    """
+    rig = trial.rig
+    run = simulate_rig(rig, trial.make_law(), integration_rate(rig), rng)
+    measurement = measure(run, rig.sensors, rng)
+    _write_inputs(files, measurement, rig.sensors.velocity_noise is not None,
+                  nominal_model(trial.nominal, rig.robot), with_reference=rig.robot is not None)
+    write_json(files.truth, rig_truth(trial, run, measurement.force_floor))
+
+
+def _write_inputs(
+    files: TrialFiles, measurement: Measurement, with_velocity: bool, nominal: str,
+    with_reference: bool = True,
+) -> None:
+    """Write recording and nominal model."""
     files.recording.parent.mkdir(parents=True, exist_ok=True)
     files.recording.unlink(missing_ok=True)  # incomplete: the study was interrupted
-    _write_recording(files.recording, measurement, trial)
-    files.nominal.write_text(nominal_model(trial))
-    write_json(files.truth, ground_truth(trial, run, measurement.force_floor))
+    _write_recording(files.recording, measurement, with_velocity, with_reference)
+    files.nominal.write_text(nominal)
 
 
 def write_json(path: Path, content: Any) -> None:
@@ -120,14 +148,16 @@ def write_json(path: Path, content: Any) -> None:
     os.replace(part, path)
 
 
-def nominal_model(trial: Trial) -> str:
+def nominal_model(wall: WallParameters, robot: RobotParameters | None) -> str:
     """
     Write the nominal model: the wall as modelled, the true robot.
 
     Parameters
     ----------
-    trial : Trial
-        The trial.
+    wall : WallParameters
+        Wall of the nominal model.
+    robot : RobotParameters or None
+        The robot; None: an attached wall alone.
 
     Returns
     -------
@@ -135,17 +165,20 @@ def nominal_model(trial: Trial) -> str:
         Content of a model file.
 
     """
-    wall, robot = trial.nominal, trial.world.robot
-    values = {
-        'environment': {'stiffness': wall.stiffness, 'damping': wall.damping,
-                        'location': wall.location},
-        'robot': {'mass': robot.mass, 'damping': robot.damping, 'stiffness': robot.stiffness},
-    }
+    environment = {'stiffness': wall.stiffness, 'damping': wall.damping,
+                   'location': wall.location}
+    values: dict[str, Any] = {'environment': environment}
+    if not wall.unilateral:
+        environment.update(inertia=wall.inertia, unilateral=False)
+    if robot is not None:
+        values['robot'] = {
+            'mass': robot.mass, 'damping': robot.damping, 'stiffness': robot.stiffness}
     return str(yaml.safe_dump({'plant_node': {'ros__parameters': values}}, sort_keys=False))
 
 
-def _write_recording(path: Path, measurement: Measurement, trial: Trial) -> None:
-    with_velocity = trial.world.sensors.velocity_noise is not None
+def _write_recording(
+    path: Path, measurement: Measurement, with_velocity: bool, with_reference: bool
+) -> None:
     wrench = WrenchEncoder('tool')
     joint = JointStateEncoder('base', _JOINT, with_velocity)
     reference = TrajectoryEncoder('base', _JOINT)
@@ -159,7 +192,7 @@ def _write_recording(path: Path, measurement: Measurement, trial: Trial) -> None
     )
     messages = [
         (_EPOCH_NS + stamp, topic, type_name, encode(_EPOCH_NS + stamp, value))
-        for signal, topic, type_name, encode in topics
+        for signal, topic, type_name, encode in topics[:3 if with_reference else 2]
         for stamp, value in zip(signal.stamps.tolist(), signal.values.tolist())
     ]
     messages.sort(key=lambda message: message[0])

@@ -26,6 +26,8 @@ from ..blind_trials.report import as_dict, as_text, plot_confusion
 from ..blind_trials.study import plan_study, run_study
 from ..exceptions import ParameterRangeError
 
+_KINDS = ('count', 'clean', 'unknown', 'foreign')
+
 
 def make_parser() -> Parser:
     """Build the command line of `blind_trials`."""
@@ -39,7 +41,12 @@ def make_parser() -> Parser:
     parser.add_argument('--count', type=int, required=True, help='trials with an effect')
     parser.add_argument('--clean', type=int, default=0, help='trials without an effect (0)')
     parser.add_argument('--unknown', type=int, default=0,
-                        help='trials with an effect outside the library (0)')
+                        help='trials on a rig with a law that no effect describes (0)')
+    parser.add_argument('--foreign', type=int, default=0,
+                        help='trials on a rig with a law of the literature that is not the '
+                        "library's; every ninth has none (0)")
+    parser.add_argument('--only-write', action='store_true',
+                        help='write recordings, nominal models and truths; diagnose nothing')
     parser.add_argument('--seed', type=int, default=0, help='seed of all random draws (0)')
     parser.add_argument('--jobs', type=int, default=1, help='number of parallel processes (1)')
     parser.add_argument('--output', metavar='DIR', default='blind_trials_output',
@@ -64,19 +71,24 @@ def run(options: Any) -> int:
         0.
 
     """
-    for name, least in (('count', 0), ('clean', 0), ('unknown', 0), ('seed', 0), ('jobs', 1)):
+    for name, least in (*((kind, 0) for kind in (*_KINDS, 'seed')), ('jobs', 1)):
         if getattr(options, name) < least:
             raise ParameterRangeError(f'--{name} must be >= {least}, got {getattr(options, name)}')
-    if options.count + options.clean + options.unknown == 0:
+    if not any(getattr(options, kind) for kind in _KINDS):
         raise ParameterRangeError(
-            '--count, --clean and --unknown are all 0; request at least one trial')
+            '--count, --clean, --unknown and --foreign are all 0; request at least one trial')
     target = new_file(options.json) if options.json else None
     folder = Path(options.output)
     folder.mkdir(parents=True, exist_ok=True)
     progress = Progress('blind_trials')
-    trials = plan_study(options.count, options.clean, options.seed, options.unknown)
-    scores = run_study(folder, trials, options.jobs, progress.show)
+    trials = plan_study(options.count, options.clean, options.seed, options.unknown,
+                        options.foreign)
+    scores = run_study(folder, trials, options.jobs, progress.show, options.only_write)
     progress.done()
+    if options.only_write:
+        print(f'wrote {len(trials)} trials to {folder / "handed_over"}, truths to '
+              f'{folder / "sealed"}')
+        return 0
     text = as_text(scores, str(folder / 'handed_over'))
     print(text)
     (folder / 'table.txt').write_text(text + '\n')

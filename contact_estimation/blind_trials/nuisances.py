@@ -1,0 +1,117 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Small nuisances of a real rig, each about one percent of the force range."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi
+
+import numpy as np
+from numpy.random import Generator
+from numpy.typing import NDArray
+from scipy.signal import lfilter
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Nuisances:
+    """
+    Small departures from the ideal world.
+
+    Attributes
+    ----------
+    bias : float
+        Residue of gravity compensation on the force [N].
+    cable : float
+        Stiffness of the cable that pulls at the sensor [N/m].
+    hum, hum_frequency : float
+        Amplitude [N] and frequency [Hz] of mains hum on the force.
+    colour, colour_corner : float
+        Standard deviation [N] and corner [Hz] of coloured force noise.
+    cubic : float
+        Relative change of the elastic force at the largest depth.
+    robot_friction : float
+        Friction of the joint [N].
+
+    """
+
+    bias: float
+    cable: float
+    hum: float
+    hum_frequency: float
+    colour: float
+    colour_corner: float
+    cubic: float
+    robot_friction: float
+
+
+def draw_nuisances(force: float, travel: float, noise: float, rng: Generator) -> Nuisances:
+    """
+    Draw the nuisances of a rig.
+
+    Parameters
+    ----------
+    force, travel : float
+        Range of force [N] and position [m].
+    noise : float
+        Standard deviation of the white force noise [N].
+    rng : numpy.random.Generator
+        Random generator.
+
+    Returns
+    -------
+    nuisances : Nuisances
+        Numbers rounded to four digits.
+
+    """
+    drawn = (
+        force * rng.uniform(-0.006, 0.006), force / travel * rng.uniform(-0.008, 0.008),
+        force * rng.uniform(0.0, 0.003), rng.choice([50.0, 60.0]) * rng.uniform(0.998, 1.002),
+        noise * rng.uniform(0.2, 0.7), np.exp(rng.uniform(np.log(0.3), np.log(10.0))),
+        rng.uniform(-0.01, 0.01), force * rng.uniform(0.001, 0.006),
+    )
+    return Nuisances(*(float(f'{value:.4g}') for value in drawn))
+
+
+def disturbed(
+    t: Array, x: Array, force: Array, nuisances: Nuisances, rng: Generator
+) -> Array:
+    """
+    Add bias, cable, hum and coloured noise to a force.
+
+    Parameters
+    ----------
+    t, x, force : ndarray, shape (N,)
+        Time, evenly spaced [s], position [m] and measured force [N].
+    nuisances : Nuisances
+        Their sizes.
+    rng : numpy.random.Generator
+        Random generator of the coloured noise.
+
+    Returns
+    -------
+    force : ndarray, shape (N,)
+        Force before filter, white noise and rounding [N].
+
+    """
+    n, rate = nuisances, 1.0 / float(t[1] - t[0])
+    fade = float(np.exp(-2.0 * pi * min(n.colour_corner, 0.2 * rate) / rate))
+    white = rng.standard_normal(len(t)) * n.colour * (1.0 - fade**2) ** 0.5
+    hum = n.hum * np.sin(2.0 * pi * n.hum_frequency * t)
+    slow = rate > 4.0 * n.hum_frequency  # else the sensor averages over the mains period
+    return np.asarray(force + n.bias - n.cable * (x - x[0]) + (hum if slow else 0.0)
+                      + lfilter([1.0], [1.0, -fade], white))

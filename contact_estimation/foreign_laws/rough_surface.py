@@ -1,0 +1,54 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Rough surface: asperities touch one after the other."""
+
+from __future__ import annotations
+
+from math import exp, log1p
+from typing import Any
+
+from numpy.random import Generator
+
+from .law import ContactLaw, Magnitudes, Strength
+
+
+class RoughSurface(ContactLaw):
+    """
+    Asperities with exponentially distributed heights soften the first touch.
+
+    R = K h (log(1 + exp((d - gap) / h)) - log(1 + exp(-gap / h))) in place of K_e d: an
+    exponential onset over the roughness h, then a spring from the mean plane at `gap`.
+    Greenwood and Williamson, Proc. Royal Society A 295, 1966; Pohrt and Popov, PRL 108, 2012.
+
+    """
+
+    families = ('clearance', 'elastic_law')
+    stages = ('press',)
+    keeps_spring = False
+
+    @classmethod
+    def draw(cls, magnitudes: Magnitudes, rng: Generator) -> Strength:
+        """Draw; see `ForeignLaw.draw`."""
+        K, most = magnitudes.stiffness, 0.5 * magnitudes.depth
+        sharpness = float(rng.uniform(0.2, 0.6))
+        return lambda s: {'K': K, 'gap': s * most, 'roughness': max(1e-9, sharpness * s * most)}
+
+    def respond(
+        self, t: float, d: float, v: float, dt: float, state: Any
+    ) -> tuple[float, Any]:
+        """Return the elastic force; see `ContactLaw.respond`."""
+        p = self.values
+        rise = p.roughness * log1p(exp(min(50.0, (d - p.gap) / p.roughness)))
+        return p.K * (rise - p.roughness * log1p(exp(-p.gap / p.roughness))), None

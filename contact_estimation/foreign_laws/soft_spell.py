@@ -1,0 +1,45 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Wall that is softer during an interval."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from numpy.random import Generator
+
+from .law import ContactLaw, Magnitudes, Strength
+
+
+class SoftSpell(ContactLaw):
+    """
+    A spring that fails and recovers.
+
+    R = -softer d while first < t < last.
+
+    """
+
+    @classmethod
+    def draw(cls, magnitudes: Magnitudes, rng: Generator) -> Strength:
+        """Draw; see `ForeignLaw.draw`."""
+        first = magnitudes.duration * float(rng.uniform(0.15, 0.6))
+        last = first + magnitudes.duration * float(rng.uniform(0.1, 0.25))
+        return lambda s: {'softer': 0.8 * s * magnitudes.stiffness, 'first': first, 'last': last}
+
+    def respond(
+        self, t: float, d: float, v: float, dt: float, state: Any
+    ) -> tuple[float, Any]:
+        """Return the missing spring force; see `ContactLaw.respond`."""
+        return (-self.values.softer * d if self.values.first < t < self.values.last else 0.0), None
