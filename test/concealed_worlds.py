@@ -20,7 +20,6 @@ from functools import lru_cache
 from math import pi
 from typing import Any, Sequence
 
-from contact_estimation.blind_trials.unknown_effects import make_unknown
 from contact_estimation.diagnosis.conclude.diagnose import diagnose
 from contact_estimation.diagnosis.conclude.result import Diagnosis
 from contact_estimation.diagnosis.observe.model import Model
@@ -38,6 +37,7 @@ from contact_estimation.reference.excitation import Excitation, Multisine
 from contact_estimation.reference.experiment import Experiment, Segment
 from contact_estimation.reference.quintic import quintic
 import numpy as np
+from outside_effects import make_outside
 
 MODEL: dict[str, Any] = {
     'environment.stiffness': 5000.0, 'environment.damping': 120.0,
@@ -152,7 +152,7 @@ def record(
 @lru_cache(maxsize=None)
 def with_unknown(name: str, *values: tuple[str, float]) -> Signals:
     """Record a world with an effect outside the library."""
-    return record(_world(1, {}), further=(make_unknown(name, dict(values)),))
+    return record(_world(1, {}), further=(make_outside(name, **dict(values)),))
 
 
 def softened(first: float, last: float) -> Signals:

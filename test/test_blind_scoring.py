@@ -166,6 +166,6 @@ def test_table_lists_requirements_and_misses() -> None:
 
 def test_json_keeps_its_keys() -> None:
     study = as_dict([scored(truth('force_bias'), answer('force_bias'))], seed=1)
-    assert {'said', 'rivals', 'named', 'alone', 'surplus', 'accused', 'unnamed'} <= set(
+    assert {'said', 'rivals', 'named', 'alone', 'surplus', 'accused'} <= set(
         study['trials'][0])
     assert list(study['totals'][0]) == ['name', 'value', 'told', 'mark', 'at_least', 'met']

@@ -139,8 +139,9 @@ def test_a_finished_study_is_only_scored(tmp_path: Path) -> None:
         done(tmp_path, planned, answer(planned.effect) if planned.effect else answer())
     told: list[float] = []
     scores = run_study(tmp_path, trials, 1, lambda share, _: told.append(share))
-    assert [s.trial for s in scores] == [planned.name for planned in trials]
-    assert all(s.found_alone for s in scores if s.effect)
+    assert [s.trial for s in scores.exact] == [planned.name for planned in trials]
+    assert all(s.found_alone for s in scores.exact if s.effect)
+    assert scores.on_rigs == []
     assert told[-1] == 1.0
 
 

@@ -29,9 +29,7 @@ from contact_estimation.blind_trials.trial import (
     MAX_DEGREE,
     MIN_DEGREE,
     plan_effects,
-    port_of,
 )
-from contact_estimation.blind_trials.unknown_effects import UNKNOWN
 from contact_estimation.blind_trials.worlds import (
     draw_nominal_wall,
     draw_world,
@@ -45,7 +43,6 @@ from contact_estimation.reference.excitation import Sine
 import numpy as np
 import pytest
 
-NOT_MAGNITUDES = {'frequency', 'damping_ratio', 'first', 'last', 'tau', 'wavelength'}
 SCALES = Scales(0.02, 0.1, 80.0, 150.0, 0.0, 15.0, 4000.0, 100.0, 20.0)
 
 
@@ -206,23 +203,6 @@ def test_active_intervals_cover_the_large_residual() -> None:
     assert (first, second, third) == pytest.approx((2.0, 3.0, 6.0), abs=0.1)
     assert fourth == pytest.approx(t[-1], abs=0.01)
     assert active_intervals(np.full(4000, np.nan), t) == []
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize('name', UNKNOWN)
-def test_an_effect_outside_the_library_shows_at_its_port(
-    name: str,
-) -> None:
-    values = UNKNOWN[name].draw(SCALES._replace(duration=3.0), np.random.default_rng(2))(0.2)
-    physics = {f'{name}.{key}': value for key, value in values.items()}
-    without, run = simulate(WORLD, {}, 500.0), simulate(WORLD, physics, 500.0)
-    port = port_of(name)
-    assert name not in EFFECTS
-    assert rms_of(port, WORLD, run) > 3.0 * rms_of(port, WORLD, without) + 1e-3
-    nothing = {key: value if key in NOT_MAGNITUDES else 0.0 for key, value in values.items()}
-    if 'mass' not in nothing:  # a mass of 0 has no acceleration
-        again = simulate(WORLD, {f'{name}.{key}': v for key, v in nothing.items()}, 500.0)
-        np.testing.assert_allclose(again.force, without.force, atol=1e-9)
 
 
 def test_search_finds_the_requested_degree() -> None:

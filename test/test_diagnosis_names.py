@@ -32,8 +32,6 @@ from concealed_worlds import (
     softened,
     with_unknown,
 )
-from contact_estimation.blind_trials.trial import port_of
-from contact_estimation.blind_trials.unknown_effects import UNKNOWN
 from contact_estimation.diagnosis.conclude.diagnose import diagnose
 from contact_estimation.diagnosis.conclude.result import Diagnosis
 from contact_estimation.diagnosis.observe.model import names_of
@@ -43,6 +41,7 @@ from contact_estimation.diagnosis.report.json_report import as_dict
 from contact_estimation.diagnosis.report.text_report import as_text
 from contact_estimation.physics import EFFECTS
 import numpy as np
+from outside_effects import OUTSIDE_EFFECTS
 import pytest
 
 pytestmark = pytest.mark.slow
@@ -191,12 +190,12 @@ def of_unknown(name: str) -> Diagnosis:
     return diagnosed(with_unknown(name, *OUTSIDE[name].items()))
 
 
-@pytest.mark.parametrize('name', UNKNOWN)
+@pytest.mark.parametrize('name', OUTSIDE_EFFECTS)
 def test_what_the_library_has_not_is_located_and_not_named(name: str) -> None:
     found = of_unknown(name)
     assert (found.verdict, named(found)) == ('unexplained', [])
     assert found.location is not None
-    assert found.location.port == port_of(name)
+    assert found.location.port == OUTSIDE_EFFECTS[name].port
     assert found.next_experiment
 
 

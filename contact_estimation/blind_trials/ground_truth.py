@@ -19,15 +19,11 @@ from __future__ import annotations
 from dataclasses import asdict
 from typing import Any
 
-import numpy as np
-
-from .concealment import active_intervals, degree, residual
+from .concealment import degree
 from .measurement import TRUTH_HZ
 from .simulation import Run, simulate
 from .trial import Trial
-from .unknown_effects import make_unknown, UNKNOWN
 from ..physics import EFFECTS
-from ..physics.robot_effect import RobotEffect
 
 
 def ground_truth(trial: Trial, run: Run, force_floor: float) -> dict[str, Any]:
@@ -50,13 +46,12 @@ def ground_truth(trial: Trial, run: Run, force_floor: float) -> dict[str, Any]:
 
     """
     world, effect = trial.world, EFFECTS.get(trial.effect)
-    effects = [_description(trial)] if effect else []
-    unknown = _unknown(trial, run) if trial.effect in UNKNOWN else None
+    effects = [] if effect is None else [
+        {'name': trial.effect, 'port': trial.port, 'parameters': dict(trial.values)}]
     clean_verdict = 'consistent' if trial.is_exact else 'recalibrate'
     return {
         'effects': effects,
-        'unknown': unknown,
-        'verdict': 'physics_missing' if effects else 'unexplained' if unknown else clean_verdict,
+        'verdict': 'physics_missing' if effects else clean_verdict,
         'stiffness': (
             None if getattr(effect, 'replaces_stiffness', False) else world.wall.stiffness),
         'damping': 0.0 if getattr(effect, 'replaces_damping', False) else world.wall.damping,
@@ -65,22 +60,6 @@ def ground_truth(trial: Trial, run: Run, force_floor: float) -> dict[str, Any]:
         'experiment': world.experiment.name,
         'sensing': asdict(world.sensors),
     }
-
-
-def _description(trial: Trial) -> dict[str, Any]:
-    return {'name': trial.effect, 'port': trial.port, 'parameters': dict(trial.values)}
-
-
-def _unknown(trial: Trial, run: Run) -> dict[str, Any]:
-    """Describe an effect outside the library, with the intervals in which it acts."""
-    sampled = _at_sample_rate(trial, run)
-    effect = make_unknown(trial.effect, trial.values)
-    # The drag of a robot effect is known exactly; its residual is dominated by impacts.
-    shown = (np.asarray(effect.drag(sampled.v, np)) if isinstance(effect, RobotEffect)
-             else residual(trial.port, trial.world, sampled))
-    first, last = trial.values.get('first', 0.0), trial.values.get('last', np.inf)
-    shown = np.where((sampled.t >= first) & (sampled.t <= last), shown, 0.0)
-    return {**_description(trial), 'intervals_s': active_intervals(shown, sampled.t)}
 
 
 def _degree(trial: Trial, run: Run) -> float:

@@ -95,14 +95,6 @@ _DEFINITIONS = (
                 5.0, False),
     _Definition('K_e, B_e given exactly where defined [%]', lambda s: [s.base_right],
                 _percentage, 100.0),
-    _Definition('outside the library: unexplained, no name [%]', lambda s: [s.unexplained],
-                _percentage, None),
-    _Definition('outside the library: right port [%]', lambda s: [s.port_right], _percentage,
-                None),
-    _Definition('outside the library: interval overlap at least half [%]',
-                lambda s: [value >= 0.5 for value in _magnitude(s.overlap)], _percentage, None),
-    _Definition('outside the library: all three [%]',
-                lambda s: [s.recognised_as_unknown] if s.outside else [], _percentage, 80.0),
     _Definition('verdict right [%]', lambda s: [s.verdict_right], _percentage, None),
 )
 

@@ -30,7 +30,7 @@ from ..physics import EFFECTS
 # The keys of the JSON file are those of earlier versions, which scripts read.
 _SCORE_KEYS = {
     'names': 'said', 'alternatives': 'rivals', 'found': 'named', 'found_alone': 'alone',
-    'extra_names': 'surplus', 'false_alarm': 'accused', 'unexplained': 'unnamed',
+    'extra_names': 'surplus', 'false_alarm': 'accused',
 }
 _METRIC_KEYS = {'samples': 'told', 'limit': 'mark'}
 _COLUMNS = ('trials', 'found', 'alone', 'extra', 'alarms', 'param.', 'force', 'floor', 'K_e',
@@ -55,9 +55,8 @@ def as_dict(scores: Sequence[Score], seed: int) -> dict[str, Any]:
 
     """
     return {
-        'count': sum(bool(s.effect) and not s.outside for s in scores),
+        'count': sum(bool(s.effect) for s in scores),
         'clean': sum(not s.effect for s in scores),
-        'unknown': sum(s.outside for s in scores),
         'seed': seed,
         'totals': _metric_dicts(scores),
         'groups': {kind: {label: _metric_dicts(part) for label, part in parts.items()}
@@ -92,8 +91,8 @@ def as_text(scores: Sequence[Score], folder: str) -> str:
         Metrics with their requirements, metrics by group, list of misses.
 
     """
-    clean, outside = sum(not s.effect for s in scores), sum(s.outside for s in scores)
-    lines = [f'{len(scores)} trials, {clean} of them clean, {outside} outside the library', '']
+    clean = sum(not s.effect for s in scores)
+    lines = [f'{len(scores)} trials, {clean} of them clean', '']
     lines += [_metric_line(metric) for metric in metrics(scores) if metric.samples]
     for kind, parts in groups(scores).items():
         lines += ['', f'by {kind}'.ljust(26) + ''.join(f'{name:>9}' for name in _COLUMNS)]
@@ -121,9 +120,6 @@ def _miss_line(score: Score) -> str:
     truth = f'{score.effect} concealed {score.concealed:.2f} times' if score.effect else 'clean'
     if score.error:
         return f'  {score.trial}: {truth}; failed: {score.error}'
-    if score.overlap is not None:
-        truth = (f'{score.effect} (outside), {"right" if score.port_right else "wrong"} port, '
-                 f'overlap {score.overlap:.2f}')
     answer = ' + '.join(score.names) or score.answer
     alternatives = f' (or {", ".join(score.alternatives)})' if score.alternatives else ''
     return (f'  {score.trial}: {truth}, {score.features["experiment"]}; diagnosed {answer}'

@@ -17,7 +17,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Mapping, Sequence
+from typing import Any, Mapping
 
 from ..physics import EFFECTS
 
@@ -36,8 +36,6 @@ class Score:
         Name of the trial.
     effect : str
         True effect; '' in a clean world.
-    outside : bool
-        The true effect is outside the library.
     concealed : float
         Degree of concealment.
     verdict : str
@@ -64,14 +62,8 @@ class Score:
         Error of the reported noise floor, signed [%].
     stiffness_error, damping_error : float or None
         Errors of the corrected model, signed [%]; None where truth or model has no value.
-    base_right : bool or None
+    base_right : bool
         The corrected model has K_e and B_e exactly where the truth has them.
-    unexplained : bool or None
-        Effect outside the library: the verdict is `unexplained` without any name.
-    port_right : bool or None
-        Effect outside the library: the reported port is the true one.
-    overlap : float or None
-        Effect outside the library: intersection over union of true and reported intervals.
     features : dict of str to str
         Properties of experiment and sensors, for grouping.
     error : str
@@ -83,7 +75,6 @@ class Score:
 
     trial: str
     effect: str
-    outside: bool
     concealed: float
     verdict: str
     verdict_right: bool
@@ -98,10 +89,7 @@ class Score:
     floor_error: float | None
     stiffness_error: float | None
     damping_error: float | None
-    base_right: bool | None
-    unexplained: bool | None
-    port_right: bool | None
-    overlap: float | None
+    base_right: bool
     features: dict[str, str]
     error: str
     seconds: float
@@ -116,16 +104,10 @@ class Score:
         return 'unexplained' if self.verdict == 'unexplained' else 'nothing'
 
     @property
-    def recognised_as_unknown(self) -> bool:
-        """Whether an effect outside the library is left unnamed and correctly located."""
-        return bool(self.unexplained and self.port_right and (self.overlap or 0.0) >= 0.5)
-
-    @property
     def is_miss(self) -> bool:
         """Whether the report is wrong in any respect."""
         return (bool(self.error) or self.found is False or bool(self.extra_names)
-                or bool(self.false_alarm) or bool(self.effect and not self.verdict_right)
-                or (self.outside and not self.recognised_as_unknown))
+                or bool(self.false_alarm) or bool(self.effect and not self.verdict_right))
 
 
 def score(trial: str, truth: Mapping[str, Any], answer: Mapping[str, Any]) -> Score:
@@ -149,18 +131,17 @@ def score(trial: str, truth: Mapping[str, Any], answer: Mapping[str, Any]) -> Sc
     """
     report: Mapping[str, Any] = answer['report'] or {}
     true = truth['effects'][0] if truth['effects'] else None
-    unknown: Mapping[str, Any] = truth.get('unknown') or {}
-    effects, location = report.get('effects', []), report.get('location') or {}
+    effects = report.get('effects', [])
     names = [effect['name'] for effect in effects]
     alternatives = list(effects[0]['indistinguishable_from']) if effects else []
-    name = true['name'] if true else unknown.get('name', '')
+    name = true['name'] if true else ''
     verdict = str(report.get('verdict', ''))
     fit, corrected = report.get('fit', {}), report.get('corrected', {})
     stiffness, damping = (_value(corrected, each) for each in ('stiffness', 'damping'))
     floor = float(truth['force_floor_n'])
     held_out = fit.get('force_rmse_n', {}).get('corrected')
     return Score(
-        trial=trial, effect=name, outside=bool(unknown), concealed=float(truth['concealed']),
+        trial=trial, effect=name, concealed=float(truth['concealed']),
         verdict=verdict, verdict_right=verdict == truth['verdict'],
         names=names, alternatives=alternatives,
         found=name in names[:1] + alternatives if true else None,
@@ -169,17 +150,13 @@ def score(trial: str, truth: Mapping[str, Any], answer: Mapping[str, Any]) -> Sc
         false_alarm=None if name else bool(names) or verdict not in _CLEAN_VERDICTS,
         parameter_errors=(
             _parameter_errors(true, effects[0]) if true and names[:1] == [name] else {}),
-        force_ratio=None if held_out is None or unknown else float(held_out) / floor,
+        force_ratio=None if held_out is None else float(held_out) / floor,
         floor_error=_percent(fit.get('noise_floor_n'), floor),
-        stiffness_error=None if unknown else _percent(stiffness, truth['stiffness']),
-        damping_error=None if unknown else _percent(damping, truth['damping']),
-        base_right=None if unknown else bool(report) and (
+        stiffness_error=_percent(stiffness, truth['stiffness']),
+        damping_error=_percent(damping, truth['damping']),
+        base_right=bool(report) and (
             (stiffness is None) == (truth['stiffness'] is None)
             and (not damping) == (not truth['damping'])),
-        unexplained=verdict == 'unexplained' and not names if unknown else None,
-        port_right=location.get('port') == unknown['port'] if unknown else None,
-        overlap=_overlap(
-            location.get('intervals_s', []), unknown['intervals_s']) if unknown else None,
         features=_features(truth), error=str(answer['error']), seconds=float(answer['seconds']),
     )
 
@@ -205,13 +182,6 @@ def _parameter_errors(true: Mapping[str, Any], found: Mapping[str, Any]) -> dict
             continue
         errors[name] = 100.0 * abs((estimate - value) / distance)
     return errors
-
-
-def _overlap(reported: Sequence[Sequence[float]], true: Sequence[Sequence[float]]) -> float:
-    """Compute intersection over union of two lists of disjoint intervals."""
-    both = sum(max(0.0, min(b, d) - max(a, c)) for a, b in reported for c, d in true)
-    each = sum(b - a for intervals in (reported, true) for a, b in intervals)
-    return both / max(each - both, 1e-12)
 
 
 def _features(truth: Mapping[str, Any]) -> dict[str, str]:

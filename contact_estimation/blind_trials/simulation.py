@@ -21,7 +21,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .unknown_effects import make_unknown, UNKNOWN
 from .worlds import RandomWorld
 from ..parameters.values import build, flatten
 from ..physics.random_strength import Values
@@ -73,8 +72,7 @@ def simulate(
     world : RandomWorld
         World without the effect.
     physics : mapping
-        Effect parameters by dotted name, such as coulomb_friction.F_c; effects of UNKNOWN
-        included. Empty: no effect.
+        Effect parameters by dotted name, such as coulomb_friction.F_c. Empty: no effect.
     rate : float
         Sample rate of the result [Hz].
     integration_rate : float
@@ -87,16 +85,9 @@ def simulate(
 
     """
     experiment = world.experiment
-    library: dict[str, float] = {}
-    unknown: dict[str, dict[str, float]] = {}
-    for dotted, value in physics.items():
-        effect, name = dotted.split('.')
-        if effect in UNKNOWN:
-            unknown.setdefault(effect, {})[name] = value
-        else:
-            library[f'physics.{dotted}'] = value
     parameters = build(PlantParameters, {
-        **flatten(world.wall, 'environment.'), **flatten(world.robot, 'robot.'), **library,
+        **flatten(world.wall, 'environment.'), **flatten(world.robot, 'robot.'),
+        **{f'physics.{dotted}': value for dotted, value in physics.items()},
         'sample_rate': rate, 'integration_rate': integration_rate,
     })
 
@@ -104,8 +95,7 @@ def simulate(
         desired = experiment.desired(t)
         return desired.position, desired.velocity, desired.acceleration, 0.0
 
-    plant = World(parameters, experiment.start,
-                  further=[make_unknown(name, values) for name, values in unknown.items()])
+    plant = World(parameters, experiment.start)
     rows = []
     for k in range(round(experiment.duration * rate) + 1):
         _, x, v, _, force, sensed = plant.truth(reference)

@@ -25,10 +25,11 @@ import subprocess
 import sys
 import tempfile
 import time
-from typing import Callable, NamedTuple, Sequence
+from typing import Any, Callable, NamedTuple, Sequence
 
 import numpy as np
 
+from .family_scoring import family_score, FamilyScore
 from .rig_trial import draw_rig_trial
 from .scoring import Score, score
 from .trial import draw_trial, plan_effects
@@ -61,6 +62,23 @@ class PlannedTrial(NamedTuple):
     effect: str
     seed: tuple[int, int, int]
     on_rig: bool = False
+
+
+class Scores(NamedTuple):
+    """
+    Scores of a study.
+
+    Attributes
+    ----------
+    exact : list of Score
+        Of worlds that obey the library's laws.
+    on_rigs : list of FamilyScore
+        Of rigs with nuisances, by family.
+
+    """
+
+    exact: list[Score]
+    on_rigs: list[FamilyScore]
 
 
 def plan_study(
@@ -103,7 +121,7 @@ def _name(seed: tuple[int, int, int]) -> str:
 def run_study(
     folder: Path, trials: Sequence[PlannedTrial], jobs: int,
     progress: Callable[[float, str], None], only_write: bool = False,
-) -> list[Score]:
+) -> Scores:
     """
     Run the remaining trials of a study and score all.
 
@@ -122,7 +140,7 @@ def run_study(
 
     Returns
     -------
-    scores : list of Score
+    scores : Scores
         In the order of the plan; empty if nothing was diagnosed.
 
     """
@@ -135,7 +153,10 @@ def run_study(
         except BaseException:
             pool.shutdown(cancel_futures=True)
             raise
-    return [] if only_write else [_score(folder, trial) for trial in trials]
+    if only_write:
+        return Scores([], [])
+    return Scores([_score(folder, trial) for trial in trials if not trial.on_rig],
+                  [_family_score(folder, trial) for trial in trials if trial.on_rig])
 
 
 def run_trial(folder: Path, planned: PlannedTrial, only_write: bool = False) -> None:
@@ -165,9 +186,16 @@ def run_trial(folder: Path, planned: PlannedTrial, only_write: bool = False) -> 
 
 
 def _score(folder: Path, planned: PlannedTrial) -> Score:
+    return score(planned.name, *_truth_and_answer(folder, planned))
+
+
+def _family_score(folder: Path, planned: PlannedTrial) -> FamilyScore:
+    return family_score(planned.name, *_truth_and_answer(folder, planned))
+
+
+def _truth_and_answer(folder: Path, planned: PlannedTrial) -> tuple[Any, Any]:
     files = TrialFiles.of(folder, planned.name)
-    return score(planned.name, json.loads(files.truth.read_text()),
-                 json.loads(files.report.read_text()))
+    return json.loads(files.truth.read_text()), json.loads(files.report.read_text())
 
 
 def diagnose_blind(files: TrialFiles) -> None:

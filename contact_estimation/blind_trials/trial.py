@@ -25,7 +25,6 @@ from numpy.random import Generator
 
 from .concealment import conceal, Concealed, degree, TOLERANCE
 from .simulation import Run, scales_of, simulate
-from .unknown_effects import UNKNOWN
 from .worlds import draw_nominal_wall, draw_world, RandomWorld
 from ..physics import EFFECTS
 from ..physics.random_strength import Strength, Values
@@ -51,7 +50,7 @@ class Trial:
     world : RandomWorld
         True world without the effect.
     effect : str
-        Key of EFFECTS or of UNKNOWN; '' in a clean world.
+        Key of EFFECTS; '' in a clean world.
     values : mapping
         Parameters of the effect.
     nominal : WallParameters
@@ -90,7 +89,7 @@ def draw_trial(effect: str, rng: Generator) -> Trial:
     Parameters
     ----------
     effect : str
-        Key of EFFECTS or of UNKNOWN, or '' for a clean world.
+        Key of EFFECTS, or '' for a clean world.
     rng : numpy.random.Generator
         Random generator.
 
@@ -111,8 +110,7 @@ def draw_trial(effect: str, rng: Generator) -> Trial:
             continue
         if not effect:
             return Trial(world, '', {}, draw_nominal_wall(world.wall, rng, exact=0.4), requested)
-        draw = UNKNOWN[effect].draw if effect in UNKNOWN else EFFECTS[effect].draw
-        strength = draw(scales_of(world, without), rng)
+        strength = EFFECTS[effect].draw(scales_of(world, without), rng)
         found = _conceal(effect, strength, world, without, requested)
         not_concealable += found.not_concealable
         if not_concealable == _NOT_CONCEALABLE_WORLDS:
@@ -161,7 +159,7 @@ def port_of(effect: str) -> str:
     Parameters
     ----------
     effect : str
-        Key of EFFECTS or of UNKNOWN.
+        Key of EFFECTS.
 
     Returns
     -------
@@ -169,7 +167,7 @@ def port_of(effect: str) -> str:
         'contact', 'force_sensor' or 'robot'.
 
     """
-    return UNKNOWN[effect].effect.port if effect in UNKNOWN else EFFECTS[effect].port
+    return EFFECTS[effect].port
 
 
 def plan_effects(count: int, seed: int, names: Iterable[str] = EFFECTS) -> list[str]:
@@ -205,7 +203,7 @@ def equivalent_wall(effect: str, values: Values, world: RandomWorld) -> WallPara
     Parameters
     ----------
     effect : str
-        Key of EFFECTS or of UNKNOWN.
+        Key of EFFECTS.
     values : mapping
         Parameters of the effect.
     world : RandomWorld
@@ -218,8 +216,6 @@ def equivalent_wall(effect: str, values: Values, world: RandomWorld) -> WallPara
 
     """
     wall = world.wall
-    damping = wall.damping
-    if effect in EFFECTS:
-        damping = EFFECTS[effect].equivalent_damping(values, damping, world.depth)
+    damping = EFFECTS[effect].equivalent_damping(values, wall.damping, world.depth)
     return WallParameters(
         stiffness=wall.stiffness, damping=float(f'{damping:.6g}'), location=wall.location)

@@ -22,8 +22,9 @@ from typing import Any
 
 from .command_line import command, new_file, Parser
 from .progress import Progress
+from ..blind_trials.family_report import family_dict, family_text
 from ..blind_trials.report import as_dict, as_text, plot_confusion
-from ..blind_trials.study import plan_study, run_study
+from ..blind_trials.study import plan_study, run_study, Scores
 from ..exceptions import ParameterRangeError
 
 _KINDS = ('count', 'clean', 'unknown', 'foreign')
@@ -34,7 +35,9 @@ def make_parser() -> Parser:
     parser = Parser(
         prog='blind_trials',
         description='Draw worlds with one concealed effect or none, record them, run diagnose on '
-        'recording and nominal model only, and score its reports against the ground truth. An '
+        'recording and nominal model only, and score its reports against the ground truth. '
+        '--foreign and --unknown draw rigs with the small nuisances of a laboratory and laws that '
+        "are not the library's, scored by family. An "
         'interrupted study resumes, and a larger one reuses the trials of a smaller one in the '
         'same folder; delete the subfolder reports to repeat the diagnoses.',
     )
@@ -89,13 +92,20 @@ def run(options: Any) -> int:
         print(f'wrote {len(trials)} trials to {folder / "handed_over"}, truths to '
               f'{folder / "sealed"}')
         return 0
-    text = as_text(scores, str(folder / 'handed_over'))
+    text = '\n\n'.join(_texts(scores, str(folder / 'handed_over')))
     print(text)
     (folder / 'table.txt').write_text(text + '\n')
     if target is not None:
-        target.write_text(json.dumps(as_dict(scores, options.seed), indent=1) + '\n')
-    print(f'wrote {plot_confusion(scores, folder / "confusion.png")}')
+        content = {**as_dict(scores.exact, options.seed), 'rigs': family_dict(scores.on_rigs)}
+        target.write_text(json.dumps(content, indent=1) + '\n')
+    if scores.exact:
+        print(f'wrote {plot_confusion(scores.exact, folder / "confusion.png")}')
     return 0
+
+
+def _texts(scores: Scores, folder: str) -> list[str]:
+    texts = [as_text(scores.exact, folder)] if scores.exact else []
+    return texts + ([family_text(scores.on_rigs, folder)] if scores.on_rigs else [])
 
 
 main = command(make_parser, run)

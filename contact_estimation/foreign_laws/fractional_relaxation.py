@@ -92,4 +92,4 @@ def gruenwald_weights(alpha: float, count: int) -> Array:
 
     """
     k = np.arange(1, count)
-    return np.cumprod(np.concatenate(([1.0], 1.0 - (alpha + 1.0) / k)))
+    return np.asarray(np.cumprod(np.concatenate(([1.0], 1.0 - (alpha + 1.0) / k))))

@@ -27,8 +27,8 @@ class WaltonBraun(ContactLaw):
     """
     A partly plastic contact that unloads along a steeper line.
 
-    R = K d while loading; K_u (d - d_0) while unloading and reloading below the greatest depth, but
-    not below 0; in place of K_e d. The depth is forgotten when contact is lost.
+    R = K d while loading; K_u (d - d_0) while unloading and reloading below the greatest depth,
+    but not below 0; in place of K_e d. The depth is forgotten when contact is lost.
     Walton and Braun, J. Rheology 30(5), 1986.
 
     """

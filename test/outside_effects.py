@@ -12,26 +12,18 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""
-Effects outside the library, which a diagnosis must report as unexplained.
-
-They exist in blind trials only and are no parameters of any file.
-"""
+"""Effects outside the library, in worlds that are exact besides, left unexplained."""
 
 from __future__ import annotations
 
 from math import pi, sin
 from types import SimpleNamespace
-from typing import Any, Callable, NamedTuple
+from typing import Any
 
-from numpy.random import Generator
-
-from ..physics.contact_effect import ContactEffect
-from ..physics.effect import Effect
-from ..physics.force_sensor_effect import ForceSensorEffect
-from ..physics.random_strength import Strength, Values
-from ..physics.robot_effect import RobotEffect
-from ..physics.scales import Scales
+from contact_estimation.physics.contact_effect import ContactEffect
+from contact_estimation.physics.effect import Effect
+from contact_estimation.physics.force_sensor_effect import ForceSensorEffect
+from contact_estimation.physics.robot_effect import RobotEffect
 
 
 class WallResonance(ContactEffect):
@@ -114,80 +106,12 @@ class Windage(RobotEffect):
         return self.values.c * velocity * abs(velocity)
 
 
-class Unknown(NamedTuple):
-    """
-    An effect outside the library.
-
-    Attributes
-    ----------
-    effect : type of Effect
-        Its law.
-    draw : callable
-        From scales of the world and a random generator to a strength, as `Effect.draw`.
-
-    """
-
-    effect: type[Effect]
-    draw: Callable[[Scales, Generator], Strength]
-
-
-def _draw_resonance(scales: Scales, rng: Generator) -> Strength:
-    frequency, ratio = float(rng.uniform(6.0, 25.0)), float(rng.uniform(0.03, 0.1))
-    return lambda s: {'mass': 0.3 * s * scales.mass, 'frequency': frequency,
-                      'damping_ratio': ratio}
-
-
-def _draw_spell(scales: Scales, rng: Generator) -> Strength:
-    first = scales.duration * float(rng.uniform(0.15, 0.6))
-    last = first + scales.duration * float(rng.uniform(0.1, 0.25))
-    return lambda s: {'softer': 0.8 * s * scales.stiffness, 'first': first, 'last': last}
-
-
-def _draw_warming(scales: Scales, rng: Generator) -> Strength:
-    tau = float(rng.uniform(1.0, 4.0))
-    most = 0.8 * scales.stiffness / (0.2 * scales.speed * tau)
-    return lambda s: {'softening': s * most, 'tau': tau}
-
-
-def _draw_ripple(scales: Scales, rng: Generator) -> Strength:
-    wavelength = scales.depth / float(rng.uniform(2.0, 5.0))
-    return lambda s: {'amplitude': 0.3 * s * scales.force, 'wavelength': wavelength}
-
-
-def _draw_gauge(scales: Scales, rng: Generator) -> Strength:
-    sign = float(rng.choice([-1.0, 1.0]))
-    return lambda s: {'bend': 0.5 * sign * s / scales.force}
-
-
-def _draw_windage(scales: Scales, rng: Generator) -> Strength:
-    return lambda s: {'c': 2.0 * s * scales.control / scales.speed**2}
-
-
-UNKNOWN: dict[str, Unknown] = {
-    unknown.effect.name: unknown for unknown in (
-        Unknown(WallResonance, _draw_resonance), Unknown(SoftSpell, _draw_spell),
-        Unknown(WarmingWall, _draw_warming), Unknown(Ripple, _draw_ripple),
-        Unknown(BentGauge, _draw_gauge), Unknown(Windage, _draw_windage),
-    )
+OUTSIDE_EFFECTS: dict[str, type[Effect]] = {
+    cls.name: cls for cls in (WallResonance, SoftSpell, WarmingWall, Ripple, BentGauge, Windage)
 }
 
 
-def make_unknown(name: str, values: Values) -> Effect:
-    """
-    Build an effect outside the library.
-
-    Parameters
-    ----------
-    name : str
-        Key of UNKNOWN.
-    values : mapping
-        Parameters of the effect.
-
-    Returns
-    -------
-    effect : Effect
-        Effect to pass to `World`.
-
-    """
+def make_outside(name: str, **values: float) -> Effect:
+    """Build an effect outside the library, to pass to `World`."""
     parameters: Any = SimpleNamespace(**values)
-    return UNKNOWN[name].effect(parameters)
+    return OUTSIDE_EFFECTS[name](parameters)

@@ -1,0 +1,229 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Report of the trials on rigs: outcomes by law and family, reliability of probabilities."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import Any, Mapping, NamedTuple, Sequence
+
+from .family_scoring import FAILED, FamilyScore, RIGHT, SILENT, WRONG
+
+PROBABILITY_EDGES = (0.0, 0.5, 0.7, 0.8, 0.9, 1.0)
+"""Edges of the five bins of the reliability table."""
+
+_OUTCOMES = (RIGHT, WRONG, SILENT, FAILED)
+
+
+class Reliability(NamedTuple):
+    """
+    One bin of the reliability table.
+
+    Attributes
+    ----------
+    low, high : float
+        Range of the reported probability; the last bin includes its end.
+    names : int
+        Number of names given with such a probability.
+    mean : float or None
+        Mean probability given; None without names.
+    share_right : float or None
+        Share of the names of an acceptable family.
+
+    """
+
+    low: float
+    high: float
+    names: int
+    mean: float | None
+    share_right: float | None
+
+
+def reliability(scores: Sequence[FamilyScore]) -> list[Reliability]:
+    """
+    Compare reported probabilities with the share of right names.
+
+    Parameters
+    ----------
+    scores : sequence of FamilyScore
+        Scores of a study. All names count, those of clean and unknown worlds as wrong.
+
+    Returns
+    -------
+    table : list of Reliability
+        One row for each bin.
+
+    """
+    given = [(named.probability, named.right) for score in scores for named in score.names]
+    table = []
+    for low, high in zip(PROBABILITY_EDGES[:-1], PROBABILITY_EDGES[1:]):
+        part = [(p, right) for p, right in given
+                if low <= p < high or p == high == PROBABILITY_EDGES[-1]]
+        count = len(part)
+        means = [sum(column) / count for column in zip(*part)] if part else [None, None]
+        table.append(Reliability(low, high, count, *means))
+    return table
+
+
+def outcomes(scores: Sequence[FamilyScore]) -> dict[str, int]:
+    """
+    Count outcomes.
+
+    Parameters
+    ----------
+    scores : sequence of FamilyScore
+        Scores of a study or of a part of it.
+
+    Returns
+    -------
+    counts : dict of str to int
+        `trials`, the outcomes, and `surplus`.
+
+    """
+    counts = {name: sum(s.outcome == name for s in scores) for name in _OUTCOMES}
+    return {'trials': len(scores), **counts, 'surplus': sum(s.surplus for s in scores)}
+
+
+def family_groups(scores: Sequence[FamilyScore]) -> dict[str, dict[str, list[FamilyScore]]]:
+    """
+    Group scores by law, by acceptable family and by kind of experiment.
+
+    Parameters
+    ----------
+    scores : sequence of FamilyScore
+        Scores of a study.
+
+    Returns
+    -------
+    groups : dict of str to dict of str to list of FamilyScore
+        Criterion to group to its scores; a law of two families counts in both.
+
+    """
+    split: dict[str, dict[str, list[FamilyScore]]] = {'law': {}, 'family': {}, 'experiment': {}}
+    for score in sorted(scores, key=lambda s: (s.kind, s.law, s.concealed)):
+        split['law'].setdefault(score.law or 'clean', []).append(score)
+        for family in score.families or [score.kind]:
+            split['family'].setdefault(family, []).append(score)
+        split['experiment'].setdefault(score.stage, []).append(score)
+    return split
+
+
+def family_dict(scores: Sequence[FamilyScore]) -> dict[str, Any]:
+    """
+    Return the trials on rigs as JSON content.
+
+    Parameters
+    ----------
+    scores : sequence of FamilyScore
+        Scores of a study.
+
+    Returns
+    -------
+    study : dict
+        Outcomes by kind of world and by group, reliability table, scores.
+
+    """
+    return {
+        'kinds': {kind: outcomes(part) for kind, part in _by_kind(scores).items()},
+        'groups': {criterion: {label: outcomes(part) for label, part in parts.items()}
+                   for criterion, parts in family_groups(scores).items()},
+        'reliability': [row._asdict() for row in reliability(scores)],
+        'trials': [{**asdict(score), 'kind': score.kind} for score in scores],
+    }
+
+
+def _by_kind(scores: Sequence[FamilyScore]) -> Mapping[str, list[FamilyScore]]:
+    kinds: dict[str, list[FamilyScore]] = {'foreign': [], 'unknown': [], 'clean': []}
+    for score in scores:
+        kinds[score.kind].append(score)
+    return {kind: part for kind, part in kinds.items() if part}
+
+
+def family_text(scores: Sequence[FamilyScore], folder: str) -> str:
+    """
+    Format the trials on rigs as tables.
+
+    Parameters
+    ----------
+    scores : sequence of FamilyScore
+        Scores of a study, at least one.
+    folder : str
+        Folder of the recordings.
+
+    Returns
+    -------
+    text : str
+        Summary by kind of world, outcomes by group, reliability table, list of misses.
+
+    """
+    lines = [f'{len(scores)} trials on rigs, scored by family', '', *_summary(scores)]
+    for criterion, parts in family_groups(scores).items():
+        columns = ('trials', *_OUTCOMES, 'surplus')
+        lines += ['', f'by {criterion}'.ljust(32) + ''.join(f'{name:>9}' for name in columns)]
+        for label, part in parts.items():
+            counts = outcomes(part)
+            lines.append(f'  {label:<30}' + ''.join(f'{counts[name]:>9}' for name in columns))
+    lines += ['', 'probability given       names     mean    right']
+    lines += [_reliability_line(row) for row in reliability(scores)]
+    misses = [score for score in scores if score.is_miss]
+    lines += ['', f'{len(misses)} misses; recordings in {folder}']
+    lines += [_miss_line(score) for score in misses]
+    return '\n'.join(lines)
+
+
+def _summary(scores: Sequence[FamilyScore]) -> list[str]:
+    kinds = _by_kind(scores)
+    lines = []
+    if 'foreign' in kinds:
+        part, counts = kinds['foreign'], outcomes(kinds['foreign'])
+        alone = sum(s.outcome == RIGHT and not s.surplus for s in part)
+        numbers = {
+            'right family first': counts[RIGHT], 'right family first, no surplus name': alone,
+            'wrong family first': counts[WRONG], 'nothing named': counts[SILENT],
+            'diagnosis failed': counts[FAILED],
+        }
+        lines += [_share_line(f'{name} [%]', n, len(part)) for name, n in numbers.items()]
+    if 'unknown' in kinds:
+        part = kinds['unknown']
+        silent = [s for s in part if s.outcome == SILENT]
+        located = sum(bool(s.port_right) for s in silent)
+        lines += [_share_line('no family describes the law: nothing named [%]', len(silent),
+                              len(part)),
+                  _share_line('no family describes the law: ... and right port [%]', located,
+                              len(part))]
+    if 'clean' in kinds:
+        counts = outcomes(kinds['clean'])
+        lines.append(_share_line('clean worlds accused [%]', counts[WRONG], counts['trials']))
+    return lines
+
+
+def _share_line(name: str, count: int, total: int) -> str:
+    return f'  {name:<58}{100.0 * count / total:>8.3g}  of {total}'
+
+
+def _reliability_line(row: Reliability) -> str:
+    shown = ['       -' if value is None else f'{value:>8.2f}'
+             for value in (row.mean, row.share_right)]
+    return f'  {row.low:.1f} to {row.high:.1f}{row.names:>18}{shown[0]} {shown[1]}'
+
+
+def _miss_line(score: FamilyScore) -> str:
+    truth = f'{score.law} ({score.stage}), {score.concealed:.1f} times' if score.law else (
+        f'clean ({score.stage})')
+    if score.error:
+        return f'  {score.trial}: {truth}; failed: {score.error}'
+    names = ' + '.join(f'{n.name} {n.probability:.2f}' for n in score.names) or 'nothing'
+    wanted = ' or '.join(score.families) or 'no name'
+    return f'  {score.trial}: {truth}; expected {wanted}, diagnosed {names}, {score.verdict}'
