@@ -133,7 +133,7 @@ def planned_motion(experiment: Experiment, rate: float) -> tuple[Array, Array]:
         Position [m] and its derivatives [m/s], [m/s^2].
 
     """
-    t: Array = np.arange(int(experiment.duration * rate) + 1) / rate
+    t: Array = np.arange(int(experiment.duration * rate + 1e-6) + 1) / rate
     coarse: Array = t if rate <= _COMMAND_HZ else np.arange(
         int(experiment.duration * _COMMAND_HZ) + 2) / _COMMAND_HZ
     rows = []

@@ -28,6 +28,7 @@ class SoftSpell(ContactLaw):
     A spring that fails and recovers.
 
     R = -softer d while first < t < last.
+    Doebling, Farrar and Prime, Shock and Vibration Digest 30(2), 1998 (loss of stiffness).
 
     """
 
