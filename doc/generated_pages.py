@@ -16,7 +16,8 @@
 Sphinx extension: write the pages that follow from the code.
 
 `generated/effects_<port>.md` has one section per entry of EFFECTS, `generated/tuning.md` one
-table per entry of ESTIMATORS: a new effect or estimator appears without an edit here.
+table per entry of ESTIMATORS, `generated/foreign_laws.md` one row per law of blind trials: a new
+entry appears without an edit here.
 
 """
 
@@ -28,6 +29,7 @@ import sys
 from typing import Any, Iterable
 
 import contact_estimation as ce
+from contact_estimation.foreign_laws import ALL_LAWS
 from contact_estimation.parameters.specification import specifications
 from effect_plots import plot_effect
 
@@ -57,6 +59,7 @@ def write_pages(app: Any) -> None:
     for port in PORTS:
         _write(folder / f'effects_{port}.md', effects_page(port, folder))
     _write(folder / 'tuning.md', tuning_page())
+    _write(folder / 'foreign_laws.md', laws_page())
 
 
 def effects_page(port: str, folder: Path) -> str:
@@ -86,6 +89,18 @@ def tuning_page() -> str:
     for name, cls in ce.ESTIMATORS.items():
         sections += [f'## {name}', _first_line(cls), parameter_table(cls.Parameters)]
     return '\n\n'.join(sections)
+
+
+def laws_page() -> str:
+    """Return the page with a row for every law of the literature."""
+    head = ('law', 'what it is', 'port', 'right families')
+    rows = [(f'`{name}`', _first_line(cls), f'`{cls.port}`',
+             ', '.join(f'`{family}`' for family in cls.families) or 'none')
+            for name, cls in ALL_LAWS.items()]
+    return '\n\n'.join([
+        '# Laws of the literature', '`blind_trials --foreign` draws from the laws that a family '
+        'of effects describes, `--unknown` from the others. Each file of '
+        '`contact_estimation/foreign_laws` gives equation and source.', _table(head, rows)])
 
 
 def parameter_table(group: Any) -> str:

@@ -37,9 +37,12 @@ from contact_estimation.blind_trials.family_scoring import (
 )
 import pytest
 
-LUGRE: dict[str, Any] = {'law': 'lugre_friction', 'port': 'contact', 'families': ['friction'], 'unknown': None}
+LUGRE: dict[str, Any] = {
+    'law': 'lugre_friction', 'port': 'contact', 'families': ['friction'], 'unknown': None,
+}
 HUM: dict[str, Any] = {
-    'law': 'mains_hum', 'port': 'force_sensor', 'families': [], 'unknown': {'intervals_s': [[1.0, 3.0]]},
+    'law': 'mains_hum', 'port': 'force_sensor', 'families': [],
+    'unknown': {'intervals_s': [[1.0, 3.0]]},
 }
 CLEAN: dict[str, Any] = {'law': '', 'port': '', 'families': [], 'unknown': None}
 

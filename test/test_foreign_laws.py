@@ -66,7 +66,7 @@ def ramps(*depths: float, speed: float = 0.02) -> Array:
 
 def signals(force: Array, a: Array | None = None) -> Signals:
     """Return signals with a force and an acceleration."""
-    t: Array = np.arange(len(force)) * DT
+    t: Array = DT * np.arange(len(force), dtype=float)
     still = np.zeros(len(force))
     return Signals(t, still, still, still if a is None else a, force)
 
@@ -80,7 +80,7 @@ STEP = np.concatenate((np.zeros(100), np.full(4000, 10.0)))
 def check_lugre() -> None:
     law = law_of('lugre_friction', F_c=3.0, F_s=5.0, v_s=0.02, sigma_0=1e5, sigma_1=20.0)
     for v in (0.002, 0.02, 0.2):  # the steady state is Stribeck's curve
-        slide: Array = v * DT * np.arange(2000)
+        slide: Array = v * DT * np.arange(2000, dtype=float)
         force = response(law, slide)[-1]
         assert force == pytest.approx(3.0 + 2.0 * exp(-(v / 0.02) ** 2), rel=1e-6)
 

@@ -34,7 +34,7 @@ class ElastoplasticFriction(ContactLaw):
 
     """
 
-    families = ('friction',)
+    families = ('friction', 'hysteresis')
     stages = ('press', 'specimen', 'drive')
 
     @classmethod
