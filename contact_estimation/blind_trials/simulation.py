@@ -130,4 +130,5 @@ def scales_of(world: RandomWorld, run: Run) -> Scales:
         force=float(-np.min(run.force)), control=float(np.max(np.abs(control))),
         greatest_pull=0.0, duration=float(run.t[-1]), stiffness=world.wall.stiffness,
         damping=world.wall.damping, mass=robot.mass,
+        sample_period=float(run.t[1] - run.t[0]),
     )

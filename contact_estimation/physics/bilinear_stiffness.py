@@ -54,7 +54,7 @@ class BilinearStiffness(ContactEffect):
         """Spread the depth; the law is linear in K_2."""
         shares = (0.2, 0.35, 0.5, 0.65, 0.8, 0.92)
         # Starts with a small K_2 leave the depth undetermined in the first step.
-        return [(0.3 * scales.stiffness, share * scales.depth) for share in shares]
+        return [(0.3 * scales.spring, share * scales.depth) for share in shares]
 
     @classmethod
     def draw(cls, scales: Scales, rng: Generator) -> Strength:

@@ -141,7 +141,7 @@ class BoucWenHysteresis(ContactEffect):
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """Spread beta; alpha is large enough for beta and gamma to matter."""
         yields = (0.7, 2.0, 6.0, 20.0)
-        return [(0.3 * scales.stiffness, share / scales.depth, 0.0) for share in yields]
+        return [(0.3 * scales.spring, share / scales.depth, 0.0) for share in yields]
 
     @classmethod
     def draw(cls, scales: Scales, rng: Generator) -> Strength:

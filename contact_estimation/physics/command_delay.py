@@ -46,7 +46,7 @@ class CommandDelay(RobotEffect):
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """Spread the delay."""
-        return [(0.001,), (0.005,), (0.02,)]
+        return [(delay,) for delay in scales.delays()[::2]]
 
     @classmethod
     def largest(cls, scales: Scales) -> float:

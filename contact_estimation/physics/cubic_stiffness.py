@@ -52,7 +52,7 @@ class CubicStiffness(ContactEffect):
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """One start: the law is linear in K_3."""
-        return [(0.002 * scales.stiffness / scales.depth**2,)]
+        return [(0.002 * scales.spring / scales.depth**2,)]
 
     @classmethod
     def draw(cls, scales: Scales, rng: Generator) -> Strength:

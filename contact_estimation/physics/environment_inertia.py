@@ -47,7 +47,7 @@ class EnvironmentInertia(ContactEffect):
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """One start: the law is linear in M_e."""
-        return [(0.02,)]
+        return [(0.001 * scales.moved_mass,)]
 
     @classmethod
     def largest(cls, scales: Scales) -> float:

@@ -65,7 +65,7 @@ class ExponentialStiffness(ContactEffect):
     def _values(cls, share: float, depth: float, scales: Scales) -> tuple[float, float]:
         """Return A and depth that add a share of the elastic force at the largest depth."""
         x = scales.depth / depth
-        return share * scales.stiffness * scales.depth / (expm1(x) - x), depth
+        return share * scales.spring * scales.depth / (expm1(x) - x), depth
 
     @classmethod
     def draw(cls, scales: Scales, rng: Generator) -> Strength:

@@ -71,7 +71,7 @@ class ForceDelay(ForceSensorEffect):
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """Spread the delay."""
-        return [(0.001,), (0.004,), (0.012,), (0.03,)]
+        return [(delay,) for delay in scales.delays()]
 
     @classmethod
     def largest(cls, scales: Scales) -> float:

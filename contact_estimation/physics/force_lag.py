@@ -80,7 +80,7 @@ class ForceLag(ForceSensorEffect):
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """Spread tau."""
-        return [(0.002,), (0.01,), (0.04,)]
+        return [(tau,) for tau in scales.delays()[::2]]
 
     @classmethod
     def largest(cls, scales: Scales) -> float:

@@ -165,7 +165,7 @@ class FractionalRelaxation(ContactEffect):
     @classmethod
     def _strength(cls, share: float, alpha: float, scales: Scales) -> float:
         """Return C that adds a share of the stiffness at the pace of the motion."""
-        return share * scales.stiffness * (scales.depth / scales.speed) ** alpha
+        return share * scales.spring * scales.pace**alpha
 
     @classmethod
     def draw(cls, scales: Scales, rng: Generator) -> Strength:

@@ -61,7 +61,7 @@ class HuntCrossleyDamping(ContactEffect):
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """One start: the law is linear in chi."""
-        return [(2.0 * scales.damping / scales.depth,)]
+        return [(2.0 * scales.damper / scales.depth,)]
 
     @classmethod
     def largest(cls, scales: Scales) -> float:

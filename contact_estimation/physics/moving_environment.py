@@ -59,7 +59,7 @@ class MovingEnvironment(ContactEffect):
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """Start at the peaks of the residual spectrum: the cost has many minima in frequency."""
         found = scales.peaks()
-        return [(abs(peak) / scales.stiffness, frequency, float(np.angle(1j * peak)))
+        return [(abs(peak) / scales.spring, frequency, float(np.angle(1j * peak)))
                 for frequency, peak in found]
 
     @classmethod

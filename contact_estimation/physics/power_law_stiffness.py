@@ -61,7 +61,7 @@ class PowerLawStiffness(ContactEffect):
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """Spread the exponent, with the force at half the depth unchanged."""
-        half, K = 0.5 * scales.depth, scales.stiffness
+        half, K = 0.5 * scales.depth, scales.spring
         return [(n, K * half ** (1.0 - n)) for n in (0.8, 0.95, 1.0, 1.05, 1.2, 1.5)]
 
     @classmethod

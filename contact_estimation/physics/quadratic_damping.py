@@ -48,7 +48,7 @@ class QuadraticDamping(ContactEffect):
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """One start: the law is linear in B_2."""
-        return [(0.01 * scales.damping / scales.speed,)]
+        return [(0.01 * scales.damper / scales.speed,)]
 
     @classmethod
     def largest(cls, scales: Scales) -> float:

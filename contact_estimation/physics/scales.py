@@ -16,7 +16,14 @@
 
 from __future__ import annotations
 
+from math import log10
 from typing import NamedTuple
+
+import numpy as np
+
+_SHARE = 0.1  # of the force, which an effect may add where there is no spring or no damper
+_SLOWEST_S = 0.1  # delay
+_FEWEST, _MOST = 3, 9  # values of a spread
 
 
 class Scales(NamedTuple):
@@ -36,6 +43,8 @@ class Scales(NamedTuple):
     spectrum : tuple of (float, complex)
         Frequency [Hz] and complex amplitude [N] of the largest peaks in the spectrum of the
         contact residual.
+    sample_period : float
+        Shortest time between samples [s]; 0 where unknown.
 
     """
 
@@ -49,7 +58,62 @@ class Scales(NamedTuple):
     damping: float
     mass: float
     spectrum: tuple[tuple[float, complex], ...] = ()
+    sample_period: float = 0.0
+
+    @property
+    def pace(self) -> float:
+        """Time in which the motion covers the depth [s]."""
+        return self.depth / self.speed
+
+    @property
+    def spring(self) -> float:
+        """Stiffness of a wall that contributes to the force [N/m]; K_e if there is a spring."""
+        return max(self.stiffness, _SHARE * self.force / self.depth)
+
+    @property
+    def damper(self) -> float:
+        """Damping of a wall that contributes to the force [N s/m]; B_e if there is a damper."""
+        return max(self.damping, _SHARE * self.force / self.speed)
+
+    @property
+    def moved_mass(self) -> float:
+        """Mass that the force accelerates at the pace of the motion [kg]."""
+        return self.force * self.pace / self.speed
 
     def peaks(self) -> tuple[tuple[float, complex], ...]:
         """Return the peaks of the residual spectrum, or one guess where none is known."""
-        return self.spectrum or ((1.0, complex(0.0, -0.02 * self.force)),)
+        return self.spectrum or ((0.2 / self.pace, complex(0.0, -0.02 * self.force)),)
+
+    def time_constants(self) -> list[float]:
+        """
+        Return time constants from that of a sample to that of the recording.
+
+        Returns
+        -------
+        time_constants : list of float
+            3 to 9 of them [s], about 1.5 a decade, increasing.
+
+        """
+        least = max(2.0 * self.sample_period, 1e-5 * self.duration)
+        return _spread(min(least, 0.1 * self.duration), self.duration, 1.5)
+
+    def delays(self) -> list[float]:
+        """
+        Return delays from half a sample to a fifth of the pace of the motion, at most 0.1 s.
+
+        Sensors and buses are no slower, however slow the motion; a start may be three samples.
+
+        Returns
+        -------
+        delays : list of float
+            3 to 9 of them [s], about 2.5 a decade, increasing.
+
+        """
+        most = max(min(0.2 * self.pace, _SLOWEST_S), 3.0 * self.sample_period)
+        return _spread(max(0.5 * self.sample_period, 1e-3 * most), most, 2.5)
+
+
+def _spread(least: float, most: float, per_decade: float) -> list[float]:
+    count = round(per_decade * log10(most / least)) + 1
+    spread = np.geomspace(least, most, min(max(count, _FEWEST), _MOST))
+    return [float(value) for value in spread]

@@ -58,7 +58,7 @@ class ToolInertia(ForceSensorEffect):
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """One start: the law is linear in mass."""
-        return [(0.02,)]
+        return [(0.001 * scales.moved_mass,)]
 
     @classmethod
     def largest(cls, scales: Scales) -> float:

@@ -89,8 +89,8 @@ class ViscoelasticRelaxation(ContactEffect):
 
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
-        """Spread tau; the law is linear in K_1."""
-        return [(0.01 * scales.stiffness, tau) for tau in (0.01, 0.03, 0.1, 0.3, 1.0)]
+        """Spread tau; the law is linear in K_1, which is large enough for tau to matter."""
+        return [(0.3 * scales.spring, tau) for tau in scales.time_constants()]
 
     @classmethod
     def draw(cls, scales: Scales, rng: Generator) -> Strength:

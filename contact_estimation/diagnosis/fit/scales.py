@@ -17,13 +17,15 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.fft import next_fast_len
 
 from .fitting import Fit
 from ..observe.prepared_recording import PreparedRecording, Recordings
 from ..observe.residuals import force_residual
 from ...physics.scales import Scales
 
-_PEAKS, _HIGHEST_HZ = 3, 20.0
+_PEAKS, _HIGHEST_HZ = 3, 12.0
+_SPACED_S, _FINER = 0.02, 4  # samples of the residual; grid of the spectrum, over 1 / duration
 
 
 def measure_scales(recordings: Recordings, base: Fit) -> Scales:
@@ -61,6 +63,7 @@ def measure_scales(recordings: Recordings, base: Fit) -> Scales:
     return Scales(
         depth, speed, force, control, pull, duration, max(model.stiffness, 1e-9),
         max(model.damping, 1e-9), laws.robot.mass, _spectrum(recordings[0], base),
+        min(recording.observed.h for recording in recordings),
     )
 
 
@@ -72,14 +75,17 @@ def _spectrum(recording: PreparedRecording, base: Fit) -> tuple[tuple[float, com
         return ()
     residual = force_residual(recording, base.model)
     use = recording.use & o.measured & (law.force(o.t, o.x, o.v, o.a) < 0.0)
-    stride = max(1, round(0.02 / o.h))
-    t, r = o.t[use][::stride], residual[use][::stride]
-    if len(t) < 50:
+    stride = max(1, round(_SPACED_S / o.h))
+    use, r = use[::stride], residual[::stride]
+    count = int(np.count_nonzero(use))
+    if count < 50:
         return ()
-    spacing = 0.25 / max(float(o.t[-1]), 1.0)
-    frequencies = np.arange(0.5 / max(float(o.t[-1]), 1.0), min(_HIGHEST_HZ, 12.0), spacing)
-    phases = np.exp(-2j * np.pi * np.outer(frequencies, t))
-    amplitudes = 2.0 / len(t) * (phases @ (r - r.mean()))
+    finer = next_fast_len(_FINER * len(r))
+    sums = np.fft.rfft(np.where(use, r - r[use].mean(), 0.0), finer)
+    frequencies = np.fft.rfftfreq(finer, stride * o.h)
+    inside = (frequencies >= 0.5 / float(o.t[-1])) & (frequencies < _HIGHEST_HZ)
+    frequencies, amplitudes = frequencies[inside], 2.0 / count * sums[inside]
+    spacing = 1.0 / (finer * stride * o.h)
     found: list[tuple[float, complex]] = []
     for k in np.argsort(-np.abs(amplitudes)).tolist():
         if all(abs(frequencies[k] - other) > 4.0 * spacing for other, _ in found):

@@ -1,0 +1,96 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Where searches begin: at a recording's own magnitudes, whatever its size and length."""
+
+from __future__ import annotations
+
+from contact_estimation.parameters.specification import specifications
+from contact_estimation.physics import EFFECTS
+from contact_estimation.physics.scales import Scales
+from effect_examples import SCALES
+import pytest
+
+PRESS = SCALES._replace(sample_period=0.002)
+NIGHT = Scales(2e-5, 1e-8, 0.02, 1e-9, 0.0, 36000.0, 1000.0, 1e-9, 50.0, (), 1.0)
+IMPACT = Scales(1e-3, 0.5, 900.0, 1e-9, 0.0, 2.0, 9e5, 30.0, 2.0, (), 1e-4)
+EVERY = pytest.mark.parametrize('scales', [PRESS, NIGHT, IMPACT], ids=['press', 'night', 'impact'])
+NO_SLOWER = {'force_delay', 'force_lag', 'command_delay'}
+"""Sensors and buses are no slower where the motion is."""
+
+TIMES, LENGTHS, FORCES = 100.0, 1e-3, 10.0
+"""How much longer and stronger a second recording is."""
+
+UNITS = {'s': TIMES, 'm': LENGTHS, 'N': FORCES, 'kg': FORCES * TIMES**2 / LENGTHS,
+         'Hz': 1.0 / TIMES, 'rad': 1.0, '1': 1.0}
+
+
+def enlarged(scales: Scales) -> Scales:
+    """Give the scales of the same recording at another size, length and force."""
+    return scales._replace(
+        depth=LENGTHS * scales.depth, speed=LENGTHS / TIMES * scales.speed,
+        force=FORCES * scales.force, control=FORCES * scales.control,
+        greatest_pull=FORCES * scales.greatest_pull, duration=TIMES * scales.duration,
+        stiffness=FORCES / LENGTHS * scales.stiffness,
+        damping=FORCES * TIMES / LENGTHS * scales.damping, mass=UNITS['kg'] * scales.mass,
+        sample_period=TIMES * scales.sample_period,
+    )
+
+
+def factor(unit: str, values: dict[str, float]) -> float:
+    """Say how much larger a value in a unit is there; exponents may be parameters."""
+    result, sign = 1.0, 1.0
+    for part in unit.split('/'):
+        for term in part.split():
+            base, _, power = term.partition('^')
+            exponent = values[power] if power in values else float(power or 1.0)
+            result *= UNITS[base] ** (sign * exponent)
+        sign = -1.0
+    return result
+
+
+@EVERY
+def test_time_constants_reach_from_samples_to_the_recording(scales: Scales) -> None:
+    found = scales.time_constants()
+    assert 3 <= len(found) <= 9
+    assert found == sorted(found)
+    assert found[-1] == pytest.approx(scales.duration)
+    assert found[0] == pytest.approx(max(2.0 * scales.sample_period, 1e-5 * scales.duration))
+
+
+@EVERY
+def test_delays_reach_three_samples_or_a_tenth_of_a_second_at_most(scales: Scales) -> None:
+    found = scales.delays()
+    assert 3 <= len(found) <= 9
+    assert found[0] < scales.sample_period < found[-1]
+    assert found[-1] <= max(0.1, 3.0 * scales.sample_period) * (1.0 + 1e-9)
+
+
+@pytest.mark.parametrize('name', [name for name in EFFECTS if name not in NO_SLOWER])
+def test_starts_grow_with_the_recording(name: str) -> None:
+    effect = EFFECTS[name]
+    specs = list(specifications(effect.Parameters))
+    here, there = effect.starts(PRESS), effect.starts(enlarged(PRESS))
+    assert len(here) == len(there)
+    for old, new in zip(here, there):
+        values = dict(zip((spec.name for spec in specs), old))
+        expected = [value * factor(spec.unit, values) for value, spec in zip(old, specs)]
+        assert new == pytest.approx(tuple(expected), rel=1e-9, abs=0.0)
+
+
+@pytest.mark.parametrize('name', EFFECTS)
+def test_starts_of_a_wall_without_spring_or_damper_are_felt(name: str) -> None:
+    bare = PRESS._replace(stiffness=1e-9, damping=1e-9)
+    for start, other in zip(EFFECTS[name].starts(bare), EFFECTS[name].starts(PRESS)):
+        assert all(a == b or abs(a) > 1e-3 * abs(b) for a, b in zip(start, other))
