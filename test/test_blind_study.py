@@ -145,6 +145,27 @@ def test_a_finished_study_is_only_scored(tmp_path: Path) -> None:
     assert told[-1] == 1.0
 
 
+def test_a_finished_study_of_rigs_is_scored_by_family(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (planned,) = plan_study(0, 0, 0, foreign=1)
+    files = TrialFiles.of(tmp_path, planned.name)
+    told = {'law': planned.effect, 'port': 'contact', 'families': ['friction'], 'unknown': None,
+            'stage': 'press', 'concealed': 3.0}
+    write_json(files.truth, told)
+    said = answer('coulomb_friction')
+    said['report']['effects'][0]['probability'] = 0.9
+    write_json(files.report, said)
+    target = tmp_path / 'scores.json'
+    words = ['--count', '0', '--foreign', '1', '--output', str(tmp_path), '--json', str(target)]
+    assert main(words) == 0
+    assert 'right family first, no surplus name [%]' in capsys.readouterr().out
+    rigs = json.loads(target.read_text())['rigs']
+    assert rigs['kinds'] == {'foreign': {'trials': 1, 'right': 1, 'wrong': 0, 'silent': 0,
+                                         'failed': 0, 'surplus': 0}}
+    assert not (tmp_path / 'confusion.png').exists()
+
+
 @pytest.mark.slow
 def test_a_failed_diagnosis_leaves_its_error_message(tmp_path: Path) -> None:
     files = TrialFiles.of(tmp_path, 'trial_x')
