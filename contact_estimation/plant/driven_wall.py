@@ -34,7 +34,8 @@ Array = NDArray[np.float64]
 
 
 def run_driven_wall(
-    parameters: PlantParameters, t: Array, force: Array, x0: float, v0: float = 0.0
+    parameters: PlantParameters, t: Array, force: Array, x0: float, v0: float = 0.0,
+    begin: float = 0.0,
 ) -> Array:
     """
     Simulate the environment under a measured force.
@@ -52,6 +53,8 @@ def run_driven_wall(
         Measured F_e [N].
     x0, v0 : float
         Position [m] and velocity [m/s] at t[0].
+    begin : float
+        The wall's time at t[0] [s], on which some effects depend.
 
     Returns
     -------
@@ -66,11 +69,12 @@ def run_driven_wall(
         If the arrays do not match.
 
     """
-    return run_driven_wall_with_rates(parameters, t, force, x0, v0)[0]
+    return run_driven_wall_with_rates(parameters, t, force, x0, v0, begin)[0]
 
 
 def run_driven_wall_with_rates(
-    parameters: PlantParameters, t: Array, force: Array, x0: float, v0: float = 0.0
+    parameters: PlantParameters, t: Array, force: Array, x0: float, v0: float = 0.0,
+    begin: float = 0.0,
 ) -> Array:
     """
     Simulate the environment with rates; parameters as `run_driven_wall`.
@@ -87,7 +91,7 @@ def run_driven_wall_with_rates(
             f'{np.shape(t)} and {np.shape(force)}'
         )
     wall = DrivenWall(parameters)
-    since = t - t[0]
+    since = t - t[0] + begin
     return wall.run(since, wall.true_force(since, force), (x0, v0))
 
 

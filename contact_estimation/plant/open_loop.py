@@ -75,7 +75,8 @@ def run_open_loop(
 
 
 def simulate_on(
-    parameters: PlantParameters, t: Array, reference_rows: Array, x0: float, v0: float = 0.0
+    parameters: PlantParameters, t: Array, reference_rows: Array, x0: float, v0: float = 0.0,
+    begin: float = 0.0,
 ) -> list[Truth]:
     """
     Simulate on a sampled reference, interpolated linearly.
@@ -91,29 +92,33 @@ def simulate_on(
         x_r [m], its rate [m/s] and acceleration [m/s^2], F_r [N] (0: none).
     x0, v0 : float
         Position [m] and velocity [m/s] of the robot at t[0].
+    begin : float
+        The world's time at t[0] [s], on which some effects depend.
 
     Returns
     -------
     truths : list of Truth
-        True states, one per sample; their time counts from t[0].
+        True states, one per sample; their time counts from `begin`.
 
     """
-    since = t - t[0]
-    return simulate_at(parameters, since, reference_through(since, reference_rows), x0, v0)
+    since = t - t[0] + begin
+    return simulate_at(
+        parameters, since, reference_through(since, reference_rows), x0, v0, begin)
 
 
 def simulate_at(
-    parameters: PlantParameters, t: Array, reference: ReferenceAt, x0: float, v0: float = 0.0
+    parameters: PlantParameters, t: Array, reference: ReferenceAt, x0: float, v0: float = 0.0,
+    begin: float = 0.0,
 ) -> list[Truth]:
     """
     Simulate, and return the true states at given times.
 
     Parameters
     ----------
-    parameters, x0, v0
+    parameters, x0, v0, begin
         As in `simulate_on`.
     t : ndarray, shape (N,)
-        Output times [s], >= 0, increasing.
+        Output times [s], >= begin, increasing.
     reference : callable
         From time [s] to the reference.
 
@@ -123,7 +128,7 @@ def simulate_at(
         True states, one per time.
 
     """
-    world, truths = World(parameters, x0, v0), []
+    world, truths = World(parameters, x0, v0, begin=begin), []
     for now in t.tolist():
         if now > world.t:
             world.advance(now - world.t, reference)

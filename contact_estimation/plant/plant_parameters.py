@@ -95,10 +95,10 @@ class PlantParameters(ParameterGroup):
     sensors: SensorParameters = group(SensorParameters)
     physics: Any = group(PhysicsParameters)
     sample_rate: float = parameter(
-        500.0, 'Sample rate of the sensors', 'Hz', minimum=1.0, maximum=1e5, read_only=True
+        500.0, 'Sample rate of the sensors', 'Hz', minimum=1e-4, maximum=1e6, read_only=True
     )
     integration_rate: float = parameter(
-        5000.0, 'Minimum rate of integration steps', 'Hz', minimum=1.0, maximum=1e6,
+        5000.0, 'Minimum rate of integration steps', 'Hz', minimum=1e-4, maximum=1e7,
         read_only=True,
     )
     seed: int = parameter(0, 'Seed of all noise', minimum=0, read_only=True)

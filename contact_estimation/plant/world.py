@@ -100,14 +100,16 @@ class World:
         Initial state of the robot [m], [m/s].
     further : sequence of Effect
         Effects in addition to those of the parameters, such as ones outside EFFECTS.
+    begin : float
+        Time of the initial state [s], >= 0.
 
     """
 
     def __init__(
         self, parameters: PlantParameters, position: float, velocity: float = 0.0,
-        further: Sequence[Effect] = (),
+        further: Sequence[Effect] = (), begin: float = 0.0,
     ) -> None:
-        self.t, self._further = 0.0, further
+        self.t, self._further = begin, further
         self._physics: Any = None
         self.configure(parameters)
         self._state: State = (position, velocity) + (0.0,) * self._law.states

@@ -16,9 +16,9 @@
 
 from __future__ import annotations
 
+from array import array
 from dataclasses import dataclass
-from math import isfinite
-from typing import Any, Callable
+from typing import Callable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -111,15 +111,20 @@ def read_signals(
         asked.append(source.reference_trajectory)
     wrenches = WrenchDecoder()
     decode = _decoders(wrenches, source, axis, joint)
-    rows: dict[str, list[Row]] = {name: [] for name in decode}
+    # Arrays of plain numbers: hours at 1 kHz are millions of messages.
+    stamps = {name: array('q') for name in decode}
+    rows = {name: array('d') for name in decode}
     refused: dict[str, str] = {}
     for topic, _, data in reader.messages(asked):
         try:
-            rows[topic].append(decode[topic](data))
+            stamp_ns, values = decode[topic](data)
         except MessageError as error:
             refused[topic] = f': {error}'
+            continue
+        stamps[topic].append(stamp_ns)
+        rows[topic].extend(values)
     wrench, joints, reference = (
-        _stacked(rows[name], width) for name, width in zip(decode, (1, 2, 4))
+        _stacked(stamps[name], rows[name], width) for name, width in zip(decode, (1, 2, 4))
     )
     for name, signal in zip(asked, (wrench, joints)):
         if not len(signal):
@@ -153,10 +158,10 @@ def _decoders(
             source.reference_trajectory: reference}
 
 
-def _stacked(rows: list[Row], width: int) -> Signal:
+def _stacked(stamps: array[int], rows: array[float], width: int) -> Signal:
     """Sort by stamp; drop non-finite samples and all but the first of equal stamps."""
-    finite = [row for row in rows if isfinite(row[1][0])]
-    stamps: Any = np.array([stamp for stamp, _ in finite], np.int64)
-    stamps, first = np.unique(stamps, return_index=True)
-    values = np.array([values for _, values in finite], np.float64).reshape(-1, width)
-    return Signal(stamps, values[first].T)
+    stamp_ns = np.array(stamps, np.int64)
+    values = np.array(rows, np.float64).reshape(-1, width)
+    finite = np.isfinite(values[:, 0])
+    stamp_ns, first = np.unique(stamp_ns[finite], return_index=True)
+    return Signal(stamp_ns, values[finite][first].T)

@@ -124,7 +124,7 @@ def dependences(
     channels = {'force': recording.force, 'motion': recording.motion}
     if recording.driven_by_force(model):
         del channels['force']
-    span = max(1, round(_STRETCH_S / recording.block_s))
+    span = max(1, round(_STRETCH_S * recording.observed.pace / recording.block_s))
     found = []
     for (name, channel), part in zip(channels.items(), parts):
         use = np.flatnonzero(channel.filled)

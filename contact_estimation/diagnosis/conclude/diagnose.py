@@ -32,6 +32,7 @@ from ..fit.search import Progress
 from ..fit.selection import select, Selection
 from ..observe.model import Model
 from ..observe.observed import observe
+from ..observe.parts import parts_of
 from ..observe.prepared_recording import prepare, PreparedRecording, Recordings
 from ..observe.residuals import trust_motion_less
 from ..observe.signals import Recording
@@ -85,6 +86,8 @@ def diagnose(
     _refuse_wrong_input(fitted, model, seed)
     nominal = Model.of(model)
     progress('noise and alignment')
+    fitted = [part for one in fitted for part in parts_of(one, model)]
+    held_out = [part for one in held_out for part in parts_of(one, model)]
     prepared: Recordings = [prepare(one, nominal, hold=not held_out) for one in fitted]
     others: Recordings = [prepare(one, nominal, hold=False) for one in held_out]
     progress('recalibration')

@@ -23,7 +23,6 @@ from numpy.typing import NDArray
 
 from .result import Errors, HeldOutErrors
 from ..observe.model import Model
-from ..observe.observed import START_S
 from ..observe.prepared_recording import PreparedRecording
 from ..observe.residuals import force_residual, motion_residual
 
@@ -94,9 +93,9 @@ def measure_part(
         inside = law.contact(o.t, o.x, o.v)
         if (touching & inside).any():
             touching &= inside
-    span = max(1, round(_BLOCK_S / o.h))
+    span = max(1, round(_BLOCK_S * o.pace / o.h))
     squares = [(force_residual(recording, model) * touching) ** 2 for model in models]
-    moved = samples & (o.t >= START_S)
+    moved = samples & ~o.start
     motion = None
     if runs is not None:
         motion = np.array([_sums((o.raw_position - x) ** 2 * moved, span) for x in runs])
@@ -205,7 +204,8 @@ def as_good(
         By a paired 95 % bootstrap over blocks of time.
 
     """
-    o, span = recording.observed, max(1, round(_BLOCK_S / recording.observed.h))
+    o = recording.observed
+    span = max(1, round(_BLOCK_S * o.pace / o.h))
     use = samples & recording.use
     differences = np.zeros(len(_sums(use.astype(float), span)))
     for noise, residual in (

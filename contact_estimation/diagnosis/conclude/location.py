@@ -154,19 +154,20 @@ def intervals(recording: PreparedRecording, energy: Array) -> list[tuple[float, 
         Times [s]; the strongest few, in order.
 
     """
-    step = recording.block_s
-    span = max(1, round(_WINDOW_S / step))
+    step, pace = recording.block_s, recording.observed.pace
+    span = max(1, round(_WINDOW_S * pace / step))
     mean = np.convolve(energy, np.ones(span) / span, mode='same')
     strong = mean > max(_STRONG, 0.05 * float(np.max(mean)))
     edges = np.flatnonzero(np.diff(strong.astype(int), prepend=0, append=0))
     merged: list[list[int]] = []
     for first, stop in zip(edges[::2].tolist(), edges[1::2].tolist()):
-        if merged and (first - merged[-1][1]) * step < _GAP_S:
+        if merged and (first - merged[-1][1]) * step < _GAP_S * pace:
             merged[-1][1] = stop
         else:
             merged.append([first, stop])
     merged.sort(key=lambda pair: -float(np.sum(energy[pair[0]:pair[1]])))
-    return sorted((a * step, b * step) for a, b in merged[:_MOST_INTERVALS])
+    begin = float(recording.observed.t[0])
+    return sorted((begin + a * step, begin + b * step) for a, b in merged[:_MOST_INTERVALS])
 
 
 def phases(recording: PreparedRecording, model: Model) -> dict[str, Flags]:
@@ -195,7 +196,7 @@ def phases(recording: PreparedRecording, model: Model) -> dict[str, Flags]:
     for k in range(1, len(v)):
         since[k] = since[k - 1] + recording.block_s if inside[k] else 0.0
     speed = np.percentile(np.abs(v[inside]), 95) if inside.any() else 1.0
-    entry, slow = inside & (since < _ENTRY_S), np.abs(v) < _SLOW * speed
+    entry, slow = inside & (since < _ENTRY_S * o.pace), np.abs(v) < _SLOW * speed
     rest = inside & ~entry
     return {'free': ~inside, 'entry': entry, 'hold': rest & slow,
             'loading': rest & ~slow & (v > 0.0), 'unloading': rest & ~slow & (v < 0.0)}

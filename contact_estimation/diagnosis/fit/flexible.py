@@ -97,7 +97,7 @@ def _features(recording: PreparedRecording, model: Model) -> Array:
     unit = [(row - row.mean()) / (row.std() + 1e-12) for row in rows]
     columns = []
     for lag in _LAGS_S:
-        shift = round(lag / recording.block_s)
+        shift = round(lag * o.pace / recording.block_s)
         columns += [np.concatenate((np.full(shift, row[0]), row[:count - shift]))
                     for row in unit]
     products = [a * b for k, a in enumerate(unit[:5]) for b in unit[k:5]]

@@ -39,6 +39,7 @@ Array = NDArray[np.float64]
 _PICARD = 40  # rounds at most
 _CONVERGED = 1e-4  # of the motion
 _STABLE = 1.0  # rate of decay times step; Runge-Kutta is stable up to 2.8
+_RESOLVED = 0.2  # [rad] of the oscillation of robot and wall, a step
 _WALL_STEPS = 2  # Runge-Kutta steps a sample of a wall without a robot
 
 
@@ -89,13 +90,18 @@ class Run(NamedTuple):
 def _steps(model: Model, o: Observed) -> int:
     """Return the Runge-Kutta steps a sample at which steep drag at standstill is stable."""
     laws, wall = model.laws(), model.nominal.environment
-    x, states = wall.location + 0.5 * max(float(np.max(o.x)) - wall.location, 1e-4), (0.0,) * 99
+    least = min(1e-4, 1e-2 * float(np.ptp(o.x)))
+    x, states = wall.location + 0.5 * max(float(np.max(o.x)) - wall.location, least), (0.0,) * 99
     slow = 0.1 * SIGN_VELOCITY
     touch = [laws.contact.touch(0.0, x, v, states[:laws.contact.states], math).resistance
              for v in (0.0, slow)]
     drag = [laws.robot.force(x, v, (x, v, 0.0, 0.0), math) for v in (0.0, slow)]
     steepness = (touch[1] - touch[0] + drag[0] - drag[1]) / slow / laws.robot.mass
-    return max(1, math.ceil(o.h * steepness / _STABLE))
+    steps = max(1, math.ceil(o.h * steepness / _STABLE))
+    if o.pace <= 1.0:
+        return steps
+    stiffness = model.stiffness + laws.robot.stiffness
+    return max(steps, math.ceil(o.h * math.sqrt(stiffness / laws.robot.mass) / _RESOLVED))
 
 
 def free_run(model: Model, observed: Observed) -> Run:
@@ -121,7 +127,8 @@ def free_run(model: Model, observed: Observed) -> Run:
     parameters = dataclasses.replace(
         plant_of(model), sample_rate=1.0 / o.h, integration_rate=_steps(model, o) / o.h,
     )
-    truths = simulate_on(parameters, o.t, o.reference, float(o.x[0]))
+    v = float(o.v[0]) if o.starts_moving else 0.0
+    truths = simulate_on(parameters, o.t, o.reference, float(o.x[0]), v, begin=float(o.t[0]))
     return Run(np.array([truth.position for truth in truths]),
                np.array([truth.sensed for truth in truths]))
 
@@ -135,4 +142,5 @@ def _free_wall(model: Model, o: Observed) -> Array:
     if np.isfinite(further).all() and float(np.max(np.abs(further - run))) < least:
         return run
     plant = dataclasses.replace(plant_of(model), integration_rate=_WALL_STEPS / o.h)
-    return run_driven_wall(plant, o.t, o.driving, *wall.free(1)[:, 0].tolist())
+    start = wall.free(1)[:, 0].tolist()
+    return run_driven_wall(plant, o.t, o.driving, *start, begin=float(o.t[0]))

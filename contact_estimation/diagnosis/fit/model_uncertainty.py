@@ -25,18 +25,18 @@ from scipy.ndimage import median_filter
 
 from ..observe.discount import Discount
 from ..observe.model import Model
-from ..observe.observer import OBSERVER_CUTOFF
 from ..observe.prepared_recording import PreparedRecording
 from ..observe.residuals import residuals, response_to
 
 Array = NDArray[np.float64]
 
 UNCERTAINTIES = (
-    ('impedance_mismatch', (1.0, 1.0, 1.002)),
-    ('command_delay', (3e-5,)),
-    ('force_delay', (3e-5,)),
+    ('impedance_mismatch', (1.0, 1.0, 1.002), False),
+    ('command_delay', (3e-5,), True),
+    ('force_delay', (3e-5,), True),
 )
-"""Effects at one standard deviation: M_t is known to 0.2 %, stamps to 0.03 ms."""
+"""Effects at one standard deviation, and whether that is a time, which the pace multiplies: M_t is
+known to 0.2 %, stamps to 0.03 ms."""
 
 _MOST_STEPS = 200
 _LEAST_STEP = 0.1  # standard deviations of the motion
@@ -70,10 +70,12 @@ def discounted(recording: PreparedRecording, model: Model) -> PreparedRecording:
     if recording.driven_by_force(model):
         return recording
     here = residuals(recording, model, robust=False)
-    robot = recording.observed.reference is not None
+    o = recording.observed
+    robot = o.reference is not None
     columns = [
-        residuals(recording, model.with_effect(name, values), robust=False) - here
-        for name, values in UNCERTAINTIES
+        residuals(recording, model.with_effect(name, _scaled(values, o.pace if time else 1.0)),
+                  robust=False) - here
+        for name, values, time in UNCERTAINTIES
         if name not in model.effects and (robot or name == 'force_delay')
     ]
     if robot:
@@ -81,6 +83,10 @@ def discounted(recording: PreparedRecording, model: Model) -> PreparedRecording:
                      *_steps_of_reference(recording, model))
         columns += [_of_motion(recording, innovations) for innovations in responses]
     return replace(recording, discount=Discount.of(np.array(columns).T))
+
+
+def _scaled(values: tuple[float, ...], factor: float) -> tuple[float, ...]:
+    return tuple(factor * value for value in values)
 
 
 def _of_motion(recording: PreparedRecording, innovations: Array) -> Array:
@@ -110,7 +116,7 @@ def _steps_of_reference(recording: PreparedRecording, model: Model) -> list[Arra
     pushes = np.diff(robot.mass * a_r + robot.damping * v_r + robot.stiffness * x_r)
     jumps = pushes - median_filter(pushes, _AROUND)
     size = np.abs(jumps) * o.h  # impulse of a whole sample [N s]
-    least = max(_LEAST_STEP * recording.motion.noise * OBSERVER_CUTOFF * robot.mass,
+    least = max(_LEAST_STEP * recording.motion.noise * o.observer_cutoff * robot.mass,
                 _STANDS_OUT * float(np.median(size)))
     steps = np.argsort(-size)[:_MOST_STEPS]
     pulse = np.zeros(len(o.t))

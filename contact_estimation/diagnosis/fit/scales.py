@@ -24,6 +24,7 @@ from ..observe.prepared_recording import PreparedRecording, Recordings
 from ..observe.residuals import force_residual
 from ...physics.scales import Scales
 
+_LEAST = 1e-30  # in any unit
 _PEAKS, _HIGHEST_HZ = 3, 12.0
 _SPACED_S, _FINER = 0.02, 4  # samples of the residual; grid of the spectrum, over 1 / duration
 
@@ -46,7 +47,7 @@ def measure_scales(recordings: Recordings, base: Fit) -> Scales:
 
     """
     model, laws = base.model, base.model.laws()
-    depth = speed = force = control = pull = duration = 1e-9
+    depth = speed = force = control = pull = duration = _LEAST
     for recording in recordings:
         o = recording.observed
         inside = laws.contact.contact(o.t, o.x, o.v) if laws.contact.unilateral else o.t >= 0.0
@@ -61,8 +62,8 @@ def measure_scales(recordings: Recordings, base: Fit) -> Scales:
             u = laws.robot.impedance_force(o.x, o.v, o.reference)
             control = max(control, float(np.max(np.abs(u))))
     return Scales(
-        depth, speed, force, control, pull, duration, max(model.stiffness, 1e-9),
-        max(model.damping, 1e-9), laws.robot.mass, _spectrum(recordings[0], base),
+        depth, speed, force, control, pull, duration, max(model.stiffness, _LEAST),
+        max(model.damping, _LEAST), laws.robot.mass, _spectrum(recordings[0], base),
         min(recording.observed.h for recording in recordings),
     )
 
@@ -75,7 +76,7 @@ def _spectrum(recording: PreparedRecording, base: Fit) -> tuple[tuple[float, com
         return ()
     residual = force_residual(recording, base.model)
     use = recording.use & o.measured & (law.force(o.t, o.x, o.v, o.a) < 0.0)
-    stride = max(1, round(_SPACED_S / o.h))
+    stride = max(1, round(_SPACED_S * o.pace / o.h))
     use, r = use[::stride], residual[::stride]
     count = int(np.count_nonzero(use))
     if count < 50:
@@ -83,7 +84,8 @@ def _spectrum(recording: PreparedRecording, base: Fit) -> tuple[tuple[float, com
     finer = next_fast_len(_FINER * len(r))
     sums = np.fft.rfft(np.where(use, r - r[use].mean(), 0.0), finer)
     frequencies = np.fft.rfftfreq(finer, stride * o.h)
-    inside = (frequencies >= 0.5 / float(o.t[-1])) & (frequencies < _HIGHEST_HZ)
+    sums = sums * np.exp(-2j * np.pi * frequencies * o.t[0])
+    inside = (frequencies >= 0.5 / float(o.t[-1])) & (frequencies < _HIGHEST_HZ / o.pace)
     frequencies, amplitudes = frequencies[inside], 2.0 / count * sums[inside]
     spacing = 1.0 / (finer * stride * o.h)
     found: list[tuple[float, complex]] = []

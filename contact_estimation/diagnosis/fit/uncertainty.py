@@ -53,7 +53,7 @@ def standard_deviations(recordings: Recordings, found: Fit) -> Array:
     here = function(values)
     jacobian = differentiate_by(values, size, function, here)
     inverse = np.linalg.pinv(jacobian.T @ jacobian, rcond=1e-13)
-    span = max(1, round(_CLUSTER_S / recordings[0].block_s))
+    span = max(1, round(_CLUSTER_S * recordings[0].observed.pace / recordings[0].block_s))
     scores = np.add.reduceat(jacobian * here[:, None], np.arange(0, len(here), span), axis=0)
     clustered = np.diag(inverse @ (scores.T @ scores) @ inverse)
     independent = np.diag(inverse) * max(1.0, float(np.mean(here**2)))

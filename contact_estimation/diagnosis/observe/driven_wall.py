@@ -29,7 +29,7 @@ from numpy.typing import NDArray
 from scipy.signal import lfilter
 
 from .model import Model
-from .observed import Observed, START_S
+from .observed import Observed
 from .observer import coast, discretise, kalman_filter, run, run_velocity
 from ...plant.between_samples import NOISE, smooth
 
@@ -117,7 +117,7 @@ class DrivenWall:
             v = run_velocity(self.system, push, float(o.x[0]), self._stiffness)
             if not np.isfinite(x).all():
                 break
-            begin = o.t < START_S
+            begin = o.start
             misfit = (o.raw_position - x)[begin]
             x, v = np.array([x, v]) + np.tensordot(
                 np.linalg.lstsq(free[:, 0, begin].T, misfit, rcond=1e-6)[0], free, 1)

@@ -16,6 +16,7 @@
 
 from __future__ import annotations
 
+from math import ceil, log10
 from typing import NamedTuple
 
 import numpy as np
@@ -72,7 +73,8 @@ def episodes(model: Model, observed: Observed) -> list[tuple[int, int]]:
     inside = law.contact(o.t, o.x, o.v).astype(int)
     edges = np.flatnonzero(np.diff(inside, prepend=0, append=0))
     pairs = list(zip(edges[::2].tolist(), edges[1::2].tolist()))
-    return [pair for pair in pairs if (pair[1] - pair[0]) * o.h >= _LEAST_CONTACT_S]
+    least = _LEAST_CONTACT_S * o.pace
+    return [pair for pair in pairs if (pair[1] - pair[0]) * o.h >= least]
 
 
 def require_contact(model: Model, observed: Observed, name: str) -> None:
@@ -97,7 +99,7 @@ def require_contact(model: Model, observed: Observed, name: str) -> None:
     if model.nominal.environment.unilateral and not episodes(model, observed):
         location = model.nominal.environment.location
         raise RecordingError(
-            f'{name} has no contact of {_LEAST_CONTACT_S:g} s or more: expected x beyond '
+            f'{name} has no contact of {_LEAST_CONTACT_S * observed.pace:g} s or more: expected x beyond '
             f'{location:g} m (environment.location), got at most {np.max(observed.x):.6g} m; '
             'record a contact, or correct the location in the model'
         )
@@ -139,4 +141,6 @@ def hold_out(model: Model, observed: Observed) -> HeldOut:
     first, stop = found[0] if found else (0, len(o.t))
     block = (stop - first) // _BLOCKS
     samples[stop - 2 * block:stop - block] = True
-    return HeldOut(f'{o.t[stop - 2 * block]:.1f} to {o.t[stop - block - 1]:.1f} s', samples)
+    digits = max(1, 1 + ceil(-log10(o.pace)))
+    begin, end = o.t[stop - 2 * block], o.t[stop - block - 1]
+    return HeldOut(f'{begin:.{digits}f} to {end:.{digits}f} s', samples)

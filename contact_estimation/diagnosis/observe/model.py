@@ -34,7 +34,7 @@ from ...plant.plant_parameters import PlantParameters
 
 Array = NDArray[np.float64]
 
-_NO_WALL = 1e-3  # N/m or N s/m: practically no spring, no damper
+_NO_WALL = 1e-3  # N/m or N s/m: practically no spring, no damper, beside a nominal one of 1
 _LARGEST_LOGARITHM = 345.0  # e^345 = 1e150: beyond, products of such a value overflow
 
 
@@ -159,8 +159,16 @@ class Model:
         """Typical change of each of all values: its magnitude, or 1 if it is 0."""
         values = np.abs(np.array(self.values))
         sizes = np.where(values > 0.0, values, 1.0)
-        sizes[:2] = np.maximum(values[:2], _NO_WALL)
+        sizes[:2] = np.maximum(values[:2], self._no_wall)
         return sizes
+
+    @cached_property
+    def _no_wall(self) -> Array:
+        """Largest K_e and B_e that practically are none; in small units they are small."""
+        wall = self.nominal.environment
+        stiffness, damping = wall.stiffness, wall.damping
+        known = max(stiffness, damping) or wall.inertia or 1.0
+        return _NO_WALL * np.minimum(1.0, [stiffness or known, damping or known])
 
     @cached_property
     def _logarithmic(self) -> NDArray[np.bool_]:
@@ -173,7 +181,7 @@ class Model:
         """Which of all values are at a bound of their range, or practically zero."""
         values, (low, high) = np.array(self.values), self.bounds
         little = 1e-6 * np.abs(values)
-        little[:2] = _NO_WALL
+        little[:2] = self._no_wall
         return np.asarray((values - low <= little) | (high - values <= little))
 
     def at(self, values: Any) -> 'Model':

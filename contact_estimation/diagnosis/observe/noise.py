@@ -17,14 +17,22 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import maximum_filter1d
 
 from .driven_wall import DrivenWall
 from .model import Model
+from .motion_error import lost_by_lines
 from .observed import Observed
+from .observer import innovations, run, SecondOrder
+from .pace import is_slow
 from .smoothing import white_noise_std
+
+Array = NDArray[np.float64]
 
 _WINDOW_S = 0.1
 _LEAST_WINDOWS = 5
+_MEMORY = 2.0  # times 1 / omega_o: the observer has half forgotten an error
 
 
 def force_noise(model: Model, observed: Observed) -> float:
@@ -49,7 +57,7 @@ def force_noise(model: Model, observed: Observed) -> float:
     """
     o = observed
     least = 1e-4 * float(np.ptp(o.force))
-    span = max(6, round(_WINDOW_S / o.h))
+    span = max(6, round(_WINDOW_S * o.pace / o.h))
     law = model.laws().contact
     if law.unilateral:
         margin = 0.05 * float(np.ptp(o.x))
@@ -92,3 +100,68 @@ def motion_noise(model: Model, observed: Observed, force_noise: float) -> float:
     if observed.driven_by_force(model.nominal):
         return DrivenWall(model, observed).kalman_filter(force_noise)[1]
     return observed.position_noise
+
+
+def force_error(model: Model, observed: Observed) -> Array | None:
+    """
+    Return the error of the wall's force that errors of the motion cause.
+
+    Parameters
+    ----------
+    model : Model
+        Nominal.
+    observed : Observed
+        The recording.
+
+    Returns
+    -------
+    std : ndarray, shape (N,), or None
+        [N]; None where it is negligible.
+
+    """
+    o = observed
+    if o.motion_error is None:
+        return None
+    x_error, v_error = o.motion_error
+    return np.hypot(model.stiffness * x_error, model.damping * v_error)
+
+
+def innovation_error(
+    model: Model, observed: Observed, observer: SecondOrder | None
+) -> Array | None:
+    """
+    Return the error of a robot's innovations that errors of the motion cause.
+
+    Parameters
+    ----------
+    model : Model
+        Nominal.
+    observed : Observed
+        The recording.
+    observer : SecondOrder or None
+        The robot.
+
+    Returns
+    -------
+    std : ndarray, shape (N,), or None
+        [m]; None where it is negligible, or without a robot.
+
+    """
+    o, robot = observed, model.laws().robot
+    if observer is None or o.reference is None:
+        return None
+    push_error, of_command = force_error(model, o), o.command_error
+    if push_error is None and of_command is None:
+        return None
+    if push_error is None:
+        push_error = np.zeros(len(o.t))
+    elif is_slow(o.h):
+        command = robot.impedance_force(0.0, 0.0, o.reference)
+        push_error = push_error + lost_by_lines(o.force) + lost_by_lines(command)
+    if of_command is not None:
+        push_error = push_error + of_command
+    pulse = np.zeros(len(o.t))
+    pulse[1] = 1.0
+    answer = innovations(run(observer, pulse, 0.0, 0.0), observer, o.observer_cutoff, o.h)
+    reach = 1 + 2 * round(_MEMORY / (o.observer_cutoff * o.h))
+    return np.asarray(np.linalg.norm(answer) * maximum_filter1d(push_error, reach))

@@ -18,12 +18,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from math import sqrt
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline
 
-from .observer import discretise, run
+from .motion_error import lost_by_lines, motion_error, quantisation_step
+from .observer import discretise, OBSERVER_CUTOFF, run
+from .pace import pace_of
 from .signals import check_signals, Signals
 from .smoothing import differentiate, smooth_enough, white_noise_std
 from ...physics.robot_law import RobotLaw
@@ -33,8 +36,10 @@ from ...plant.plant_parameters import PlantParameters
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
-START_S = 0.5
-"""Time in which a free run forgets its initial state, which is not known."""
+_START_S = 0.5
+_AT_REST = 0.05  # of the greatest speed
+_SLOWER = 1.5  # times the sample period
+_NEARLY_ALL = 0.75  # of the samples: else the positions have a rate of their own
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +50,7 @@ class Observed:
     Attributes
     ----------
     t : ndarray, shape (N,)
-        Time from the first wrench stamp [s], evenly spaced.
+        Time from the first wrench stamp of the recording [s], evenly spaced.
     h : float
         Sample period [s].
     force : ndarray, shape (N,)
@@ -66,6 +71,13 @@ class Observed:
         Of the smoothing [Hz].
     between : str
         Course of the force that drives a wall between its samples, see `BETWEEN`.
+    sampled : ndarray of bool, shape (N,), or None
+        Where a position was measured; None for nearly everywhere.
+    motion_error : ndarray, shape (2, N), or None
+        Standard deviations of x [m] and v [m/s] where they matter, see `motion_error`.
+    command_error : ndarray, shape (N,), or None
+        Error of the robot's control force by straight lines between the samples of a reference
+        that is slower than the wrenches [N]; None for one that is not.
 
     """
 
@@ -82,6 +94,30 @@ class Observed:
     cutoff: float
     jitter: float = 0.0
     between: str = 'straight'
+    sampled: Flags | None = None
+    motion_error: Array | None = None
+    command_error: Array | None = None
+
+    @cached_property
+    def pace(self) -> float:
+        """Factor on all times, see `pace_of`."""
+        return pace_of(self.h, float(self.t[-1] - self.t[0]))
+
+    @property
+    def start(self) -> Flags:
+        """Where a free run has not yet forgotten its initial state, shape (N,)."""
+        return np.asarray(self.t - self.t[0] < _START_S * self.pace)
+
+    @property
+    def starts_moving(self) -> bool:
+        """Whether the first sample is not one at rest, as at the end of a gap."""
+        speed = np.abs(self.v)
+        return bool(self.t[0] > 0.0 or speed[0] > _AT_REST * np.max(speed))
+
+    @property
+    def observer_cutoff(self) -> float:
+        """Cut-off of the observer that whitens the motion [rad/s]."""
+        return OBSERVER_CUTOFF / self.pace
 
     @cached_property
     def driving(self) -> Array:
@@ -159,12 +195,7 @@ def observe(
 
     """
     check_signals(signals)
-    span = float(signals.wrench_t[-1])
-    # Step by step: the median of rounded or jittered stamps drifts off by whole samples.
-    steps = np.diff(signals.wrench_t)
-    count = int(np.sum(np.round(steps / np.median(steps)))) + 1
-    h = span / (count - 1)
-    t: Array = np.asarray(h * np.arange(count), np.float64)
+    t, h = _even_grid(signals.wrench_t)
     force, measured = _on_grid(signals.wrench_t, signals.force, t, h)
     position, sampled = _on_grid(signals.joint_t, signals.position, t, h)
     with_robot = len(signals.reference_t) > 1 and model.environment.unilateral
@@ -179,13 +210,30 @@ def observe(
     # motion to better than a hundred thousandth, even without noise.
     left_raw = signals.position - np.interp(signals.joint_t, t, carried)
     noise = max(white_noise_std(left_raw), 1e-5 * float(np.ptp(position)))
+    step = quantisation_step(signals.position)
+    coarse = step if step / sqrt(12.0) > noise else 0.0
+    noise = max(noise, coarse / sqrt(12.0))
     weight = np.where(sampled, 1.0, 1e-3)
-    left, cutoff = smooth_enough(position - carried, weight, h, noise)
+    left, cutoff = smooth_enough(
+        position - carried, weight, h, noise, pace_of(h, float(t[-1] - t[0])))
     x, v, a = differentiate(carried + left, h)
+    static = not model.environment.unilateral and model.environment.inertia == 0.0
     # A straight line over a dropped sample cuts the bend, and innovations would ring from it.
     position = np.where(sampled, position, x)
-    return Observed(t, h, force, measured, position, x, v, a, reference, noise, cutoff,
-                    _jitter(signals.joint_t), between)
+    return Observed(
+        t, h, force, measured, position, x, v, a, reference, noise, cutoff,
+        _jitter(signals.joint_t), between, None if np.mean(sampled) > _NEARLY_ALL else sampled,
+        motion_error(x, v, h, coarse, cutoff, noise, position - x if static else None),
+        _command_error(signals, model, t) if with_robot else None)
+
+
+def _even_grid(stamps: Array) -> tuple[Array, float]:
+    """Return evenly spaced times from the first to the last stamp, and their period [s]."""
+    # Step by step: the median of rounded or jittered stamps drifts off by whole samples.
+    steps = np.diff(stamps)
+    count = int(np.sum(np.round(steps / np.median(steps)))) + 1
+    h = float(stamps[-1] - stamps[0]) / (count - 1)
+    return np.asarray(stamps[0] + h * np.arange(count), np.float64), h
 
 
 def _carried(
@@ -205,6 +253,18 @@ def _carried(
     return np.zeros(len(position))
 
 
+def _command_error(signals: Signals, model: PlantParameters, t: Array) -> Array | None:
+    periods = np.diff(signals.reference_t)
+    ratio = float(np.median(periods)) / (t[1] - t[0])
+    if ratio < _SLOWER:
+        return None
+    robot = model.robot
+    law = RobotLaw(robot.mass, robot.damping, robot.stiffness, ())
+    lost = lost_by_lines(law.impedance_force(0.0, 0.0, signals.reference))
+    # It is the same sign between two samples of the reference.
+    return np.asarray(sqrt(ratio) * np.interp(t, signals.reference_t, lost))
+
+
 def _jitter(stamps: Array) -> float:
     """Measure the deviation of stamps from their neighbours' middle; gaps do not count."""
     deviations = 0.5 * (stamps[2:] + stamps[:-2]) - stamps[1:-1]
@@ -216,7 +276,7 @@ def _jitter(stamps: Array) -> float:
 def _on_grid(stamps: Array, values: Array, t: Array, h: float) -> tuple[Array, Flags]:
     """Interpolate; return also which grid points have a sample of their own."""
     sampled = np.zeros(len(t), bool)
-    index = np.round(stamps / h).astype(int)
+    index = np.round((stamps - t[0]) / h).astype(int)
     sampled[index[(index >= 0) & (index < len(t))]] = True
     return np.interp(t, stamps, values), sampled
 

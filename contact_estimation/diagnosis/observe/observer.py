@@ -34,7 +34,7 @@ from scipy.signal import lfilter
 Array = NDArray[np.float64]
 
 OBSERVER_CUTOFF = 50.0
-"""omega_o [rad/s]: errors in the time of an impact are forgotten within 40 ms."""
+"""omega_o [rad/s] at a pace of 1: errors in the time of an impact are forgotten in 40 ms."""
 
 
 class SecondOrder(NamedTuple):

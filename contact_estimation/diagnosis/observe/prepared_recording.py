@@ -18,6 +18,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from math import sqrt
 from typing import Sequence
 
 import numpy as np
@@ -27,9 +28,9 @@ from .channel import Channel, sum_blocks
 from .discount import Discount
 from .episodes import HeldOut, hold_out, require_contact
 from .model import Model
-from .noise import force_noise, motion_noise
+from .noise import force_error, force_noise, innovation_error, motion_noise
 from .observed import observe, Observed
-from .observer import discretise, OBSERVER_CUTOFF, SecondOrder
+from .observer import discretise, SecondOrder
 from .signals import Recording
 from .usable_samples import default_block, force_drops, usable
 
@@ -71,6 +72,9 @@ class PreparedRecording:
         Factor by which the motion is trusted less than its noise allows, see `trust_motion_less`.
     picard_rounds : int
         Of Picard's iteration for a wall without a robot; 1: effects at the measured motion.
+    force_error, motion_error : ndarray, shape (N,), or None
+        Standard deviations of the predictions of a correct model from a motion that is coarse in
+        time or position [N], [m]; None where they are negligible.
 
     """
 
@@ -86,6 +90,8 @@ class PreparedRecording:
     discount: Discount | None = None
     motion_misfit: float = 1.0
     picard_rounds: int = 1
+    force_error: Array | None = None
+    motion_error: Array | None = None
 
     @classmethod
     def of(
@@ -115,10 +121,12 @@ class PreparedRecording:
         if held_out is not None:
             use = use & ~held_out.samples
         noise = force_noise(model, o)
+        observer = nominal_observer(model, o)
         return cls(
             name, o, noise, motion_noise(model, o, noise), use, default_block(o), held_out,
             dropped=force_drops(o, noise) if model.nominal.environment.unilateral else None,
-            observer=nominal_observer(model, o),
+            observer=observer, force_error=force_error(model, o),
+            motion_error=innovation_error(model, o, observer),
         )
 
     @cached_property
@@ -131,9 +139,10 @@ class PreparedRecording:
             for edge in _edges(self.dropped):
                 use[max(0, edge - 1):edge + 3] = False
         rate = np.gradient(o.force, o.h) if o.jitter * o.h > 0.0 else np.zeros(len(o.t))
-        span = max(1, round(_SLOPE_S / o.h))
+        span = max(1, round(_SLOPE_S * o.pace / o.h))
         slope = np.convolve(rate, np.ones(span) / span, mode='same')
         spread = np.hypot(1.0, slope * o.jitter / self.force_noise)
+        spread = self._widened(spread, self.force_error, self.force_noise)
         return Channel(self.force_noise, spread, use, self.block)
 
     @cached_property
@@ -143,9 +152,18 @@ class PreparedRecording:
         if self.dropped is not None:
             use = use.copy()
             for edge in _edges(self.dropped):
-                use[edge:edge + round(_FORGOTTEN / (OBSERVER_CUTOFF * o.h))] = False
+                use[edge:edge + round(_FORGOTTEN / (o.observer_cutoff * o.h))] = False
+        if o.sampled is not None:
+            use = use & o.sampled
         spread = np.hypot(1.0, o.v * o.jitter / self.motion_noise)
+        spread = self._widened(spread, self.motion_error, self.motion_noise)
         return Channel(self.motion_noise * self.motion_misfit, spread, use, self.block)
+
+    def _widened(self, spread: Array, error: Array | None, noise: float) -> Array:
+        if error is None:
+            return spread
+        # The error is the same throughout a block, and no average makes it smaller.
+        return np.hypot(spread, sqrt(self.block) * error / noise)
 
     @property
     def residual_count(self) -> int:

@@ -30,7 +30,7 @@ from numpy.typing import NDArray
 from .channel import sum_blocks
 from .driven_wall import DrivenWall
 from .model import Laws, Model
-from .observer import discretise, innovations, OBSERVER_CUTOFF, run
+from .observer import discretise, innovations, run
 from .prepared_recording import PreparedRecording
 
 Array = NDArray[np.float64]
@@ -67,7 +67,7 @@ def residuals(
     """
     laws = model.laws()
     if recording.driven_by_force(model):
-        memory = _wall_time(model) if briefly else np.inf
+        memory = _wall_time(recording, model) if briefly else np.inf
         stacked = recording.motion.average(_wall_innovations(recording, model, memory))
     else:
         stacked = _of_channels(recording, laws)
@@ -147,9 +147,9 @@ def response_to(recording: PreparedRecording, push: Array, model: Model) -> Arra
     """
     if recording.observer is None:
         return None
-    robot, h = model.laws().robot, recording.observed.h
-    moved = run(discretise(robot.mass, robot.damping, robot.stiffness, h), push, 0.0, 0.0)
-    return innovations(moved, recording.observer, OBSERVER_CUTOFF, h)
+    robot, o = model.laws().robot, recording.observed
+    moved = run(discretise(robot.mass, robot.damping, robot.stiffness, o.h), push, 0.0, 0.0)
+    return innovations(moved, recording.observer, o.observer_cutoff, o.h)
 
 
 def trust_motion_less(recording: PreparedRecording, model: Model) -> PreparedRecording:
@@ -207,7 +207,7 @@ def _robot_innovations(recording: PreparedRecording, laws: Laws, force: Array, d
     push = push + (at_touch_down(force, d) if laws.contact.unilateral else force)
     system = discretise(robot.mass, robot.damping, robot.stiffness, o.h)
     misfit = o.raw_position - run(system, push, float(o.x[0]), robot.stiffness)
-    return innovations(misfit, recording.observer, OBSERVER_CUTOFF, o.h)
+    return innovations(misfit, recording.observer, o.observer_cutoff, o.h)
 
 
 def _wall_innovations(recording: PreparedRecording, model: Model, memory: float = np.inf) -> Array:
@@ -215,10 +215,11 @@ def _wall_innovations(recording: PreparedRecording, model: Model, memory: float 
     return wall.innovations(recording.picard_rounds, recording.force_noise, memory)
 
 
-def _wall_time(model: Model) -> float:
+def _wall_time(recording: PreparedRecording, model: Model) -> float:
     """Return the time in which the nominal wall springs back [s]."""
     wall = model.nominal.environment
-    return 0.5 / max(OBSERVER_CUTOFF, np.sqrt(wall.stiffness / wall.inertia))
+    slowest = recording.observed.observer_cutoff
+    return 0.5 / max(slowest, np.sqrt(wall.stiffness / wall.inertia))
 
 
 def huber(values: Array) -> Array:

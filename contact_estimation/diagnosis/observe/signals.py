@@ -27,7 +27,7 @@ from ...recordings.recorded_signals import RecordedSignals
 
 Array = NDArray[np.float64]
 
-LEAST_DURATION_S = 2.0
+LEAST_SAMPLES = 50
 
 
 class Signals(NamedTuple):
@@ -103,7 +103,7 @@ def signals_of(recorded: RecordedSignals) -> Signals:
 
 def check_signals(signals: Signals) -> None:
     """
-    Check that the signals are long enough, finite and not constant.
+    Check that the signals have enough samples, are finite and not constant.
 
     Parameters
     ----------
@@ -117,11 +117,10 @@ def check_signals(signals: Signals) -> None:
 
     """
     for name, stamps in (('wrench', signals.wrench_t), ('joint_states', signals.joint_t)):
-        span = float(stamps[-1] - stamps[0]) if len(stamps) > 1 else 0.0
-        if span < LEAST_DURATION_S:
+        if len(stamps) < LEAST_SAMPLES:
             raise RecordingError(
-                f'{name} spans {span:.2f} s, expected at least {LEAST_DURATION_S:g} s; '
-                'record longer'
+                f'{name} has {len(stamps)} samples, expected at least {LEAST_SAMPLES}; record '
+                'longer or at a higher rate'
             )
     for name, values in (
         ('wrench', signals.force), ('joint_states', signals.position),

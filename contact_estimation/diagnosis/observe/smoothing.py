@@ -26,7 +26,7 @@ from scipy.signal import welch
 
 Array = NDArray[np.float64]
 
-CUTOFFS_HZ = (6.0, 9.0, 13.0, 20.0, 30.0, 45.0, 70.0, 110.0, 180.0)
+CUTOFFS_HZ = (6.0, 9.0, 13.0, 20.0, 30.0, 45.0, 70.0, 110.0, 180.0)  # at a pace of 1
 _THIRD_DIFFERENCE = (-1.0, 3.0, -3.0, 1.0)
 
 
@@ -121,7 +121,9 @@ def white_noise_std(signal: Array) -> float:
     return float(np.sqrt(0.5 * np.median(whitened)))
 
 
-def smooth_enough(signal: Array, weight: Array, h: float, noise: float) -> tuple[Array, float]:
+def smooth_enough(
+    signal: Array, weight: Array, h: float, noise: float, pace: float = 1.0
+) -> tuple[Array, float]:
     """
     Smooth with the lowest cut-off whose residual is only noise.
 
@@ -133,18 +135,20 @@ def smooth_enough(signal: Array, weight: Array, h: float, noise: float) -> tuple
         Sample period [s].
     noise : float
         Standard deviation of the white noise of `signal`.
+    pace : float
+        Of the recording, see `pace_of`.
 
     Returns
     -------
     smoothed : ndarray, shape (N,)
         Without phase shift.
     cutoff : float
-        Chosen from `CUTOFFS_HZ` [Hz].
+        Chosen from `CUTOFFS_HZ` over the pace [Hz].
 
     """
     measured = weight > 0.5
     smoothed, cutoff = signal, 0.4 / h
-    for cutoff in CUTOFFS_HZ:
+    for cutoff in (at_pace_1 / pace for at_pace_1 in CUTOFFS_HZ):
         if cutoff * h > 0.3:
             break
         smoothed = smooth(signal, weight, cutoff * h)

@@ -20,12 +20,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .model import Model
-from .observed import Observed, START_S
+from .observed import Observed
 from ...physics.numeric import stretches
 
 Flags = NDArray[np.bool_]
 
 _DROP_S, _LEAST_DROPS = 0.5, 3
+_UNLOADED = 0.02  # of the greatest depth and force
+_FORGOTTEN = 4.0  # times 1 / omega_o: the observer has forgotten the initial state
 _IMPACT_BEFORE, _IMPACT_AFTER = 2, 3  # unpredictable samples around touch-down
 
 
@@ -49,14 +51,26 @@ def usable(model: Model, observed: Observed) -> Flags:
     o = observed
     use = np.ones(len(o.t), bool)
     use[:5] = use[-5:] = False
+    if o.reference is not None and o.starts_moving:
+        use[:round(_FORGOTTEN / (o.observer_cutoff * o.h))] = False
     law = model.laws().contact
     if not law.unilateral:
-        use[:round(START_S / o.h)] = False  # its initial state is unknown
+        if not _starts_unloaded(model, o):
+            use &= ~o.start  # its initial state is unknown
     else:
         inside = law.contact(o.t, o.x, o.v)
         for first in np.flatnonzero(np.diff(inside.astype(int)) > 0).tolist():
             use[max(0, first + 1 - _IMPACT_BEFORE):first + 1 + _IMPACT_AFTER] = False
     return use
+
+
+def _starts_unloaded(model: Model, observed: Observed) -> bool:
+    """Return whether an attached wall without mass starts undeformed: its states are then 0."""
+    o, wall = observed, model.nominal.environment
+    if wall.inertia > 0.0:
+        return False
+    return all(abs(float(signal[0])) < _UNLOADED * float(np.max(np.abs(signal)))
+               for signal in (o.x - wall.location, o.force))
 
 
 def force_drops(observed: Observed, noise: float) -> Flags | None:
@@ -83,7 +97,7 @@ def force_drops(observed: Observed, noise: float) -> Flags | None:
     dropped, drops = np.zeros(len(o.t), bool), 0
     for first, stop in stretches(weak):
         inside = weak[first] and 0 < first and stop < len(o.t)
-        if inside and (stop - first) * o.h < _DROP_S and pressing[first - 1] and pressing[stop]:
+        if inside and (stop - first) * o.h < _DROP_S * min(o.pace, 1.0) and pressing[first - 1] and pressing[stop]:
             dropped[first:stop] = True
             drops += 1
     return dropped if drops >= _LEAST_DROPS else None
@@ -104,6 +118,7 @@ def default_block(observed: Observed) -> int:
         So that the motion is resolved: a hundred blocks a second, or every sample of a fast one.
 
     """
-    if observed.reference is None and observed.cutoff > 15.0:
+    o = observed
+    if o.reference is None and o.cutoff * o.pace > 15.0:
         return 1
-    return max(1, round(0.01 / observed.h))
+    return max(1, round(0.01 * o.pace / o.h))

@@ -173,7 +173,7 @@ def plot_data(diagnosis: Diagnosis) -> PlotData:
     return PlotData(
         pair, o.t,
         Comparison('force [N]', o.force, {name: o.force - e for name, e in force.items()}),
-        position, o.h * recording.block * (0.5 + blocks), residuals,
+        position, o.t[0] + o.h * recording.block * (0.5 + blocks), residuals,
         _plane(recording, models[pair[-1]], shown, in_motion),
         _close_up(recording, shown.by_model[pair[0]]), _held_out(diagnosis),
     )
@@ -206,8 +206,8 @@ def _motion_residuals(
 def _close_up(recording: PreparedRecording, residual: Array) -> slice:
     """Choose the stretch with the greatest residuals, short impacts clipped."""
     o = recording.observed
-    swings = np.count_nonzero(np.diff(np.sign(o.x - np.median(o.x)))) / float(o.t[-1])  # [1/s]
-    duration = min(_CLOSE_UP_S, _MOST_SWINGS / max(swings, 1e-9))
+    swings = np.count_nonzero(np.diff(np.sign(o.x - np.median(o.x)))) / float(o.t[-1] - o.t[0])  # [1/s]
+    duration = min(_CLOSE_UP_S * o.pace, _MOST_SWINGS / max(swings, 1e-9))
     span = min(len(o.t), max(2, round(duration / o.h)))
     clipped = np.minimum(np.abs(residual), np.percentile(np.abs(residual), 99.0))
     width = max(1, span // recording.block)
@@ -245,7 +245,7 @@ def _held_out(diagnosis: Diagnosis) -> list[Span]:
     edges = np.flatnonzero(np.diff(held.astype(int), prepend=0, append=0))
     for first, stop in zip(edges[::2].tolist(), edges[1::2].tolist()):
         begin, end = float(o.t[first]), float(o.t[stop - 1])
-        if spans and begin - spans[-1][1] < _GAP_S:
+        if spans and begin - spans[-1][1] < _GAP_S * o.pace:
             spans[-1] = spans[-1][0], end
         else:
             spans.append((begin, end))

@@ -1,0 +1,146 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Errors of a smoothed motion that is coarse in time or in position."""
+
+from __future__ import annotations
+
+from math import pi, sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import maximum_filter1d
+
+from .pace import is_slow
+from .smoothing import differentiate
+
+Array = NDArray[np.float64]
+
+_WHOLE = 0.02  # of a step: largest deviation of quantised values from whole steps
+_MOST_STEPS = 1_000_000  # in the range of a signal; finer ones are rounded numbers
+_RARELY = 3.5  # standard deviations
+_BESIDE = 5  # samples: reach of an error of differentiation
+
+
+def quantisation_step(values: Array) -> float:
+    """
+    Find the resolution of a signal.
+
+    Parameters
+    ----------
+    values : ndarray, shape (N,)
+        In any unit.
+
+    Returns
+    -------
+    step : float
+        Step of which all differences are multiples; 0 without one.
+
+    """
+    levels = np.unique(values)
+    if len(levels) < 2:
+        return 0.0
+    steps = np.diff(levels)
+    span = float(levels[-1] - levels[0])
+    step = float(np.min(steps[steps > span / _MOST_STEPS], initial=np.inf))
+    if not np.isfinite(step):
+        return 0.0
+    counts = (levels - levels[0]) / step
+    # The least difference is slightly off by rounding: fit it to the whole range.
+    step = span / max(1.0, float(np.round(counts[-1])))
+    counts = (levels - levels[0]) / step
+    return step if np.max(np.abs(counts - np.round(counts))) < _WHOLE else 0.0
+
+
+def motion_error(
+    x: Array, v: Array, h: float, step: float, cutoff: float, noise: float,
+    left: Array | None,
+) -> Array | None:
+    """
+    Estimate the errors of a smoothed motion.
+
+    Between samples far apart the motion is unknown: at half the rate position and velocity would
+    come out differently, and these differences are the errors. A quantised position is off by up
+    to half a step for as long as it rests.
+
+    Parameters
+    ----------
+    x, v : ndarray, shape (N,)
+        Position [m] and velocity [m/s].
+    h : float
+        Sample period [s].
+    step : float
+        Resolution of the position where it is coarser than the noise, else 0 [m].
+    cutoff : float
+        Of the smoothing [Hz].
+    noise : float
+        Of the position [m].
+    left : ndarray, shape (N,), or None
+        Measured less smoothed position [m] where no dynamics, but the measured motion alone,
+        determines the rate; else None.
+
+    Returns
+    -------
+    errors : ndarray, shape (2, N), or None
+        Standard deviations of x [m] and v [m/s]; None where they are negligible.
+
+    """
+    if not is_slow(h) and step == 0.0 and left is None:
+        return None
+    x_error = step / sqrt(12.0)
+    v_error = x_error * 2.0 * pi * cutoff * sqrt(min(1.0, 2.0 * cutoff * h))
+    errors = np.tile([[x_error], [v_error]], len(x))
+    if is_slow(h) or left is not None:
+        errors = np.hypot(errors, _lost_between_samples(x, v, h))
+    if left is not None:
+        errors = np.hypot(errors, noise * _lost_by_smoothing(left / noise, h, cutoff))
+    return np.asarray(errors)
+
+
+def _lost_between_samples(x: Array, v: Array, h: float) -> Array:
+    places = np.arange(len(x), dtype=np.float64)
+    half = differentiate(x[::2], 2.0 * h)
+    lost = [0.5 * np.abs(x - np.interp(places, places[::2], half.value)),
+            np.abs(v - np.interp(places, places[::2], half.rate))]
+    return np.asarray(maximum_filter1d(lost, _BESIDE, axis=1))
+
+
+def _lost_by_smoothing(left: Array, h: float, cutoff: float) -> Array:
+    """Return the errors at sharp bends, where smoothing leaves more than noise."""
+    span = max(1, round(0.5 / (cutoff * h)))
+    power = np.convolve(left**2, np.ones(span) / span, mode='same')
+    # Of noise alone the mean power rarely exceeds this.
+    excess = np.maximum(power - 1.0 - _RARELY * sqrt(2.0 / span), 0.0)
+    x_error = maximum_filter1d(np.sqrt(excess), span)
+    return np.asarray([x_error, 2.0 * pi * cutoff * x_error])
+
+
+def lost_by_lines(signal: Array) -> Array:
+    """
+    Estimate how far a signal strays from straight lines between its samples.
+
+    Parameters
+    ----------
+    signal : ndarray, shape (N,)
+        Evenly spaced samples.
+
+    Returns
+    -------
+    error : ndarray, shape (N,)
+        In the signal's unit.
+
+    """
+    bends = np.zeros(len(signal))
+    bends[1:-1] = 0.25 * np.abs(np.diff(signal, 2))
+    return np.asarray(maximum_filter1d(bends, 3))

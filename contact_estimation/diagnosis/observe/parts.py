@@ -1,0 +1,184 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The parts of a recording that are fitted: between gaps, and no longer than can be fitted."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .pace import pace_of
+from .signals import check_signals, LEAST_SAMPLES, Recording, Signals
+from .smoothing import white_noise_std
+from ...plant.plant_parameters import PlantParameters
+
+Array = NDArray[np.float64]
+
+_GAP_S, _GAP_PERIODS = 0.5, 10.0  # without a sample of wrench or joints
+_OUTSIDE_PERIODS = 2.5  # between the ends of wrench and joints: else one outlasts the other
+_LEAST_KEPT = 0.8  # of the samples: else they are uneven, and there are no gaps
+_MOST_SAMPLES = 66_000  # that are fitted as they are
+_ENOUGH_SAMPLES = 20_000  # to which longer recordings are averaged
+_MOST_AVERAGED = 1 << 12
+_ONLY_NOISE = 1.1  # times the noise: power of what averaging removes
+_LEAST_CONTACT_S = 0.2
+
+
+def parts_of(recording: Recording, model: PlantParameters) -> list[Recording]:
+    """
+    Split a recording at its gaps, and average recordings that are too long to be fitted.
+
+    Parameters
+    ----------
+    recording : Recording
+        As recorded.
+    model : PlantParameters
+        The nominal model.
+
+    Returns
+    -------
+    parts : list of Recording
+        Parts with a contact, if any has one; the recording itself without gaps. Their stamps still
+        count from the first wrench of the whole.
+
+    Raises
+    ------
+    RecordingError
+        If a signal is too short, not finite or constant.
+
+    """
+    check_signals(recording.signals)
+    whole = _common(recording.signals)
+    check_signals(whole)
+    spans = _spans(whole)
+    parts = [_cut(whole, first, last) for first, last in spans] if len(spans) > 1 else [whole]
+    parts = [part for part in parts if _is_enough(part)]
+    if sum(len(part.wrench_t) for part in parts) < _LEAST_KEPT * len(whole.wrench_t):
+        parts = [whole]
+    parts = [part for part in parts if _touches(part, model)] or parts
+    return [_named(recording.name, _shortened(part), len(parts) > 1 or len(spans) > 1)
+            for part in parts]
+
+
+def _common(signals: Signals) -> Signals:
+    """Leave out what lies outside the time that both wrench and joints cover."""
+    s = signals
+    slack = _OUTSIDE_PERIODS * max(_period(s.wrench_t), _period(s.joint_t))
+    first, last = max(s.wrench_t[0], s.joint_t[0]), min(s.wrench_t[-1], s.joint_t[-1])
+    if last - first <= 0.0:
+        return s
+    return _cut(s, first - slack, last + slack)
+
+
+def _cut(signals: Signals, first: float, last: float) -> Signals:
+    s = signals
+    wrench = (s.wrench_t >= first) & (s.wrench_t <= last)
+    joint = (s.joint_t >= first) & (s.joint_t <= last)
+    # A reference may be sparse: the samples before and after the part belong to it.
+    begin, end = np.searchsorted(s.reference_t, (first, last))
+    kept = slice(max(0, int(begin) - 1), int(end) + 1)
+    return Signals(s.wrench_t[wrench], s.force[wrench], s.joint_t[joint], s.position[joint],
+                   s.reference_t[kept], s.reference[:, kept])
+
+
+def _spans(signals: Signals) -> list[tuple[float, float]]:
+    """Return begin and end of the stretches in which no topic pauses [s]."""
+    s = signals
+    begin, end = float(s.wrench_t[0]), float(s.wrench_t[-1])
+    pace = pace_of(_period(s.wrench_t), end - begin)
+    pauses: list[tuple[float, float]] = []
+    for stamps in (s.wrench_t, s.joint_t):
+        steps = np.diff(stamps)
+        long = steps > max(_GAP_S * pace, _GAP_PERIODS * float(np.median(steps)))
+        pauses += zip(stamps[:-1][long].tolist(), stamps[1:][long].tolist())
+    spans = []
+    for pause, resume in sorted(pauses):
+        if pause > begin:
+            spans.append((begin, pause))
+        begin = max(begin, resume)
+    return [*spans, (begin, end)]
+
+
+def _is_enough(part: Signals) -> bool:
+    return (min(len(part.wrench_t), len(part.joint_t)) >= LEAST_SAMPLES
+            and min(float(np.ptp(part.force)), float(np.ptp(part.position))) > 0.0)
+
+
+def _touches(part: Signals, model: PlantParameters) -> bool:
+    """Return whether an attached wall, or the surface of another, is met for long enough."""
+    if not model.environment.unilateral:
+        return True
+    inside = np.concatenate(([0], part.position > model.environment.location, [0]))
+    edges = np.flatnonzero(np.diff(inside))
+    least = _LEAST_CONTACT_S * pace_of(_period(part.wrench_t), float(np.ptp(part.wrench_t)))
+    longest = max((stop - first for first, stop in zip(edges[::2], edges[1::2])), default=0)
+    return bool(longest * _period(part.joint_t) > least)
+
+
+def _shortened(signals: Signals) -> Signals:
+    """Average a long recording as far as its motion allows; cut off what is still too much."""
+    count = len(signals.wrench_t)
+    if count <= _MOST_SAMPLES:
+        return signals
+    size = 2
+    while size < _MOST_AVERAGED and count > _ENOUGH_SAMPLES * size:
+        size *= 2
+    while size > 1 and not _is_smooth(signals, size):
+        size //= 2
+    signals = _averaged(signals, size) if size > 1 else signals
+    last = signals.wrench_t[min(len(signals.wrench_t), _MOST_SAMPLES) - 1]
+    return _cut(signals, float(signals.wrench_t[0]), float(last))
+
+
+def _is_smooth(signals: Signals, size: int) -> bool:
+    """Return whether averages over a number of wrench samples lose nothing but noise."""
+    period = size * _period(signals.wrench_t)
+    for stamps, values in ((signals.wrench_t, signals.force), (signals.joint_t, signals.position)):
+        samples = max(1, round(period / _period(stamps)))
+        t, means = _means(stamps, values, samples)
+        noise = max(white_noise_std(values), 1e-4 * float(np.ptp(values)))
+        left = np.minimum(np.abs(values - np.interp(stamps, t, means)), 4.0 * noise)
+        if np.mean(left**2) > (_ONLY_NOISE + 1.0 / samples) * noise**2:
+            return False
+    return True
+
+
+def _averaged(signals: Signals, size: int) -> Signals:
+    s, period = signals, size * _period(signals.wrench_t)
+    wrench_t, force = _means(s.wrench_t, s.force, size)
+    joint_t, position = _means(s.joint_t, s.position, max(1, round(period / _period(s.joint_t))))
+    if len(s.reference_t) < 2:
+        return Signals(wrench_t, force, joint_t, position, s.reference_t, s.reference)
+    samples = max(1, round(period / _period(s.reference_t)))
+    rows = [_means(s.reference_t, row, samples) for row in s.reference]
+    return Signals(wrench_t, force, joint_t, position, rows[0][0],
+                   np.array([row for _, row in rows]))
+
+
+def _means(stamps: Array, values: Array, samples: int) -> tuple[Array, Array]:
+    """Average stamps and values over so many samples each; the last may be fewer."""
+    firsts = np.arange(0, len(stamps), samples)
+    counts = np.diff(np.append(firsts, len(stamps)))
+    return np.add.reduceat(stamps, firsts) / counts, np.add.reduceat(values, firsts) / counts
+
+
+def _named(name: str, signals: Signals, is_part: bool) -> Recording:
+    if is_part:
+        name = f'{name}, {signals.wrench_t[0]:.1f} to {signals.wrench_t[-1]:.1f} s'
+    return Recording(name, signals)
+
+
+def _period(stamps: Array) -> float:
+    return float(np.median(np.diff(stamps)))
