@@ -142,5 +142,5 @@ def _free_wall(model: Model, o: Observed) -> Array:
     if np.isfinite(further).all() and float(np.max(np.abs(further - run))) < least:
         return run
     plant = dataclasses.replace(plant_of(model), integration_rate=_WALL_STEPS / o.h)
-    start = wall.free(1)[:, 0].tolist()
-    return run_driven_wall(plant, o.t, o.driving, *start, begin=float(o.t[0]))
+    x, v = wall.free(1)[:, 0].tolist()
+    return run_driven_wall(plant, o.t, o.driving, x, v, float(o.t[0]))

@@ -99,8 +99,8 @@ def require_contact(model: Model, observed: Observed, name: str) -> None:
     if model.nominal.environment.unilateral and not episodes(model, observed):
         location = model.nominal.environment.location
         raise RecordingError(
-            f'{name} has no contact of {_LEAST_CONTACT_S * observed.pace:g} s or more: expected x beyond '
-            f'{location:g} m (environment.location), got at most {np.max(observed.x):.6g} m; '
+            f'{name} has no contact of {_LEAST_CONTACT_S * observed.pace:g} s or more: expected x '
+            f'beyond {location:g} m (environment.location), got at most {np.max(observed.x):.6g} m; '
             'record a contact, or correct the location in the model'
         )
 

@@ -97,7 +97,8 @@ def force_drops(observed: Observed, noise: float) -> Flags | None:
     dropped, drops = np.zeros(len(o.t), bool), 0
     for first, stop in stretches(weak):
         inside = weak[first] and 0 < first and stop < len(o.t)
-        if inside and (stop - first) * o.h < _DROP_S * min(o.pace, 1.0) and pressing[first - 1] and pressing[stop]:
+        brief = (stop - first) * o.h < _DROP_S * min(o.pace, 1.0)
+        if inside and brief and pressing[first - 1] and pressing[stop]:
             dropped[first:stop] = True
             drops += 1
     return dropped if drops >= _LEAST_DROPS else None

@@ -206,7 +206,8 @@ def _motion_residuals(
 def _close_up(recording: PreparedRecording, residual: Array) -> slice:
     """Choose the stretch with the greatest residuals, short impacts clipped."""
     o = recording.observed
-    swings = np.count_nonzero(np.diff(np.sign(o.x - np.median(o.x)))) / float(o.t[-1] - o.t[0])  # [1/s]
+    turns = np.count_nonzero(np.diff(np.sign(o.x - np.median(o.x))))
+    swings = turns / float(o.t[-1] - o.t[0])  # [1/s]
     duration = min(_CLOSE_UP_S * o.pace, _MOST_SWINGS / max(swings, 1e-9))
     span = min(len(o.t), max(2, round(duration / o.h)))
     clipped = np.minimum(np.abs(residual), np.percentile(np.abs(residual), 99.0))
