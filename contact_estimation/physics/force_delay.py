@@ -18,6 +18,7 @@ from __future__ import annotations
 
 from collections import deque
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -25,6 +26,8 @@ from .force_sensor_effect import ForceSensorEffect
 from .numeric import Array
 from .scales import Scales
 from ..parameters.specification import optional_parameter, ParameterGroup
+
+_SLOWEST_S = 0.5  # of a force sensor
 
 
 @dataclass(frozen=True)
@@ -67,6 +70,11 @@ class ForceDelay(ForceSensorEffect):
     def undo_along(self, t: Array, measured: Array) -> Array:
         """Interpolate future samples linearly; see `ForceSensorEffect.undo_along`."""
         return np.interp(t + self.values.delay, t, measured)
+
+    @classmethod
+    def plausible(cls, values: Any) -> bool:
+        """Return whether a sensor can be so slow; a specimen that relaxes looks the same."""
+        return bool(values.delay < _SLOWEST_S)
 
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:

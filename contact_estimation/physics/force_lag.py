@@ -18,6 +18,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import exp
+from typing import Any
 
 import numpy as np
 from scipy.signal import lfilter
@@ -26,6 +27,8 @@ from .force_sensor_effect import ForceSensorEffect
 from .numeric import Array
 from .scales import Scales
 from ..parameters.specification import optional_parameter, ParameterGroup
+
+_SLOWEST_S = 0.5  # of a force sensor
 
 
 @dataclass(frozen=True)
@@ -76,6 +79,11 @@ class ForceLag(ForceSensorEffect):
         decay = exp(-dt / tau)
         mean = tau / dt * (1.0 - decay)
         return decay, mean - decay, 1.0 - mean
+
+    @classmethod
+    def plausible(cls, values: Any) -> bool:
+        """Return whether a sensor can be so slow; a specimen that relaxes looks the same."""
+        return bool(values.tau < _SLOWEST_S)
 
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:

@@ -100,8 +100,8 @@ def require_contact(model: Model, observed: Observed, name: str) -> None:
         location = model.nominal.environment.location
         raise RecordingError(
             f'{name} has no contact of {_LEAST_CONTACT_S * observed.pace:g} s or more: expected x '
-            f'beyond {location:g} m (environment.location), got at most {np.max(observed.x):.6g} m; '
-            'record a contact, or correct the location in the model'
+            f'beyond {location:g} m (environment.location), got at most '
+            f'{np.max(observed.x):.6g} m; record a contact, or correct the location in the model'
         )
 
 

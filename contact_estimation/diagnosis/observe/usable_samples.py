@@ -27,7 +27,7 @@ Flags = NDArray[np.bool_]
 
 _DROP_S, _LEAST_DROPS = 0.5, 3
 _UNLOADED = 0.02  # of the greatest depth and force
-_FORGOTTEN = 4.0  # times 1 / omega_o: the observer has forgotten the initial state
+_FORGOTTEN = 12.0  # times 1 / omega_o: the observer has forgotten any initial state
 _IMPACT_BEFORE, _IMPACT_AFTER = 2, 3  # unpredictable samples around touch-down
 
 

@@ -1,0 +1,166 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Creep tests of hours, bursts, gaps, coarse positions, small units: all are ordinary data."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from concealed_worlds import diagnosed, named, nominal
+from contact_estimation.diagnosis.fit import scales
+from contact_estimation.diagnosis.observe.motion_error import (
+    lost_by_lines,
+    motion_error,
+    quantisation_step,
+)
+from contact_estimation.diagnosis.observe.observed import observe
+from contact_estimation.diagnosis.observe.pace import pace_of
+from contact_estimation.diagnosis.observe.parts import parts_of
+from contact_estimation.diagnosis.observe.signals import Recording, Signals
+from contact_estimation.plant.plant_parameters import PlantParameters
+import diagnosed_worlds as touches
+import numpy as np
+from numpy.typing import NDArray
+import pytest
+
+Array = NDArray[np.float64]
+NO_REFERENCE = (np.empty(0), np.empty((4, 0)))
+
+
+def attached(**wall: float) -> PlantParameters:
+    """Describe a permanently attached specimen."""
+    parameters: dict[str, Any] = {f'environment__{name}': value for name, value in wall.items()}
+    return nominal(environment__unilateral=False, **parameters)
+
+
+def signals_of(t: Array, force: Array, x: Array) -> Signals:
+    """Sample force and position of a specimen together."""
+    return Signals(t, force, t, x, *NO_REFERENCE)
+
+
+def relaxing(t: Array, x: Array, K: float, K_1: float, tau: float) -> Array:
+    """Compute the force of a standard linear solid, v constant between samples."""
+    branch, share = np.zeros(len(t)), np.exp(-(t[1] - t[0]) / tau)
+    gain = K_1 * tau / (t[1] - t[0]) * (1.0 - share)
+    for k in range(1, len(t)):
+        branch[k] = share * branch[k - 1] + gain * (x[k] - x[k - 1])
+    return -K * x - branch
+
+
+@pytest.mark.parametrize('rate', [100.0, 125.0, 500.0, 1000.0])
+def test_pace_is_one_at_usual_rates(rate: float) -> None:
+    assert pace_of(1.0 / rate, 20.0) == 1.0
+
+
+def test_times_hold_the_same_samples_at_slow_rates() -> None:
+    assert pace_of(10.0, 1e5) == pytest.approx(10.0 * pace_of(1.0, 1e5))
+
+
+def test_times_shrink_with_short_recordings() -> None:
+    assert pace_of(0.001, 0.4) == pytest.approx(0.2)
+
+
+def test_a_pause_of_all_topics_makes_two_parts() -> None:
+    s = touches.recorded()
+    kept = (s.wrench_t < 2.0) | (s.wrench_t > 4.2)
+    t = s.wrench_t[kept]
+    cut = Signals(t, s.force[kept], t, s.position[kept], t, s.reference[:, kept])
+    parts = parts_of(Recording('file', cut), touches.nominal())
+    assert [one.name for one in parts] == ['file, 0.0 to 2.0 s', 'file, 4.2 to 6.7 s']
+    assert observe(parts[1].signals, touches.nominal()).t[0] == parts[1].signals.wrench_t[0] > 4.0
+
+
+def test_a_recording_without_a_pause_stays_as_it_is() -> None:
+    s = touches.recorded()
+    (part,) = parts_of(Recording('file', s), touches.nominal())
+    assert part.name == 'file'
+    for before, after in zip(s, part.signals):
+        np.testing.assert_array_equal(before, after)
+
+
+def test_joints_that_start_late_cut_the_wrenches() -> None:
+    s = touches.recorded()
+    late = s._replace(joint_t=s.joint_t[300:], position=s.position[300:])
+    (part,) = parts_of(Recording('file', late), touches.nominal())
+    assert part.signals.wrench_t[0] == pytest.approx(s.joint_t[300], abs=0.011)
+
+
+@pytest.mark.parametrize('tone, averaged', [(0.5, True), (200.0, False)])
+def test_long_recordings_are_averaged_only_if_they_are_smooth(tone: float, averaged: bool) -> None:
+    t = 0.001 * np.arange(80_000)
+    x = 1e-3 * np.sin(2.0 * np.pi * tone * t)
+    noise = np.random.default_rng(1).normal(size=len(t))
+    whole = signals_of(t, -1e4 * x + 0.05 * noise, x + 1e-6 * noise[::-1])
+    (part,) = parts_of(Recording('file', whole), attached(stiffness=1e4))
+    assert len(part.signals.force) == (20_000 if averaged else 66_000)
+
+
+def test_step_of_rounded_positions_is_found() -> None:
+    x = np.cumsum(np.random.default_rng(1).normal(size=2000)) * 1e-3
+    assert quantisation_step(np.round(x / 1e-4) * 1e-4) == pytest.approx(1e-4)
+    assert quantisation_step(x) == 0.0
+
+
+def test_bends_between_slow_samples_are_errors_of_the_motion() -> None:
+    t = 0.1 * np.arange(100)
+    x = np.maximum(t - 5.0, 0.0)
+    v = np.gradient(x, t)
+    errors = motion_error(x, v, 0.1, 0.0, 2.0, 1e-6, None)
+    assert errors is not None
+    assert errors[1, 50] > 0.1
+    assert errors[1, [20, 80]] == pytest.approx(0.0, abs=1e-9)
+    assert motion_error(x, v, 0.002, 0.0, 20.0, 1e-6, None) is None
+
+
+def test_straight_lines_lose_an_eighth_of_the_curvature() -> None:
+    t = np.arange(20.0)
+    assert np.all(lost_by_lines(0.5 * t**2)[2:-2] >= 0.125)
+
+
+def test_spectrum_of_a_long_recording_is_that_of_a_short_one(
+    monkeypatch: pytest.MonkeyPatch
+) -> None:
+    t = 3.0 + 0.02 * np.flatnonzero(np.random.default_rng(1).uniform(size=900) > 0.3)
+    r, spacing = np.sin(9.0 * t) + 0.3 * np.cos(31.0 * t), 0.25 / 18.0
+    frequencies = spacing * np.arange(2, 400)
+    direct = scales._transform(frequencies, t, r)
+    monkeypatch.setattr(scales, '_MOST_PRODUCTS', 0)
+    np.testing.assert_allclose(scales._transform(frequencies, t, r), direct, atol=0.01 * len(t))
+
+
+@pytest.mark.slow
+def test_relaxation_of_minutes_is_named_at_1_hz() -> None:
+    t = np.arange(1800.0)
+    x = np.interp(t, (30.0, 40.0, 1200.0, 1230.0), (0.0, 1e-3, 1e-3, 5e-4))
+    noise = np.random.default_rng(1).normal(size=(2, len(t)))
+    force = relaxing(t, x, 5000.0, 4000.0, 200.0) + 0.01 * noise[0]
+    found = diagnosed(signals_of(t, force, x + 5e-7 * noise[1]),
+                      attached(stiffness=6000.0, damping=1000.0))
+    assert named(found) == ['viscoelastic_relaxation']
+    assert found.effects[0].parameters['tau'].value == pytest.approx(200.0, rel=0.05)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('metre, newton', [(1.0, 1.0), (1e6, 1e3), (1e-6, 1e-6)])
+def test_names_do_not_depend_on_units(metre: float, newton: float) -> None:
+    t = 0.002 * np.arange(4000)
+    x = 1e-3 * np.sin(3.0 * t) * np.sin(0.7 * t)
+    noise = np.random.default_rng(1).normal(size=(2, len(t)))
+    force = -(5e3 * x + 4e9 * x**3 + 20.0 * np.gradient(x, t)) + 0.01 * noise[0]
+    signals = signals_of(t, newton * force, metre * (x + 1e-7 * noise[1]))
+    unit = newton / metre
+    found = diagnosed(signals, attached(stiffness=6e3 * unit, damping=10.0 * unit))
+    assert named(found) == ['cubic_stiffness']
+    assert found.stiffness.value == pytest.approx(5e3 * unit, rel=0.02)
