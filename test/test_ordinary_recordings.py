@@ -19,7 +19,6 @@ from __future__ import annotations
 from typing import Any
 
 from concealed_worlds import diagnosed, named, nominal
-from contact_estimation.diagnosis.fit import scales
 from contact_estimation.diagnosis.observe.motion_error import (
     lost_by_lines,
     motion_error,
@@ -127,17 +126,6 @@ def test_bends_between_slow_samples_are_errors_of_the_motion() -> None:
 def test_straight_lines_lose_an_eighth_of_the_curvature() -> None:
     t = np.arange(20.0)
     assert np.all(lost_by_lines(0.5 * t**2)[2:-2] >= 0.125)
-
-
-def test_spectrum_of_a_long_recording_is_that_of_a_short_one(
-    monkeypatch: pytest.MonkeyPatch
-) -> None:
-    t = 3.0 + 0.02 * np.flatnonzero(np.random.default_rng(1).uniform(size=900) > 0.3)
-    r, spacing = np.sin(9.0 * t) + 0.3 * np.cos(31.0 * t), 0.25 / 18.0
-    frequencies = spacing * np.arange(2, 400)
-    direct = scales._transform(frequencies, t, r)
-    monkeypatch.setattr(scales, '_MOST_PRODUCTS', 0)
-    np.testing.assert_allclose(scales._transform(frequencies, t, r), direct, atol=0.01 * len(t))
 
 
 @pytest.mark.slow
