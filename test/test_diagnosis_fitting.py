@@ -78,6 +78,15 @@ def test_step_never_makes_things_worse() -> None:
     assert step([recording], start)[0] <= before
 
 
+@pytest.mark.parametrize('depth', [0.0012, 0.0025, 0.012])
+def test_step_finds_the_magnitude_of_a_law_whose_shape_is_far_off(depth: float) -> None:
+    recording, model = prepared_from(recorded(**physics('exponential_stiffness', 0.6, 0.0025)))
+    without = fit([recording], model)
+    wild = 20.0 / np.expm1(0.013 / depth)
+    cost, _ = step([recording], model.with_effect('exponential_stiffness', (wild, depth)))
+    assert cost < 0.5 * without.cost
+
+
 def test_what_is_no_number_is_beyond_all_cost() -> None:
     recording, model = prepared_from(recorded())
     wild = model.with_effect('cubic_stiffness', (0.0,))

@@ -191,6 +191,9 @@ def step(recordings: Recordings, model: Model) -> tuple[float, Model]:
     """
     Take one Gauss-Newton step, exact in linear parameters.
 
+    A step of all values is too long where the newest law is far from linear in those that shape
+    it; then one of its magnitude and the wall alone is better.
+
     Parameters
     ----------
     recordings : sequence of PreparedRecording
@@ -212,16 +215,33 @@ def step(recordings: Recordings, model: Model) -> tuple[float, Model]:
     (low, high), size = model.ranges, model.steps
     start = np.clip(model.coordinates, low, high)
     at_start = straight(start)
-    best_cost, best = _sum_of_squares(bent(start)), start
     columns = differentiate_by(start, size, straight, at_start)
-    change = np.linalg.lstsq(columns, -at_start, rcond=1e-10)[0] * size
-    for share in (1.0, 0.3):
-        tried = np.clip(start + share * change, low, high)
-        cost = _sum_of_squares(bent(tried))
-        if cost < best_cost:
-            best_cost, best = cost, tried
-            break
+
+    def tried(free: NDArray[np.bool_], share: float = 1.0) -> tuple[float, Array]:
+        change = np.zeros(len(start))
+        change[free] = np.linalg.lstsq(columns[:, free], -at_start, rcond=1e-10)[0] * size[free]
+        there = np.clip(start + share * change, low, high)
+        return _sum_of_squares(bent(there)), there
+
+    every = np.ones(len(start), bool)
+    cost_at_start = _sum_of_squares(bent(start))
+    best_cost, best = min((tried(free) for free in (every, ~_shapes(model))), key=_cost)
+    if best_cost >= cost_at_start:
+        best_cost, best = min((cost_at_start, start), tried(every, 0.3), key=_cost)
     return best_cost, model.with_free(best)
+
+
+def _cost(result: tuple[float, Array]) -> float:
+    return result[0]
+
+
+def _shapes(model: Model) -> NDArray[np.bool_]:
+    """Return which coordinates shape the newest law; its first parameter is its magnitude."""
+    shapes = np.zeros(len(model.values), bool)
+    if model.effects:
+        place = model.place(model.effects[-1])
+        shapes[place.start + 1:place.stop] = True
+    return shapes[model.free]
 
 
 def cost_of(recordings: Recordings, model: Model) -> float:
