@@ -61,8 +61,9 @@ def parts_of(recording: Recording, model: PlantParameters) -> list[Recording]:
     """
     check_signals(recording.signals)
     whole = _common(recording.signals)
-    check_signals(whole)
-    spans = _spans(whole)
+    if not _is_enough(whole):
+        return [recording]
+    spans = spans_of(whole)
     parts = [_cut(whole, first, last) for first, last in spans] if len(spans) > 1 else [whole]
     parts = [part for part in parts if _is_enough(part)]
     if sum(len(part.wrench_t) for part in parts) < _LEAST_KEPT * len(whole.wrench_t):
@@ -93,8 +94,21 @@ def _cut(signals: Signals, first: float, last: float) -> Signals:
                    s.reference_t[kept], s.reference[:, kept])
 
 
-def _spans(signals: Signals) -> list[tuple[float, float]]:
-    """Return begin and end of the stretches in which no topic pauses [s]."""
+def spans_of(signals: Signals) -> list[tuple[float, float]]:
+    """
+    Find the stretches in which no topic pauses.
+
+    Parameters
+    ----------
+    signals : Signals
+        The content of a recording.
+
+    Returns
+    -------
+    spans : list of (float, float)
+        Begin and end of each [s]; one without a pause.
+
+    """
     s = signals
     begin, end = float(s.wrench_t[0]), float(s.wrench_t[-1])
     pace = pace_of(_period(s.wrench_t), end - begin)

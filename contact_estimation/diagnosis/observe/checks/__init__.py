@@ -1,0 +1,158 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Checks for wrong use, made before any physics is named."""
+
+from __future__ import annotations
+
+from typing import Mapping, NamedTuple, Sequence
+
+from . import (
+    axis,
+    clock_offset,
+    command_topic,
+    excitation,
+    force_clipping,
+    force_sign,
+    force_unit,
+    gaps,
+    length_unit,
+    position_sign,
+    quantisation,
+    sampling_rate,
+    wall_location,
+)
+from .check import Check, Test
+from .evidence import Evidence
+from ..signals import check_signals, Recording
+from ....physics import EFFECTS
+from ....plant.plant_parameters import PlantParameters
+
+CHECKS: Mapping[str, Test] = {
+    'sampling_rate': sampling_rate.TEST,
+    'clock_offset': clock_offset.TEST,
+    'gaps': gaps.TEST,
+    'excitation': excitation.TEST,
+    'force_sign': force_sign.TEST,
+    'position_sign': position_sign.TEST,
+    'length_unit': length_unit.TEST,
+    'force_unit': force_unit.TEST,
+    'command_topic': command_topic.TEST,
+    'axis': axis.TEST,
+    'wall_location': wall_location.TEST,
+    'force_clipping': force_clipping.TEST,
+    'quantisation': quantisation.TEST,
+}
+"""In the order of testing: each after those without which it has no meaning."""
+
+
+class Examined(NamedTuple):
+    """
+    Recordings after all checks.
+
+    Attributes
+    ----------
+    checks : list of Check
+        One for each of `CHECKS`.
+    recordings : list of Recording
+        What is to be fitted.
+
+    """
+
+    checks: list[Check]
+    recordings: list[Recording]
+
+    @property
+    def fatal(self) -> bool:
+        """Whether nothing can be diagnosed."""
+        return any(check.fatal for check in self.checks if not check.ok)
+
+    @property
+    def excluded(self) -> frozenset[str]:
+        """Effects that must not be named: wrong use would look like them."""
+        return frozenset().union(*(check.could_cause for check in self.checks if not check.ok))
+
+
+def examine(recordings: Sequence[Recording], model: PlantParameters) -> Examined:
+    """
+    Check recordings for wrong use; put right what is beyond doubt.
+
+    Parameters
+    ----------
+    recordings : sequence of Recording
+        As recorded.
+    model : PlantParameters
+        Nominal.
+
+    Returns
+    -------
+    examined : Examined
+        With the sign of a specimen's force put right.
+
+    Raises
+    ------
+    RecordingError
+        If a signal has too few samples, is not finite or constant.
+
+    """
+    found = {recording.name: check(recording, model) for recording in recordings}
+    checks = [_merged({name: checks[place] for name, checks in found.items()})
+              for place in range(len(CHECKS))]
+    return Examined(checks, [_put_right(one, found[one.name]) for one in recordings])
+
+
+def check(recording: Recording, model: PlantParameters) -> list[Check]:
+    """
+    Check one recording; parameters as `examine`.
+
+    Returns
+    -------
+    checks : list of Check
+        One for each of `CHECKS`.
+
+    """
+    check_signals(recording.signals)
+    evidence = Evidence(recording.signals, model)
+    checks: list[Check] = []
+    for name, test in CHECKS.items():
+        missing = [one.name for one in checks if one.name in test.after and one.fatal]
+        if missing:
+            checks.append(Check(name, True, f'not tested before {missing[0]} is put right'))
+            continue
+        found = test.find(evidence)
+        fatal = found.fatal and not found.ok
+        causes = frozenset(EFFECTS) if fatal else test.could_cause
+        checks.append(Check(name, found.ok, found.text, fatal,
+                            frozenset() if found.ok else causes))
+    return checks
+
+
+def _merged(by_recording: Mapping[str, Check]) -> Check:
+    """Return one check of several recordings: ok if it is in all."""
+    failed = {name: one for name, one in by_recording.items() if not one.ok}
+    first = next(iter(by_recording.values()))
+    if not failed or len(by_recording) == 1:
+        return first
+    return Check(
+        first.name, False, '; '.join(f'{name}: {one.text}' for name, one in failed.items()),
+        any(one.fatal for one in failed.values()),
+        frozenset().union(*(one.could_cause for one in failed.values())))
+
+
+def _put_right(recording: Recording, checks: Sequence[Check]) -> Recording:
+    wrong = any(one.name == 'force_sign' and not one.ok for one in checks)
+    if not wrong:
+        return recording
+    signals = recording.signals
+    return Recording(recording.name, signals._replace(force=-signals.force))

@@ -1,0 +1,109 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""What a check is, and its result."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Callable, NamedTuple
+
+from .evidence import Evidence
+from ....physics import EFFECTS
+
+
+@dataclass(frozen=True)
+class Check:
+    """
+    The result of a check for wrong use.
+
+    Attributes
+    ----------
+    name : str
+        As in `CHECKS`.
+    ok : bool
+        False if something is to be corrected.
+    text : str
+        Measured, expected and, if not ok, what to change.
+    fatal : bool
+        Whether nothing can be diagnosed before that.
+    could_cause : frozenset of str
+        Effects that the wrong use would be mistaken for.
+
+    """
+
+    name: str
+    ok: bool
+    text: str
+    fatal: bool = False
+    could_cause: frozenset[str] = frozenset()
+
+
+class Finding(NamedTuple):
+    """
+    The outcome of a test.
+
+    Attributes
+    ----------
+    ok : bool
+        Whether the recording is as expected.
+    text : str
+        Measured, expected and, if not ok, what to change.
+    fatal : bool
+        Whether nothing can be diagnosed before that.
+
+    """
+
+    ok: bool
+    text: str
+    fatal: bool = True
+
+
+@dataclass(frozen=True)
+class Test:
+    """
+    A test for one kind of wrong use.
+
+    Attributes
+    ----------
+    find : callable
+        From the evidence of a recording to the finding.
+    after : tuple of str
+        Checks that must have passed: else this one has no meaning.
+    could_cause : frozenset of str
+        Effects for which a failure that is not fatal would be mistaken.
+
+    """
+
+    find: Callable[[Evidence], Finding]
+    after: tuple[str, ...] = ()
+    could_cause: frozenset[str] = frozenset()
+
+
+def of_families(*families: str) -> frozenset[str]:
+    """
+    Return the effects of some families.
+
+    Parameters
+    ----------
+    families : str
+        Names.
+
+    Returns
+    -------
+    names : frozenset of str
+        As in `EFFECTS`.
+
+    """
+    return frozenset(name for name, cls in EFFECTS.items() if cls.family in families)

@@ -1,0 +1,61 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The clocks of the topics."""
+
+from __future__ import annotations
+
+from .check import Finding, Test
+from .evidence import Evidence
+
+_EARLY_S, _LATE_S = 0.03, 0.15  # no sensor is ahead of the motion, or later than that
+_LEAST_SAMPLES = 3.0
+_CORRELATED, _BETTER = 0.85, 0.005  # correlation at the best shift, and its gain
+
+
+def find(evidence: Evidence) -> Finding:
+    """
+    Find topics that are stamped by clocks that differ.
+
+    Parameters
+    ----------
+    evidence : Evidence
+        Of a recording.
+
+    Returns
+    -------
+    finding : Finding
+        Not ok if they do not overlap, or the force is ahead of the motion or later than any
+        sensor.
+
+    """
+    overlap = evidence.overlap
+    spans = ', '.join(f'{name} from {begin:.6g} to {end:.6g} s'
+                      for name, (begin, end) in overlap.spans.items())
+    if not overlap.enough:
+        return Finding(False, f'{spans}: expected the same time, got {overlap.seconds:.3g} s in '
+                              'common; stamp all topics by one clock, in one unit')
+    if not evidence.model.environment.unilateral:
+        return Finding(True, spans)
+    lag = evidence.lag
+    text = f'the force fits the motion best when shifted by {1e3 * lag.seconds:.0f} ms'
+    off = lag.seconds > _LATE_S or lag.seconds < -_EARLY_S
+    if (off and abs(lag.seconds) > _LEAST_SAMPLES * evidence.period
+            and lag.correlation > max(_CORRELATED, lag.unshifted + _BETTER)):
+        return Finding(False, f'{text}, expected {-1e3 * _EARLY_S:.0f} to {1e3 * _LATE_S:.0f} ms: '
+                              'the clocks of wrench and joint_states differ; synchronise them')
+    return Finding(True, text)
+
+
+TEST = Test(find, after=('sampling_rate',))

@@ -1,0 +1,343 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Quantities of a recording from which the checks decide, each computed once."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import correlate, correlation_lags, savgol_filter
+
+from ..pace import pace_of
+from ..parts import parts_of
+from ..signals import LEAST_SAMPLES, Recording, Signals
+from ..smoothing import white_noise_std
+from ....physics.robot_law import RobotLaw
+from ....plant.plant_parameters import PlantParameters
+
+Array = NDArray[np.float64]
+
+_WINDOW_S, _LEAST_WINDOW, _ORDER = 0.08, 5, 3  # of the smoothing polynomials
+_BINS = 25  # of the force: one and its neighbours hold free flight
+_DECILE = 0.1
+_CONTACT = 0.03  # of the range of the force: more is a contact
+_CLEAR = 8.0  # standard deviations of the smoothed noise
+_LONGEST_LAG = 0.25  # of the recording
+_LEAST_COMMON = 0.5  # of the shorter topic
+
+
+class Line(NamedTuple):
+    """
+    A straight line through one signal over another.
+
+    Attributes
+    ----------
+    slope : float
+        Ratio of their units.
+    correlation : float
+        -1 to 1.
+
+    """
+
+    slope: float
+    correlation: float
+
+
+class Smooth(NamedTuple):
+    """
+    All parts of a recording on even grids, smoothed alike.
+
+    Attributes
+    ----------
+    force : ndarray, shape (N,)
+        F_e [N].
+    x, v, a : ndarray, shape (N,)
+        Position and its derivatives [m], [m/s], [m/s^2].
+    reference : ndarray, shape (4, N), or None
+        x_r [m], its recorded rate and acceleration, F_r [N].
+    reference_rate : ndarray, shape (N,), or None
+        Rate of the recorded x_r itself [m/s].
+
+    """
+
+    force: Array
+    x: Array
+    v: Array
+    a: Array
+    reference: Array | None
+    reference_rate: Array | None
+
+
+class Overlap(NamedTuple):
+    """
+    The time that topics have in common.
+
+    Attributes
+    ----------
+    spans : dict of str to (float, float)
+        First and last stamp of each topic [s].
+    seconds : float
+        In common [s].
+    enough : bool
+        Whether that is most of the shorter one of wrench and joints.
+
+    """
+
+    spans: dict[str, tuple[float, float]]
+    seconds: float
+    enough: bool
+
+
+class Lag(NamedTuple):
+    """
+    The shift at which the force fits the motion best.
+
+    Attributes
+    ----------
+    seconds : float
+        Positive if the force comes late.
+    correlation : float
+        There.
+    unshifted : float
+        The largest magnitude of a correlation without a shift.
+
+    """
+
+    seconds: float
+    correlation: float
+    unshifted: float
+
+
+class Onset(NamedTuple):
+    """
+    The first sign of a contact in the force.
+
+    Attributes
+    ----------
+    position : float
+        Median over the contacts [m].
+    depth : float
+        From there to the deepest positions [m].
+
+    """
+
+    position: float
+    depth: float
+
+
+class Evidence:
+    """
+    Quantities of a recording, in part in comparison with the nominal model.
+
+    Parameters
+    ----------
+    whole : Signals
+        The recording.
+    model : PlantParameters
+        Nominal.
+
+    """
+
+    def __init__(self, whole: Signals, model: PlantParameters) -> None:
+        self.whole, self.model = whole, model
+
+    @cached_property
+    def parts(self) -> list[Signals]:
+        """Its parts between gaps, in which both topics have samples."""
+        return [part.signals for part in parts_of(Recording('', self.whole), self.model)]
+
+    @cached_property
+    def overlap(self) -> Overlap:
+        """The time that all topics cover."""
+        s = self.whole
+        topics = {'wrench': s.wrench_t, 'joint_states': s.joint_t}
+        if self.model.environment.unilateral and len(s.reference_t) > 1:
+            topics['reference_trajectory'] = s.reference_t
+        spans = {name: (float(t[0]), float(t[-1])) for name, t in topics.items()}
+        first, last = max(span[0] for span in spans.values()), min(
+            span[1] for span in spans.values())
+        shortest = min(spans[name][1] - spans[name][0] for name in ('wrench', 'joint_states'))
+        counts = [np.count_nonzero((t >= first) & (t <= last)) for t in (s.wrench_t, s.joint_t)]
+        enough = last - first >= _LEAST_COMMON * shortest and min(counts) >= LEAST_SAMPLES
+        return Overlap(spans, max(last - first, 0.0), bool(enough))
+
+    @property
+    def with_reference(self) -> bool:
+        """Whether a reference tells what a robot was to do."""
+        return self.model.environment.unilateral and all(
+            len(part.reference_t) > 1 for part in self.parts)
+
+    @cached_property
+    def period(self) -> float:
+        """Sample period of the wrench [s]."""
+        return float(np.median(np.diff(self.parts[0].wrench_t)))
+
+    @cached_property
+    def smooth(self) -> Smooth:
+        """The signals."""
+        rows = [_smooth(part, self.with_reference) for part in self.parts]
+        joined = [None if column[0] is None else np.concatenate(column, axis=-1)
+                  for column in zip(*rows)]
+        force, x, v, a, reference, rate = joined
+        assert force is not None and x is not None and v is not None and a is not None
+        return Smooth(force, x, v, a, reference, rate)
+
+    @cached_property
+    def force_noise(self) -> float:
+        """White noise of the force [N]."""
+        return white_noise_std(max((part.force for part in self.parts), key=len))
+
+    @cached_property
+    def position_noise(self) -> float:
+        """White noise of the position [m]."""
+        return white_noise_std(max((part.position for part in self.parts), key=len))
+
+    @property
+    def clear_force(self) -> float:
+        """Force that is clearly no noise after smoothing [N]."""
+        samples = _window(self.period, self._duration)
+        return _CLEAR * self.force_noise / np.sqrt(samples)
+
+    @property
+    def _duration(self) -> float:
+        return float(np.ptp(self.parts[0].wrench_t))
+
+    @cached_property
+    def wall_force(self) -> Array:
+        """Magnitude of the nominal wall's force at the measured motion, shape (N,) [N]."""
+        wall, s = self.model.environment, self.smooth
+        force = (wall.stiffness * (s.x - wall.location) + wall.damping * s.v
+                 + wall.inertia * s.a)
+        if not wall.unilateral:
+            return np.asarray(force)
+        return np.where(s.x > wall.location, np.maximum(force, 0.0), 0.0)
+
+    @cached_property
+    def implied_force(self) -> Array:
+        """F_e that the nominal robot must have felt to move as it did, shape (N,) [N]; eq. (1)."""
+        robot, s = self.model.robot, self.smooth
+        assert s.reference is not None
+        law = RobotLaw(robot.mass, robot.damping, robot.stiffness, ())
+        reference = s.reference if robot.force_tracking else s.reference * [[1], [1], [1], [0]]
+        return np.asarray(robot.mass * s.a - law.impedance_force(s.x, s.v, reference))
+
+    @cached_property
+    def of_wall(self) -> Line:
+        """Measured force over that of the nominal wall; slope 1 for a true model."""
+        return line_through(self.wall_force, -self.smooth.force)
+
+    @cached_property
+    def of_robot(self) -> Line:
+        """Measured force over the implied one; slope 1 for a true model."""
+        return line_through(self.implied_force, self.smooth.force)
+
+    @cached_property
+    def followed(self) -> Line:
+        """Velocity over that of the reference in free flight; slope 1 for a robot."""
+        s = self.smooth
+        assert s.reference_rate is not None
+        edges = np.linspace(np.min(s.force), np.max(s.force), _BINS + 1)
+        place = np.clip(np.searchsorted(edges, s.force) - 1, 0, _BINS - 1)
+        # The force of free flight is one value, at which the reference moves most.
+        most = int(np.argmax(np.bincount(place, s.reference_rate**2, _BINS)))
+        free = np.abs(place - most) <= 1
+        return line_through(s.reference_rate[free], s.v[free])
+
+    @cached_property
+    def sides(self) -> tuple[float, float]:
+        """Mean forces at the lowest and at the highest tenth of the positions [N]."""
+        s = self.smooth
+        low, high = np.quantile(s.x, (_DECILE, 1.0 - _DECILE))
+        return float(np.mean(s.force[s.x <= low])), float(np.mean(s.force[s.x >= high]))
+
+    @cached_property
+    def onset(self) -> Onset | None:
+        """Where contacts begin by the force; None without a contact."""
+        s = self.smooth
+        away = np.abs(s.force - self.sides[0])
+        contact = away > max(self.clear_force, _CONTACT * float(np.ptp(s.force)))
+        if not contact.any():
+            return None
+        first = np.flatnonzero(contact[1:] & ~contact[:-1])
+        begin = float(np.median(s.x[first])) if len(first) else float(np.min(s.x))
+        return Onset(begin, float(np.quantile(s.x[contact], 0.95)) - begin)
+
+    @cached_property
+    def lag(self) -> Lag:
+        """Shift of the wrench against the joints, by the force of the nominal wall."""
+        longest = max(self.parts, key=lambda part: len(part.wrench_t))
+        one = self if len(self.parts) == 1 else Evidence(longest, self.model)
+        force, wall = -one.smooth.force, one.wall_force
+        force, wall = force - np.mean(force), wall - np.mean(wall)
+        both = max(float(np.sqrt((force @ force) * (wall @ wall))), 1e-300)
+        values = correlate(force, wall, method='fft') / both
+        lags = correlation_lags(len(force), len(wall))
+        near = np.abs(lags) < _LONGEST_LAG * len(force)
+        values, lags = values[near], lags[near]
+        best = int(np.argmax(values))
+        unshifted = (values[lags == 0][0], line_through(one.smooth.x, force).correlation)
+        return Lag(float(lags[best] * self.period), float(values[best]),
+                   float(np.max(np.abs(unshifted))))
+
+
+def line_through(x: Array, y: Array) -> Line:
+    """
+    Fit a straight line.
+
+    Parameters
+    ----------
+    x, y : ndarray, shape (N,)
+        Any units.
+
+    Returns
+    -------
+    line : Line
+        Slope of y over x.
+
+    """
+    x, y = x - np.mean(x), y - np.mean(y)
+    square = max(float(x @ x), 1e-300)
+    product = float(x @ y)
+    return Line(product / square, product / max(float(np.sqrt(square * (y @ y))), 1e-300))
+
+
+def _window(period: float, duration: float) -> int:
+    """Return the odd number of samples of a smoothing polynomial."""
+    half = round(0.5 * _WINDOW_S * pace_of(period, duration) / period)
+    return max(_LEAST_WINDOW, 2 * half + 1)
+
+
+def _smooth(part: Signals, with_reference: bool) -> Smooth:
+    span = float(np.ptp(part.wrench_t))
+    h = float(np.median(np.diff(part.wrench_t)))
+    t = np.linspace(part.wrench_t[0], part.wrench_t[-1], round(span / h) + 1)
+    window = _window(h, span)
+
+    def polynomial(stamps: Array, values: Array, rate: int = 0) -> Array:
+        even = np.interp(t, stamps, values)
+        return np.asarray(savgol_filter(even, window, _ORDER, deriv=rate, delta=h))
+
+    x, v, a = (polynomial(part.joint_t, part.position, rate) for rate in range(3))
+    force = polynomial(part.wrench_t, part.force)
+    if not with_reference:
+        return Smooth(force, x, v, a, None, None)
+    rows = [polynomial(part.reference_t, row) for row in part.reference]
+    rate = polynomial(part.reference_t, part.reference[0], 1)
+    if not part.reference[1].any():  # rates were not recorded
+        rows[1:3] = rate, polynomial(part.reference_t, part.reference[0], 2)
+    return Smooth(force, x, v, a, np.array(rows), rate)

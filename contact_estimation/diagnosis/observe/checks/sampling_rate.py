@@ -1,0 +1,83 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The sampling rate."""
+
+from __future__ import annotations
+
+from math import pi, sqrt
+
+from .check import Finding, of_families, Test
+from .evidence import Evidence, line_through
+
+_COARSE = 1.0  # radians of the natural oscillation, a sample
+_STAMPS = 4.0  # factor between recorded rates of the reference and those of its positions
+_CORRELATED = 0.9
+
+
+def find(evidence: Evidence) -> Finding:
+    """
+    Find sampling that is too slow for the oscillation of robot or mass and wall.
+
+    Parameters
+    ----------
+    evidence : Evidence
+        Of a recording.
+
+    Returns
+    -------
+    finding : Finding
+        Not ok if dynamics fall between the samples; fatal if stamps have another unit.
+
+    """
+    rate, angular = 1.0 / evidence.period, _natural_frequency(evidence)
+    if angular is None or not evidence.overlap.enough:
+        return Finding(True, f'{rate:.3g} Hz; the model tells nothing of its dynamics')
+    text = f'{rate:.3g} Hz for an oscillation of wall and mass at {angular / (2.0 * pi):.3g} Hz'
+    unlike = _rates_over_stamps(evidence)
+    if unlike is not None:
+        return Finding(False, f'{text}; x_r moves {1.0 / unlike:.3g} times as fast as its '
+                              'recorded rates, expected 1: stamps or rates have another unit; '
+                              'record seconds')
+    if angular * evidence.period > 2.0 * pi:
+        return Finding(False, f'{text}: nothing of it can be seen; check the unit of the stamps, '
+                              'or record at a higher rate')
+    if angular * evidence.period < _COARSE:
+        return Finding(True, text)
+    return Finding(False, f'{text}, expected at least {2.0 * pi / _COARSE:.1f} samples a period; '
+                          'record at a higher rate. No fast dynamics are named', fatal=False)
+
+
+def _rates_over_stamps(evidence: Evidence) -> float | None:
+    """Return the ratio of recorded rates to differences of the reference if it is not 1."""
+    s = evidence.smooth
+    if s.reference is None or s.reference_rate is None:
+        return None
+    rates = line_through(s.reference_rate, s.reference[1])
+    unlike = not 1.0 / _STAMPS < abs(rates.slope) < _STAMPS
+    return rates.slope if unlike and abs(rates.correlation) > _CORRELATED else None
+
+
+def _natural_frequency(evidence: Evidence) -> float | None:
+    """Return the natural frequency of the nominal contact [rad/s]."""
+    wall, robot = evidence.model.environment, evidence.model.robot
+    if evidence.with_reference:
+        return sqrt((wall.stiffness + robot.stiffness) / robot.mass)
+    if not wall.unilateral and wall.inertia > 0.0:
+        return sqrt(wall.stiffness / wall.inertia)
+    return None
+
+
+TEST = Test(find, could_cause=of_families(
+    'timing', 'inertia', 'damping_law', 'robot', 'limits', 'clearance', 'adhesion'))

@@ -1,0 +1,58 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The location of the wall."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .check import Finding, Test
+from .evidence import Evidence
+
+_FAR = 1.5  # times the depth: more than physics of the surface explain
+
+
+def find(evidence: Evidence) -> Finding:
+    """
+    Find contacts that do not begin at the wall of the model.
+
+    Without a reference a late contact may be a clearance, and is left to the diagnosis.
+
+    Parameters
+    ----------
+    evidence : Evidence
+        Of a recording.
+
+    Returns
+    -------
+    finding : Finding
+        Not ok if the wall is elsewhere.
+
+    """
+    wall, onset = evidence.model.environment, evidence.onset
+    if not wall.unilateral or onset is None:
+        return Finding(True, f'environment.location is {wall.location:g} m')
+    text = (f'the force begins at x = {onset.position:.4g} m and goes {onset.depth:.3g} m deep; '
+            f'environment.location is {wall.location:g} m')
+    off = onset.position - wall.location
+    beyond = float(np.max(evidence.smooth.x)) < wall.location
+    if beyond or (abs(off) > _FAR * onset.depth and (evidence.with_reference or off < 0.0)):
+        return Finding(False, f'{text}, expected there; set the location to about '
+                              f'{onset.position:.4g} m')
+    return Finding(True, text)
+
+
+TEST = Test(find, after=('clock_offset', 'force_sign', 'position_sign', 'length_unit',
+                         'excitation', 'axis'))
