@@ -16,6 +16,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Sequence
 
 import numpy as np
@@ -23,6 +24,7 @@ import numpy as np
 from .conclusion import conclude, Fitted
 from .decision import EXPLAINED, LEFT
 from .location import guess_port
+from .refusal import refuse
 from .result import Diagnosis
 from ..fit.criteria import penalty, SHARE, THRESHOLD
 from ..fit.fitting import cost_of, Fit, fit
@@ -30,6 +32,7 @@ from ..fit.free_run import free_run
 from ..fit.model_uncertainty import discounted
 from ..fit.search import Progress
 from ..fit.selection import select, Selection
+from ..observe.checks import examine
 from ..observe.model import Model
 from ..observe.observed import observe
 from ..observe.parts import parts_of
@@ -84,7 +87,12 @@ def diagnose(
     """
     fitted = [recordings] if isinstance(recordings, Recording) else list(recordings)
     _refuse_wrong_input(fitted, model, seed)
-    nominal = Model.of(model)
+    progress('checks')
+    examined = examine([*fitted, *held_out], model)
+    nominal = Model.of(model, examined.excluded)
+    if examined.refused:
+        return refuse(examined.checks, nominal)
+    fitted, held_out = (examined.recordings[:len(fitted)], examined.recordings[len(fitted):])
     progress('noise and alignment')
     fitted = [part for one in fitted for part in parts_of(one, model)]
     held_out = [part for one in held_out for part in parts_of(one, model)]
@@ -114,8 +122,8 @@ def diagnose(
     # The largest misfit first: that recording is located and shown.
     prepared = sorted(prepared, key=lambda one: -cost_of([one], selection.base.model)
                       / one.residual_count)
-    return conclude(
-        Fitted(nominal, nominal_cost, selection, prepared, others, odd_robot), seed, progress)
+    fits = Fitted(nominal, nominal_cost, selection, prepared, others, odd_robot)
+    return replace(conclude(fits, seed, progress), checks=examined.checks)
 
 
 def _refuse_wrong_input(

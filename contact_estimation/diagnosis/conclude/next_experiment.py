@@ -98,11 +98,11 @@ def choose(diagnosis: Diagnosis) -> Proposal | None:
     Returns
     -------
     proposal : Proposal or None
-        None if no question is open, or without a robot to run it: a permanently attached
-        environment is driven by a force.
+        None if no question is open, if the recordings must first be put right, or without a robot
+        to run it: a permanently attached environment is driven by a force.
 
     """
-    if not diagnosis.nominal.nominal.environment.unilateral:
+    if diagnosis.refused or not diagnosis.nominal.nominal.environment.unilateral:
         return None
     if diagnosis.rivals:
         return _separating(diagnosis)

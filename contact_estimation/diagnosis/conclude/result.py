@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 
 from .dependence import Dependence
 from .location import Location
+from ..observe.checks.check import Check
 from ..observe.model import Model
 from ..observe.prepared_recording import Recordings
 
@@ -154,6 +155,8 @@ class Diagnosis:
         As fitted; the first has the largest misfit, is located and shown.
     free_runs : dict of str to ndarray
         Positions of the free runs of the shown recording, by model.
+    checks : list of Check
+        For wrong use; if a fatal one failed, nothing was fitted and there are no recordings.
 
     """
 
@@ -178,11 +181,17 @@ class Diagnosis:
     dependences: dict[str, list[Dependence]] = field(repr=False)
     recordings: Recordings = field(repr=False)
     free_runs: dict[str, Array] = field(repr=False)
+    checks: list[Check] = field(default_factory=list)
+
+    @property
+    def refused(self) -> bool:
+        """Whether something must be put right before anything can be diagnosed."""
+        return any(check.fatal for check in self.checks)
 
     @property
     def shown(self) -> str:
-        """Name of the recording that is plotted, and in which the mismatch is located."""
-        return self.recordings[0].name
+        """Name of the recording that is plotted and located in; '' if all were refused."""
+        return self.recordings[0].name if self.recordings else ''
 
     @property
     def pair(self) -> tuple[str, str]:
@@ -193,14 +202,16 @@ class Diagnosis:
     def located_channel(self) -> str:
         """The channel that shows the mismatch: 'motion' or 'force'."""
         in_robot = self.location is not None and self.location.port == 'robot'
-        driven = self.recordings[0].driven_by_force(self.nominal)
+        driven = any(one.driven_by_force(self.nominal) for one in self.recordings[:1])
         return 'motion' if in_robot or driven else 'force'
 
     @property
     def between_samples(self) -> str | None:
         """Course of the force that drives a wall between samples; None with a robot."""
-        shown = self.recordings[0]
-        return shown.observed.between if shown.driven_by_force(self.nominal) else None
+        for shown in self.recordings[:1]:
+            if shown.driven_by_force(self.nominal):
+                return shown.observed.between
+        return None
 
 
 def pair_of(with_effects: bool) -> tuple[str, str]:

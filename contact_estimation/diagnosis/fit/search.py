@@ -52,7 +52,7 @@ def candidates_for(model: Model, with_robot: bool) -> list[str]:
     wall = model.nominal.environment
     return [
         name for name, cls in EFFECTS.items()
-        if name not in model.effects
+        if name not in model.effects and name not in model.excluded
         and (with_robot or not issubclass(cls, RobotEffect))
         and (wall.unilateral or not cls.needs_touch)
         and not (cls.base_parameter == 'inertia' and model.with_inertia)

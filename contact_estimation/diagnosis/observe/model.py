@@ -73,6 +73,8 @@ class Model:
         K_e, B_e, (M_e), then the effects' parameters in order.
     with_inertia : bool
         Whether M_e is fitted.
+    excluded : frozenset of str
+        Effects that must not be added: wrong use would look like them.
 
     """
 
@@ -80,14 +82,17 @@ class Model:
     effects: tuple[str, ...]
     values: tuple[float, ...]
     with_inertia: bool
+    excluded: frozenset[str] = frozenset()
 
     @classmethod
-    def of(cls, nominal: PlantParameters) -> 'Model':
+    def of(
+        cls, nominal: PlantParameters, excluded: frozenset[str] = frozenset()
+    ) -> 'Model':
         """Return the nominal model without effects."""
         wall = nominal.environment
         with_inertia = wall.inertia > 0.0
         base = (wall.stiffness, wall.damping) + ((wall.inertia,) if with_inertia else ())
-        return cls(nominal, (), base, with_inertia)
+        return cls(nominal, (), base, with_inertia, excluded)
 
     @property
     def base_count(self) -> int:

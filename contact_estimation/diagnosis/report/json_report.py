@@ -45,7 +45,9 @@ def as_dict(diagnosis: Diagnosis, experiment_file: str | None = None) -> dict[st
         'verdict': d.verdict,
         'effects': [_effect(effect) for effect in d.effects],
         'location': None if d.location is None else d.location.as_dict(),
-        'located_in': d.shown,
+        'located_in': d.shown or None,
+        'checks': [{'name': check.name, 'ok': check.ok, 'text': check.text}
+                   for check in d.checks],
         'nominal': _base(d.nominal),
         'recalibrated': _base(d.recalibrated),
         'corrected': _corrected(d),

@@ -38,16 +38,23 @@ def as_text(diagnosis: Diagnosis) -> str:
     Returns
     -------
     text : str
-        Verdict, effects, model parameters, held-out errors, location of the mismatch, next
-        experiment.
+        Failed checks, verdict, effects, model parameters, held-out errors, location of the
+        mismatch, next experiment.
 
     """
     d = diagnosis
-    sections = [_verdict(d), *(_effect(effect) for effect in d.effects), _parameters(d),
+    failed = _failed_checks(d)
+    if d.refused:
+        return '\n\n'.join('\n'.join(lines) for lines in (failed, _verdict(d)))
+    sections = [failed, _verdict(d), *(_effect(effect) for effect in d.effects), _parameters(d),
                 _held_out(d), _location(d)]
     if d.next_experiment:
         sections.append([f'Next experiment: {d.next_experiment}'])
     return '\n\n'.join('\n'.join(lines) for lines in sections if lines)
+
+
+def _failed_checks(d: Diagnosis) -> list[str]:
+    return [f'Check {check.name}: {check.text}' for check in d.checks if not check.ok]
 
 
 def _verdict(d: Diagnosis) -> list[str]:

@@ -60,6 +60,9 @@ def headline(diagnosis: Diagnosis) -> str:
             f'{new.stiffness:.5g} N/m instead of {old.stiffness:.5g} N/m, B_e is '
             f'{new.damping:.4g} N s/m instead of {old.damping:.4g} N s/m'
         )
+    if d.refused:
+        wrong = ' and '.join(check.name.replace('_', ' ') for check in d.checks if check.fatal)
+        return f'The recording must be put right first: {wrong}'
     names = ' and '.join(f'{effect.name.replace("_", " ")} {PORTS[effect.port]}'
                          for effect in d.effects)
     if d.verdict == 'physics_missing':

@@ -16,6 +16,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Mapping, NamedTuple, Sequence
 
 from . import (
@@ -74,14 +75,14 @@ class Examined(NamedTuple):
     recordings: list[Recording]
 
     @property
-    def fatal(self) -> bool:
-        """Whether nothing can be diagnosed."""
-        return any(check.fatal for check in self.checks if not check.ok)
+    def refused(self) -> bool:
+        """Whether something must be put right before anything can be diagnosed."""
+        return any(one.fatal for one in self.checks)
 
     @property
     def excluded(self) -> frozenset[str]:
         """Effects that must not be named: wrong use would look like them."""
-        return frozenset().union(*(check.could_cause for check in self.checks if not check.ok))
+        return frozenset().union(*(one.could_cause for one in self.checks))
 
 
 def examine(recordings: Sequence[Recording], model: PlantParameters) -> Examined:
@@ -106,10 +107,13 @@ def examine(recordings: Sequence[Recording], model: PlantParameters) -> Examined
         If a signal has too few samples, is not finite or constant.
 
     """
-    found = {recording.name: check(recording, model) for recording in recordings}
-    checks = [_merged({name: checks[place] for name, checks in found.items()})
-              for place in range(len(CHECKS))]
-    return Examined(checks, [_put_right(one, found[one.name]) for one in recordings])
+    found = [check(recording, model) for recording in recordings]
+    several = len(recordings) > 1
+    named = [[_named(one, recording.name) if several else one for one in checks]
+             for recording, checks in zip(recordings, found)]
+    checks = [_worst(alike) for alike in zip(*named)]
+    return Examined(checks, [_put_right(one, checks)
+                             for one, checks in zip(recordings, found)])
 
 
 def check(recording: Recording, model: PlantParameters) -> list[Check]:
@@ -128,7 +132,8 @@ def check(recording: Recording, model: PlantParameters) -> list[Check]:
     for name, test in CHECKS.items():
         missing = [one.name for one in checks if one.name in test.after and one.fatal]
         if missing:
-            checks.append(Check(name, True, f'not tested before {missing[0]} is put right'))
+            checks.append(Check(name, True, f'not tested before {missing[0]} is put right',
+                                tested=False))
             continue
         found = test.find(evidence)
         fatal = found.fatal and not found.ok
@@ -138,16 +143,17 @@ def check(recording: Recording, model: PlantParameters) -> list[Check]:
     return checks
 
 
-def _merged(by_recording: Mapping[str, Check]) -> Check:
-    """Return one check of several recordings: ok if it is in all."""
-    failed = {name: one for name, one in by_recording.items() if not one.ok}
-    first = next(iter(by_recording.values()))
-    if not failed or len(by_recording) == 1:
-        return first
-    return Check(
-        first.name, False, '; '.join(f'{name}: {one.text}' for name, one in failed.items()),
-        any(one.fatal for one in failed.values()),
-        frozenset().union(*(one.could_cause for one in failed.values())))
+def _worst(alike: Sequence[Check]) -> Check:
+    failed = [one for one in alike if not one.ok]
+    if len(failed) < 2:
+        return (failed or alike)[0]
+    return Check(failed[0].name, False, '; '.join(one.text for one in failed),
+                 any(one.fatal for one in failed),
+                 frozenset().union(*(one.could_cause for one in failed)))
+
+
+def _named(one: Check, recording: str) -> Check:
+    return one if one.ok else replace(one, text=f'{recording}: {one.text}')
 
 
 def _put_right(recording: Recording, checks: Sequence[Check]) -> Recording:

@@ -64,5 +64,5 @@ def find(evidence: Evidence) -> Finding:
                           "wrench's frame and unit")
 
 
-TEST = Test(find, after=('clock_offset', 'sampling_rate', 'position_sign', 'length_unit', 'force_unit',
-                         'command_topic', 'excitation'))
+TEST = Test(find, after=('clock_offset', 'sampling_rate', 'position_sign', 'length_unit',
+                         'force_unit', 'command_topic', 'excitation'))

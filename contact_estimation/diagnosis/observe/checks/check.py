@@ -40,6 +40,8 @@ class Check:
         Whether nothing can be diagnosed before that.
     could_cause : frozenset of str
         Effects that the wrong use would be mistaken for.
+    tested : bool
+        False if another check that failed leaves it without meaning.
 
     """
 
@@ -48,6 +50,7 @@ class Check:
     text: str
     fatal: bool = False
     could_cause: frozenset[str] = frozenset()
+    tested: bool = True
 
 
 class Finding(NamedTuple):

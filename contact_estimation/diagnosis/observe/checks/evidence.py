@@ -133,11 +133,14 @@ class Onset(NamedTuple):
         Median over the contacts [m].
     depth : float
         From there to the deepest positions [m].
+    blur : float
+        Travel within the smoothing, by which both are uncertain [m].
 
     """
 
     position: float
     depth: float
+    blur: float
 
 
 class Evidence:
@@ -274,8 +277,12 @@ class Evidence:
         if not contact.any():
             return None
         first = np.flatnonzero(contact[1:] & ~contact[:-1])
-        begin = float(np.median(s.x[first])) if len(first) else float(np.min(s.x))
-        return Onset(begin, float(np.quantile(s.x[contact], 0.95)) - begin)
+        depth = float(np.quantile(s.x[contact], 0.95))
+        if not len(first):
+            return Onset(float(np.min(s.x)), depth - float(np.min(s.x)), 0.0)
+        begin = float(np.median(s.x[first]))
+        window = self.period * _window(self.period, self._duration)
+        return Onset(begin, depth - begin, window * float(np.median(np.abs(s.v[first]))))
 
     @cached_property
     def lag(self) -> Lag:

@@ -43,7 +43,7 @@ def find(evidence: Evidence) -> Finding:
     """
     rate, angular = 1.0 / evidence.period, _natural_frequency(evidence)
     if angular is None or not evidence.overlap.enough:
-        return Finding(True, f'{rate:.3g} Hz; the model tells nothing of its dynamics')
+        return Finding(True, f'{rate:.3g} Hz')
     text = f'{rate:.3g} Hz for an oscillation of wall and mass at {angular / (2.0 * pi):.3g} Hz'
     unlike = _rates_over_stamps(evidence)
     if unlike is not None:

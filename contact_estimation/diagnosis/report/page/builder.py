@@ -28,6 +28,7 @@ from typing import Any, Callable, Mapping
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from . import (
+    checks,
     comparison,
     effects,
     evidence,
@@ -39,13 +40,13 @@ from . import (
 )
 from .inputs import Inputs
 from ..number_format import plain, with_std
-from ..plot_data import plot_data
 from ..wording import headline, meaning, place_of, PORTS
 from ...conclude.result import Diagnosis
 from ....figures import as_png
 
 SECTIONS: Mapping[str, Callable[[Inputs], Mapping[str, Any] | None]] = {
     'summary': summary.prepare,
+    'checks': checks.prepare,
     'effects': effects.prepare,
     'parameters': parameters.prepare,
     'comparison': comparison.prepare,
@@ -55,6 +56,8 @@ SECTIONS: Mapping[str, Callable[[Inputs], Mapping[str, Any] | None]] = {
     'next_experiment': next_experiment.prepare,
 }
 """In the order of the page. A section whose data are None is left out."""
+
+_WITHOUT_RECORDINGS = ('summary', 'checks')
 
 
 def as_html(diagnosis: Diagnosis, title: str, experiment_file: str | None = None) -> str:
@@ -81,8 +84,9 @@ def as_html(diagnosis: Diagnosis, title: str, experiment_file: str | None = None
         If matplotlib is not installed.
 
     """
-    inputs = Inputs(diagnosis, plot_data(diagnosis), title, experiment_file)
-    prepared = {name: prepare(inputs) for name, prepare in SECTIONS.items()}
+    inputs = Inputs(diagnosis, title, experiment_file)
+    prepared = {name: prepare(inputs) for name, prepare in SECTIONS.items()
+                if diagnosis.recordings or name in _WITHOUT_RECORDINGS}
     return _environment().get_template('page.html').render(
         verdict=diagnosis.verdict.replace('_', ' '), headline=headline(diagnosis), title=title,
         sections={name: data for name, data in prepared.items() if data is not None},

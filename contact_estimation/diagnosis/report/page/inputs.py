@@ -17,13 +17,15 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from dataclasses import dataclass
+from functools import cached_property
 
-from ..plot_data import PlotData
+from ..plot_data import plot_data, PlotData
 from ...conclude.result import Diagnosis
 
 
-class Inputs(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Inputs:
     """
     Inputs of the sections.
 
@@ -31,8 +33,6 @@ class Inputs(NamedTuple):
     ----------
     diagnosis : Diagnosis
         The result.
-    plots : PlotData
-        Of the recording that is shown.
     title : str
         Names of the recordings.
     experiment_file : str or None
@@ -41,6 +41,10 @@ class Inputs(NamedTuple):
     """
 
     diagnosis: Diagnosis
-    plots: PlotData
     title: str
     experiment_file: str | None
+
+    @cached_property
+    def plots(self) -> PlotData:
+        """Signals of the recording that is shown."""
+        return plot_data(self.diagnosis)

@@ -1,0 +1,231 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Each check fires on the wrong use it is for, alone, and on nothing else."""
+
+from __future__ import annotations
+
+from typing import Callable, Mapping
+
+from concealed_worlds import ATTACHED, attached, nominal, physics, recorded
+from contact_estimation.diagnosis.conclude.diagnose import diagnose
+from contact_estimation.diagnosis.observe.checks import check, CHECKS, examine
+from contact_estimation.diagnosis.observe.checks.check import Check
+from contact_estimation.diagnosis.observe.signals import Recording, Signals
+from contact_estimation.diagnosis.report.json_report import as_dict
+from contact_estimation.diagnosis.report.page.builder import as_html
+from contact_estimation.diagnosis.report.text_report import as_text
+from contact_estimation.physics import EFFECTS
+from contact_estimation.plant.plant_parameters import PlantParameters
+import numpy as np
+from numpy.typing import NDArray
+import pytest
+
+Array = NDArray[np.float64]
+Change = Callable[[Signals], Signals]
+NO_REFERENCE = {'reference_t': np.empty(0), 'reference': np.empty((4, 0))}
+
+
+def scaled(position: float, reference: float) -> Change:
+    """Multiply all positions and rates."""
+    def change(s: Signals) -> Signals:
+        factors = np.array([[reference], [reference], [reference], [1.0]])
+        return s._replace(position=position * s.position, reference=factors * s.reference)
+    return change
+
+
+def forced(factor: float, noise: float = 0.0) -> Change:
+    """Multiply the force, and add noise."""
+    def change(s: Signals) -> Signals:
+        more = noise * np.random.default_rng(1).normal(size=len(s.force))
+        return s._replace(force=factor * s.force + more)
+    return change
+
+
+def late(wrench: float, joints: float = 0.0) -> Change:
+    """Shift stamps, counted from the first wrench."""
+    def change(s: Signals) -> Signals:
+        return s._replace(joint_t=s.joint_t + joints - wrench, reference_t=s.reference_t - wrench)
+    return change
+
+
+def slow_clock(factor: float) -> Change:
+    """Multiply all stamps."""
+    def change(s: Signals) -> Signals:
+        return s._replace(wrench_t=factor * s.wrench_t, joint_t=factor * s.joint_t,
+                          reference_t=factor * s.reference_t)
+    return change
+
+
+def thinned(step: int) -> Change:
+    """Keep one of so many samples."""
+    def change(s: Signals) -> Signals:
+        return Signals(*(np.ascontiguousarray(row[..., ::step]) for row in s))
+    return change
+
+
+def measured_reference(s: Signals) -> Signals:
+    """Take the measured position for the reference."""
+    rows = np.array([s.position, np.gradient(s.position, s.joint_t), *np.zeros((2, len(s.joint_t)))])
+    return s._replace(reference_t=s.joint_t, reference=rows)
+
+
+def other_reference(s: Signals) -> Signals:
+    """Take another axis for the reference."""
+    rows = np.zeros_like(s.reference)
+    rows[0] = 0.01 * np.sin(7.0 * s.reference_t)
+    return s._replace(reference=rows)
+
+
+def paused(s: Signals) -> Signals:
+    """Leave out two seconds of all topics."""
+    kept = (s.wrench_t < 2.0) | (s.wrench_t > 4.0)
+    t = s.wrench_t[kept]
+    return Signals(t, s.force[kept], t, s.position[kept], t, s.reference[:, kept])
+
+
+def rounded(s: Signals) -> Signals:
+    """Round positions to a tenth of a millimetre."""
+    return s._replace(position=1e-4 * np.round(s.position / 1e-4))
+
+
+WRONG: Mapping[str, tuple[str, Change]] = {
+    'force of the robot on the wall': ('force_sign', forced(-1.0)),
+    'position out of the wall': ('position_sign', scaled(-1.0, 1.0)),
+    'all positions out of the wall': ('position_sign', scaled(-1.0, -1.0)),
+    'positions in mm': ('length_unit', scaled(1e3, 1.0)),
+    'positions and reference in mm': ('length_unit', scaled(1e3, 1e3)),
+    'reference in mm': ('length_unit', scaled(1.0, 1e3)),
+    'positions in um': ('length_unit', scaled(1e6, 1.0)),
+    'positions in inches': ('length_unit', scaled(39.37, 39.37)),
+    'force in kN': ('force_unit', forced(1e-3)),
+    'force in kgf': ('force_unit', forced(1.0 / 9.80665)),
+    'force in lbf': ('force_unit', forced(1.0 / 4.44822)),
+    'force in grams': ('force_unit', forced(1e3 / 9.80665)),
+    'five per cent of the force': ('axis', forced(0.05, 0.3)),
+    'minus ten per cent of the force': ('axis', forced(-0.1, 0.3)),
+    'sensor not connected': ('excitation', forced(0.0, 0.3)),
+    'wrench early': ('clock_offset', late(-0.3)),
+    'wrench late': ('clock_offset', late(0.4)),
+    'joints on another day': ('clock_offset', late(0.0, 1e5)),
+    'stamps in milliseconds': ('sampling_rate', slow_clock(1e3)),
+    'stamps of a fast clock': ('sampling_rate', slow_clock(1e-3)),
+    'reference measured': ('command_topic', measured_reference),
+    'reference of another axis': ('command_topic', other_reference),
+}
+COARSE: Mapping[str, tuple[str, Change]] = {
+    'ten hertz': ('sampling_rate', thinned(25)),
+    'a pause': ('gaps', paused),
+    'rounded': ('quantisation', rounded),
+    'clipped': ('force_clipping', lambda s: s._replace(
+        force=np.maximum(s.force, 0.6 * float(np.min(s.force))))),
+}
+
+
+def failed(signals: Signals, model: PlantParameters) -> list[Check]:
+    """Return the checks that fail."""
+    return [one for one in check(Recording('file', signals), model) if not one.ok]
+
+
+@pytest.mark.parametrize('wrong', WRONG)
+def test_wrong_use_fails_its_check_alone(wrong: str) -> None:
+    name, change = WRONG[wrong]
+    (found,) = failed(change(recorded()), nominal())
+    assert (found.name, found.fatal, found.could_cause) == (name, True, frozenset(EFFECTS))
+
+
+@pytest.mark.parametrize('wrong', ['force of the robot on the wall', 'positions in mm',
+                                   'force in kgf', 'wrench early'])
+def test_concealed_physics_hides_no_wrong_use(wrong: str) -> None:
+    name, change = WRONG[wrong]
+    signals = recorded(**physics('coulomb_friction', 4.0))
+    assert [one.name for one in failed(change(signals), nominal())] == [name]
+
+
+@pytest.mark.parametrize('coarse', COARSE)
+def test_coarse_data_fail_a_check_that_is_not_fatal(coarse: str) -> None:
+    name, change = COARSE[coarse]
+    (found,) = failed(change(recorded()), nominal())
+    assert (found.name, found.fatal) == (name, False)
+    assert found.could_cause < frozenset(EFFECTS)
+
+
+def test_every_check_is_tested_here() -> None:
+    tested = {name for name, _ in (*WRONG.values(), *COARSE.values())}
+    assert tested | {'wall_location'} == set(CHECKS)
+
+
+@pytest.mark.parametrize('location', [-0.1, 0.06, 1.0])
+def test_a_wall_that_is_elsewhere_fails_the_location(location: float) -> None:
+    (found,) = failed(recorded(), nominal(environment__location=location))
+    assert found.name == 'wall_location'
+    assert abs(float(found.text.split('set the location to about ')[1].split()[0])) < 0.002
+
+
+@pytest.mark.parametrize('name, values', [
+    ('coulomb_friction', (4.0,)), ('contact_offset', (0.004,)), ('force_delay', (0.03,)),
+    ('force_bias', (6.0,)), ('impedance_mismatch', (0.5, 1.5, 1.3)), ('robot_friction', (8.0,)),
+    ('force_saturation', (25.0,)), ('adhesion', (8.0,)), ('command_delay', (0.03,)),
+    ('tool_inertia', (1.0,)),
+])
+def test_physics_fails_no_check(name: str, values: tuple[float, ...]) -> None:
+    assert not failed(recorded(**physics(name, *values)), nominal())
+
+
+@pytest.mark.parametrize('factor', [0.25, 1.0, 4.0])
+def test_a_nominal_stiffness_off_by_a_few_is_no_wrong_unit(factor: float) -> None:
+    assert not failed(recorded(), nominal(environment__stiffness=5000.0 * factor))
+    specimen = {**ATTACHED, 'environment__stiffness':
+                factor * ATTACHED['environment__stiffness']}
+    assert not failed(attached(), nominal(**specimen))
+
+
+@pytest.mark.parametrize('change, name', [(scaled(1e3, 1.0), 'length_unit'),
+                                          (forced(1e-3), 'force_unit')])
+def test_units_of_a_specimen_are_checked_to_a_thousand(change: Change, name: str) -> None:
+    assert [one.name for one in failed(change(attached()), nominal(**ATTACHED))] == [name]
+
+
+def test_the_sign_of_a_specimen_is_put_right() -> None:
+    examined = examine([Recording('file', forced(-1.0)(attached()))], nominal(**ATTACHED))
+    assert [one.name for one in examined.checks if not one.ok] == ['force_sign']
+    assert not examined.refused and not examined.excluded
+    np.testing.assert_array_equal(examined.recordings[0].signals.force, attached().force)
+
+
+def test_a_late_contact_without_a_reference_is_left_to_the_diagnosis() -> None:
+    s = recorded()._replace(**NO_REFERENCE)
+    away = s._replace(position=s.position + 0.02)
+    assert not failed(away, nominal())
+
+
+def test_checks_say_which_recording_is_wrong() -> None:
+    recordings = [Recording('monday', recorded()), Recording('tuesday', forced(-1.0)(recorded()))]
+    (found,) = (one for one in examine(recordings, nominal()).checks if not one.ok)
+    assert found.text.startswith('tuesday: F_e is ')
+
+
+def test_a_refused_recording_gets_a_report_without_names() -> None:
+    found = diagnose(Recording('file', scaled(1e3, 1.0)(recorded())), nominal())
+    assert (found.verdict, found.effects, found.refused) == ('unexplained', [], True)
+    report = as_dict(found)
+    (wrong,) = (one for one in report['checks'] if not one['ok'])
+    assert wrong['name'] == 'length_unit' and 'record metres' in wrong['text']
+    assert as_text(found).startswith('Check length_unit: ')
+    assert 'put right first: length unit' in as_html(found, 'file')
+
+
+def test_what_a_failed_check_could_cause_is_no_candidate() -> None:
+    examined = examine([Recording('file', rounded(recorded()))], nominal())
+    assert 'dead_zone' in examined.excluded and 'coulomb_friction' not in examined.excluded
