@@ -48,8 +48,9 @@ class ContactOffset(ContactEffect):
 
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
-        """Start with offsets of both signs."""
-        return [(0.001 * scales.depth,), (-0.001 * scales.depth,)]
+        """Start with offsets of both signs, and with walls further in."""
+        shares = (0.001, -0.001, 0.03, 0.1, 0.3, 0.6, 0.8, 0.95)
+        return [(share * scales.depth,) for share in shares]
 
     @classmethod
     def largest(cls, scales: Scales) -> float:

@@ -49,7 +49,7 @@ class DeadZone(ContactEffect):
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """Spread the gap."""
-        return [(share * scales.depth,) for share in (0.003, 0.03, 0.1, 0.3)]
+        return [(share * scales.depth,) for share in (0.003, 0.03, 0.1, 0.3, 0.6, 0.8, 0.95)]
 
     @classmethod
     def largest(cls, scales: Scales) -> float:

@@ -151,6 +151,26 @@ class Effect(ABC):
         return True
 
     @classmethod
+    def follows_any_slow_misfit(cls, values: Any, duration: float) -> bool:
+        """
+        Return whether the effect is a curve that fits almost any slow misfit.
+
+        Parameters
+        ----------
+        values : ParameterGroup
+            An instance of `Parameters`.
+        duration : float
+            Of the recording [s].
+
+        Returns
+        -------
+        generic : bool
+            If so, more is asked of it than of a law.
+
+        """
+        return False
+
+    @classmethod
     def largest(cls, scales: Scales) -> float:
         """
         Return the largest plausible magnitude of the first parameter.

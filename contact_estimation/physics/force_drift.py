@@ -17,6 +17,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -54,6 +55,11 @@ class ForceDrift(ForceSensorEffect):
     def undo(self, t: Number, measured: Number) -> Number:
         """Subtract the drift; see `ForceSensorEffect.undo`."""
         return measured - self.values.rate * t
+
+    @classmethod
+    def follows_any_slow_misfit(cls, values: Any, duration: float) -> bool:
+        """Is one."""
+        return True
 
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:

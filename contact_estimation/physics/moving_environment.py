@@ -56,6 +56,11 @@ class MovingEnvironment(ContactEffect):
         return p.amplitude * m.sin(angle), p.amplitude * omega * m.cos(angle)
 
     @classmethod
+    def follows_any_slow_misfit(cls, values: Any, duration: float) -> bool:
+        """Is one with a period longer than a third of the recording."""
+        return bool(values.frequency * duration < 3.0)
+
+    @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """Start at the peaks of the residual spectrum: the cost has many minima in frequency."""
         found = scales.peaks()

@@ -46,6 +46,11 @@ class QuadraticDamping(ContactEffect):
         return self.values.B_2 * v * abs(v)
 
     @classmethod
+    def plausible(cls, values: Any) -> bool:
+        """Refuse drag that falls with speed: it would drive the motion."""
+        return bool(values.B_2 >= 0.0)
+
+    @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """One start: the law is linear in B_2."""
         return [(0.01 * scales.damper / scales.speed,)]

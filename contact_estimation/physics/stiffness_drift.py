@@ -47,6 +47,11 @@ class StiffnessDrift(ContactEffect):
         return force * (1.0 + self.values.rate * t)
 
     @classmethod
+    def follows_any_slow_misfit(cls, values: Any, duration: float) -> bool:
+        """Is one."""
+        return True
+
+    @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """One start: nearly linear."""
         return [(0.002 / scales.duration,)]

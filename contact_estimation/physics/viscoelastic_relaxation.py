@@ -88,6 +88,11 @@ class ViscoelasticRelaxation(ContactEffect):
         return s[None, :]
 
     @classmethod
+    def follows_any_slow_misfit(cls, values: Any, duration: float) -> bool:
+        """Is one with a time constant beyond the recording."""
+        return bool(values.tau > duration)
+
+    @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """Spread tau; the law is linear in K_1, which is large enough for tau to matter."""
         return [(0.3 * scales.spring, tau) for tau in scales.time_constants()]

@@ -27,7 +27,9 @@ from .dependence import dependences
 from .held_out import by_part, errors_of, improvement_interval, measure_part, Part
 from .location import locate, Location
 from .naming import advice, name_effects
-from .result import Diagnosis, NamedEffect, pair_of, Value
+from .result import Diagnosis, NamedEffect, pair_of, Remainder, Value
+from .shares import Shares
+from ..fit.discrepancy import has_discrepancy
 from ..fit.fitting import Fit
 from ..fit.free_run import free_run
 from ..fit.model_uncertainty import discounted
@@ -39,6 +41,8 @@ from ..observe.model import Model
 from ..observe.prepared_recording import PreparedRecording, Recordings
 
 Array = NDArray[np.float64]
+
+_NOTHING = 0.01  # of the misfit: a remainder that is not worth a word
 
 MODELS = ('nominal', 'recalibrated', 'corrected')
 
@@ -54,22 +58,17 @@ class Fitted(NamedTuple):
     nominal_cost : float
         Its cost.
     selection : Selection
-        Recalibrated model, model with effects, and their rivals.
-    recordings : sequence of PreparedRecording
-        As fitted; the first is located and shown.
+        Recalibrated model, model with effects, and their rivals; of its recordings the first is
+        located and shown.
     holdouts : sequence of PreparedRecording
         Held-out recordings.
-    odd_robot : bool
-        Whether the motion misfit was treated as noise, because no effect explains it.
 
     """
 
     nominal: Model
     nominal_cost: float
     selection: Selection
-    recordings: Recordings
     holdouts: Recordings
-    odd_robot: bool
 
 
 def conclude(fitted: Fitted, seed: int, progress: Progress) -> Diagnosis:
@@ -93,22 +92,29 @@ def conclude(fitted: Fitted, seed: int, progress: Progress) -> Diagnosis:
     """
     generator, selection = np.random.default_rng(seed), fitted.selection
     whole = [discounted(one.whole(selection.base.model), selection.base.model)
-             for one in fitted.recordings]
-    decision = decide(selection, fitted.recordings, whole, fitted.odd_robot, progress)
-    verdict = verdict_of(decision, selection.base, fitted.nominal_cost)
+             for one in selection.recordings]
+    decision = decide(selection, whole, progress)
     recordings, base, best = _refined(fitted, decision, progress)
     progress('held-out parts')
     models = (fitted.nominal, base.model, best.model)
     parts, free_runs = _held_out(recordings, whole, fitted.holdouts, models)
+    if best.model.effects and _worse(parts):  # a false name is worse than no name
+        decision = Decision(selection.base, True, decision.predictable, None)
+        recordings, base, best = selection.recordings, selection.base, selection.base
+        models = (fitted.nominal, base.model, base.model)
+        parts, free_runs = _held_out(recordings, whole, fitted.holdouts, models)
+    verdict = verdict_of(decision, selection.base, fitted.nominal_cost)
     stds = standard_deviations(recordings, best)
-    names = name_effects(best, stds, selection, recordings, whole[0], generator)
-    location = _locate(fitted, verdict, names.effects, base, best, whole[0])
+    names = name_effects(
+        best, stds, selection, decision.shares, recordings, whole[0], generator)
+    location = _locate(verdict, names.effects, base, whole[0])
     improvement = improvement_interval(parts, generator)
     progress('dependence of the residuals')
     by_name = dict(zip(MODELS, models))
     force, motion = errors_of(parts)
     return Diagnosis(
-        verdict=verdict, effects=names.effects, location=location, nominal=models[0],
+        verdict=verdict, effects=names.effects, location=location,
+        remainder=_remainder(decision.shares, best, whole[0]), nominal=models[0],
         recalibrated=models[1], corrected=models[2],
         stiffness=Value(best.model.stiffness, stds[0], 'N/m'),
         damping=Value(best.model.damping, stds[1], 'N s/m'),
@@ -127,8 +133,9 @@ def _refined(
     fitted: Fitted, decision: Decision, progress: Progress
 ) -> tuple[Recordings, Fit, Fit]:
     """Minimise the output error of an explained recording; return base and best model."""
-    recordings, base, best = fitted.recordings, fitted.selection.base, decision.best
-    if decision.unexplained or not all(
+    selection = fitted.selection
+    recordings, base, best = selection.recordings, selection.base, decision.best
+    if decision.unexplained or has_discrepancy(recordings) or not all(
             one.observed.has_dynamics(fitted.nominal.nominal) for one in recordings):
         return recordings, base, best
     progress('output error')
@@ -139,19 +146,38 @@ def _refined(
     return recordings, base, base
 
 
+def _worse(parts: Sequence[Part]) -> bool:
+    """Return whether the corrected model predicts held-out data worse than the recalibrated."""
+    force, motion = errors_of(parts)
+    pairs = [(one.recalibrated, one.corrected) for one in (force, motion)]
+    ratios = [corrected / recalibrated for recalibrated, corrected in pairs
+              if recalibrated and corrected is not None]
+    return bool(ratios) and min(ratios) >= 1.0
+
+
 def _locate(
-    fitted: Fitted, verdict: str, names: Sequence[NamedEffect], base: Fit, best: Fit,
-    shown: PreparedRecording,
+    verdict: str, names: Sequence[NamedEffect], base: Fit, shown: PreparedRecording
 ) -> Location | None:
-    """Locate what is missing, or what is still missing beside the names."""
+    """Locate what the recalibrated model lacks."""
     if verdict not in ('physics_missing', 'unexplained'):
         return None
-    beside = verdict == 'unexplained' and bool(best.model.effects)
-    port = names[0].port if names and not beside else None
-    if fitted.odd_robot:  # its misfit is not taken for noise here
-        shown = discounted(replace(shown, motion_misfit=1.0), fitted.selection.base.model)
-        port = 'robot'
-    return locate(shown, (best if beside else base).model, port)
+    return locate(shown, base.model, names[0].port if names else None)
+
+
+def _remainder(shares: Shares | None, best: Fit, shown: PreparedRecording) -> Remainder | None:
+    """Describe what all names leave on parts left out; None if that is noise."""
+    if shares is None or shares.left < _NOTHING:
+        return None
+    location = locate(shown, best.model)
+    return Remainder(shares.left, location, _text(shares.left, location))
+
+
+def _text(share: float, location: Location) -> str:
+    """Say how much is left and where."""
+    where = f' at {location.region}' if location.region else ''
+    return (f'{100.0 * share:.0f} % of the misfit is left by all named effects together, mostly '
+            f'in the {location.phase} phase{where}, {location.band_hz[0]:.2g} to '
+            f'{location.band_hz[1]:.2g} Hz')
 
 
 def _held_out(

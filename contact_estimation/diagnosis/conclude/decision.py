@@ -20,9 +20,12 @@ from typing import NamedTuple, Sequence
 
 import numpy as np
 
-from ..fit.criteria import explained_share, noise_scale, THRESHOLD
+from .shares import Shares, shares_of
+from ..fit.criteria import explained_share, leaves_noise, noise_scale, THRESHOLD
+from ..fit.discrepancy import has_discrepancy, without_discrepancy
 from ..fit.fitting import Fit, fit
 from ..fit.flexible import autocorrelation, predictable_share
+from ..fit.model_uncertainty import discounted
 from ..fit.output_error import refine, runs_true
 from ..fit.search import Progress
 from ..fit.selection import Selection
@@ -32,14 +35,8 @@ from ..observe.prepared_recording import Recordings
 from ..observe.residuals import residuals
 from ...physics import EFFECTS
 
-LEFT = 0.5
-"""Mean square of the residuals beyond that of the noise, from which on something is missing."""
-
-EXPLAINED = 0.9
-"""Least share of the misfit that effects must explain to be named at all."""
-
-FULLY = 0.97
-"""Share of the misfit from which on the rest is the method's own error."""
+EXPLAINED = 0.5
+"""Least share of the misfit that names must predict on parts left out to explain it."""
 
 _PREDICTABLE = 0.1  # share of the residual that a smoother predicts: structure, not noise
 _SIGNIFICANT = 3.0  # standard deviations
@@ -60,17 +57,19 @@ class Decision(NamedTuple):
         Whether something is missing beside them.
     predictable : float
         Share of the residuals that a flexible smoother predicts in blocks it was not fitted on.
+    shares : Shares or None
+        What the names predict on parts left out; None without names.
 
     """
 
     best: Fit
     unexplained: bool
     predictable: float
+    shares: Shares | None
 
 
 def decide(
-    selection: Selection, recordings: Recordings, whole: Recordings, odd_robot: bool,
-    progress: Progress,
+    selection: Selection, whole: Recordings, progress: Progress,
 ) -> Decision:
     """
     Decide which effects are named and whether something remains unexplained.
@@ -79,12 +78,8 @@ def decide(
     ----------
     selection : Selection
         Of the effects.
-    recordings : sequence of PreparedRecording
-        As fitted.
     whole : sequence of PreparedRecording
-        The same with their held-out parts.
-    odd_robot : bool
-        Whether the motion misfit was treated as noise, because no effect explains it.
+        Its recordings with their held-out parts.
     progress : callable
         Called with a description of each stage.
 
@@ -94,35 +89,47 @@ def decide(
         Names and whether they suffice.
 
     """
-    best, base = selection.best, selection.base
-    named, releases = bool(best.model.effects), _releases_contact(recordings, best.model)
-    with_robot = recordings[0].observed.reference is not None
-    explained = explained_share(base.cost, best.cost, base.residual_count)
-    predictable, unexplained = 0.0, False
-    if best.cost > (1.0 + LEFT) * base.residual_count:
-        progress('structure of the residuals')
-        predictable = max(predictable_share(one, best.model) for one in recordings)
-        structured = predictable > _PREDICTABLE or _AUTOCORRELATION < max(
-            autocorrelation(one, best.model) for one in recordings)
-        # A real wall that a force drives is measured more precisely than any law is valid.
-        unexplained = structured and (with_robot or not named or explained < FULLY)
-    if named and releases:
-        unexplained = False  # the rest is the instant, within a sample, of the release
-    elif named and with_robot:
-        powers = _held_out_powers(whole, best.model)
-        unexplained = unexplained or _is_wrong(powers)
-        # Where a robot sticks, velocities are not known well enough for the residuals.
-        unexplained = unexplained and not runs_true(whole, refine(recordings, best)[1].model)
-        if any(after > _HELD_OUT_POWER
-               and explained_share(before, after, 1.0) < _HELD_OUT_EXPLAINED
-               for before, after in zip(_held_out_powers(whole, base.model), powers)):
-            explained = 0.0
-    if named and unexplained and explained < EXPLAINED:
-        best = base  # a false name is worse than no name
-    best = _significant(recordings, best)
-    if not best.model.effects:
-        unexplained = unexplained or _is_wrong(_held_out_powers(whole, best.model))
-    return Decision(best, unexplained or (odd_robot and not releases), predictable)
+    recordings, base, best = selection.recordings, selection.base, selection.best
+    if best.model.effects and not has_discrepancy(recordings):
+        best = _significant(recordings, _confirmed(base, best, recordings, whole))
+    if best.model.effects:
+        progress('shares')
+        shares = shares_of(recordings, base.model, best.model)
+        doubtful = [name for name, share in shares.of.items() if share.interval[0] <= 0.0]
+        if doubtful and has_discrepancy(recordings):
+            rest = fit(recordings, best.model.without(doubtful[-1]))
+            return decide(selection._replace(best=rest), whole, progress)
+        return Decision(best, shares.explained < EXPLAINED, 0.0, shares)
+    progress('structure of the residuals')
+    if has_discrepancy(recordings):
+        recordings = [discounted(without_discrepancy(one), base.model) for one in recordings]
+    unexplained, predictable = _structured(recordings, best)
+    unexplained = unexplained or _is_wrong(_held_out_powers(whole, best.model))
+    return Decision(best, unexplained, predictable, None)
+
+
+def _confirmed(base: Fit, best: Fit, recordings: Recordings, whole: Recordings) -> Fit:
+    """Return the best model, or the recalibrated one if held-out data contradict the names."""
+    if recordings[0].observed.reference is None or releases_contact(recordings, best.model):
+        return best
+    powers = _held_out_powers(whole, best.model)
+    contradicted = any(
+        after > _HELD_OUT_POWER and explained_share(before, after, 1.0) < _HELD_OUT_EXPLAINED
+        for before, after in zip(_held_out_powers(whole, base.model), powers))
+    # Where a robot sticks, velocities are not known well enough for the residuals.
+    if contradicted and not runs_true(whole, refine(recordings, best)[1].model):
+        return base
+    return best
+
+
+def _structured(recordings: Recordings, found: Fit) -> tuple[bool, float]:
+    """Return whether residuals are structured beyond noise, and their predictable share."""
+    found = fit(recordings, found.model)
+    if leaves_noise(found):
+        return False, 0.0
+    predictable = max(predictable_share(one, found.model) for one in recordings)
+    correlation = max(autocorrelation(one, found.model) for one in recordings)
+    return predictable > _PREDICTABLE or correlation > _AUTOCORRELATION, predictable
 
 
 def verdict_of(decision: Decision, base: Fit, nominal_cost: float) -> str:
@@ -169,8 +176,23 @@ def _held_out_powers(whole: Recordings, model: Model) -> list[float]:
     return powers
 
 
-def _releases_contact(recordings: Recordings, model: Model) -> bool:
-    """Return whether the force vanishes during contacts and an effect of the model does so."""
+def releases_contact(recordings: Recordings, model: Model) -> bool:
+    """
+    Return whether the force vanishes during contacts and an effect of the model does so.
+
+    Parameters
+    ----------
+    recordings : sequence of PreparedRecording
+        As fitted.
+    model : Model
+        With its effects.
+
+    Returns
+    -------
+    releases : bool
+        If so, what is left is the instant, within a sample, of each release.
+
+    """
     effects = [getattr(EFFECTS[name], 'lets_go', False) for name in model.effects]
     return any(effects) and all(recording.dropped is not None for recording in recordings)
 

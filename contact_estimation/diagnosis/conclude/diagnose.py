@@ -22,11 +22,10 @@ from typing import Sequence
 import numpy as np
 
 from .conclusion import conclude, Fitted
-from .decision import EXPLAINED, LEFT
-from .location import guess_port
 from .refusal import refuse
 from .result import Diagnosis
 from ..fit.criteria import penalty, SHARE, THRESHOLD
+from ..fit.discrepancy import has_discrepancy
 from ..fit.fitting import cost_of, Fit, fit
 from ..fit.free_run import free_run
 from ..fit.model_uncertainty import discounted
@@ -37,14 +36,12 @@ from ..observe.model import Model
 from ..observe.observed import observe
 from ..observe.parts import parts_of
 from ..observe.prepared_recording import prepare, PreparedRecording, Recordings
-from ..observe.residuals import trust_motion_less
 from ..observe.signals import Recording
 from ...exceptions import ModelFileError, ParameterRangeError
 from ...physics import effects_that_are_on
 from ...plant.between_samples import BETWEEN
 from ...plant.plant_parameters import PlantParameters
 
-_FIRST = 2  # effects selected before the course of a force between its samples is chosen
 _DIVERGED = 1e3  # times the range of the motion
 _UNCHANGED = 0.02  # of the misfit: best model after smoothing again
 
@@ -100,29 +97,23 @@ def diagnose(
     others: Recordings = [prepare(one, nominal, hold=False) for one in held_out]
     progress('recalibration')
     prepared, base = _recalibrate(prepared, nominal)
-    selection = None
+    nominal_cost = cost_of(prepared, nominal)
+    selection = select(prepared, base, progress)
     if all(one.driven_by_force(nominal) for one in prepared):
-        selection = select(prepared, base, progress, most=_FIRST)
         between = _likeliest_between_samples(prepared, selection)
         if between != prepared[0].observed.between:
             prepared, others = (
                 [one.with_force_between_samples(between, nominal) for one in group]
                 for group in (prepared, others))
             prepared, base = _recalibrate(prepared, nominal)
-            selection = None
-        elif len(selection.best.model.effects) == _FIRST:
-            selection = None  # there may be more effects
-    nominal_cost = cost_of(prepared, nominal)
-    selection = selection or select(prepared, base, progress)
-    prepared, selection = _smooth_again(fitted, prepared, selection, nominal, progress)
-    odd_robot = _robot_is_odd(prepared, selection)
-    if odd_robot:
-        progress('selection without the motion')
-        prepared, selection = _select_without_motion(prepared, selection, progress)
+            nominal_cost = cost_of(prepared, nominal)
+            selection = select(prepared, base, progress)
+    selection = _smooth_again(fitted, prepared, selection, nominal, progress)
     # The largest misfit first: that recording is located and shown.
-    prepared = sorted(prepared, key=lambda one: -cost_of([one], selection.base.model)
-                      / one.residual_count)
-    fits = Fitted(nominal, nominal_cost, selection, prepared, others, odd_robot)
+    largest = sorted(selection.recordings, key=lambda one: -cost_of([one], selection.base.model)
+                     / one.residual_count)
+    selection = selection._replace(recordings=largest)
+    fits = Fitted(nominal, nominal_cost, selection, others)
     return replace(conclude(fits, seed, progress), checks=examined.checks)
 
 
@@ -150,7 +141,8 @@ def _recalibrate(recordings: Recordings, model: Model) -> tuple[Recordings, Fit]
 
 def _likeliest_between_samples(recordings: Recordings, selection: Selection) -> str:
     """Return the course of the force between samples, of `BETWEEN`, with the fewest effects."""
-    base, best, costs = selection.base, selection.best, {}
+    base, best, costs = fit(recordings, selection.base.model), fit(
+        recordings, selection.best.model), dict[str, float]()
     for name in BETWEEN:
         changed = [one.with_force_between_samples(name, base.model) for one in recordings]
         fits = [fit(changed, found.model) for found in (base, best)]
@@ -161,28 +153,10 @@ def _likeliest_between_samples(recordings: Recordings, selection: Selection) -> 
     return min(costs, key=lambda name: costs[name])
 
 
-def _robot_is_odd(recordings: Recordings, selection: Selection) -> bool:
-    """Return whether a large misfit is in the motion alone, for example from late commands."""
-    best, base = selection.best, selection.base
-    if best.cost < (1.0 + LEFT) * best.residual_count or (
-            best.cost < (1.0 - EXPLAINED) * base.cost):
-        return False
-    return all(guess_port(one, best.model) == 'robot' for one in recordings)
-
-
-def _select_without_motion(
-    recordings: Recordings, selection: Selection, progress: Progress
-) -> tuple[Recordings, Selection]:
-    """Treat the misfit of the motion as noise, and select effects by the force."""
-    recordings = [trust_motion_less(one, selection.best.model) for one in recordings]
-    recordings, base = _recalibrate(recordings, selection.base.model)
-    return recordings, select(recordings, base, progress, with_robot=False)
-
-
 def _smooth_again(
     raw: Sequence[Recording], recordings: Recordings, selection: Selection, model: Model,
     progress: Progress,
-) -> tuple[Recordings, Selection]:
+) -> Selection:
     """
     Smooth the motion with the selected model, and fit or select again.
 
@@ -191,21 +165,21 @@ def _smooth_again(
     """
     best = selection.best.model
     runs = all(one.observed.has_dynamics(model.nominal) for one in recordings)
-    if not best.effects or not runs:
-        return recordings, selection
+    if not best.effects or not runs or has_discrepancy(selection.recordings):
+        return selection
     progress('smoothing with the selected model')
     again = _smoothed_with(best, raw, recordings, model)
     if again is None:
-        return recordings, selection
+        return selection
     again, base = _recalibrate(again, selection.base.model)
     named = fit(again, best)
     if named.cost > selection.best.cost or not named.model.plausible():
-        return recordings, selection
+        return selection
     left = named.cost - named.residual_count
     if left > max(0.5 * THRESHOLD * named.residual_count,
                   _UNCHANGED * (base.cost - base.residual_count)):
-        return again, select(again, base, progress)
-    return again, selection._replace(base=base, best=named)
+        return select(again, base, progress)
+    return selection._replace(recordings=again, base=base, best=named)
 
 
 def _smoothed_with(

@@ -208,14 +208,14 @@ def as_good(
     span = max(1, round(_BLOCK_S * o.pace / o.h))
     use = samples & recording.use
     differences = np.zeros(len(_sums(use.astype(float), span)))
-    for noise, residual in (
-        (recording.force.noise, force_residual), (recording.motion.noise, motion_residual),
+    for channel, residual in (
+        (recording.force, force_residual), (recording.motion, motion_residual),
     ):
         here, there = residual(recording, best), residual(recording, rival)
         if here is None or there is None:
             continue
         mask = use & o.measured
-        squares = [_smoothed(part * mask / noise, recording.block) ** 2 for part in (there, here)]
+        squares = [_smoothed(part * mask / channel.block_error, recording.block) ** 2 for part in (there, here)]
         differences += _sums(squares[0] - squares[1], span)
     blocks = np.flatnonzero(_sums(use.astype(float), span) > 0.0)
     if len(blocks) < 2:

@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 from .held_out import as_good
 from .location import locate
 from .result import NamedEffect, Value
+from .shares import Shares
 from ..fit.criteria import enough, noise_scale, PRICE
 from ..fit.fitting import Fit, fit
 from ..fit.selection import Selection
@@ -60,8 +61,8 @@ class Names(NamedTuple):
 
 
 def name_effects(
-    best: Fit, stds: Array, selection: Selection, recordings: Recordings,
-    shown: PreparedRecording, generator: Generator,
+    best: Fit, stds: Array, selection: Selection, shares: Shares | None,
+    recordings: Recordings, shown: PreparedRecording, generator: Generator,
 ) -> Names:
     """
     Name every effect of a model.
@@ -74,6 +75,8 @@ def name_effects(
         Standard deviations of all its values.
     selection : Selection
         With the rivals of the effects.
+    shares : Shares or None
+        What the effects predict on parts left out; None without effects.
     recordings : sequence of PreparedRecording
         As fitted.
     shown : PreparedRecording
@@ -87,18 +90,20 @@ def name_effects(
         None for a model without effects.
 
     """
-    dropped = {name: fit(recordings, best.model.without(name), steps=8)
-               for name in best.model.effects}
+    if shares is None:
+        return Names([], {})
     effects, rival_models = [], {}
-    for name in sorted(dropped, key=lambda name: -dropped[name].cost):
+    for name in sorted(best.model.effects, key=lambda name: -shares.of[name].share):
+        dropped = fit(recordings, best.model.without(name), steps=8)
         rivals = _rivals(selection, name, recordings)
         alike = _alike(best, name, rivals, recordings, generator)
         rival_models.update({rival.model.effects[-1]: rival.model for rival in alike})
-        cls = EFFECTS[name]
+        cls, share = EFFECTS[name], shares.of[name]
         effects.append(NamedEffect(
-            name, cls.port, cls.equation, _probability(best, rivals), _values(best, name, stds),
+            name, cls.family, cls.port, cls.equation, _probability(best, rivals), share.share,
+            share.interval, shares.on_parts(name), _values(best, name, stds),
             [rival.model.effects[-1] for rival in alike],
-            locate(shown, dropped[name].model, cls.port)))
+            locate(shown, dropped.model, cls.port)))
     return Names(effects, rival_models)
 
 

@@ -50,16 +50,44 @@ class Value:
 
 
 @dataclass(frozen=True)
+class EffectOnPart:
+    """
+    An effect on one part of the recordings.
+
+    Attributes
+    ----------
+    name : str
+        Of the part, such as 'episode 2'.
+    share : float
+        Of the part's misfit above the noise, predicted from the other parts.
+    parameters : dict of str to float
+        Fitted on that part alone.
+
+    """
+
+    name: str
+    share: float
+    parameters: dict[str, float]
+
+
+@dataclass(frozen=True)
 class NamedEffect:
     """
     An effect that the recordings support.
 
     Attributes
     ----------
-    name, port, equation : str
+    name, family, port, equation : str
         As in the registry.
     probability : float
-        That this effect, and none of its rivals, is the right one; one of them is assumed to be.
+        That the family is the right one, calibrated on worlds of foreign laws.
+    share : float
+        Part of the recalibrated model's squared misfit above the noise that the effect takes away
+        on parts of the recordings that neither model was fitted on.
+    share_interval : tuple of float
+        95 % interval, over the parts.
+    parts : list of EffectOnPart
+        Part by part.
     parameters : dict of str to Value
         Fitted.
     indistinguishable_from : list of str
@@ -70,12 +98,37 @@ class NamedEffect:
     """
 
     name: str
+    family: str
     port: str
     equation: str
     probability: float
+    share: float
+    share_interval: tuple[float, float]
+    parts: list[EffectOnPart]
     parameters: dict[str, Value]
     indistinguishable_from: list[str]
     location: Location
+
+
+@dataclass(frozen=True)
+class Remainder:
+    """
+    What all named effects together leave.
+
+    Attributes
+    ----------
+    share : float
+        Of the recalibrated model's squared misfit above the noise, on parts left out.
+    location : Location
+        Of the misfit of the corrected model.
+    text : str
+        In words.
+
+    """
+
+    share: float
+    location: Location
+    text: str
 
 
 @dataclass(frozen=True)
@@ -127,6 +180,8 @@ class Diagnosis:
         Strongest first.
     location : Location or None
         Of the misfit of the recalibrated model; None if that is noise.
+    remainder : Remainder or None
+        What the names leave; None where that is noise.
     nominal, recalibrated, corrected : Model
         The three models; the last with the effects.
     stiffness, damping : Value
@@ -163,6 +218,7 @@ class Diagnosis:
     verdict: str
     effects: list[NamedEffect]
     location: Location | None
+    remainder: Remainder | None
     nominal: Model
     recalibrated: Model
     corrected: Model

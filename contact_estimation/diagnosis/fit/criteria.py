@@ -19,6 +19,7 @@ from __future__ import annotations
 import numpy as np
 
 from .fitting import Fit
+from .invariance import Share
 from ..observe.model import Model
 
 THRESHOLD = 0.1
@@ -29,6 +30,34 @@ PRICE = 25.0
 
 SHARE = 0.3
 """Least share of the misfit above the noise that a further effect must explain."""
+
+SHARE_OF_WHOLE = 0.1
+"""Least share of the recalibrated model's misfit, unless `NEARLY_ALL` of the present one."""
+
+NEARLY_ALL = 0.5
+"""Share of the present misfit from which on a further effect is no trifle."""
+
+
+LEFT = 0.5
+"""Mean square of the residuals beyond that of the noise, from which on something is missing."""
+
+
+def leaves_noise(found: Fit) -> bool:
+    """
+    Return whether a fitted model leaves no more than noise.
+
+    Parameters
+    ----------
+    found : Fit
+        Any.
+
+    Returns
+    -------
+    noise : bool
+        By the mean square of its residuals.
+
+    """
+    return found.cost <= (1.0 + LEFT) * found.residual_count
 
 
 def noise_scale(found: Fit) -> float:
@@ -87,6 +116,26 @@ def enough(before: Fit, after: Fit) -> bool:
     least = noise_scale(after) * (
         THRESHOLD * count + penalty(after.model) - penalty(before.model))
     return gain > least and gain > SHARE * excess
+
+
+def predicts_enough(of_present: Share, of_whole: Share) -> bool:
+    """
+    Return whether a further effect predicts enough of parts left out.
+
+    Parameters
+    ----------
+    of_present, of_whole : Share
+        Of the misfit of the model without it, and of the recalibrated model.
+
+    Returns
+    -------
+    enough : bool
+        A fair share of the present misfit, beyond doubt, and not a trifle of the whole.
+
+    """
+    if of_present.share < SHARE or min(of_present.interval[0], of_whole.interval[0]) <= 0.0:
+        return False
+    return of_whole.share >= SHARE_OF_WHOLE or of_present.share >= NEARLY_ALL
 
 
 def explained_share(before: float, after: float, noise: float) -> float:

@@ -155,7 +155,7 @@ def fit_to_end(recordings: Recordings, found: Fit) -> Fit:
 
 def differentiate_by(
     values: Array, size: Array, function: Callable[[Array], Array], here: Array,
-    share: float = _STEP,
+    share: float = _STEP, most: Array | None = None,
 ) -> Array:
     """
     Differentiate a function of several values by forward differences.
@@ -172,6 +172,8 @@ def differentiate_by(
         Its result at `values`.
     share : float
         Step, as a share of `size`.
+    most : ndarray, shape (P,), optional
+        Upper bounds of the values; steps that would exceed them go backwards.
 
     Returns
     -------
@@ -181,9 +183,11 @@ def differentiate_by(
     """
     columns = np.empty((len(here), len(values)))
     for k in range(len(values)):
-        moved = values.copy()
-        moved[k] += share * size[k]
-        columns[:, k] = (function(moved) - here) / share
+        moved, change = values.copy(), share
+        if most is not None and values[k] + change * size[k] > most[k]:
+            change = -share
+        moved[k] += change * size[k]
+        columns[:, k] = (function(moved) - here) / change
     return columns
 
 

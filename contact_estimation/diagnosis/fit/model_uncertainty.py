@@ -82,6 +82,8 @@ def discounted(recording: PreparedRecording, model: Model) -> PreparedRecording:
         responses = (_held_acceleration(recording, model),
                      *_steps_of_reference(recording, model))
         columns += [_of_motion(recording, innovations) for innovations in responses]
+    if not columns:
+        return recording
     return replace(recording, discount=Discount.of(np.array(columns).T))
 
 

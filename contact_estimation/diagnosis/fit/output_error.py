@@ -130,7 +130,7 @@ def runs_true(recordings: Recordings, model: Model) -> bool:
         o = recording.observed
         force_error = float(np.std((o.force - run.force)[recording.use & o.measured]))
         if (not _close(recording, run, _AT_NOISE)
-                or force_error > _AT_NOISE * recording.force_noise):
+                or force_error > _AT_NOISE * recording.force.error):
             return False
     return True
 
@@ -158,7 +158,7 @@ def _better(recordings: Recordings, model: Model, here: Array) -> Model:
 
 def _close(recording: PreparedRecording, run: Run, bound: float) -> bool:
     error = (recording.observed.raw_position - run.position)[recording.use]
-    return float(np.std(error)) < bound * recording.motion.noise
+    return float(np.std(error)) < bound * recording.motion.error
 
 
 def _free_runs(recordings: Recordings, model: Model) -> list[Run]:

@@ -13,23 +13,42 @@
 # limitations under the License.
 
 """
-Selection of the effects that recordings support: forward search, exchange, pruning.
+Selection of the effects that recordings support.
 
-An effect is taken only if its gain is significant and a fair share of the unexplained misfit, see
-`criteria`.
+Where a law is exact, down to the noise, the likelihood tells it sharply from its rivals: forward
+search, exchange and pruning. Real things obey no law to the noise of a good sensor. What the
+present model leaves is then carried as a discrepancy, and the next effect is the one that best
+predicts parts of the recordings that it was not fitted on; of effects that predict alike, the
+simplest.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import NamedTuple, Sequence
 
-from .criteria import enough, noise_scale, penalty, THRESHOLD
-from .fitting import Fit, fit
+import numpy as np
+from numpy.typing import NDArray
+
+from .criteria import enough, leaves_noise, noise_scale, penalty, predicts_enough, THRESHOLD
+from .discrepancy import with_discrepancy, without_discrepancy
+from .fitting import cost_of, Fit, fit, fit_to_end
+from .invariance import left_out_errors, Part, parts_of, share_of
+from .model_uncertainty import discounted
 from .search import candidates_for, Progress, search
-from ..observe.prepared_recording import Recordings
+from ..observe.model import Model, names_of
+from ..observe.prepared_recording import PreparedRecording, Recordings
+from ...physics import EFFECTS
 
-_MOST_EFFECTS = 3
+Array = NDArray[np.float64]
+
+MOST_EFFECTS = 3
+"""Effects that are selected at most."""
+
 _EXCHANGE_GAIN = 10.0  # cost, in that of the noise
+_ASSESSED = 8  # candidates that are fitted to the end and predict parts left out
+_NEAR_NOISE = 4.0  # mean square, in that of the noise, from which a candidate may be exact
+_ADEQUATE = 0.05  # of the gain: a simpler law may predict that much less
+_GENERIC_SHARE, _GENERIC_LEAD = 0.5, 0.15  # what a curve that fits anything slow must show
 
 Rivals = dict[str, list[Fit]]
 
@@ -40,6 +59,8 @@ class Selection(NamedTuple):
 
     Attributes
     ----------
+    recordings : sequence of PreparedRecording
+        With the discrepancy that the selected model leaves, if it leaves more than noise.
     base : Fit
         Recalibrated, without effects.
     best : Fit
@@ -51,6 +72,7 @@ class Selection(NamedTuple):
 
     """
 
+    recordings: Recordings
     base: Fit
     best: Fit
     rivals: Rivals
@@ -58,8 +80,8 @@ class Selection(NamedTuple):
 
 
 def select(
-    recordings: Recordings, base: Fit,
-    progress: Progress = lambda name: None, most: int = _MOST_EFFECTS, with_robot: bool = True,
+    recordings: Recordings, base: Fit, progress: Progress = lambda name: None,
+    with_robot: bool = True,
 ) -> Selection:
     """
     Select the effects that recordings ask for.
@@ -67,13 +89,11 @@ def select(
     Parameters
     ----------
     recordings : sequence of PreparedRecording
-        Fitted together.
+        Fitted together, without a discrepancy.
     base : Fit
         Recalibrated model without effects.
     progress : callable
         Called with the name of each candidate.
-    most : int
-        Effects that may be taken.
     with_robot : bool
         Whether robot effects are candidates, if there is a robot.
 
@@ -85,23 +105,158 @@ def select(
     """
     with_robot = with_robot and any(
         recording.observed.reference is not None for recording in recordings)
-    best, evidence = base, {}
+    best, evidence = base, dict[str, float]()
     rivals: Rivals = {}
-    for count in range(most):
+    for count in range(MOST_EFFECTS):
         if count > 0 and best.cost < best.residual_count * (1.0 + 0.5 * THRESHOLD):
             break  # the rest is noise
-        fits = search(recordings, best, candidates_for(best.model, with_robot), progress)
+        weighed, present = weigh(recordings, best)
+        names = candidates_for(best.model, with_robot)
+        found = search(weighed, present, names, progress)
         if count == 0:
-            evidence = {found.model.effects[-1]: 1.0 - found.cost / base.cost for found in fits}
-        if not fits or not enough(best, fits[0]):
-            break
-        best = fits[0]
-        rivals[best.model.effects[-1]] = fits[1:]
-        if count > 0:
-            best, rivals = exchange(recordings, best, rivals, with_robot, progress)
-    best, rivals = prune(recordings, best, rivals)
-    best = fit(recordings, best.model) if best.model.effects else base
-    return Selection(base, best, rivals, evidence)
+            evidence = {one.model.effects[-1]: 1.0 - one.cost / present.cost for one in found}
+        fits = found if leaves_noise(best) else _exact(recordings, found)
+        if leaves_noise(best) or fits:
+            if not fits or not enough(best, fits[0]):
+                break
+            best = fits[0]
+            rivals[best.model.effects[-1]] = fits[1:]
+            if count > 0:
+                best, rivals = exchange(recordings, best, rivals, with_robot, progress)
+        else:
+            progress('parts left out')
+            families = {EFFECTS[name].family for name in best.model.effects}
+            others = [one for one in found
+                      if EFFECTS[one.model.effects[-1]].family not in families]
+            ranked = _rank_by_prediction(weighed, present, base.model, others[:_ASSESSED])
+            if not ranked:
+                break
+            best = fit(recordings, ranked[0].model)
+            rivals[best.model.effects[-1]] = ranked[1:]
+    if leaves_noise(best):
+        best, rivals = prune(recordings, best, rivals)
+        best = fit(recordings, best.model) if best.model.effects else base
+        return Selection(recordings, base, best, rivals, evidence)
+    weighed, best = weigh(recordings, best)
+    return Selection(weighed, fit(weighed, base.model), best, rivals, evidence)
+
+
+def weigh(recordings: Recordings, found: Fit) -> tuple[Recordings, Fit]:
+    """
+    Carry what a model leaves beyond noise as a discrepancy, and fit it again.
+
+    Parameters
+    ----------
+    recordings : sequence of PreparedRecording
+        As fitted.
+    found : Fit
+        To them.
+
+    Returns
+    -------
+    recordings : sequence of PreparedRecording
+        The same if the model leaves noise only.
+    refitted : Fit
+        To them.
+
+    """
+    if leaves_noise(found):
+        return recordings, found
+    for _ in range(2):  # the first fit is dominated by the channel with the least noise
+        recordings = [discounted(with_discrepancy(one, found.model), found.model)
+                      for one in recordings]
+        found = fit(recordings, found.model)
+    return recordings, found
+
+
+def _exact(recordings: Recordings, found: Sequence[Fit]) -> list[Fit]:
+    """Fit the candidates near the noise to it; return them, best first, if one leaves no more."""
+    count = sum(one.residual_count for one in recordings)
+    near = [one for one in found[:_ASSESSED]
+            if cost_of(recordings, one.model) < _NEAR_NOISE * count]
+    fits = [fit_to_end(recordings, fit(recordings, one.model)) for one in near]
+    fits = [one for one in fits if one.model.plausible()]
+    if not any(leaves_noise(one) for one in fits):
+        return []
+    scale = noise_scale(min(fits, key=lambda one: one.cost))
+    return sorted(fits, key=lambda one: one.cost + scale * penalty(one.model))
+
+
+class _Candidate(NamedTuple):
+    """A fitted candidate, and its errors on parts left out, shape (parts,)."""
+
+    found: Fit
+    errors: Array
+    generic: bool
+
+    @property
+    def name(self) -> str:
+        return self.found.model.effects[-1]
+
+    @property
+    def total(self) -> float:
+        return float(self.errors.sum())
+
+    @property
+    def size(self) -> int:
+        return len(names_of(self.name))
+
+
+def _rank_by_prediction(
+    recordings: Recordings, present: Fit, base: Model, found: Sequence[Fit]
+) -> list[Fit]:
+    """Rank candidates by their errors on parts left out; none if the best explains too little."""
+    first = fit(recordings, base) if present.model.effects else present
+    parts = parts_of(recordings, first)
+    before = left_out_errors(recordings, present, parts)
+    whole = left_out_errors(recordings, first, parts) if present.model.effects else before
+    duration = max(float(one.observed.t[-1]) for one in recordings)
+    assessed = []
+    for one in found:
+        fitted = fit_to_end(recordings, one._replace(ended=False))
+        if fitted.model.plausible():
+            assessed.append(_Candidate(
+                fitted, left_out_errors(recordings, fitted, parts, before),
+                _is_generic(fitted.model, duration)))
+    taken = _choose(assessed, before, parts)
+    if taken is None or not predicts_enough(
+            share_of(before, taken.errors, parts, before),
+            share_of(before, taken.errors, parts, whole)):
+        return []
+    rest = sorted((one for one in assessed if one is not taken), key=lambda one: one.total)
+    return [taken.found, *(one.found for one in rest)]
+
+
+def _choose(
+    assessed: Sequence[_Candidate], before: Array, parts: Sequence[Part]
+) -> _Candidate | None:
+    """Choose the candidate that predicts best, or the simplest of those that are adequate."""
+    laws = [one for one in assessed if not one.generic]
+    winner = min(laws, key=lambda one: one.total, default=None)
+    curve = min((one for one in assessed if one.generic), key=lambda one: one.total, default=None)
+    if curve is not None:
+        share = share_of(before, curve.errors, parts, before)
+        misfit = float(before.sum()) - sum(part.noise for part in parts)
+        lead = (winner.total if winner else float(before.sum())) - curve.total
+        if (share.share > _GENERIC_SHARE and share.parts.min() > 0.0
+                and lead > _GENERIC_LEAD * misfit):
+            return curve
+    if winner is None:
+        return None
+    gain = float(before.sum()) - winner.total
+    adequate = [one for one in laws if one.total <= winner.total + _ADEQUATE * gain]
+    attached = not winner.found.model.nominal.environment.unilateral
+    if attached and winner.name == 'contact_offset':  # of a spring: the same as a force
+        winner = next((one for one in adequate if one.name == 'force_bias'), winner)
+    simpler = [one for one in adequate if one.size < winner.size]
+    return min(simpler, key=lambda one: (one.size, one.total), default=winner)
+
+
+def _is_generic(model: Model, duration: float) -> bool:
+    """Return whether the last effect is a curve that follows any slow misfit."""
+    name = model.effects[-1]
+    values = EFFECTS[name].Parameters(*model.values[model.place(name)])
+    return EFFECTS[name].follows_any_slow_misfit(values, duration)
 
 
 def exchange(

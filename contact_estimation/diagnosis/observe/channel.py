@@ -41,6 +41,9 @@ class Channel:
         Samples that count.
     block : int
         Samples averaged to one residual.
+    discrepancy : float
+        Standard deviation of what no law of the library explains, in the unit of the noise. It
+        is correlated over a block and longer, so that averaging does not reduce it.
 
     """
 
@@ -48,6 +51,7 @@ class Channel:
     spread: Array
     use: Flags
     block: int
+    discrepancy: float = 0.0
 
     @cached_property
     def counts(self) -> Array:
@@ -60,8 +64,26 @@ class Channel:
         return self.counts > 0.0
 
     @cached_property
-    def _block_noise(self) -> Array:
-        return self.noise * np.sqrt(np.maximum(self.counts, 1.0))
+    def _sum_std(self) -> Array:
+        """Standard deviation of a block's sum, shape (blocks,)."""
+        counts = np.maximum(self.counts, 1.0)
+        return np.hypot(self.noise * np.sqrt(counts), self.discrepancy * counts)
+
+    @property
+    def error(self) -> float:
+        """Standard deviation of a sample: noise and discrepancy."""
+        return float(np.hypot(self.noise, self.discrepancy))
+
+    @property
+    def block_error(self) -> float:
+        """Standard deviation of a full block's mean, times the root of its samples."""
+        return float(np.hypot(self.noise, self.discrepancy * np.sqrt(self.block)))
+
+    @property
+    def noise_share(self) -> Array:
+        """Part of the variance of each block's mean that is noise, shape (blocks,)."""
+        counts = np.maximum(self.counts, 1.0)
+        return np.asarray(self.noise**2 * counts / self._sum_std**2 * self.filled)
 
     def average(self, error: Array) -> Array:
         """
@@ -78,7 +100,7 @@ class Channel:
             In standard deviations of a block's mean; 0 for empty blocks.
 
         """
-        return sum_blocks(error / self.spread * self.use, self.block) / self._block_noise
+        return sum_blocks(error / self.spread * self.use, self.block) / self._sum_std
 
 
 def sum_blocks(signal: Array, block: int) -> Array:

@@ -23,6 +23,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
+_LEAST_VARIANCE = 1e-3  # of the noise: half a thousandth of such residuals would be taken away
+
 
 @dataclass(frozen=True, eq=False)
 class Discount:
@@ -54,11 +56,13 @@ class Discount:
         Returns
         -------
         discount : Discount
-            By the singular value decomposition of the columns.
+            By the singular values of the columns; directions of little uncertainty are left out.
 
         """
-        directions, sizes, _ = np.linalg.svd(columns, full_matrices=False)
-        return cls(directions, 1.0 - 1.0 / np.sqrt(1.0 + sizes**2))
+        squares, turns = np.linalg.eigh(columns.T @ columns)
+        large = squares > _LEAST_VARIANCE
+        directions = columns @ (turns[:, large] / np.sqrt(squares[large]))
+        return cls(directions, 1.0 - 1.0 / np.sqrt(1.0 + squares[large]))
 
     def apply(self, residuals: Array) -> Array:
         """

@@ -31,11 +31,13 @@ from scipy.signal import lfilter
 from .model import Model
 from .observed import Observed
 from .observer import coast, discretise, kalman_filter, run, run_velocity
+from ...physics.numeric import SIGN_VELOCITY
 from ...plant.between_samples import NOISE, smooth
 
 Array = NDArray[np.float64]
 
 _WITHIN = np.linspace(-0.5, 0.5, 9)  # of a sample, within which a force may jump
+_SLOW = 10.0 * SIGN_VELOCITY  # beyond, drag no longer depends on the direction's smoothing
 _CONVERGED = 1e-9  # change of the motion by a round, of the largest position
 
 
@@ -134,9 +136,12 @@ class DrivenWall:
         push = self._push
         for effect in self._law.effects:
             if effect.jumps:  # within the sample in which the motion turns
-                rates = v + np.multiply.outer(_WITHIN * self._observed.h, a)
-                push = push - np.mean(effect.resistance(0.0, 0.0, rates, (), np), axis=0)
-                beyond = beyond - effect.resistance(0.0, 0.0, v, (), np)
+                at_once = effect.resistance(0.0, 0.0, v, (), np)
+                beyond, jumping = beyond - at_once, at_once.copy()
+                turns = np.abs(v) < 0.5 * self._observed.h * np.abs(a) + _SLOW
+                rates = v[turns] + np.multiply.outer(_WITHIN * self._observed.h, a[turns])
+                jumping[turns] = np.mean(effect.resistance(0.0, 0.0, rates, (), np), axis=0)
+                push = push - jumping
         return push - smooth(beyond)
 
     def _driven(self, push: Array) -> Array:

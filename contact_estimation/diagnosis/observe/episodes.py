@@ -26,9 +26,11 @@ from .model import Model
 from .observed import Observed
 from ...exceptions import RecordingError
 
+Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 _LEAST_CONTACT_S = 0.2
+_NEAR = 0.02  # of the range: such places are the same
 _BLOCKS = 5  # of a single episode or an attached wall; the fourth is held out
 
 
@@ -110,7 +112,8 @@ def hold_out(model: Model, observed: Observed) -> HeldOut:
     Choose the part of a recording that is held out: a whole episode, or a late block.
 
     Never the deepest episode, which would be extrapolation; the middle one, or the one before it.
-    A single episode gives a block of its second half.
+    A single episode gives a block of its second half, where possible one at depths that occur in
+    the rest too.
 
     Parameters
     ----------
@@ -140,7 +143,17 @@ def hold_out(model: Model, observed: Observed) -> HeldOut:
         return HeldOut(f'episode {chosen + 1}', samples)
     first, stop = found[0] if found else (0, len(o.t))
     block = (stop - first) // _BLOCKS
-    samples[stop - 2 * block:stop - block] = True
+    begins = [stop - k * block for k in (2, 1, 3)]
+    begin = next((place for place in begins if _visited(o.x, first, stop, place, block)),
+                 begins[0])
+    samples[begin:begin + block] = True
     digits = max(1, 1 + ceil(-log10(o.pace)))
-    begin, end = o.t[stop - 2 * block], o.t[stop - block - 1]
-    return HeldOut(f'{begin:.{digits}f} to {end:.{digits}f} s', samples)
+    return HeldOut(f'{o.t[begin]:.{digits}f} to {o.t[begin + block - 1]:.{digits}f} s', samples)
+
+
+def _visited(x: Array, first: int, stop: int, begin: int, block: int) -> bool:
+    """Return whether most places of a block are visited elsewhere too."""
+    rest = np.sort(np.concatenate((x[first:begin], x[begin + block:stop])))
+    here, near = x[begin:begin + block], _NEAR * float(np.ptp(x[first:stop]))
+    count = np.searchsorted(rest, here + near) - np.searchsorted(rest, here - near)
+    return float(np.mean(count > 0)) > 0.5

@@ -35,6 +35,7 @@ from ...plant.plant_parameters import PlantParameters
 Array = NDArray[np.float64]
 
 _NO_WALL = 1e-3  # N/m or N s/m: practically no spring, no damper, beside a nominal one of 1
+_LEAST_MAGNITUDE = 1e-150  # whose logarithm stands for that of a minimum of 0
 _LARGEST_LOGARITHM = 345.0  # e^345 = 1e150: beyond, products of such a value overflow
 
 
@@ -140,8 +141,8 @@ class Model:
 
     def _of_free(self, values: Array) -> Array:
         """Convert values to coordinates of the free ones."""
-        with np.errstate(divide='ignore'):  # the logarithm of a minimum of 0
-            return np.where(self._logarithmic, np.log(np.abs(values)), values)[self.free]
+        logarithms = np.log(np.maximum(np.abs(values), _LEAST_MAGNITUDE))
+        return np.asarray(np.where(self._logarithmic, logarithms, values)[self.free])
 
     @property
     def coordinates(self) -> Array:

@@ -68,8 +68,8 @@ class PreparedRecording:
         could not be compared. None without a robot.
     discount : Discount or None
         Directions weighed down for model uncertainty; None as long as they are not known.
-    motion_misfit : float
-        Factor by which the motion is trusted less than its noise allows, see `trust_motion_less`.
+    force_discrepancy, motion_discrepancy : float
+        Standard deviations of what no law explains [N], [m], see `with_discrepancy`.
     picard_rounds : int
         Of Picard's iteration for a wall without a robot; 1: effects at the measured motion.
     force_error, motion_error : ndarray, shape (N,), or None
@@ -88,7 +88,8 @@ class PreparedRecording:
     dropped: Flags | None = None
     observer: SecondOrder | None = None
     discount: Discount | None = None
-    motion_misfit: float = 1.0
+    force_discrepancy: float = 0.0
+    motion_discrepancy: float = 0.0
     picard_rounds: int = 1
     force_error: Array | None = None
     motion_error: Array | None = None
@@ -143,7 +144,7 @@ class PreparedRecording:
         slope = np.convolve(rate, np.ones(span) / span, mode='same')
         spread = np.hypot(1.0, slope * o.jitter / self.force_noise)
         spread = self._widened(spread, self.force_error, self.force_noise)
-        return Channel(self.force_noise, spread, use, self.block)
+        return Channel(self.force_noise, spread, use, self.block, self.force_discrepancy)
 
     @cached_property
     def motion(self) -> Channel:
@@ -157,7 +158,13 @@ class PreparedRecording:
             use = use & o.sampled
         spread = np.hypot(1.0, o.v * o.jitter / self.motion_noise)
         spread = self._widened(spread, self.motion_error, self.motion_noise)
-        return Channel(self.motion_noise * self.motion_misfit, spread, use, self.block)
+        return Channel(self.motion_noise, spread, use, self.block, self.motion_discrepancy)
+
+    def channels(self, model: Model) -> tuple[Channel, ...]:
+        """Return the channels in the order of the stacked residuals."""
+        if self.driven_by_force(model):
+            return (self.motion,)
+        return (self.force, self.motion) if self.observed.reference is not None else (self.force,)
 
     def _widened(self, spread: Array, error: Array | None, noise: float) -> Array:
         if error is None:

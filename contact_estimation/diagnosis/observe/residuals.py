@@ -22,8 +22,6 @@ robot effect in the motion alone; the noise of the two is independent.
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -150,32 +148,6 @@ def response_to(recording: PreparedRecording, push: Array, model: Model) -> Arra
     robot, o = model.laws().robot, recording.observed
     moved = run(discretise(robot.mass, robot.damping, robot.stiffness, o.h), push, 0.0, 0.0)
     return innovations(moved, recording.observer, o.observer_cutoff, o.h)
-
-
-def trust_motion_less(recording: PreparedRecording, model: Model) -> PreparedRecording:
-    """
-    Return the recording with its motion noise raised to cover the misfit of a model.
-
-    Parameters
-    ----------
-    recording : PreparedRecording
-        Any.
-    model : Model
-        Fitted.
-
-    Returns
-    -------
-    recording : PreparedRecording
-        With the `motion_misfit` at which the model's motion residuals have a mean square of at
-        most 1.
-
-    """
-    motion = motion_residual(recording, model)
-    if motion is None:
-        return recording
-    left = recording.motion.average(motion)[recording.motion.filled]
-    misfit = max(1.0, float(np.sqrt(np.mean(left**2))))
-    return replace(recording, motion_misfit=recording.motion_misfit * misfit)
 
 
 def _wall_force(recording: PreparedRecording, laws: Laws) -> tuple[Array, Array]:

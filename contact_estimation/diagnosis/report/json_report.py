@@ -19,7 +19,7 @@ from __future__ import annotations
 from math import isfinite
 from typing import Any
 
-from ..conclude.result import Diagnosis, Errors, NamedEffect, Value
+from ..conclude.result import Diagnosis, Errors, NamedEffect, Remainder, Value
 from ..observe.model import Model
 
 
@@ -48,6 +48,7 @@ def as_dict(diagnosis: Diagnosis, experiment_file: str | None = None) -> dict[st
         'located_in': d.shown or None,
         'checks': [{'name': check.name, 'ok': check.ok, 'text': check.text}
                    for check in d.checks],
+        'remainder': None if d.remainder is None else _remainder(d.remainder),
         'nominal': _base(d.nominal),
         'recalibrated': _base(d.recalibrated),
         'corrected': _corrected(d),
@@ -71,10 +72,17 @@ def as_dict(diagnosis: Diagnosis, experiment_file: str | None = None) -> dict[st
     })
 
 
+def _remainder(remainder: Remainder) -> dict[str, Any]:
+    return {'share': remainder.share, **remainder.location.as_dict(), 'text': remainder.text}
+
+
 def _effect(effect: NamedEffect) -> dict[str, Any]:
     return {
-        'name': effect.name, 'port': effect.port, 'probability': effect.probability,
-        'equation': effect.equation,
+        'name': effect.name, 'family': effect.family, 'port': effect.port,
+        'probability': effect.probability, 'equation': effect.equation,
+        'share': effect.share, 'share_interval': list(effect.share_interval),
+        'parts': [{'name': part.name, 'share': part.share, 'parameters': part.parameters}
+                  for part in effect.parts],
         'parameters': {name: {**_value(value), 'unit': value.unit}
                        for name, value in effect.parameters.items()},
         'indistinguishable_from': effect.indistinguishable_from,

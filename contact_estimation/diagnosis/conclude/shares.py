@@ -1,0 +1,116 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""How much of the misfit each named effect predicts on parts that were not fitted."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .result import EffectOnPart
+from ..fit.discrepancy import with_discrepancy
+from ..fit.fitting import Fit, fit
+from ..fit.invariance import above_noise, left_out_errors, Part, parts_of, Share, share_of, values_on
+from ..fit.model_uncertainty import discounted
+from ..observe.model import Model, names_of
+from ..observe.prepared_recording import Recordings
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Shares:
+    """
+    Shares of the recalibrated model's misfit above the noise, on parts left out.
+
+    Attributes
+    ----------
+    recordings : sequence of PreparedRecording
+        With the misfit of the recalibrated model as discrepancy: every channel counts alike.
+    parts : sequence of Part
+        Each left out in turn.
+    base : ndarray, shape (parts,)
+        Errors of the recalibrated model on parts left out.
+    best : Fit
+        With all named effects.
+    errors : ndarray, shape (parts,)
+        Its errors.
+    of : dict of str to Share
+        For each effect what the model without it leaves beyond that.
+
+    """
+
+    recordings: Recordings
+    parts: Sequence[Part]
+    base: Array
+    best: Fit
+    errors: Array
+    of: dict[str, Share]
+
+    @property
+    def explained(self) -> float:
+        """Share that all names together predict."""
+        return 1.0 - self.left
+
+    @property
+    def left(self) -> float:
+        """Share that all names together leave, at least 0."""
+        noise = sum(part.noise for part in self.parts)
+        misfit = float(above_noise(self.base, self.parts).sum())
+        return max(float(self.errors.sum()) - noise, 0.0) / misfit
+
+    def on_parts(self, name: str) -> list[EffectOnPart]:
+        """Return the share and the parameters of an effect on each part alone."""
+        place = self.best.model.place(name)
+        shares = self.of[name].parts
+        found = []
+        for part, share in zip(self.parts, shares):
+            alone = values_on(self.recordings, self.best, part).values[place]
+            found.append(EffectOnPart(part.name, float(share), dict(zip(names_of(name), alone))))
+        return found
+
+
+def shares_of(recordings: Recordings, base: Model, best: Model) -> Shares:
+    """
+    Compute the shares of all effects of a model.
+
+    Parameters
+    ----------
+    recordings : sequence of PreparedRecording
+        As fitted.
+    base, best : Model
+        Recalibrated, and with effects in the order in which they were taken.
+
+    Returns
+    -------
+    shares : Shares
+        Those of the effects add up to `explained`.
+
+    """
+    weighed = [discounted(with_discrepancy(one, base), base) for one in recordings]
+    first = fit(weighed, base)
+    parts = parts_of(weighed, first)
+    base_errors = errors = left_out_errors(weighed, first, parts)
+    model, found, shares = base, first, {}
+    for name in best.effects:
+        model = model.with_effect(name, best.values[best.place(name)])
+        start = best if model.effects == best.effects else model
+        found = fit(weighed, start)
+        before, errors = errors, left_out_errors(weighed, found, parts, errors)
+        shares[name] = share_of(before, errors, parts, base_errors)
+    return Shares(weighed, parts, base_errors, found, errors, shares)

@@ -1,0 +1,120 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+The discrepancy: a force that no law of the library explains, a process correlated in time.
+
+A real thing obeys no law to the noise of a good sensor. What a fitted model leaves is described by
+a process of its own size and correlation time (Kennedy and O'Hagan 2001) instead of being taken
+for white noise, of which every small part would be significant. It is one force for both channels:
+a trifle that a precise position sensor shows does not count like a gross error of the force.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..observe.channel import Channel
+from ..observe.model import Model
+from ..observe.prepared_recording import PreparedRecording, Recordings
+from ..observe.residuals import residuals
+
+Array = NDArray[np.float64]
+
+_OUTLIER = 5.0  # standard deviations beyond which a residual counts as one at that distance
+_MOST_LAGS = 200
+
+
+def with_discrepancy(recording: PreparedRecording, model: Model) -> PreparedRecording:
+    """
+    Return the recording with the discrepancy that a fitted model leaves.
+
+    Innovations answer to a force below the observer's cut-off by 1 / (M_t omega_o^2): so much
+    position is equivalent to a newton.
+
+    Parameters
+    ----------
+    recording : PreparedRecording
+        Its present discrepancy is replaced, and its discount removed.
+    model : Model
+        Fitted.
+
+    Returns
+    -------
+    recording : PreparedRecording
+        With residuals of variance 1 in the channel that the model explains worst.
+
+    """
+    plain = without_discrepancy(recording)
+    left = plain.split(residuals(plain, model, robust=False))
+    stds = [_std(part, channel) for part, channel in zip(left, plain.channels(model))]
+    if plain.driven_by_force(model):
+        return replace(plain, motion_discrepancy=stds[0])
+    if len(stds) == 1:
+        return replace(plain, force_discrepancy=stds[0])
+    stiffness = model.laws().robot.mass * recording.observed.observer_cutoff**2
+    force = max(stds[0], stiffness * stds[1])
+    return replace(plain, force_discrepancy=force, motion_discrepancy=force / stiffness)
+
+
+def without_discrepancy(recording: PreparedRecording) -> PreparedRecording:
+    """Return the recording as if the laws of the library were exact, without a discount."""
+    return replace(recording, force_discrepancy=0.0, motion_discrepancy=0.0, discount=None)
+
+
+def has_discrepancy(recordings: Recordings) -> bool:
+    """Return whether any recording carries a discrepancy."""
+    return any(one.force_discrepancy > 0.0 or one.motion_discrepancy > 0.0 for one in recordings)
+
+
+def _std(left: Array, channel: Channel) -> float:
+    """Return the standard deviation of block means beyond the noise, robust to outliers."""
+    there = channel.filled
+    means = (left * channel.noise / np.sqrt(np.maximum(channel.counts, 1.0)))[there]
+    noise = channel.noise**2 / channel.counts[there]
+    if not len(means):
+        return 0.0
+    variance = float(np.mean(means**2))
+    variance = float(np.mean(np.minimum(means**2, _OUTLIER**2 * variance)))
+    return float(np.sqrt(max(variance - float(np.mean(noise)), 0.0)))
+
+
+def correlation_time(left: Array) -> float:
+    """
+    Measure for how many neighbours residuals are correlated.
+
+    Parameters
+    ----------
+    left : ndarray, shape (R,)
+        Residuals of one channel in order of time; 0 for empty blocks.
+
+    Returns
+    -------
+    blocks : float
+        Integrated autocorrelation time, 1 for white noise: R residuals determine as much as
+        R / blocks independent ones (Sokal 1997, windowed where the correlation has vanished).
+
+    """
+    power, total = float(left @ left), 1.0
+    if power == 0.0:
+        return 1.0
+    for lag in range(1, min(_MOST_LAGS, len(left) // 4)):
+        correlation = float(left[lag:] @ left[:-lag]) / power
+        if correlation < 0.05:
+            break
+        total += 2.0 * correlation
+    return total

@@ -1,0 +1,334 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+Invariance: does a law predict parts of the recordings that it was not fitted on.
+
+A law of nature holds in every part of a recording with the same parameters; a curve that happens
+to fit does not (invariant prediction: Peters, Buehlmann and Meinshausen 2016). Each part, a
+contact or a block of time, is left out in turn and predicted by a model fitted on the rest.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .fitting import differentiate_by, Fit, residual_function
+from ..observe.episodes import episodes
+from ..observe.model import Model
+from ..observe.prepared_recording import PreparedRecording, Recordings
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+_LEAST_PARTS, _MOST_PARTS = 4, 8
+_EVENT, _PIECES = 0.6, 5  # share of the misfit in one block; pieces of a part
+_LEAST_RESIDUALS = 8  # of a part
+_STEPS = (1.0, 0.5, 0.25, 0.1)  # shares of a Gauss-Newton step that are tried
+_LOOSE, _ROUNDS = 3.0, 3  # a part alone: sizes of a value that its prior allows, steps
+_FAINT = 1e-6  # information that keeps an undetermined value finite
+_TWO_SIDED = 1.96  # standard deviations of a 95 % interval
+
+
+class Part(NamedTuple):
+    """
+    A part of the recordings.
+
+    Attributes
+    ----------
+    name : str
+        Such as 'episode 2' or '3.0 to 4.5 s'.
+    there : ndarray of bool, shape (R,)
+        Its residuals among the stacked ones of all recordings.
+    noise : float
+        Expected sum of their squares if all of them were noise.
+
+    """
+
+    name: str
+    there: Flags
+    noise: float
+
+
+class Share(NamedTuple):
+    """
+    The part of a misfit that a model takes away on parts that it was not fitted on.
+
+    Attributes
+    ----------
+    share : float
+        Of the squared misfit above the noise, over all parts; below 0 if it predicts worse.
+    interval : (float, float)
+        95 %, by the jackknife over the parts.
+    parts : ndarray, shape (parts,)
+        Part by part.
+
+    """
+
+    share: float
+    interval: tuple[float, float]
+    parts: Array
+
+
+def parts_of(recordings: Recordings, found: Fit) -> list[Part]:
+    """
+    Divide the fitted samples of recordings into parts.
+
+    Parameters
+    ----------
+    recordings : sequence of PreparedRecording
+        Fitted together.
+    found : Fit
+        The recalibrated model.
+
+    Returns
+    -------
+    parts : list of Part
+        Contacts with the free flight around them; blocks of equal duration where there are few
+        contacts or a permanently attached wall. Where one of those blocks has nearly all of the
+        misfit, a single event, each part is a set of shorter blocks spread over the recording.
+
+    """
+    parts = _parts_of(recordings, found.model, 1)
+    misfit = np.array([_square(found.residuals[part.there]) for part in parts])
+    blocks = all(len(episodes(found.model, one.observed)) < 2 for one in recordings)
+    if blocks and misfit.max(initial=0.0) > _EVENT * misfit.sum():
+        return _parts_of(recordings, found.model, _PIECES)
+    return parts
+
+
+def _parts_of(recordings: Recordings, model: Model, pieces: int) -> list[Part]:
+    parts, begin = [], 0
+    total = sum(len(one.channels(model)) * one.block_count for one in recordings)
+    least = -(-_LEAST_PARTS // len(recordings))
+    for one in recordings:
+        channels = one.channels(model)
+        filled = np.concatenate([channel.filled for channel in channels])
+        noise = np.concatenate([channel.noise_share for channel in channels])
+        prefix = f'{one.name}, ' if len(recordings) > 1 else ''
+        for name, blocks in _divide(one, model, least, pieces):
+            here = np.tile(blocks, len(channels)) & filled
+            if np.count_nonzero(here) >= _LEAST_RESIDUALS:
+                there = np.zeros(total, bool)
+                there[begin:begin + len(here)] = here
+                parts.append(Part(prefix + name, there, float(noise[here].sum())))
+        begin += len(filled)
+    return parts
+
+
+def _divide(
+    one: PreparedRecording, model: Model, least: int, pieces: int
+) -> list[tuple[str, Flags]]:
+    """Name the parts of one recording and find their blocks."""
+    o, count = one.observed, one.block_count
+    fitted = one.blocks(one.use.astype(float)) > 0.0
+    found = [(first, stop) for first, stop in episodes(model, o)
+             if fitted[first // one.block:stop // one.block + 1].any()]
+    if len(found) > _MOST_PARTS:
+        groups = np.array_split(np.arange(len(found)), _MOST_PARTS)
+        spans = [(found[g[0]][0], found[g[-1]][1]) for g in groups]
+        names = [f'episodes {g[0] + 1} to {g[-1] + 1}' if len(g) > 1 else f'episode {g[0] + 1}'
+                 for g in groups]
+        return _between(names, spans, count, one.block)
+    if len(found) >= least:
+        numbers = [k for k, pair in enumerate(episodes(model, o)) if pair in found]
+        return _between([f'episode {k + 1}' for k in numbers], found, count, one.block)
+    number = -(-max(least, _LEAST_PARTS if not found else 2) // max(len(found), 1))
+    parts: list[tuple[str, Flags]] = []
+    for first, stop in found or [(0, len(o.t))]:
+        inside = np.zeros(count, bool)
+        inside[first // one.block:-(-stop // one.block)] = True
+        split = np.array_split(np.flatnonzero(inside & fitted), number * pieces)
+        for k in range(number):
+            blocks = np.zeros(count, bool)
+            for places in split[k::number]:
+                blocks[places] = True
+            places = np.flatnonzero(blocks)
+            if len(places):
+                begin, end = places[0] * one.block_s, (places[-1] + 1) * one.block_s
+                every = f', every {number}th part' if pieces > 1 else ''
+                parts.append((f'{begin:.3g} to {end:.3g} s{every}', blocks))
+    return parts
+
+
+def _between(
+    names: Sequence[str], spans: Sequence[tuple[int, int]], count: int, block: int
+) -> list[tuple[str, Flags]]:
+    """Extend each span by half the gap to its neighbours."""
+    edges = [(stop + first) // 2 // block for (_, stop), (first, _) in zip(spans, spans[1:])]
+    parts = []
+    for name, first, stop in zip(names, [0, *edges], [*edges, count]):
+        blocks = np.zeros(count, bool)
+        blocks[first:stop] = True
+        parts.append((name, blocks))
+    return parts
+
+
+def left_out_errors(
+    recordings: Recordings, found: Fit, parts: Sequence[Part], before: Array | None = None,
+) -> Array:
+    """
+    Predict each part by the model fitted on the others.
+
+    The fits start from that on all parts and take one Gauss-Newton step, whose derivatives are
+    those of the full fit; that is exact for linear parameters.
+
+    Parameters
+    ----------
+    recordings : sequence of PreparedRecording
+        Fitted together.
+    found : Fit
+        On all parts.
+    parts : sequence of Part
+        Of the recordings.
+    before : ndarray, shape (parts,), optional
+        Errors without the last effect. They stand for those with it where the rest of the
+        recordings does not determine its magnitude: what is not known predicts nothing.
+
+    Returns
+    -------
+    squares : ndarray, shape (parts,)
+        Sum of the squared residuals on each part, left out.
+
+    """
+    model = found.model
+    function, values, size = residual_function(recordings, model), model.coordinates, model.steps
+    (low, high), here = model.ranges, function(values)
+    jacobian = differentiate_by(values, size, function, here, most=high)
+    squares = np.empty(len(parts))
+    for k, part in enumerate(parts):
+        rest = ~part.there
+        present = _square(here[rest])
+        if before is not None and not _determined(model, jacobian[rest], here[rest]):
+            squares[k] = before[k]
+            continue
+        change = np.linalg.lstsq(jacobian[rest], -here[rest], rcond=1e-9)[0] * size
+        squares[k] = _square(here[part.there])
+        for share in _STEPS:
+            there = function(np.clip(values + share * change, low, high))
+            if _square(there[rest]) <= present:
+                squares[k] = _square(there[part.there])
+                break
+    return squares
+
+
+def _determined(model: Model, jacobian: Array, left: Array) -> bool:
+    """Return whether residuals determine the first parameter of the last effect."""
+    place = model.place(model.effects[-1]).start
+    if not model.free[place]:
+        return True
+    column = int(np.count_nonzero(model.free[:place]))
+    normal = jacobian.T @ jacobian + _FAINT * np.eye(jacobian.shape[1])
+    variance = np.linalg.inv(normal)[column, column] * max(float(np.mean(left**2)), 1e-12)
+    return bool(variance < 1.0)
+
+
+def _square(values: Array) -> float:
+    return float(values @ values)
+
+
+def share_of(before: Array, after: Array, parts: Sequence[Part], whole: Array) -> Share:
+    """
+    Compute the share of a misfit that a further effect takes away.
+
+    Parameters
+    ----------
+    before, after : ndarray, shape (parts,)
+        `left_out_errors` without and with the effect.
+    parts : sequence of Part
+        For the noise.
+    whole : ndarray, shape (parts,)
+        `left_out_errors` of the model whose misfit counts as 1.
+
+    Returns
+    -------
+    share : Share
+        Of the effect.
+
+    """
+    gain, misfit = before - after, above_noise(whole, parts)
+    share = float(gain.sum() / misfit.sum())
+    count = len(parts)
+    if count < 2:
+        return Share(share, (-np.inf, np.inf), gain / misfit)
+    without = (gain.sum() - gain) / (misfit.sum() - misfit)
+    spread = float(np.sqrt((count - 1) / count * np.sum((without - without.mean()) ** 2)))
+    reach = _TWO_SIDED * spread
+    return Share(share, (share - reach, share + reach), gain / misfit)
+
+
+def above_noise(squares: Array, parts: Sequence[Part]) -> Array:
+    """
+    Subtract the noise from squared errors.
+
+    Parameters
+    ----------
+    squares : ndarray, shape (parts,)
+        `left_out_errors`.
+    parts : sequence of Part
+        With their noise.
+
+    Returns
+    -------
+    misfit : ndarray, shape (parts,)
+        At least a hundredth of the mean over the parts, so that shares stay finite.
+
+    """
+    misfit = squares - np.array([part.noise for part in parts])
+    least = max(0.01 * float(np.mean(misfit)), 1e-3 * float(np.mean(squares)), 1e-300)
+    return np.asarray(np.maximum(misfit, least))
+
+
+def values_on(recordings: Recordings, found: Fit, part: Part) -> Model:
+    """
+    Fit a model on one part alone.
+
+    Parameters
+    ----------
+    recordings : sequence of PreparedRecording
+        Fitted together.
+    found : Fit
+        On all parts.
+    part : Part
+        The only residuals that count.
+
+    Returns
+    -------
+    model : Model
+        With the values of the full fit where the part does not determine them.
+
+    """
+    model = found.model
+    function, values, size = residual_function(recordings, model), model.coordinates, model.steps
+    low, high = model.ranges
+    start = values.copy()
+
+    def errors(these: Array) -> Array:
+        return np.concatenate((function(these)[part.there], (these - start) / (_LOOSE * size)))
+
+    for _ in range(_ROUNDS):
+        here = errors(values)
+        jacobian = differentiate_by(values, size, errors, here, most=high)
+        change = np.linalg.lstsq(jacobian, -here, rcond=1e-12)[0] * size
+        for share in _STEPS:
+            tried = np.clip(values + share * change, low, high)
+            if _square(errors(tried)) < _square(here):
+                values = tried
+                break
+        else:
+            break
+    return model.with_free(values)
