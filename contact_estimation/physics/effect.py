@@ -55,6 +55,8 @@ class Effect(ABC):
         Parameters searched on a logarithmic scale, because their unit depends on another one.
     needs_touch : bool
         Whether the effect cannot be identified in a permanently attached environment.
+    needs_penetration : bool
+        Whether the law holds for x beyond x_e only, in a permanently attached environment too.
     base_parameter : str
         Name of the parameter of the wall that describes the same physics; '' if there is none.
     either_sign : bool
@@ -76,6 +78,7 @@ class Effect(ABC):
     neutral: ClassVar[Mapping[str, float]] = {}
     in_logarithm: ClassVar[tuple[str, ...]] = ()
     needs_touch: ClassVar[bool] = False
+    needs_penetration: ClassVar[bool] = False
     base_parameter: ClassVar[str] = ''
     either_sign: ClassVar[bool] = False
 

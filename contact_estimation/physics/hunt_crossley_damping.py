@@ -49,7 +49,7 @@ class HuntCrossleyDamping(ContactEffect):
     family = 'damping_law'
     description = 'Damping of the wall proportional to depth, without a force step at touch-down.'
     Parameters = HuntCrossleyDampingParameters
-    needs_touch = True
+    needs_penetration = True
 
     replaces_damping = True
 

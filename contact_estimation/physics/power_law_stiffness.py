@@ -44,7 +44,7 @@ class PowerLawStiffness(ContactEffect):
     family = 'elastic_law'
     description = 'The elastic force follows a power of the depth (Hertzian contact: 3/2).'
     Parameters = PowerLawStiffnessParameters
-    needs_touch = True
+    needs_penetration = True
     neutral = {'n': 1.0}
     in_logarithm = ('K_n',)
 

@@ -28,7 +28,7 @@ from ..fit.flexible import autocorrelation, predictable_share
 from ..fit.model_uncertainty import discounted
 from ..fit.output_error import refine, runs_true
 from ..fit.search import Progress
-from ..fit.selection import Selection
+from ..fit.selection import Selection, weigh
 from ..fit.uncertainty import standard_deviations
 from ..observe.model import Model, names_of
 from ..observe.prepared_recording import Recordings
@@ -103,6 +103,9 @@ def decide(
     progress('structure of the residuals')
     if has_discrepancy(recordings):
         recordings = [discounted(without_discrepancy(one), base.model) for one in recordings]
+    weighed, _ = weigh(recordings, fit(recordings, best.model))
+    if all(one.is_immaterial for one in weighed) and not recordings[0].driven_by_force(base.model):
+        return Decision(best, False, 0.0, None)
     unexplained, predictable = _structured(recordings, best)
     unexplained = unexplained or _is_wrong(_held_out_powers(whole, best.model))
     return Decision(best, unexplained, predictable, None)

@@ -18,26 +18,31 @@ from __future__ import annotations
 
 from typing import Callable, Sequence
 
+import numpy as np
+
 from .criteria import noise_scale, penalty
 from .fitting import cost_of, Fit, fit, fit_to_end, step
 from .scales import measure_scales
 from ..observe.model import Model
-from ..observe.prepared_recording import Recordings
+from ..observe.prepared_recording import PreparedRecording, Recordings
 from ...physics import EFFECTS
 from ...physics.robot_effect import RobotEffect
 
 _FOLLOWED, _TO_END = 6, 2  # candidates that are refined, and those of them fitted to the end
+_SLACK = 0.02  # of the range, by which a pressed wall may be pulled
 _FAR = 2.0  # times the noise: power of the residuals
 
 Progress = Callable[[str], None]
 
 
-def candidates_for(model: Model, with_robot: bool) -> list[str]:
+def candidates_for(recordings: Recordings, model: Model, with_robot: bool) -> list[str]:
     """
     List the effects that may be added.
 
     Parameters
     ----------
+    recordings : sequence of PreparedRecording
+        In which they would act.
     model : Model
         Its effects are no candidates.
     with_robot : bool
@@ -46,17 +51,25 @@ def candidates_for(model: Model, with_robot: bool) -> list[str]:
     Returns
     -------
     names : list of str
-        In the order of the registry; effects of touching only for a unilateral wall.
+        In the order of the registry; effects of touching only for a unilateral wall, those of
+        penetration also for an attached one that is only pressed.
 
     """
     wall = model.nominal.environment
+    pressed = wall.unilateral or all(_is_pressed(one, wall.location) for one in recordings)
     return [
         name for name, cls in EFFECTS.items()
         if name not in model.effects and name not in model.excluded
         and (with_robot or not issubclass(cls, RobotEffect))
         and (wall.unilateral or not cls.needs_touch)
+        and (pressed or not cls.needs_penetration)
         and not (cls.base_parameter == 'inertia' and model.with_inertia)
     ]
+
+
+def _is_pressed(recording: PreparedRecording, location: float) -> bool:
+    x = recording.observed.x
+    return float(np.min(x)) - location > -_SLACK * float(np.ptp(x))
 
 
 def search(

@@ -29,8 +29,8 @@ from typing import NamedTuple, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from .criteria import enough, leaves_noise, noise_scale, penalty, predicts_enough, THRESHOLD
-from .discrepancy import with_discrepancy, without_discrepancy
+from .criteria import enough, LEFT, leaves_noise, noise_scale, penalty, predicts_enough, THRESHOLD
+from .discrepancy import has_discrepancy, with_discrepancy
 from .fitting import cost_of, Fit, fit, fit_to_end
 from .invariance import left_out_errors, Part, parts_of, share_of
 from .model_uncertainty import discounted
@@ -46,6 +46,7 @@ MOST_EFFECTS = 3
 
 _EXCHANGE_GAIN = 10.0  # cost, in that of the noise
 _ASSESSED = 8  # candidates that are fitted to the end and predict parts left out
+_NEARLY, _STRICTLY = 3.0, 1.15  # mean squares, in that of the noise: small, and none
 _NEAR_NOISE = 4.0  # mean square, in that of the noise, from which a candidate may be exact
 _ADEQUATE = 0.05  # of the gain: a simpler law may predict that much less
 _GENERIC_SHARE, _GENERIC_LEAD = 0.5, 0.15  # what a curve that fits anything slow must show
@@ -111,11 +112,13 @@ def select(
         if count > 0 and best.cost < best.residual_count * (1.0 + 0.5 * THRESHOLD):
             break  # the rest is noise
         weighed, present = weigh(recordings, best)
-        names = candidates_for(best.model, with_robot)
+        if all(one.is_immaterial for one in weighed) and _nearly_noise(best):
+            weighed = recordings  # a law that is not exact says nothing here
+        names = candidates_for(recordings, best.model, with_robot)
         found = search(weighed, present, names, progress)
         if count == 0:
             evidence = {one.model.effects[-1]: 1.0 - one.cost / present.cost for one in found}
-        fits = found if leaves_noise(best) else _exact(recordings, found)
+        fits = found if leaves_noise(best) else _exact(recordings, found, weighed is recordings)
         if leaves_noise(best) or fits:
             if not fits or not enough(best, fits[0]):
                 break
@@ -123,6 +126,8 @@ def select(
             rivals[best.model.effects[-1]] = fits[1:]
             if count > 0:
                 best, rivals = exchange(recordings, best, rivals, with_robot, progress)
+        elif not has_discrepancy(weighed):
+            break
         else:
             progress('parts left out')
             families = {EFFECTS[name].family for name in best.model.effects}
@@ -169,14 +174,19 @@ def weigh(recordings: Recordings, found: Fit) -> tuple[Recordings, Fit]:
     return recordings, found
 
 
-def _exact(recordings: Recordings, found: Sequence[Fit]) -> list[Fit]:
+def _nearly_noise(found: Fit) -> bool:
+    return found.cost < _NEARLY * found.residual_count
+
+
+def _exact(recordings: Recordings, found: Sequence[Fit], strictly: bool) -> list[Fit]:
     """Fit the candidates near the noise to it; return them, best first, if one leaves no more."""
     count = sum(one.residual_count for one in recordings)
     near = [one for one in found[:_ASSESSED]
             if cost_of(recordings, one.model) < _NEAR_NOISE * count]
     fits = [fit_to_end(recordings, fit(recordings, one.model)) for one in near]
     fits = [one for one in fits if one.model.plausible()]
-    if not any(leaves_noise(one) for one in fits):
+    most = _STRICTLY if strictly else 1.0 + LEFT
+    if not any(one.cost <= most * one.residual_count for one in fits):
         return []
     scale = noise_scale(min(fits, key=lambda one: one.cost))
     return sorted(fits, key=lambda one: one.cost + scale * penalty(one.model))
@@ -282,7 +292,7 @@ def exchange(
     rivals = dict(rivals)
     for name in best.model.effects[:-1]:
         rest = fit(recordings, best.model.without(name))
-        fits = search(recordings, rest, candidates_for(rest.model, with_robot), progress)
+        fits = search(recordings, rest, candidates_for(recordings, rest.model, with_robot), progress)
         # A wider law always fits a little better: it is charged for its parameters.
         least = _EXCHANGE_GAIN + (penalty(fits[0].model) - penalty(best.model) if fits else 0.0)
         if fits and fits[0].cost < best.cost - noise_scale(best) * least:
