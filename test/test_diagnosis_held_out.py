@@ -48,8 +48,8 @@ import pytest
 Array = NDArray[np.float64]
 
 MODEL = Model.of(nominal())
-DEPTHS = [(0.02, 0.03), (0.03, 0.02), (0.02, 0.03, 0.01), (0.01, 0.03, 0.02), (0.03, 0.02, 0.01),
-          (0.02, 0.01, 0.03, 0.015), (0.01, 0.015, 0.03, 0.02), (0.02, 0.02, 0.02)]
+DEPTHS = [(0.02, 0.03, 0.01), (0.01, 0.03, 0.02), (0.03, 0.02, 0.01), (0.02, 0.01, 0.03, 0.015),
+          (0.01, 0.015, 0.03, 0.02), (0.02, 0.02, 0.02)]
 
 
 def moved(depths: tuple[float, ...]) -> Observed:
@@ -108,6 +108,20 @@ def test_of_one_episode_a_late_block_is_held_out() -> None:
     held = np.flatnonzero(part.samples)
     assert held[0] >= 75 and held[-1] < 100
     assert part.name.endswith(' s')
+
+
+def test_of_two_episodes_a_late_block_of_the_second_is_held_out() -> None:
+    held = np.flatnonzero(hold_out(MODEL, moved((0.02, 0.03))).samples)
+    assert held[0] >= 175 and held[-1] < 200
+
+
+def test_held_out_block_lies_where_the_rest_has_been_too() -> None:
+    t = np.linspace(0.0, 5.0, 501)
+    x = np.minimum(0.01 * t, 0.0402)  # the fourth fifth goes where no other has been
+    nothing = np.zeros(len(t))
+    o = Observed(t, 0.01, -5000.0 * x, np.ones(len(t), bool), x, x, nothing, nothing, None, 1e-6,
+                 20.0)
+    assert np.flatnonzero(hold_out(MODEL, o).samples)[0] >= 400
 
 
 def test_of_an_attached_wall_a_late_block_is_held_out() -> None:

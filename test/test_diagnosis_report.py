@@ -71,8 +71,10 @@ def test_corrected_is_recalibrated_where_nothing_is_missing(name: str) -> None:
 
 def test_effects_have_the_keys_of_their_schema() -> None:
     (effect,) = as_dict(diagnosed('friction'))['effects']
-    assert set(effect) == {'name', 'port', 'probability', 'equation', 'parameters',
-                           'indistinguishable_from', 'location'}
+    assert set(effect) == {'name', 'family', 'port', 'probability', 'equation', 'share',
+                           'share_interval', 'parts', 'parameters', 'indistinguishable_from',
+                           'location'}
+    assert all(set(part) == {'name', 'share', 'parameters'} for part in effect['parts'])
     assert set(effect['parameters']) == {'F_c'}
     assert set(effect['parameters']['F_c']) == {'value', 'std', 'unit'}
     assert set(effect['location']) == PLACE

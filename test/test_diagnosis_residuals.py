@@ -42,7 +42,6 @@ from contact_estimation.diagnosis.observe.residuals import (
     residuals,
     response_to,
     ROBUST,
-    trust_motion_less,
 )
 from contact_estimation.diagnosis.observe.signals import Signals
 from contact_estimation.diagnosis.observe.usable_samples import default_block, force_drops, usable
@@ -192,20 +191,6 @@ def test_start_of_an_attached_wall_is_not_used() -> None:
     use = usable(model, recording.observed)
     assert not use[recording.observed.t < 0.49].any()
     assert use[(recording.observed.t > 0.51) & (recording.observed.t < 7.9)].all()
-
-
-def test_distrusted_motion_weighs_as_much_as_it_errs() -> None:
-    recording, model = prepared_from(recorded(**physics('robot_friction', 3.0)))
-    recording = trust_motion_less(recording, model)
-    residual = motion_residual(recording, model)
-    assert residual is not None
-    left = recording.motion.average(residual)
-    assert np.mean(left[left != 0.0] ** 2) == pytest.approx(1.0)
-
-
-def test_trusted_motion_stays_as_it_is() -> None:
-    recording, model = prepared_from(recorded())
-    assert 1.0 <= trust_motion_less(recording, model).motion_misfit < 1.4
 
 
 def test_response_to_a_missing_force_is_the_motion_residual() -> None:

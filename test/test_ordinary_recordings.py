@@ -26,7 +26,7 @@ from contact_estimation.diagnosis.observe.motion_error import (
 )
 from contact_estimation.diagnosis.observe.observed import observe
 from contact_estimation.diagnosis.observe.pace import pace_of
-from contact_estimation.diagnosis.observe.parts import parts_of
+from contact_estimation.diagnosis.observe.parts import continuous_parts
 from contact_estimation.diagnosis.observe.signals import Recording, Signals
 from contact_estimation.plant.plant_parameters import PlantParameters
 import diagnosed_worlds as touches
@@ -76,14 +76,14 @@ def test_a_pause_of_all_topics_makes_two_parts() -> None:
     kept = (s.wrench_t < 2.0) | (s.wrench_t > 4.2)
     t = s.wrench_t[kept]
     cut = Signals(t, s.force[kept], t, s.position[kept], t, s.reference[:, kept])
-    parts = parts_of(Recording('file', cut), touches.nominal())
+    parts = continuous_parts(Recording('file', cut), touches.nominal())
     assert [one.name for one in parts] == ['file, 0.0 to 2.0 s', 'file, 4.2 to 6.7 s']
     assert observe(parts[1].signals, touches.nominal()).t[0] == parts[1].signals.wrench_t[0] > 4.0
 
 
 def test_a_recording_without_a_pause_stays_as_it_is() -> None:
     s = touches.recorded()
-    (part,) = parts_of(Recording('file', s), touches.nominal())
+    (part,) = continuous_parts(Recording('file', s), touches.nominal())
     assert part.name == 'file'
     for before, after in zip(s, part.signals):
         np.testing.assert_array_equal(before, after)
@@ -92,7 +92,7 @@ def test_a_recording_without_a_pause_stays_as_it_is() -> None:
 def test_joints_that_start_late_cut_the_wrenches() -> None:
     s = touches.recorded()
     late = s._replace(joint_t=s.joint_t[300:], position=s.position[300:])
-    (part,) = parts_of(Recording('file', late), touches.nominal())
+    (part,) = continuous_parts(Recording('file', late), touches.nominal())
     assert part.signals.wrench_t[0] == pytest.approx(s.joint_t[300], abs=0.011)
 
 
@@ -102,7 +102,7 @@ def test_long_recordings_are_averaged_only_if_they_are_smooth(tone: float, avera
     x = 1e-3 * np.sin(2.0 * np.pi * tone * t)
     noise = np.random.default_rng(1).normal(size=len(t))
     whole = signals_of(t, -1e4 * x + 0.05 * noise, x + 1e-6 * noise[::-1])
-    (part,) = parts_of(Recording('file', whole), attached(stiffness=1e4))
+    (part,) = continuous_parts(Recording('file', whole), attached(stiffness=1e4))
     assert len(part.signals.force) == (20_000 if averaged else 66_000)
 
 

@@ -30,6 +30,9 @@ from .scales import Scales
 from ..parameters.specification import optional_parameter, ParameterGroup
 
 
+_MANY_PERIODS = 8.0  # in the recording; fewer can follow any slow misfit
+
+
 @dataclass(frozen=True)
 class MovingEnvironmentParameters(ParameterGroup):
     """Parameters of `MovingEnvironment`."""
@@ -57,8 +60,8 @@ class MovingEnvironment(ContactEffect):
 
     @classmethod
     def follows_any_slow_misfit(cls, values: Any, duration: float) -> bool:
-        """Is one with a period longer than a third of the recording."""
-        return bool(values.frequency * duration < 3.0)
+        """Is one with few periods in the recording."""
+        return bool(values.frequency * duration < _MANY_PERIODS)
 
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:

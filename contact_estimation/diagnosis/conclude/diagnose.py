@@ -34,7 +34,7 @@ from ..fit.selection import select, Selection
 from ..observe.checks import examine
 from ..observe.model import Model
 from ..observe.observed import observe
-from ..observe.parts import parts_of
+from ..observe.parts import continuous_parts
 from ..observe.prepared_recording import prepare, PreparedRecording, Recordings
 from ..observe.signals import Recording
 from ...exceptions import ModelFileError, ParameterRangeError
@@ -91,8 +91,8 @@ def diagnose(
         return refuse(examined.checks, nominal)
     fitted, held_out = (examined.recordings[:len(fitted)], examined.recordings[len(fitted):])
     progress('noise and alignment')
-    fitted = [part for one in fitted for part in parts_of(one, model)]
-    held_out = [part for one in held_out for part in parts_of(one, model)]
+    fitted = [part for one in fitted for part in continuous_parts(one, model)]
+    held_out = [part for one in held_out for part in continuous_parts(one, model)]
     prepared: Recordings = [prepare(one, nominal, hold=not held_out) for one in fitted]
     others: Recordings = [prepare(one, nominal, hold=False) for one in held_out]
     progress('recalibration')

@@ -250,4 +250,4 @@ def _sensitivities(recordings: Recordings, model: Model) -> Array:
     """Differentiate the residuals by the relative change of each free value."""
     function = residual_function(recordings, model, robust=False)
     values = model.coordinates
-    return differentiate_by(values, model.steps, function, function(values))
+    return differentiate_by(values, model.steps, function, function(values), most=model.ranges[1])

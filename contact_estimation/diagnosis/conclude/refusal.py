@@ -45,8 +45,8 @@ def refuse(checks: Sequence[Check], nominal: Model) -> Diagnosis:
     """
     failed = [check.text for check in checks if not check.ok and check.fatal]
     return Diagnosis(
-        verdict='unexplained', effects=[], location=None, nominal=nominal, recalibrated=nominal,
-        corrected=nominal, stiffness=Value(nominal.stiffness, nan, 'N/m'),
+        verdict='unexplained', effects=[], location=None, remainder=None, nominal=nominal,
+        recalibrated=nominal, corrected=nominal, stiffness=Value(nominal.stiffness, nan, 'N/m'),
         damping=Value(nominal.damping, nan, 'N s/m'), noise_floor=nan, force=_NOTHING,
         motion=_NOTHING, improvement=None, holdouts=[],
         next_experiment=f'Put this right and repeat: {"; ".join(failed)}.', rivals={},

@@ -118,7 +118,7 @@ def enough(before: Fit, after: Fit) -> bool:
     return gain > least and gain > SHARE * excess
 
 
-def predicts_enough(of_present: Share, of_whole: Share) -> bool:
+def predicts_enough(of_present: Share, of_whole: Share, generic: bool) -> bool:
     """
     Return whether a further effect predicts enough of parts left out.
 
@@ -126,6 +126,8 @@ def predicts_enough(of_present: Share, of_whole: Share) -> bool:
     ----------
     of_present, of_whole : Share
         Of the misfit of the model without it, and of the recalibrated model.
+    generic : bool
+        Whether the effect is a curve that follows any slow misfit.
 
     Returns
     -------
@@ -135,7 +137,9 @@ def predicts_enough(of_present: Share, of_whole: Share) -> bool:
     """
     if of_present.share < SHARE or min(of_present.interval[0], of_whole.interval[0]) <= 0.0:
         return False
-    return of_whole.share >= SHARE_OF_WHOLE or of_present.share >= NEARLY_ALL
+    if of_whole.share >= SHARE_OF_WHOLE:
+        return True
+    return of_present.share >= NEARLY_ALL and not generic
 
 
 def explained_share(before: float, after: float, noise: float) -> float:

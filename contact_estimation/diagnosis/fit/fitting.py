@@ -219,7 +219,7 @@ def step(recordings: Recordings, model: Model) -> tuple[float, Model]:
     (low, high), size = model.ranges, model.steps
     start = np.clip(model.coordinates, low, high)
     at_start = straight(start)
-    columns = differentiate_by(start, size, straight, at_start)
+    columns = differentiate_by(start, size, straight, at_start, most=high)
 
     def tried(free: NDArray[np.bool_], share: float = 1.0) -> tuple[float, Array]:
         change = np.zeros(len(start))

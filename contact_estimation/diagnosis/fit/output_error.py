@@ -151,7 +151,7 @@ def _better(recordings: Recordings, model: Model, here: Array) -> Model:
     def errors(these: Array) -> Array:
         return _errors_at(recordings, model.with_free(these))
 
-    jacobian = differentiate_by(values, size, errors, here, _STEP)
+    jacobian = differentiate_by(values, size, errors, here, _STEP, model.ranges[1])
     change = np.linalg.lstsq(jacobian, -here, rcond=1e-9)[0] * size
     return model.with_free(np.clip(values + change, *model.ranges))
 

@@ -24,7 +24,7 @@ from .criteria import noise_scale, penalty
 from .fitting import cost_of, Fit, fit, fit_to_end, step
 from .scales import measure_scales
 from ..observe.model import Model
-from ..observe.prepared_recording import PreparedRecording, Recordings
+from ..observe.prepared_recording import Recordings
 from ...physics import EFFECTS
 from ...physics.robot_effect import RobotEffect
 
@@ -35,18 +35,18 @@ _FAR = 2.0  # times the noise: power of the residuals
 Progress = Callable[[str], None]
 
 
-def candidates_for(recordings: Recordings, model: Model, with_robot: bool) -> list[str]:
+def candidates_for(model: Model, with_robot: bool, pressed: bool = False) -> list[str]:
     """
     List the effects that may be added.
 
     Parameters
     ----------
-    recordings : sequence of PreparedRecording
-        In which they would act.
     model : Model
         Its effects are no candidates.
     with_robot : bool
         Whether robot effects are.
+    pressed : bool
+        Whether a permanently attached wall is only pressed, never pulled.
 
     Returns
     -------
@@ -56,20 +56,36 @@ def candidates_for(recordings: Recordings, model: Model, with_robot: bool) -> li
 
     """
     wall = model.nominal.environment
-    pressed = wall.unilateral or all(_is_pressed(one, wall.location) for one in recordings)
     return [
         name for name, cls in EFFECTS.items()
         if name not in model.effects and name not in model.excluded
         and (with_robot or not issubclass(cls, RobotEffect))
         and (wall.unilateral or not cls.needs_touch)
-        and (pressed or not cls.needs_penetration)
+        and (wall.unilateral or pressed or not cls.needs_penetration)
         and not (cls.base_parameter == 'inertia' and model.with_inertia)
     ]
 
 
-def _is_pressed(recording: PreparedRecording, location: float) -> bool:
-    x = recording.observed.x
-    return float(np.min(x)) - location > -_SLACK * float(np.ptp(x))
+def is_pressed(recordings: Recordings, model: Model) -> bool:
+    """
+    Return whether a permanently attached wall is only pressed in recordings, never pulled.
+
+    Parameters
+    ----------
+    recordings : sequence of PreparedRecording
+        Fitted together.
+    model : Model
+        Defines where the surface is.
+
+    Returns
+    -------
+    pressed : bool
+        But for a small part of the range.
+
+    """
+    surface = model.nominal.environment.location
+    return all(float(np.min(one.observed.x)) - surface > -_SLACK * float(np.ptp(one.observed.x))
+               for one in recordings)
 
 
 def search(

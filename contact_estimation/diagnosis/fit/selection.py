@@ -34,7 +34,7 @@ from .discrepancy import has_discrepancy, with_discrepancy
 from .fitting import cost_of, Fit, fit, fit_to_end
 from .invariance import left_out_errors, Part, parts_of, share_of
 from .model_uncertainty import discounted
-from .search import candidates_for, Progress, search
+from .search import candidates_for, is_pressed, Progress, search
 from ..observe.model import Model, names_of
 from ..observe.prepared_recording import PreparedRecording, Recordings
 from ...physics import EFFECTS
@@ -49,7 +49,7 @@ _ASSESSED = 8  # candidates that are fitted to the end and predict parts left ou
 _NEARLY, _STRICTLY = 3.0, 1.15  # mean squares, in that of the noise: small, and none
 _NEAR_NOISE = 4.0  # mean square, in that of the noise, from which a candidate may be exact
 _ADEQUATE = 0.05  # of the gain: a simpler law may predict that much less
-_GENERIC_SHARE, _GENERIC_LEAD = 0.5, 0.15  # what a curve that fits anything slow must show
+_GENERIC_SHARE, _GENERIC_LEAD = 0.85, 0.15  # what a curve that fits anything slow must show
 
 Rivals = dict[str, list[Fit]]
 
@@ -114,7 +114,7 @@ def select(
         weighed, present = weigh(recordings, best)
         if all(one.is_immaterial for one in weighed) and _nearly_noise(best):
             weighed = recordings  # a law that is not exact says nothing here
-        names = candidates_for(recordings, best.model, with_robot)
+        names = candidates_for(best.model, with_robot, is_pressed(recordings, best.model))
         found = search(weighed, present, names, progress)
         if count == 0:
             evidence = {one.model.effects[-1]: 1.0 - one.cost / present.cost for one in found}
@@ -231,7 +231,7 @@ def _rank_by_prediction(
     taken = _choose(assessed, before, parts)
     if taken is None or not predicts_enough(
             share_of(before, taken.errors, parts, before),
-            share_of(before, taken.errors, parts, whole)):
+            share_of(before, taken.errors, parts, whole), taken.generic):
         return []
     rest = sorted((one for one in assessed if one is not taken), key=lambda one: one.total)
     return [taken.found, *(one.found for one in rest)]
@@ -292,7 +292,7 @@ def exchange(
     rivals = dict(rivals)
     for name in best.model.effects[:-1]:
         rest = fit(recordings, best.model.without(name))
-        fits = search(recordings, rest, candidates_for(recordings, rest.model, with_robot), progress)
+        fits = search(recordings, rest, candidates_for(rest.model, with_robot, is_pressed(recordings, rest.model)), progress)
         # A wider law always fits a little better: it is charged for its parameters.
         least = _EXCHANGE_GAIN + (penalty(fits[0].model) - penalty(best.model) if fits else 0.0)
         if fits and fits[0].cost < best.cost - noise_scale(best) * least:

@@ -51,7 +51,7 @@ def standard_deviations(recordings: Recordings, found: Fit) -> Array:
     function = residual_function(recordings, model)
     values, size = model.coordinates, model.steps
     here = function(values)
-    jacobian = differentiate_by(values, size, function, here)
+    jacobian = differentiate_by(values, size, function, here, most=model.ranges[1])
     inverse = np.linalg.pinv(jacobian.T @ jacobian, rcond=1e-13)
     span = max(1, round(_CLUSTER_S * recordings[0].observed.pace / recordings[0].block_s))
     scores = np.add.reduceat(jacobian * here[:, None], np.arange(0, len(here), span), axis=0)

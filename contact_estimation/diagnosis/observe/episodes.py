@@ -30,6 +30,8 @@ Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 _LEAST_CONTACT_S = 0.2
+_FEW = 3  # episodes, from which on a whole one can be spared
+_STILL = 0.3  # of the longest path of a block: less motion tells little
 _NEAR = 0.02  # of the range: such places are the same
 _BLOCKS = 5  # of a single episode or an attached wall; the fourth is held out
 
@@ -112,8 +114,8 @@ def hold_out(model: Model, observed: Observed) -> HeldOut:
     Choose the part of a recording that is held out: a whole episode, or a late block.
 
     Never the deepest episode, which would be extrapolation; the middle one, or the one before it.
-    A single episode gives a block of its second half, where possible one at depths that occur in
-    the rest too.
+    One or two episodes give a block of the last one's second half, where possible one with motion
+    and at depths that occur in the rest too: a law is not known from half of two touches.
 
     Parameters
     ----------
@@ -131,7 +133,7 @@ def hold_out(model: Model, observed: Observed) -> HeldOut:
     o = observed
     found = episodes(model, o)
     samples = np.zeros(len(o.t), bool)
-    if len(found) >= 2:
+    if len(found) >= _FEW:
         depth = [float(np.max(o.x[first:stop])) for first, stop in found]
         deepest = int(np.argmax(depth))
         middle = len(found) // 2
@@ -141,19 +143,21 @@ def hold_out(model: Model, observed: Observed) -> HeldOut:
         stop = len(o.t) if last else (found[chosen][1] + found[chosen + 1][0]) // 2
         samples[first:stop] = True
         return HeldOut(f'episode {chosen + 1}', samples)
-    first, stop = found[0] if found else (0, len(o.t))
+    first, stop = found[-1] if found else (0, len(o.t))
     block = (stop - first) // _BLOCKS
     begins = [stop - k * block for k in (2, 1, 3)]
-    begin = next((place for place in begins if _visited(o.x, first, stop, place, block)),
-                 begins[0])
+    moved = [float(np.sum(np.abs(np.diff(o.x[begin:begin + block])))) for begin in begins]
+    known = [begin for begin in begins if _visited(o.x, begin, block)]
+    moving = [begin for begin, path in zip(begins, moved) if path >= _STILL * max(moved)]
+    begin = next(iter([begin for begin in known if begin in moving] or known or begins))
     samples[begin:begin + block] = True
     digits = max(1, 1 + ceil(-log10(o.pace)))
     return HeldOut(f'{o.t[begin]:.{digits}f} to {o.t[begin + block - 1]:.{digits}f} s', samples)
 
 
-def _visited(x: Array, first: int, stop: int, begin: int, block: int) -> bool:
+def _visited(x: Array, begin: int, block: int) -> bool:
     """Return whether most places of a block are visited elsewhere too."""
-    rest = np.sort(np.concatenate((x[first:begin], x[begin + block:stop])))
-    here, near = x[begin:begin + block], _NEAR * float(np.ptp(x[first:stop]))
+    rest = np.sort(np.concatenate((x[:begin], x[begin + block:])))
+    here, near = x[begin:begin + block], _NEAR * float(np.ptp(x))
     count = np.searchsorted(rest, here + near) - np.searchsorted(rest, here - near)
     return float(np.mean(count > 0)) > 0.5

@@ -36,7 +36,7 @@ _ONLY_NOISE = 1.1  # times the noise: power of what averaging removes
 _LEAST_CONTACT_S = 0.2
 
 
-def parts_of(recording: Recording, model: PlantParameters) -> list[Recording]:
+def continuous_parts(recording: Recording, model: PlantParameters) -> list[Recording]:
     """
     Split a recording at its gaps, and average recordings that are too long to be fitted.
 

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from scipy.signal import correlate, correlation_lags, savgol_filter
 
 from ..pace import pace_of
-from ..parts import parts_of
+from ..parts import continuous_parts
 from ..signals import LEAST_SAMPLES, Recording, Signals
 from ..smoothing import white_noise_std
 from ....physics.robot_law import RobotLaw
@@ -162,7 +162,7 @@ class Evidence:
     @cached_property
     def parts(self) -> list[Signals]:
         """Its parts between gaps, in which both topics have samples."""
-        return [part.signals for part in parts_of(Recording('', self.whole), self.model)]
+        return [part.signals for part in continuous_parts(Recording('', self.whole), self.model)]
 
     @cached_property
     def overlap(self) -> Overlap:

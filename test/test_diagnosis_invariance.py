@@ -1,0 +1,149 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Prediction of parts left out: shares, parameters on each part, and the discrepancy."""
+
+from __future__ import annotations
+
+from concealed_worlds import attached, ATTACHED, nominal, physics, prepared_from, recorded
+from contact_estimation.diagnosis.fit.criteria import predicts_enough
+from contact_estimation.diagnosis.fit.discrepancy import (
+    correlation_time,
+    has_discrepancy,
+    with_discrepancy,
+    without_discrepancy,
+)
+from contact_estimation.diagnosis.fit.fitting import differentiate_by, Fit, fit, residual_function
+from contact_estimation.diagnosis.fit.invariance import (
+    left_out_errors,
+    Part,
+    parts_of,
+    Share,
+    share_of,
+    values_on,
+)
+from contact_estimation.diagnosis.observe.model import Model
+from contact_estimation.diagnosis.observe.prepared_recording import PreparedRecording
+import numpy as np
+import pytest
+from scipy.optimize import least_squares
+
+FRICTION = 6.0
+
+
+def rubbing() -> tuple[PreparedRecording, Fit, Fit]:
+    """Fit a world with friction, without and with that effect."""
+    recording, model = prepared_from(recorded(**physics('coulomb_friction', FRICTION)))
+    base = fit([recording], model)
+    return recording, base, fit([recording], base.model.with_effect('coulomb_friction', (1.0,)))
+
+
+def test_parts_are_the_touches_and_do_not_overlap() -> None:
+    recording, base, _ = rubbing()
+    parts = parts_of([recording], base)
+    assert len(parts) >= 3
+    assert np.sum([part.there for part in parts], axis=0).max() == 1
+    assert all(part.noise == pytest.approx(np.count_nonzero(part.there)) for part in parts)
+
+
+def test_parts_of_an_attached_wall_are_blocks_of_time() -> None:
+    recording, model = prepared_from(attached(), nominal(**ATTACHED))
+    parts = parts_of([recording], fit([recording], model))
+    assert len(parts) == 4 and all(part.name.endswith(' s') for part in parts)
+    sizes = [np.count_nonzero(part.there) for part in parts]
+    assert max(sizes) - min(sizes) <= 2
+
+
+def test_left_out_error_is_that_of_a_full_refit() -> None:
+    recording, base, found = rubbing()
+    parts = parts_of([recording], base)
+    errors = left_out_errors([recording], found, parts)
+    function = residual_function([recording], found.model)
+    for part, error in zip(parts, errors):
+        rest = ~part.there
+        refitted = least_squares(
+            lambda values, rest=rest: function(values)[rest], found.model.coordinates,
+            x_scale=found.model.steps, diff_step=1e-5)
+        left = function(refitted.x)[part.there]
+        assert error == pytest.approx(float(left @ left), rel=0.02)
+
+
+def test_law_takes_nearly_all_of_every_part_and_has_the_same_parameter_there() -> None:
+    recording, base, found = rubbing()
+    parts = parts_of([recording], base)
+    before = left_out_errors([recording], base, parts)
+    share = share_of(before, left_out_errors([recording], found, parts, before), parts, before)
+    assert share.share == pytest.approx(1.0, abs=0.05)
+    assert share.interval[0] > 0.9 and (share.parts > 0.8).all()
+    alone = [values_on([recording], found, part).values[-1] for part in parts]
+    assert alone == pytest.approx([FRICTION] * len(parts), rel=0.15)
+
+
+def test_what_the_rest_does_not_determine_predicts_nothing() -> None:
+    recording, _, found = rubbing()
+    function, values = residual_function([recording], found.model), found.model.coordinates
+    felt = differentiate_by(values, found.model.steps, function, function(values))[:, -1] != 0.0
+    sliding = Part('all that friction shows in', felt, float(np.count_nonzero(felt)))
+    assert not felt.all()
+    before = np.array([123.0])
+    assert left_out_errors([recording], found, [sliding], before) == pytest.approx(before)
+
+
+def test_share_of_parts_that_disagree_has_an_interval_around_zero() -> None:
+    parts = [Part(str(k), np.zeros(1, bool), 0.0) for k in range(4)]
+    before = np.full(4, 100.0)
+    share = share_of(before, np.array([10.0, 190.0, 20.0, 185.0]), parts, before)
+    assert share.interval[0] < 0.0 < share.interval[1]
+    assert not predicts_enough(share, share, generic=False)
+
+
+def test_trifle_of_the_whole_is_enough_only_if_it_is_most_of_the_rest_and_a_law() -> None:
+    trifle, most = (Share(value, (0.9 * value, 1.1 * value), np.ones(3)) for value in (0.05, 0.8))
+    some = Share(0.4, (0.3, 0.5), np.ones(3))
+    assert predicts_enough(most, trifle, generic=False)
+    assert not predicts_enough(most, trifle, generic=True)
+    assert not predicts_enough(some, trifle, generic=False)
+    assert predicts_enough(some, some, generic=False)
+
+
+def test_discrepancy_brings_the_worst_channel_to_variance_one() -> None:
+    recording, base, _ = rubbing()
+    weighed = with_discrepancy(recording, base.model)
+    function = residual_function([weighed], base.model, robust=False)
+    left = weighed.split(function(base.model.coordinates))
+    powers = [float(np.mean(part[channel.filled] ** 2))
+              for part, channel in zip(left, weighed.channels(base.model))]
+    assert max(powers) == pytest.approx(1.0, abs=0.2)
+    assert has_discrepancy([weighed]) and not has_discrepancy([without_discrepancy(weighed)])
+
+
+def test_exact_model_leaves_no_discrepancy_worth_a_name() -> None:
+    recording, model = prepared_from(recorded())
+    assert with_discrepancy(recording, model).is_immaterial
+
+
+def test_correlation_time_is_that_of_an_autoregressive_process() -> None:
+    rng, phi = np.random.default_rng(3), 0.8
+    values = np.zeros(20_000)
+    for k, push in enumerate(rng.normal(size=len(values) - 1)):
+        values[k + 1] = phi * values[k] + push
+    assert correlation_time(values) == pytest.approx((1.0 + phi) / (1.0 - phi), rel=0.15)
+    assert correlation_time(rng.normal(size=5000)) == pytest.approx(1.0, abs=0.15)
+
+
+def test_model_keeps_its_values_where_a_part_tells_nothing() -> None:
+    recording, base, found = rubbing()
+    nothing = Part('nothing', np.zeros(len(found.residuals), bool), 0.0)
+    assert isinstance(values_on([recording], found, nothing), Model)
+    assert values_on([recording], found, nothing).values == pytest.approx(found.model.values)
