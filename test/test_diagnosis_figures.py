@@ -17,6 +17,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 from contact_estimation.diagnosis.report.figures import (
@@ -27,6 +28,7 @@ from contact_estimation.diagnosis.report.figures import (
     plot_plane,
     plot_residuals,
 )
+from contact_estimation.diagnosis.report.part_figures import plot_parts
 from contact_estimation.diagnosis.report.plot_data import plot_data
 from contact_estimation.diagnosis.report.wording import tested_dependences as dependences_of
 from contact_estimation.figures import INK
@@ -137,9 +139,45 @@ def test_evidence_ranks_candidates_and_colours_named_effects() -> None:
     assert d.effects[0].name in names and len(colours) == 2
 
 
+def test_parts_show_shares_and_main_parameter_beside_those_of_all_parts() -> None:
+    (effect,) = diagnosed('friction').effects
+    shares, values = plot_parts(effect).axes
+    assert [bar.get_height() for bar in shares.containers[0]] == [
+        100.0 * part.share for part in effect.parts]
+    assert line(shares, 'all parts').get_ydata() == [100.0 * effect.share] * 2
+    np.testing.assert_array_equal(line(values, 'each part alone').get_ydata(),
+                                  [part.parameters['F_c'] for part in effect.parts])
+    assert line(values, 'all parts').get_ydata() == [effect.parameters['F_c'].value] * 2
+    assert values.get_ylabel() == 'F_c [N]'
+    assert [tick.get_text() for tick in values.get_xticklabels()] == [
+        part.name for part in effect.parts]
+
+
+def test_bands_of_parts_are_the_interval_and_two_standard_deviations() -> None:
+    (effect,) = diagnosed('friction').effects
+    shares, values = plot_parts(effect).axes
+    (interval,) = [one for one in shares.patches if one.get_label() == '95 % interval']
+    bounds = interval.get_extents().transformed(shares.transData.inverted())
+    assert (bounds.y0, bounds.y1) == pytest.approx([100.0 * one for one in effect.share_interval])
+    bounds = values.patches[0].get_extents().transformed(values.transData.inverted())
+    F_c = effect.parameters['F_c']
+    assert (bounds.y0, bounds.y1) == pytest.approx((F_c.value - 2 * F_c.std,
+                                                    F_c.value + 2 * F_c.std))
+
+
+def test_share_of_a_part_with_hardly_any_misfit_does_not_dwarf_the_others() -> None:
+    (effect,) = diagnosed('friction').effects
+    parts = [replace(effect.parts[0], share=-40.0), *effect.parts[1:]]
+    shares, _ = plot_parts(replace(effect, parts=parts, share_interval=(-np.inf, np.inf))).axes
+    low, high = shares.get_ylim()
+    assert -200.0 < low and high < 200.0
+
+
 def test_all_figures_have_one_style() -> None:
     data = plot_data(diagnosed('friction'))
-    for figure in (plot_residuals(data, data.residuals[0]), plot_evidence(diagnosed('friction'))):
+    d = diagnosed('friction')
+    for figure in (plot_residuals(data, data.residuals[0]), plot_evidence(d),
+                   plot_parts(d.effects[0])):
         axis = figure.axes[0]
         assert not axis.spines['top'].get_visible() and not axis.spines['right'].get_visible()
         assert axis.xaxis.label.get_color() == INK

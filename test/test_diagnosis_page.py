@@ -23,13 +23,19 @@ from pathlib import Path
 import subprocess
 import sys
 
+from contact_estimation.diagnosis.conclude.location import Location
+from contact_estimation.diagnosis.conclude.refusal import refuse
+from contact_estimation.diagnosis.conclude.result import Remainder
+from contact_estimation.diagnosis.fit.discrepancy import without_discrepancy
+from contact_estimation.diagnosis.observe.checks.check import Check
+from contact_estimation.diagnosis.observe.model import Model
 from contact_estimation.diagnosis.report.number_format import plain, with_std
 from contact_estimation.diagnosis.report.page import builder
 from contact_estimation.diagnosis.report.page.builder import as_html, SECTIONS
 from contact_estimation.diagnosis.report.wording import headline, meaning
 from contact_estimation.exceptions import MissingPackageError
 from contact_estimation.physics import EFFECTS
-from diagnosed_worlds import diagnosed
+from diagnosed_worlds import diagnosed, nominal
 import pytest
 
 NAMES = ('clean', 'stiffer', 'friction', 'unknown')
@@ -75,13 +81,13 @@ def page(request: pytest.FixtureRequest) -> tuple[str, str]:
 
 
 def test_page_is_self_contained(page: tuple[str, str]) -> None:
-    _, text = page
+    name, text = page
     assert len(text) < 1.5e6
     assert 'http' not in text and 'url(' not in text and '@import' not in text
     tags = Page(text).tags
     assert not {'script', 'link', 'iframe', 'object'} & {tag for tag, _ in tags}
     sources = [attributes['src'] for _, attributes in tags if 'src' in attributes]
-    assert len(sources) == 7
+    assert len(sources) == 7 + len(diagnosed(name).effects)
     assert all((source or '').startswith('data:image/png;base64,iVBOR') for source in sources)
 
 
@@ -134,6 +140,40 @@ def test_text_from_outside_is_escaped() -> None:
     shown = Page(text).text
     assert shown.count(hostile) >= 4
     assert 'cannot distinguish it from stribeck_friction' in ' '.join(shown.split())
+
+
+@pytest.mark.slow
+def test_parts_left_out_have_a_figure_for_each_name_and_a_sentence_on_the_rest() -> None:
+    pytest.importorskip('matplotlib')
+    d = diagnosed('friction')
+    place = Location('robot', [(1.0, 2.0)], 'hold', 'small |v|', (5.0, 40.0))
+    parsed = Page(as_html(replace(d, remainder=Remainder(0.123, place, '')), 'a.mcap'))
+    figures = [attributes['alt'] for tag, attributes in parsed.tags if tag == 'img']
+    assert figures[0] == ('Share and main parameter of coulomb_friction on each part of the '
+                          'recordings')
+    shown = ' '.join(parsed.text.split())
+    assert 'The named effect leaves 12 % of the misfit: in the robot, during the hold' in shown
+    assert shown.index('Parts left out') < shown.index('Model parameters')
+
+
+def test_refused_recording_has_a_page_without_figures() -> None:
+    pytest.importorskip('matplotlib')
+    failed = Check('force_sign', False, 'the force pulls while pressing', fatal=True)
+    text = as_html(refuse([failed], Model.of(nominal())), 'a.mcap')
+    shown = Page(text).text
+    assert 'The recording must be put right first: force sign' in shown
+    assert failed.text in shown
+    assert '<img' not in text and 'Parts left out' not in shown
+
+
+@pytest.mark.slow
+def test_mean_square_is_not_compared_with_noise_beside_a_discrepancy() -> None:
+    pytest.importorskip('matplotlib')
+    d = diagnosed('unknown')
+    weighed = replace(d, recordings=[replace(d.recordings[0], force_discrepancy=1.0)])
+    texts = [Page(as_html(one, 'a.mcap')).text
+             for one in (weighed, replace(d, recordings=[without_discrepancy(d.recordings[0])]))]
+    assert ["mean square of the corrected model's" in text for text in texts] == [False, True]
 
 
 def test_every_section_has_a_template_and_every_template_is_used() -> None:

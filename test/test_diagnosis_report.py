@@ -18,11 +18,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 import json
-from math import nan
+from math import inf, nan
 from pathlib import Path
 from typing import Any
 
-from contact_estimation.diagnosis.conclude.result import Errors, Value
+from contact_estimation.diagnosis.conclude.location import Location
+from contact_estimation.diagnosis.conclude.result import Errors, Remainder, Value
 from contact_estimation.diagnosis.report.corrected_model import model_file
 from contact_estimation.diagnosis.report.json_report import as_dict
 from contact_estimation.diagnosis.report.text_report import as_text
@@ -151,6 +152,49 @@ def test_text_begins_with_the_verdict_and_gives_effects_and_errors(name: str) ->
     assert all(f'{effect.name} (in the contact)' in text for effect in d.effects)
     assert f'{d.force.nominal:.4g}' in text
     assert f'{d.stiffness.value:.6g} +- {d.stiffness.std:.2g}' in text
+
+
+def test_text_gives_family_share_and_parameters_on_the_parts() -> None:
+    d = diagnosed('friction')
+    (effect,) = d.effects
+    low, high = (100.0 * value for value in effect.share_interval)
+    found = [part.parameters['F_c'] for part in effect.parts]
+    text = as_text(d)
+    assert 'coulomb_friction (in the contact), family friction, probability ' in text
+    assert (f'  predicts {100.0 * effect.share:.0f} % ({low:.0f} to {high:.0f} %) of the misfit '
+            'on parts left out\n') in text
+    assert (f'  fitted on each of {len(found)} parts alone: '
+            f'F_c = {min(found):.3g} to {max(found):.3g} N\n') in text
+
+
+@pytest.mark.parametrize(('count', 'subject'), [
+    (1, 'The named effect leaves'), (2, 'The named effects together leave'),
+])
+def test_text_says_how_much_the_names_leave_and_where(count: int, subject: str) -> None:
+    d = diagnosed('friction')
+    place = Location('robot', [(1.0, 2.0)], 'hold', 'small |v|', (5.0, 40.0))
+    left = replace(d, effects=d.effects * count, remainder=Remainder(0.123, place, ''))
+    assert (f'\n{subject} 12 % of the misfit: in the robot, during the hold (1.0-2.0 s), '
+            'strongest at small |v|, 5.0 to 40.0 Hz.\n') in as_text(left)
+    assert 'leave' not in as_text(replace(left, remainder=None))
+
+
+def test_text_omits_the_interval_of_a_share_of_one_part() -> None:
+    d = diagnosed('friction')
+    alone = replace(d.effects[0], parts=d.effects[0].parts[:1], share=0.5,
+                    share_interval=(-inf, inf))
+    text = as_text(replace(d, effects=[alone]))
+    assert '  predicts 50 % of the misfit' in text
+    assert 'parts alone' not in text
+
+
+def test_unexplained_mismatch_beside_names_is_most_of_it() -> None:
+    d = replace(diagnosed('friction'), verdict='unexplained')
+    text = as_text(d)
+    assert text.startswith('unexplained: the simulation lacks coulomb friction in the contact; '
+                           'most of the mismatch is physics that no effect of the library explains')
+    assert 'Mismatch of the recalibrated model: in the contact' in text
+    assert 'Unexplained mismatch' not in text
 
 
 def test_text_follows_the_order_of_the_page() -> None:

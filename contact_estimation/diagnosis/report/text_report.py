@@ -19,7 +19,16 @@ from __future__ import annotations
 
 from math import isfinite
 
-from .wording import headline, improvement, place_of, PORTS, significant, tested_dependences
+from .wording import (
+    headline,
+    improvement,
+    place_of,
+    PORTS,
+    remainder,
+    share_of,
+    significant,
+    tested_dependences,
+)
 from ..conclude.result import Diagnosis, Errors, NamedEffect, Value
 
 _MODELS = ('nominal', 'recalibrated', 'corrected')
@@ -38,16 +47,16 @@ def as_text(diagnosis: Diagnosis) -> str:
     Returns
     -------
     text : str
-        Failed checks, verdict, effects, model parameters, held-out errors, location of the
-        mismatch, next experiment.
+        Failed checks, verdict, effects, what they leave, model parameters, held-out errors,
+        location of the mismatch, next experiment.
 
     """
     d = diagnosis
     failed = _failed_checks(d)
     if d.refused:
         return '\n\n'.join('\n'.join(lines) for lines in (failed, _verdict(d)))
-    sections = [failed, _verdict(d), *(_effect(effect) for effect in d.effects), _parameters(d),
-                _held_out(d), _location(d)]
+    sections = [failed, _verdict(d), *(_effect(effect) for effect in d.effects), _remainder(d),
+                _parameters(d), _held_out(d), _location(d)]
     if d.next_experiment:
         sections.append([f'Next experiment: {d.next_experiment}'])
     return '\n\n'.join('\n'.join(lines) for lines in sections if lines)
@@ -66,20 +75,40 @@ def _verdict(d: Diagnosis) -> list[str]:
 
 
 def _effect(effect: NamedEffect) -> list[str]:
-    values = ', '.join(
-        f'{name} = {_with_std(value)}' + ('' if value.unit == '1' else f' {value.unit}')
-        for name, value in effect.parameters.items()
-    )
+    values = ', '.join(f'{name} = {_with_std(value)}{_unit(value)}'
+                       for name, value in effect.parameters.items())
     lines = [
-        f'{effect.name} ({PORTS[effect.port]}), probability {effect.probability:.3f}',
+        f'{effect.name} ({PORTS[effect.port]}), family {effect.family}, '
+        f'probability {effect.probability:.3f}',
         f'  {effect.equation}',
         f'  {values}',
-        f'  visible {place_of(effect.location)}',
+        f'  {share_of(effect)}',
     ]
+    if len(effect.parts) > 1:
+        lines.append(f'  fitted on each of {len(effect.parts)} parts alone: {_ranges(effect)}')
+    lines.append(f'  visible {place_of(effect.location)}')
     if effect.indistinguishable_from:
         names = ' and '.join(effect.indistinguishable_from)
         lines.append(f'  this recording cannot distinguish it from {names}')
     return lines
+
+
+def _ranges(effect: NamedEffect) -> str:
+    """Give the least and greatest value of each parameter over the parts."""
+    texts = []
+    for name, value in effect.parameters.items():
+        found = [part.parameters[name] for part in effect.parts]
+        texts.append(f'{name} = {min(found):.3g} to {max(found):.3g}{_unit(value)}')
+    return ', '.join(texts)
+
+
+def _remainder(d: Diagnosis) -> list[str]:
+    sentence = remainder(d)
+    return [f'{sentence}.'] if sentence else []
+
+
+def _unit(value: Value) -> str:
+    return '' if value.unit in ('', '1') else f' {value.unit}'
 
 
 def _with_std(value: Value) -> str:
@@ -127,8 +156,9 @@ def _location(d: Diagnosis) -> list[str]:
     if d.location is None:
         return []
     lines = []
-    if d.verdict == 'unexplained' or not d.effects:
-        lines.append(f'Unexplained mismatch: {PORTS[d.location.port]}, {place_of(d.location)}')
+    if d.verdict == 'unexplained':
+        which = 'Mismatch of the recalibrated model' if d.effects else 'Unexplained mismatch'
+        lines.append(f'{which}: {PORTS[d.location.port]}, {place_of(d.location)}')
     if len(d.recordings) > 1:
         lines.append(f'All times are those of {d.shown}, the recording explained worst.')
     tested = tested_dependences(d)

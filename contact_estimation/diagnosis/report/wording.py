@@ -17,11 +17,12 @@
 
 from __future__ import annotations
 
+from math import isfinite
 from typing import Sequence
 
 from ..conclude.dependence import Dependence
 from ..conclude.location import Location
-from ..conclude.result import Diagnosis
+from ..conclude.result import Diagnosis, NamedEffect
 from ...physics import EFFECTS
 
 PORTS = {'contact': 'in the contact', 'force_sensor': 'in the force sensor',
@@ -68,8 +69,53 @@ def headline(diagnosis: Diagnosis) -> str:
     if d.verdict == 'physics_missing':
         return f'The simulation lacks {names}'
     unknown = 'physics that no effect of the library explains'
-    return f'The simulation lacks {names}, and further {unknown}' if names else (
+    return f'The simulation lacks {names}; most of the mismatch is {unknown}' if names else (
         f'The simulation lacks {unknown}')
+
+
+def share_of(effect: NamedEffect) -> str:
+    """
+    Return how much of the misfit an effect predicts on parts that were not fitted.
+
+    Parameters
+    ----------
+    effect : NamedEffect
+        Of the diagnosis.
+
+    Returns
+    -------
+    sentence : str
+        Without a full stop, such as 'predicts 81 % (74 to 86 %) of the misfit on parts left out';
+        a single part has no interval.
+
+    """
+    low, high = (100.0 * value for value in effect.share_interval)
+    interval = f' ({low:.0f} to {high:.0f} %)' if isfinite(low) and isfinite(high) else ''
+    return f'predicts {100.0 * effect.share:.0f} %{interval} of the misfit on parts left out'
+
+
+def remainder(diagnosis: Diagnosis) -> str:
+    """
+    Return what the named effects leave, and where, in one sentence.
+
+    Parameters
+    ----------
+    diagnosis : Diagnosis
+        The result.
+
+    Returns
+    -------
+    sentence : str
+        Without a full stop; '' where nothing but noise is left, or nothing is named.
+
+    """
+    left = diagnosis.remainder
+    if left is None:
+        return ''
+    left_by = 'The named effect leaves' if len(diagnosis.effects) == 1 else (
+        'The named effects together leave')
+    return (f'{left_by} {100.0 * left.share:.0f} % of the misfit: {PORTS[left.location.port]}, '
+            f'{place_of(left.location)}')
 
 
 def held_out_result(diagnosis: Diagnosis) -> str:

@@ -36,11 +36,12 @@ from . import (
     location,
     next_experiment,
     parameters,
+    parts_left_out,
     summary,
 )
 from .inputs import Inputs
 from ..number_format import plain, with_std
-from ..wording import headline, meaning, place_of, PORTS
+from ..wording import headline, meaning, place_of, PORTS, share_of
 from ...conclude.result import Diagnosis
 from ....figures import as_png
 
@@ -48,6 +49,7 @@ SECTIONS: Mapping[str, Callable[[Inputs], Mapping[str, Any] | None]] = {
     'summary': summary.prepare,
     'checks': checks.prepare,
     'effects': effects.prepare,
+    'parts_left_out': parts_left_out.prepare,
     'parameters': parameters.prepare,
     'comparison': comparison.prepare,
     'location': location.prepare,
@@ -100,7 +102,7 @@ def _environment() -> Environment:
     )
     environment.filters.update(
         as_image=_as_image, meaning=meaning, place=place_of, plain=plain,
-        port=PORTS.__getitem__, with_std=with_std,
+        port=PORTS.__getitem__, share=share_of, with_std=with_std,
     )
     return environment
 

@@ -22,6 +22,7 @@ from typing import Any
 from .inputs import Inputs
 from ..figures import plot_dependences, plot_plane
 from ..wording import significant, tested_dependences
+from ...fit.discrepancy import has_discrepancy
 
 
 def prepare(inputs: Inputs) -> dict[str, Any]:
@@ -30,8 +31,9 @@ def prepare(inputs: Inputs) -> dict[str, Any]:
     tested = tested_dependences(d)
     return {
         'location': d.location,
-        'unexplained': d.verdict == 'unexplained',
-        'mean_square': d.residual_power,
+        'unexplained': d.verdict == 'unexplained' and not d.effects,
+        # With a discrepancy residuals are in its size, not in that of the noise.
+        'mean_square': None if has_discrepancy(d.recordings) else d.residual_power,
         'channel': d.located_channel,
         'significant': {name: significant(found) for name, found in tested.items()},
         'plane': plot_plane(inputs.plots),

@@ -1,0 +1,34 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""How well the named effects predict parts of the recordings that were not fitted."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from .inputs import Inputs
+from ..part_figures import plot_parts
+from ..wording import remainder
+
+
+def prepare(inputs: Inputs) -> dict[str, Any] | None:
+    """Return a figure for each effect, and what all of them leave; None without effects."""
+    d = inputs.diagnosis
+    if not d.effects:
+        return None
+    return {
+        'figures': [(effect.name, plot_parts(effect)) for effect in d.effects],
+        'remainder': remainder(d),
+    }
