@@ -29,7 +29,7 @@ Array = NDArray[np.float64]
 _GAP_S, _GAP_PERIODS = 0.5, 10.0  # without a sample of wrench or joints
 _OUTSIDE_PERIODS = 2.5  # between the ends of wrench and joints: else one outlasts the other
 _LEAST_KEPT = 0.8  # of the samples: else they are uneven, and there are no gaps
-_MOST_SAMPLES = 66_000  # that are fitted as they are
+_MOST_SAMPLES = {True: 30_000, False: 66_000}  # fitted as they are, with and without a robot
 _ENOUGH_SAMPLES = 20_000  # to which longer recordings are averaged
 _MOST_AVERAGED = 1 << 12
 _ONLY_NOISE = 1.1  # times the noise: power of what averaging removes
@@ -69,7 +69,8 @@ def continuous_parts(recording: Recording, model: PlantParameters) -> list[Recor
     if sum(len(part.wrench_t) for part in parts) < _LEAST_KEPT * len(whole.wrench_t):
         parts = [whole]
     parts = [part for part in parts if _touches(part, model)] or parts
-    return [_named(recording.name, _shortened(part), len(parts) > 1 or len(spans) > 1)
+    most = _MOST_SAMPLES[model.environment.unilateral]
+    return [_named(recording.name, _shortened(part, most), len(parts) > 1 or len(spans) > 1)
             for part in parts]
 
 
@@ -141,10 +142,10 @@ def _touches(part: Signals, model: PlantParameters) -> bool:
     return bool(longest * _period(part.joint_t) > least)
 
 
-def _shortened(signals: Signals) -> Signals:
+def _shortened(signals: Signals, most: int) -> Signals:
     """Average a long recording as far as its motion allows; cut off what is still too much."""
     count = len(signals.wrench_t)
-    if count <= _MOST_SAMPLES:
+    if count <= most:
         return signals
     size = 2
     while size < _MOST_AVERAGED and count > _ENOUGH_SAMPLES * size:
@@ -152,7 +153,7 @@ def _shortened(signals: Signals) -> Signals:
     while size > 1 and not _is_smooth(signals, size):
         size //= 2
     signals = _averaged(signals, size) if size > 1 else signals
-    last = signals.wrench_t[min(len(signals.wrench_t), _MOST_SAMPLES) - 1]
+    last = signals.wrench_t[min(len(signals.wrench_t), most) - 1]
     return _cut(signals, float(signals.wrench_t[0]), float(last))
 
 

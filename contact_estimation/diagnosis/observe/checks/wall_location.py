@@ -48,7 +48,8 @@ def find(evidence: Evidence) -> Finding:
             f'environment.location is {wall.location:g} m')
     off = onset.position - wall.location
     beyond = float(np.max(evidence.smooth.x)) < wall.location
-    if beyond or (abs(off) > _FAR * onset.depth + onset.blur and (evidence.with_reference or off < 0.0)):
+    far = abs(off) > _FAR * onset.depth + onset.blur
+    if beyond or (far and (evidence.with_reference or off < 0.0)):
         return Finding(False, f'{text}, expected there; set the location to about '
                               f'{onset.position:.4g} m')
     return Finding(True, text)
