@@ -77,7 +77,8 @@ def thinned(step: int) -> Change:
 
 def measured_reference(s: Signals) -> Signals:
     """Take the measured position for the reference."""
-    rows = np.array([s.position, np.gradient(s.position, s.joint_t), *np.zeros((2, len(s.joint_t)))])
+    rows = np.zeros((4, len(s.joint_t)))
+    rows[0], rows[1] = s.position, np.gradient(s.position, s.joint_t)
     return s._replace(reference_t=s.joint_t, reference=rows)
 
 

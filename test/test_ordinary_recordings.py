@@ -98,7 +98,7 @@ def test_joints_that_start_late_cut_the_wrenches() -> None:
 
 @pytest.mark.parametrize('tone, averaged', [(0.5, True), (200.0, False)])
 def test_long_recordings_are_averaged_only_if_they_are_smooth(tone: float, averaged: bool) -> None:
-    t = 0.001 * np.arange(80_000)
+    t: Array = 0.001 * np.arange(80_000.0)
     x = 1e-3 * np.sin(2.0 * np.pi * tone * t)
     noise = np.random.default_rng(1).normal(size=len(t))
     whole = signals_of(t, -1e4 * x + 0.05 * noise, x + 1e-6 * noise[::-1])
@@ -143,7 +143,7 @@ def test_relaxation_of_minutes_is_named_at_1_hz() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize('metre, newton', [(1.0, 1.0), (1e6, 1e3), (1e-6, 1e-6)])
 def test_names_do_not_depend_on_units(metre: float, newton: float) -> None:
-    t = 0.002 * np.arange(4000)
+    t: Array = 0.002 * np.arange(4000.0)
     x = 1e-3 * np.sin(3.0 * t) * np.sin(0.7 * t)
     noise = np.random.default_rng(1).normal(size=(2, len(t)))
     force = -(5e3 * x + 4e9 * x**3 + 20.0 * np.gradient(x, t)) + 0.01 * noise[0]
