@@ -28,7 +28,8 @@ def find(evidence: Evidence) -> Finding:
     """
     Find contacts that do not begin at the wall of the model.
 
-    Without a reference a late contact may be a clearance, and is left to the diagnosis.
+    A late contact may be a clearance, unless the tool is never before the wall in free flight.
+    Without a reference it is left to the diagnosis.
 
     Parameters
     ----------
@@ -47,9 +48,10 @@ def find(evidence: Evidence) -> Finding:
     text = (f'the force begins at x = {onset.position:.4g} m and goes {onset.depth:.3g} m deep; '
             f'environment.location is {wall.location:g} m')
     off = onset.position - wall.location
-    beyond = float(np.max(evidence.smooth.x)) < wall.location
+    x = evidence.smooth.x
+    never, always = float(np.max(x)) < wall.location, float(np.min(x)) > wall.location
     far = abs(off) > _FAR * onset.depth + onset.blur
-    if beyond or (far and (evidence.with_reference or off < 0.0)):
+    if never or (far and (off < 0.0 or (always and evidence.with_reference))):
         return Finding(False, f'{text}, expected there; set the location to about '
                               f'{onset.position:.4g} m')
     return Finding(True, text)
