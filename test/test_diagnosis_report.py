@@ -191,8 +191,9 @@ def test_text_omits_the_interval_of_a_share_of_one_part() -> None:
 def test_unexplained_mismatch_beside_names_is_most_of_it() -> None:
     d = replace(diagnosed('friction'), verdict='unexplained')
     text = as_text(d)
-    assert text.startswith('unexplained: the simulation lacks coulomb friction in the contact; '
-                           'most of the mismatch is physics that no effect of the library explains')
+    assert text.startswith(
+        'unexplained: the simulation lacks coulomb friction in the contact; most of the mismatch '
+        'is physics that no effect of the library explains.\n')
     assert 'Mismatch of the recalibrated model: in the contact' in text
     assert 'Unexplained mismatch' not in text
 

@@ -17,7 +17,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Mapping, Sequence
+from typing import AbstractSet, Any, Mapping, Sequence
 
 from ..physics import EFFECTS
 
@@ -132,12 +132,13 @@ def family_score(trial: str, truth: Mapping[str, Any], answer: Mapping[str, Any]
     """
     report: Mapping[str, Any] = answer['report'] or {}
     families, unknown = list(truth['families']), truth['unknown'] or {}
-    names = _named(report.get('effects', []), families)
+    acceptable = of_families(families)
+    names = scored_names(report.get('effects', []), acceptable, set(NEUTRAL) - acceptable)
     location = report.get('location') or {}
     return FamilyScore(
         trial=trial, law=truth['law'], families=families, stage=truth['stage'],
         concealed=float(truth['concealed']), verdict=str(report.get('verdict', '')), names=names,
-        outcome=_outcome(bool(report), names),
+        outcome=outcome_of(bool(report), names),
         surplus=any(not named.right for named in names[1:]),
         port_right=location.get('port') == truth['port'] if truth['law'] else None,
         overlap=overlap_of(
@@ -146,9 +147,45 @@ def family_score(trial: str, truth: Mapping[str, Any], answer: Mapping[str, Any]
     )
 
 
-def _named(effects: Sequence[Mapping[str, Any]], families: Sequence[str]) -> list[NamedEffect]:
-    acceptable = {name for name, cls in EFFECTS.items() if cls.family in families}
-    neutral = set(NEUTRAL) - acceptable
+def of_families(families: Sequence[str]) -> set[str]:
+    """
+    Return the effects of families.
+
+    Parameters
+    ----------
+    families : sequence of str
+        Such as 'friction'.
+
+    Returns
+    -------
+    names : set of str
+        Keys of EFFECTS.
+
+    """
+    return {name for name, cls in EFFECTS.items() if cls.family in families}
+
+
+def scored_names(
+    effects: Sequence[Mapping[str, Any]], acceptable: AbstractSet[str], neutral: AbstractSet[str]
+) -> list[NamedEffect]:
+    """
+    Score the names of a report.
+
+    Parameters
+    ----------
+    effects : sequence of mapping
+        `effects` of the report.
+    acceptable : set of str
+        Names that are right.
+    neutral : set of str
+        Names that do not count.
+
+    Returns
+    -------
+    names : list of NamedEffect
+        In their order, without neutral ones.
+
+    """
     return [
         NamedEffect(effect['name'], float(effect['probability']),
                     bool(acceptable & {effect['name'], *effect['indistinguishable_from']}))
@@ -156,7 +193,23 @@ def _named(effects: Sequence[Mapping[str, Any]], families: Sequence[str]) -> lis
     ]
 
 
-def _outcome(is_report: bool, names: Sequence[NamedEffect]) -> str:
+def outcome_of(is_report: bool, names: Sequence[NamedEffect]) -> str:
+    """
+    Return the outcome of a trial.
+
+    Parameters
+    ----------
+    is_report : bool
+        Whether the diagnosis made a report.
+    names : sequence of NamedEffect
+        Of `scored_names`.
+
+    Returns
+    -------
+    outcome : str
+        RIGHT, WRONG, SILENT or FAILED.
+
+    """
     if not is_report:
         return FAILED
     if not names:

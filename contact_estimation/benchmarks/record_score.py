@@ -1,0 +1,128 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Whether a diagnosis names what is known about a record of a real thing."""
+
+from __future__ import annotations
+
+from typing import Any, Mapping
+
+from ..blind_trials.family_scoring import (
+    NEUTRAL,
+    of_families,
+    outcome_of,
+    RIGHT,
+    scored_names,
+    SILENT,
+)
+from ..exceptions import RecordingError
+from ..physics import EFFECTS
+
+CLASSES = ('right alone', 'right with surplus', 'wrong first', 'silent', 'rightly silent',
+           'failed')
+"""Classes of a record of which the truth is known."""
+
+_ALIKE = (
+    {'coulomb_friction', 'stribeck_friction', 'presliding_friction', 'robot_friction',
+     'bouc_wen_hysteresis'},
+    {'bouc_wen_hysteresis', 'plastic_set', 'presliding_friction'},
+    {'dead_zone', 'backlash', 'contact_offset'},
+)
+# These are of one kind as acceptable names, but each of them says less than its family.
+_ALONE = {'bouc_wen_hysteresis', *NEUTRAL}
+_MIXED = ('wall_motion', 'limits', 'robot')  # families whose members are different things
+
+
+def acceptable_names(truth: Mapping[str, Any]) -> set[str]:
+    """
+    Return the effects that a truth file asks for.
+
+    Parameters
+    ----------
+    truth : mapping
+        `acceptable_names`, or `effects` with `name` and `also`, or `families`.
+
+    Returns
+    -------
+    names : set of str
+        Empty if nothing is missing from the simulation.
+
+    Raises
+    ------
+    RecordingError
+        If it has none of these keys.
+
+    """
+    if 'acceptable_names' in truth:
+        return set(truth['acceptable_names'])
+    if 'families' in truth:
+        return of_families(truth['families'])
+    if 'effects' in truth:
+        return {name for effect in truth['effects']
+                for name in (effect['name'], *effect.get('also', []))}
+    raise RecordingError(
+        f'a truth file must have acceptable_names, effects or families, got '
+        f'{", ".join(truth) or "nothing"}; add one of them')
+
+
+def with_relatives(names: set[str]) -> set[str]:
+    """
+    Add to acceptable names those of their families.
+
+    Real friction rests, slides and hystereses at once: pre-sliding and Bouc-Wen laws, and friction
+    of the robot or of the contact, count as one kind here.
+
+    Parameters
+    ----------
+    names : set of str
+        Acceptable ones.
+
+    Returns
+    -------
+    names : set of str
+        With their relatives.
+
+    """
+    telling = names - _ALONE
+    families = {EFFECTS[name].family for name in telling if name in EFFECTS}.difference(_MIXED)
+    found = names | (of_families(list(families)) - set(NEUTRAL))
+    return found.union(*(alike for alike in _ALIKE if alike & telling))
+
+
+def class_of(truth: Mapping[str, Any], report: Mapping[str, Any] | None) -> str:
+    """
+    Return the class of a report.
+
+    Parameters
+    ----------
+    truth : mapping
+        Content of the truth file.
+    report : mapping or None
+        Content of the report of `diagnose`; None if it failed.
+
+    Returns
+    -------
+    name : str
+        One of CLASSES. Offsets beside other names do not count unless the truth asks for them.
+
+    """
+    asked = acceptable_names(truth)
+    names = scored_names((report or {}).get('effects', []), with_relatives(asked),
+                         set(NEUTRAL) - asked)
+    outcome = outcome_of(report is not None, names)
+    if outcome == RIGHT:
+        return 'right alone' if all(name.right for name in names) else 'right with surplus'
+    if outcome == SILENT:
+        return 'silent' if asked else 'rightly silent'
+    return 'failed' if report is None else 'wrong first'

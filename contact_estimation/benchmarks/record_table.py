@@ -1,0 +1,114 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Diagnosed records as a Markdown table."""
+
+from __future__ import annotations
+
+from typing import Any, Mapping, NamedTuple, Sequence
+
+from .record_score import CLASSES
+
+_COLUMNS = ('record', 'source', 'verdict', 'names with share (95 % interval)', 'class',
+            'held-out force error / std of the force', 'CPU [s]')
+
+
+class Row(NamedTuple):
+    """
+    One diagnosed record.
+
+    Attributes
+    ----------
+    name, source : str
+        Of the record; '' without a known source.
+    verdict : str
+        '' after a failure.
+    effects : sequence of mapping
+        As in the report.
+    outcome : str
+        One of CLASSES; '' where no truth is known.
+    recalibrated, corrected : float or None
+        Held-out force errors, relative to the standard deviation of the force.
+    error : str
+        Message of a failed diagnosis.
+    cpu_s : float
+        Processor time of the diagnosis [s].
+
+    """
+
+    name: str
+    source: str
+    verdict: str
+    effects: Sequence[Mapping[str, Any]]
+    outcome: str
+    recalibrated: float | None
+    corrected: float | None
+    error: str
+    cpu_s: float
+
+
+def as_markdown(rows: Sequence[Row]) -> str:
+    """
+    Format the table and its totals.
+
+    Parameters
+    ----------
+    rows : sequence of Row
+        At least one.
+
+    Returns
+    -------
+    text : str
+        Markdown, without the last end of line.
+
+    """
+    lines = [_line(_COLUMNS), '|' + '---|' * len(_COLUMNS), *(_line(_cells(row)) for row in rows)]
+    return '\n'.join([*lines, '', *_totals(rows)])
+
+
+def _line(cells: Sequence[str]) -> str:
+    return '| ' + ' | '.join(' '.join(cell.split()).replace('|', '\\|') for cell in cells) + ' |'
+
+
+def _cells(row: Row) -> list[str]:
+    return [row.name, row.source, row.verdict.replace('_', ' ') or '-', _names(row),
+            row.outcome or '-', _errors(row), f'{row.cpu_s:.0f}']
+
+
+def _names(row: Row) -> str:
+    if row.error:
+        return row.error
+    return '; '.join(_name(effect) for effect in row.effects) or 'none'
+
+
+def _name(effect: Mapping[str, Any]) -> str:
+    ends = effect['share_interval']
+    interval = '' if None in ends else f' ({100.0 * ends[0]:.0f} to {100.0 * ends[1]:.0f} %)'
+    return f'`{effect["name"]}` {100.0 * effect["share"]:.0f} %{interval}'
+
+
+def _errors(row: Row) -> str:
+    if row.recalibrated is None or row.corrected is None:
+        return '-'
+    return f'{100.0 * row.recalibrated:.3g} → {100.0 * row.corrected:.3g} %'
+
+
+def _totals(rows: Sequence[Row]) -> list[str]:
+    """Count the classes; say the processor time of all."""
+    scored = [row.outcome for row in rows if row.outcome]
+    counts = [f'{name} {scored.count(name)} ({100.0 * scored.count(name) / len(scored):.0f} %)'
+              for name in CLASSES if name in scored]
+    text = f'{len(rows)} records, {len(scored)} with a known truth'
+    return [f'{text}: {", ".join(counts)}.' if counts else f'{text}.',
+            f'Processor time: {sum(row.cpu_s for row in rows):.0f} s.']
