@@ -175,8 +175,9 @@ def test_text_says_how_much_the_names_leave_and_where(count: int, subject: str) 
     place = Location('robot', [(1.0, 2.0)], 'hold', 'small |v|', (5.0, 40.0))
     left = replace(d, effects=d.effects * count, remainder=Remainder(0.123, place, ''))
     assert (f'\n{subject} 12 % of the misfit: in the robot, during the hold (1.0-2.0 s), '
-            'strongest at small |v|, 5.0 to 40.0 Hz.\n') in as_text(left)
-    assert 'leave' not in as_text(replace(left, remainder=None))
+            'strongest at small |v|, 5 to 40 Hz.\n') in as_text(left)
+    assert (f'\n{subject} less than 1 % of the misfit above the noise.\n'
+            in as_text(replace(left, remainder=None)))
 
 
 def test_text_omits_the_interval_of_a_share_of_one_part() -> None:
@@ -186,6 +187,12 @@ def test_text_omits_the_interval_of_a_share_of_one_part() -> None:
     text = as_text(replace(d, effects=[alone]))
     assert '  predicts 50 % of the misfit' in text
     assert 'parts alone' not in text
+
+
+def test_small_shares_have_a_decimal() -> None:
+    d = diagnosed('friction')
+    small = replace(d.effects[0], share=0.012, share_interval=(0.004, 0.02))
+    assert '  predicts 1.2 % (0.4 to 2.0 %) of the misfit' in as_text(replace(d, effects=[small]))
 
 
 def test_unexplained_mismatch_beside_names_is_most_of_it() -> None:

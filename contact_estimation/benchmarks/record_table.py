@@ -93,9 +93,11 @@ def _names(row: Row) -> str:
 
 
 def _name(effect: Mapping[str, Any]) -> str:
-    ends = effect['share_interval']
-    interval = '' if None in ends else f' ({100.0 * ends[0]:.0f} to {100.0 * ends[1]:.0f} %)'
-    return f'`{effect["name"]}` {100.0 * effect["share"]:.0f} %{interval}'
+    share, ends = 100.0 * effect['share'], effect['share_interval']
+    digits = 0 if share >= 10.0 else 1
+    interval = '' if None in ends else (
+        f' ({100.0 * ends[0]:.{digits}f} to {100.0 * ends[1]:.{digits}f} %)')
+    return f'`{effect["name"]}` {share:.{digits}f} %{interval}'
 
 
 def _errors(row: Row) -> str:

@@ -90,8 +90,11 @@ def share_of(effect: NamedEffect) -> str:
 
     """
     low, high = (100.0 * value for value in effect.share_interval)
-    interval = f' ({low:.0f} to {high:.0f} %)' if isfinite(low) and isfinite(high) else ''
-    return f'predicts {100.0 * effect.share:.0f} %{interval} of the misfit on parts left out'
+    share = 100.0 * effect.share
+    digits = 0 if share >= 10.0 else 1
+    interval = (f' ({low:.{digits}f} to {high:.{digits}f} %)'
+                if isfinite(low) and isfinite(high) else '')
+    return f'predicts {share:.{digits}f} %{interval} of the misfit on parts left out'
 
 
 def remainder(diagnosis: Diagnosis) -> str:
@@ -106,14 +109,16 @@ def remainder(diagnosis: Diagnosis) -> str:
     Returns
     -------
     sentence : str
-        Without a full stop; '' where nothing but noise is left, or nothing is named.
+        Without a full stop; '' without named effects.
 
     """
     left = diagnosis.remainder
-    if left is None:
+    if not diagnosis.effects:
         return ''
     left_by = 'The named effect leaves' if len(diagnosis.effects) == 1 else (
         'The named effects together leave')
+    if left is None:
+        return f'{left_by} less than 1 % of the misfit above the noise'
     return (f'{left_by} {100.0 * left.share:.0f} % of the misfit: {PORTS[left.location.port]}, '
             f'{place_of(left.location)}')
 
@@ -173,7 +178,7 @@ def place_of(location: Location) -> str:
     strongest = 'strongest at ' if location.region.startswith(('small', 'large')) else ''
     low, high = location.band_hz
     return (f'{_PHASES.get(location.phase, location.phase)} ({times}), '
-            f'{strongest}{location.region}, {low:.1f} to {high:.1f} Hz')
+            f'{strongest}{location.region}, {low:.3g} to {high:.3g} Hz')
 
 
 def tested_dependences(diagnosis: Diagnosis) -> dict[str, list[Dependence]]:
