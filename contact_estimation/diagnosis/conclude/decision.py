@@ -22,7 +22,7 @@ import numpy as np
 
 from .shares import Shares, shares_of
 from ..fit.criteria import explained_share, leaves_noise, noise_scale, THRESHOLD
-from ..fit.discrepancy import has_discrepancy, without_discrepancy
+from ..fit.discrepancy import has_discrepancy, is_immaterial, without_discrepancy
 from ..fit.fitting import Fit, fit
 from ..fit.flexible import autocorrelation, predictable_share
 from ..fit.model_uncertainty import discounted
@@ -104,7 +104,7 @@ def decide(
     if has_discrepancy(recordings):
         recordings = [discounted(without_discrepancy(one), base.model) for one in recordings]
     weighed, _ = weigh(recordings, fit(recordings, best.model))
-    if all(one.is_immaterial for one in weighed) and not recordings[0].driven_by_force(base.model):
+    if all(is_immaterial(one, base.model) for one in weighed):
         return Decision(best, False, 0.0, None)
     unexplained, predictable = _structured(recordings, best)
     unexplained = unexplained or _is_wrong(_held_out_powers(whole, best.model))

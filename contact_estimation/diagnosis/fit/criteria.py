@@ -34,7 +34,7 @@ SHARE = 0.3
 SHARE_OF_WHOLE = 0.1
 """Least share of the recalibrated model's misfit, unless `NEARLY_ALL` of the present one."""
 
-NEARLY_ALL = 0.5
+NEARLY_ALL = 0.7
 """Share of the present misfit from which on a further effect is no trifle."""
 
 

@@ -17,8 +17,9 @@ The discrepancy: a force that no law of the library explains, a process correlat
 
 A real thing obeys no law to the noise of a good sensor. What a fitted model leaves is described by
 a process of its own size and correlation time (Kennedy and O'Hagan 2001) instead of being taken
-for white noise, of which every small part would be significant. It is one force for both channels:
-a trifle that a precise position sensor shows does not count like a gross error of the force.
+for white noise, of which every small part would be significant. Each channel has its own, but they
+are compared as forces: a trifle that a precise position sensor shows does not count like a gross
+error of the force.
 """
 
 from __future__ import annotations
@@ -37,14 +38,12 @@ Array = NDArray[np.float64]
 
 _OUTLIER = 5.0  # standard deviations beyond which a residual counts as one at that distance
 _MOST_LAGS = 200
+_MATERIAL = 0.006  # of the range of the force
 
 
 def with_discrepancy(recording: PreparedRecording, model: Model) -> PreparedRecording:
     """
     Return the recording with the discrepancy that a fitted model leaves.
-
-    Innovations answer to a force below the observer's cut-off by 1 / (M_t omega_o^2): so much
-    position is equivalent to a newton.
 
     Parameters
     ----------
@@ -56,7 +55,7 @@ def with_discrepancy(recording: PreparedRecording, model: Model) -> PreparedReco
     Returns
     -------
     recording : PreparedRecording
-        With residuals of variance 1 in the channel that the model explains worst.
+        With residuals of variance 1 where the model leaves more than noise.
 
     """
     plain = without_discrepancy(recording)
@@ -64,11 +63,61 @@ def with_discrepancy(recording: PreparedRecording, model: Model) -> PreparedReco
     stds = [_std(part, channel) for part, channel in zip(left, plain.channels(model))]
     if plain.driven_by_force(model):
         return replace(plain, motion_discrepancy=stds[0])
-    if len(stds) == 1:
-        return replace(plain, force_discrepancy=stds[0])
-    stiffness = model.laws().robot.mass * recording.observed.observer_cutoff**2
-    force = max(stds[0], stiffness * stds[1])
-    return replace(plain, force_discrepancy=force, motion_discrepancy=force / stiffness)
+    return replace(plain, force_discrepancy=stds[0], motion_discrepancy=sum(stds[1:]))
+
+
+def forces(recording: PreparedRecording, model: Model) -> list[float]:
+    """
+    Express the errors of a block's mean in each channel as forces.
+
+    Innovations answer to a force below the observer's cut-off by 1 / (M_t omega_o^2): so much
+    position is equivalent to a newton.
+
+    Parameters
+    ----------
+    recording : PreparedRecording
+        With or without a discrepancy.
+    model : Model
+        With the mass of the robot.
+
+    Returns
+    -------
+    stds : list of float
+        Of noise and discrepancy together [N], in the order of the channels; of a wall driven by
+        a force [m].
+
+    """
+    stds = [channel.mean_error for channel in recording.channels(model)]
+    if len(stds) == 2:
+        stds[1] *= model.laws().robot.mass * recording.observed.observer_cutoff**2
+    return stds
+
+
+def is_immaterial(recording: PreparedRecording, model: Model) -> bool:
+    """
+    Return whether a discrepancy is too small beside the force to be worth a name.
+
+    Parameters
+    ----------
+    recording : PreparedRecording
+        With its discrepancy.
+    model : Model
+        With the mass of the robot.
+
+    Returns
+    -------
+    immaterial : bool
+        False for a wall driven by a force.
+
+    """
+    if recording.driven_by_force(model):
+        return False
+    largest = recording.force_discrepancy
+    if recording.motion_discrepancy > 0.0:
+        stiffness = model.laws().robot.mass * recording.observed.observer_cutoff**2
+        largest = max(largest, stiffness * recording.motion_discrepancy)
+    low, high = np.percentile(recording.observed.force, (1.0, 99.0))
+    return largest < _MATERIAL * float(high - low)
 
 
 def without_discrepancy(recording: PreparedRecording) -> PreparedRecording:

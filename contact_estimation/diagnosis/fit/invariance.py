@@ -27,6 +27,7 @@ from typing import NamedTuple, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from .discrepancy import forces, has_discrepancy
 from .fitting import differentiate_by, Fit, residual_function
 from ..observe.episodes import episodes
 from ..observe.model import Model
@@ -54,14 +55,21 @@ class Part(NamedTuple):
         Such as 'episode 2' or '3.0 to 4.5 s'.
     there : ndarray of bool, shape (R,)
         Its residuals among the stacked ones of all recordings.
+    weights : ndarray
+        Of the squares of these residuals: channels with a discrepancy are compared as forces.
     noise : float
-        Expected sum of their squares if all of them were noise.
+        Expected weighted sum of squares if all of them were noise.
 
     """
 
     name: str
     there: Flags
+    weights: Array
     noise: float
+
+    def squares(self, residuals: Array) -> float:
+        """Sum the weighted squares of stacked residuals, shape (R,), on the part."""
+        return float(self.weights @ residuals[self.there] ** 2)
 
 
 class Share(NamedTuple):
@@ -104,7 +112,7 @@ def parts_of(recordings: Recordings, found: Fit) -> list[Part]:
 
     """
     parts = _parts_of(recordings, found.model, 1)
-    misfit = np.array([_square(found.residuals[part.there]) for part in parts])
+    misfit = np.array([part.squares(found.residuals) for part in parts])
     blocks = all(len(episodes(found.model, one.observed)) < 2 for one in recordings)
     if blocks and misfit.max(initial=0.0) > _EVENT * misfit.sum():
         return _parts_of(recordings, found.model, _PIECES)
@@ -119,15 +127,25 @@ def _parts_of(recordings: Recordings, model: Model, pieces: int) -> list[Part]:
         channels = one.channels(model)
         filled = np.concatenate([channel.filled for channel in channels])
         noise = np.concatenate([channel.noise_share for channel in channels])
+        weights = np.repeat(_weights(one, model), one.block_count)
         prefix = f'{one.name}, ' if len(recordings) > 1 else ''
         for name, blocks in _divide(one, model, least, pieces):
             here = np.tile(blocks, len(channels)) & filled
             if np.count_nonzero(here) >= _LEAST_RESIDUALS:
                 there = np.zeros(total, bool)
                 there[begin:begin + len(here)] = here
-                parts.append(Part(prefix + name, there, float(noise[here].sum())))
+                parts.append(Part(prefix + name, there, weights[here],
+                                  float(weights[here] @ noise[here])))
         begin += len(filled)
     return parts
+
+
+def _weights(one: PreparedRecording, model: Model) -> Array:
+    """Weigh the channels' squares by their errors as forces, if these are not noise only."""
+    if not has_discrepancy([one]):
+        return np.ones(len(one.channels(model)))
+    stds = np.array(forces(one, model))
+    return np.asarray((stds / stds.max()) ** 2)
 
 
 def _divide(
@@ -217,11 +235,11 @@ def left_out_errors(
             squares[k] = before[k]
             continue
         change = np.linalg.lstsq(jacobian[rest], -here[rest], rcond=1e-9)[0] * size
-        squares[k] = _square(here[part.there])
+        squares[k] = part.squares(here)
         for share in _STEPS:
             there = function(np.clip(values + share * change, low, high))
             if _square(there[rest]) <= present:
-                squares[k] = _square(there[part.there])
+                squares[k] = part.squares(there)
                 break
     return squares
 

@@ -30,7 +30,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .criteria import enough, LEFT, leaves_noise, noise_scale, penalty, predicts_enough, THRESHOLD
-from .discrepancy import has_discrepancy, with_discrepancy
+from .discrepancy import has_discrepancy, is_immaterial, with_discrepancy
 from .fitting import cost_of, Fit, fit, fit_to_end
 from .invariance import left_out_errors, Part, parts_of, share_of
 from .model_uncertainty import discounted
@@ -112,7 +112,7 @@ def select(
         if count > 0 and best.cost < best.residual_count * (1.0 + 0.5 * THRESHOLD):
             break  # the rest is noise
         weighed, present = weigh(recordings, best)
-        if all(one.is_immaterial for one in weighed) and _nearly_noise(best):
+        if all(is_immaterial(one, base.model) for one in weighed) and _nearly_noise(best):
             weighed = recordings  # a law that is not exact says nothing here
         names = candidates_for(best.model, with_robot, is_pressed(recordings, best.model))
         found = search(weighed, present, names, progress)

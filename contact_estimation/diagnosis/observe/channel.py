@@ -75,6 +75,11 @@ class Channel:
         return float(np.hypot(self.noise, self.discrepancy))
 
     @property
+    def mean_error(self) -> float:
+        """Standard deviation of a full block's mean."""
+        return float(np.hypot(self.noise / np.sqrt(self.block), self.discrepancy))
+
+    @property
     def block_error(self) -> float:
         """Standard deviation of a full block's mean, times the root of its samples."""
         return float(np.hypot(self.noise, self.discrepancy * np.sqrt(self.block)))

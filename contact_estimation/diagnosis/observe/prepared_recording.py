@@ -38,7 +38,6 @@ Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 _SLOPE_S = 0.02  # over which the rate of the force is averaged
-_MATERIAL = 0.006  # of the range of the force
 _FORGOTTEN = 4.0  # times 1 / omega_o: the observer has forgotten an error
 
 
@@ -172,12 +171,6 @@ class PreparedRecording:
             return spread
         # The error is the same throughout a block, and no average makes it smaller.
         return np.hypot(spread, sqrt(self.block) * error / noise)
-
-    @property
-    def is_immaterial(self) -> bool:
-        """Whether the discrepancy is too small beside the force to be worth a name."""
-        low, high = np.percentile(self.observed.force, (1.0, 99.0))
-        return self.force_discrepancy < _MATERIAL * float(high - low)
 
     @property
     def residual_count(self) -> int:
