@@ -16,7 +16,6 @@
 
 from __future__ import annotations
 
-from math import exp
 from typing import NamedTuple, Sequence
 
 import numpy as np
@@ -25,6 +24,7 @@ from numpy.typing import NDArray
 
 from .held_out import as_good
 from .location import locate
+from .probability import probabilities
 from .result import NamedEffect, Value
 from .shares import Shares
 from ..fit.criteria import enough, noise_scale, PRICE
@@ -37,8 +37,6 @@ from ...physics import EFFECTS
 
 Array = NDArray[np.float64]
 
-_TEMPERATURE = 10.0  # residuals are correlated: costs count less than those of independent ones
-_CHANCE_GAIN = 4.0  # of cost by a further parameter
 _NEAREST, _MOST_RIVALS = 4, 2
 _NEAR = 3.0  # times the best cost: other rivals are out of the question
 
@@ -93,6 +91,7 @@ def name_effects(
     if shares is None:
         return Names([], {})
     effects, rival_models = [], {}
+    likely = dict(zip(shares.of, probabilities(list(shares.of.values()))))
     for name in sorted(best.model.effects, key=lambda name: -shares.of[name].share):
         dropped = fit(recordings, best.model.without(name), steps=8)
         rivals = _rivals(selection, name, recordings)
@@ -100,7 +99,7 @@ def name_effects(
         rival_models.update({rival.model.effects[-1]: rival.model for rival in alike})
         cls, share = EFFECTS[name], shares.of[name]
         effects.append(NamedEffect(
-            name, cls.family, cls.port, cls.equation, _probability(best, rivals), share.share,
+            name, cls.family, cls.port, cls.equation, likely[name], share.share,
             share.interval, shares.on_parts(name), _values(best, name, stds),
             [rival.model.effects[-1] for rival in alike],
             locate(shown, dropped.model, cls.port)))
@@ -123,18 +122,6 @@ def _rivals(selection: Selection, name: str, recordings: Recordings) -> list[Fit
     fits = [fit(recordings, rival.model, steps=8) for rival in nearest]
     return sorted((found for found in fits if found.model.plausible()),
                   key=lambda found: found.cost)
-
-
-def _probability(best: Fit, rivals: Sequence[Fit]) -> float:
-    scale = _TEMPERATURE * noise_scale(best)
-    weights = []
-    for rival in rivals:
-        more = max(len(rival.model.values) - len(best.model.values), 0)
-        if more and rival.cost > best.cost - _CHANCE_GAIN * more:
-            continue  # a law that contains the named one does not contradict it
-        behind = max(rival.cost - best.cost + PRICE * more, 0.0)
-        weights.append(exp(-min(behind / (2.0 * scale), 700.0)))
-    return 1.0 / (1.0 + sum(weights))
 
 
 def _alike(

@@ -34,6 +34,9 @@ SHARE = 0.3
 SHARE_OF_WHOLE = 0.1
 """Least share of the recalibrated model's misfit, unless `NEARLY_ALL` of the present one."""
 
+SURE = 0.25
+"""Least lower end of the interval of the share of the present misfit."""
+
 NEARLY_ALL = 0.7
 """Share of the present misfit from which on a further effect is no trifle."""
 
@@ -135,7 +138,7 @@ def predicts_enough(of_present: Share, of_whole: Share, generic: bool) -> bool:
         A fair share of the present misfit, beyond doubt, and not a trifle of the whole.
 
     """
-    if of_present.share < SHARE or min(of_present.interval[0], of_whole.interval[0]) <= 0.0:
+    if of_present.share < SHARE or of_present.interval[0] < SURE or of_whole.interval[0] <= 0.0:
         return False
     if of_whole.share >= SHARE_OF_WHOLE:
         return True

@@ -28,7 +28,8 @@ from ..observe.prepared_recording import Recordings
 from ...physics import EFFECTS
 from ...physics.robot_effect import RobotEffect
 
-_FOLLOWED, _TO_END = 6, 2  # candidates that are refined, and those of them fitted to the end
+_STARTED = 14  # candidates that are fitted, the best after one step
+_FOLLOWED, _TO_END = 6, 2  # those that are refined, and those fitted to the end
 _SLACK = 0.02  # of the range, by which a pressed wall may be pulled
 _FAR = 2.0  # times the noise: power of the residuals
 
@@ -112,11 +113,13 @@ def search(
 
     """
     scales = measure_scales(recordings, base)
-    started: list[Fit] = []
+    near: list[Model] = []
     for name in names:
         progress(name)
         starts = [base.model.with_effect(name, values) for values in EFFECTS[name].starts(scales)]
-        started.append(fit(recordings, _best_start(recordings, starts), steps=4))
+        near.append(_best_start(recordings, starts))
+    near.sort(key=lambda model: cost_of(recordings, model) + penalty(model))
+    started = [fit(recordings, model, steps=4) for model in near[:_STARTED]]
     started.sort(key=lambda found: found.cost + penalty(found.model))
     fits = [fit(recordings, found.model, steps=8) for found in started[:_FOLLOWED]]
     fits.sort(key=lambda found: found.cost)

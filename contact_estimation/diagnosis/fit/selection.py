@@ -29,7 +29,7 @@ from typing import NamedTuple, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from .criteria import enough, LEFT, leaves_noise, noise_scale, penalty, predicts_enough, THRESHOLD
+from .criteria import enough, LEFT, leaves_noise, noise_scale, penalty, predicts_enough, SHARE, THRESHOLD
 from .discrepancy import has_discrepancy, is_immaterial, with_discrepancy
 from .fitting import cost_of, Fit, fit, fit_to_end
 from .invariance import left_out_errors, Part, parts_of, share_of
@@ -48,6 +48,7 @@ _EXCHANGE_GAIN = 10.0  # cost, in that of the noise
 _ASSESSED = 8  # candidates that are fitted to the end and predict parts left out
 _NEARLY, _STRICTLY = 3.0, 1.15  # mean squares, in that of the noise: small, and none
 _NEAR_NOISE = 4.0  # mean square, in that of the noise, from which a candidate may be exact
+_PROMISING = 0.4  # of the largest gain in the fit, to be assessed
 _ADEQUATE = 0.05  # of the gain: a simpler law may predict that much less
 _GENERIC_SHARE, _GENERIC_LEAD = 0.85, 0.15  # what a curve that fits anything slow must show
 
@@ -109,7 +110,7 @@ def select(
     best, evidence = base, dict[str, float]()
     rivals: Rivals = {}
     for count in range(MOST_EFFECTS):
-        if count > 0 and best.cost < best.residual_count * (1.0 + 0.5 * THRESHOLD):
+        if best.cost < best.residual_count * (1.0 + 0.5 * THRESHOLD):
             break  # the rest is noise
         weighed, present = weigh(recordings, best)
         if all(is_immaterial(one, base.model) for one in weighed) and _nearly_noise(best):
@@ -216,6 +217,12 @@ def _rank_by_prediction(
     recordings: Recordings, present: Fit, base: Model, found: Sequence[Fit]
 ) -> list[Fit]:
     """Rank candidates by their errors on parts left out; none if the best explains too little."""
+    # No law predicts much better than it fits.
+    gains = [present.cost - one.cost for one in found]
+    found = [one for one, gain in zip(found, gains)
+             if gain > max(SHARE * present.cost, _PROMISING * max(gains))]
+    if not found:
+        return []
     first = fit(recordings, base) if present.model.effects else present
     parts = parts_of(recordings, first)
     before = left_out_errors(recordings, present, parts)
