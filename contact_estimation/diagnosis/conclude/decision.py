@@ -21,7 +21,7 @@ from typing import NamedTuple, Sequence
 import numpy as np
 
 from .shares import Shares, shares_of
-from ..fit.criteria import explained_share, leaves_noise, noise_scale, THRESHOLD
+from ..fit.criteria import enough, explained_share, leaves_noise, noise_scale, THRESHOLD
 from ..fit.discrepancy import has_discrepancy, is_immaterial, without_discrepancy
 from ..fit.fitting import Fit, fit
 from ..fit.flexible import autocorrelation, predictable_share
@@ -201,7 +201,11 @@ def releases_contact(recordings: Recordings, model: Model) -> bool:
 
 
 def _significant(recordings: Recordings, best: Fit) -> Fit:
-    """Drop effects of which no parameter differs significantly from that of no effect."""
+    """
+    Drop effects of which no parameter differs significantly from that of no effect.
+
+    Unless the fit without them is much worse: then parameters are known only together.
+    """
     stds = standard_deviations(recordings, best)
     for name in best.model.effects:
         place, neutral = best.model.place(name), EFFECTS[name].neutral
@@ -209,5 +213,7 @@ def _significant(recordings: Recordings, best: Fit) -> Fit:
                 for parameter, value, std in zip(
                     names_of(name), best.model.values[place], stds[place])]
         if not any(away):
-            return _significant(recordings, fit(recordings, best.model.without(name)))
+            rest = fit(recordings, best.model.without(name))
+            if not enough(rest, best):
+                return _significant(recordings, rest)
     return best

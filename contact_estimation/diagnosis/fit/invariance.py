@@ -215,7 +215,7 @@ def left_out_errors(
         Of the recordings.
     before : ndarray, shape (parts,), optional
         Errors without the last effect. They stand for those with it where the rest of the
-        recordings does not determine its magnitude: what is not known predicts nothing.
+        recordings does not determine the prediction: what is not known predicts nothing.
 
     Returns
     -------
@@ -231,9 +231,6 @@ def left_out_errors(
     for k, part in enumerate(parts):
         rest = ~part.there
         present = _square(here[rest])
-        if before is not None and not _determined(model, jacobian[rest], here[rest]):
-            squares[k] = before[k]
-            continue
         change = np.linalg.lstsq(jacobian[rest], -here[rest], rcond=1e-9)[0] * size
         squares[k] = part.squares(here)
         for share in _STEPS:
@@ -241,18 +238,17 @@ def left_out_errors(
             if _square(there[rest]) <= present:
                 squares[k] = part.squares(there)
                 break
+        if before is not None and _spread(part, jacobian, rest, here) > before[k] - squares[k]:
+            squares[k] = max(squares[k], before[k])
     return squares
 
 
-def _determined(model: Model, jacobian: Array, left: Array) -> bool:
-    """Return whether residuals determine the first parameter of the last effect."""
-    place = model.place(model.effects[-1]).start
-    if not model.free[place]:
-        return True
-    column = int(np.count_nonzero(model.free[:place]))
-    normal = jacobian.T @ jacobian + _FAINT * np.eye(jacobian.shape[1])
-    variance = np.linalg.inv(normal)[column, column] * max(float(np.mean(left**2)), 1e-12)
-    return bool(variance < 1.0)
+def _spread(part: Part, jacobian: Array, rest: Flags, left: Array) -> float:
+    """Return the expected squared error of a prediction by what the rest leaves undetermined."""
+    normal = jacobian[rest].T @ jacobian[rest] + _FAINT * np.eye(jacobian.shape[1])
+    covariance = np.linalg.inv(normal) * float(np.mean(left[rest] ** 2))
+    here = jacobian[part.there]
+    return float(part.weights @ np.einsum('ij,jk,ik->i', here, covariance, here))
 
 
 def _square(values: Array) -> float:
