@@ -16,7 +16,7 @@
 
 from __future__ import annotations
 
-from concealed_worlds import attached, ATTACHED, nominal, physics, prepared_from, recorded
+from concealed_worlds import ATTACHED, attached, nominal, physics, prepared_from, recorded
 from contact_estimation.diagnosis.fit.criteria import predicts_enough
 from contact_estimation.diagnosis.fit.discrepancy import (
     correlation_time,

@@ -215,7 +215,8 @@ def as_good(
         if here is None or there is None:
             continue
         mask = use & o.measured
-        squares = [_smoothed(part * mask / channel.block_error, recording.block) ** 2 for part in (there, here)]
+        squares = [_smoothed(part * mask / channel.block_error, recording.block) ** 2
+                   for part in (there, here)]
         differences += _sums(squares[0] - squares[1], span)
     blocks = np.flatnonzero(_sums(use.astype(float), span) > 0.0)
     if len(blocks) < 2:

@@ -243,7 +243,8 @@ class Judge:
         return PreparedRecording(
             experiment.name, observed, old.force_noise, old.motion_noise,
             usable(self._model, observed), default_block(observed),
-            observer=nominal_observer(self._model, observed), motion_discrepancy=old.motion_discrepancy)
+            observer=nominal_observer(self._model, observed),
+            force_discrepancy=old.force_discrepancy, motion_discrepancy=old.motion_discrepancy)
 
 
 def _sensitivities(recordings: Recordings, model: Model) -> Array:

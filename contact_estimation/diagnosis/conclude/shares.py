@@ -25,7 +25,15 @@ from numpy.typing import NDArray
 from .result import EffectOnPart
 from ..fit.discrepancy import with_discrepancy
 from ..fit.fitting import Fit, fit
-from ..fit.invariance import above_noise, left_out_errors, Part, parts_of, Share, share_of, values_on
+from ..fit.invariance import (
+    above_noise,
+    left_out_errors,
+    Part,
+    parts_of,
+    Share,
+    share_of,
+    values_on,
+)
 from ..fit.model_uncertainty import discounted
 from ..observe.model import Model, names_of
 from ..observe.prepared_recording import Recordings

@@ -29,14 +29,23 @@ from typing import NamedTuple, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from .criteria import enough, LEFT, leaves_noise, noise_scale, penalty, predicts_enough, SHARE, THRESHOLD
+from .criteria import (
+    enough,
+    leaves_noise,
+    LEFT,
+    noise_scale,
+    penalty,
+    predicts_enough,
+    SHARE,
+    THRESHOLD,
+)
 from .discrepancy import has_discrepancy, is_immaterial, with_discrepancy
 from .fitting import cost_of, Fit, fit, fit_to_end
 from .invariance import left_out_errors, Part, parts_of, share_of
 from .model_uncertainty import discounted
 from .search import candidates_for, is_pressed, Progress, search
 from ..observe.model import Model, names_of
-from ..observe.prepared_recording import PreparedRecording, Recordings
+from ..observe.prepared_recording import Recordings
 from ...physics import EFFECTS
 
 Array = NDArray[np.float64]
@@ -219,8 +228,10 @@ def _rank_by_prediction(
     """Rank candidates by their errors on parts left out; none if the best explains too little."""
     # No law predicts much better than it fits.
     gains = [present.cost - one.cost for one in found]
+    noise = sum(float(channel.noise_share.sum()) for one in recordings
+                for channel in one.channels(present.model))
     found = [one for one, gain in zip(found, gains)
-             if gain > max(SHARE * present.cost, _PROMISING * max(gains))]
+             if gain > max(SHARE * (present.cost - noise), _PROMISING * max(gains))]
     if not found:
         return []
     first = fit(recordings, base) if present.model.effects else present
@@ -299,7 +310,8 @@ def exchange(
     rivals = dict(rivals)
     for name in best.model.effects[:-1]:
         rest = fit(recordings, best.model.without(name))
-        fits = search(recordings, rest, candidates_for(rest.model, with_robot, is_pressed(recordings, rest.model)), progress)
+        names = candidates_for(rest.model, with_robot, is_pressed(recordings, rest.model))
+        fits = search(recordings, rest, names, progress)
         # A wider law always fits a little better: it is charged for its parameters.
         least = _EXCHANGE_GAIN + (penalty(fits[0].model) - penalty(best.model) if fits else 0.0)
         if fits and fits[0].cost < best.cost - noise_scale(best) * least:
