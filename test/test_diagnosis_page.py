@@ -87,7 +87,8 @@ def test_page_is_self_contained(page: tuple[str, str]) -> None:
     tags = Page(text).tags
     assert not {'script', 'link', 'iframe', 'object'} & {tag for tag, _ in tags}
     sources = [attributes['src'] for _, attributes in tags if 'src' in attributes]
-    assert len(sources) == 7 + len(diagnosed(name).effects)
+    with_evidence = bool(diagnosed(name).evidence)
+    assert len(sources) == 6 + with_evidence + len(diagnosed(name).effects)
     assert all((source or '').startswith('data:image/png;base64,iVBOR') for source in sources)
 
 

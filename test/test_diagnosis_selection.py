@@ -144,7 +144,7 @@ def test_nothing_is_taken_from_a_clean_world() -> None:
     selection = select([recording], base)
     assert selection.best.model.effects == ()
     assert selection.rivals == {}
-    assert max(selection.evidence.values()) < 0.1
+    assert selection.evidence == {}  # nothing was searched
 
 
 @pytest.mark.slow

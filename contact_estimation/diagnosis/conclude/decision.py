@@ -105,7 +105,10 @@ def decide(
         recordings = [discounted(without_discrepancy(one), base.model) for one in recordings]
     weighed, _ = weigh(recordings, fit(recordings, best.model))
     if all(is_immaterial(one, base.model) for one in weighed):
-        return Decision(best, False, 0.0, None)
+        usual = max(1.0, best.cost / best.residual_count)
+        late = any(power > _HELD_OUT_POWER * usual
+                   for power in _held_out_powers(whole, best.model))
+        return Decision(best, late, 0.0, None)
     unexplained, predictable = _structured(recordings, best)
     unexplained = unexplained or _is_wrong(_held_out_powers(whole, best.model))
     return Decision(best, unexplained, predictable, None)

@@ -43,6 +43,7 @@ from ...plant.between_samples import BETWEEN
 from ...plant.plant_parameters import PlantParameters
 
 _DIVERGED = 1e3  # times the range of the motion
+_SHARPER = 0.7  # of the cost: less may show that the law is exact
 _UNCHANGED = 0.02  # of the misfit: best model after smoothing again
 
 
@@ -165,7 +166,7 @@ def _smooth_again(
     """
     best = selection.best.model
     runs = all(one.observed.has_dynamics(model.nominal) for one in recordings)
-    if not best.effects or not runs or has_discrepancy(selection.recordings):
+    if not best.effects or not runs:
         return selection
     progress('smoothing with the selected model')
     again = _smoothed_with(best, raw, recordings, model)
@@ -173,6 +174,9 @@ def _smooth_again(
         return selection
     again, base = _recalibrate(again, selection.base.model)
     named = fit(again, best)
+    if has_discrepancy(selection.recordings):  # sharper motion may show that the law is exact
+        before = fit(recordings, best).cost
+        return select(again, base, progress) if named.cost < _SHARPER * before else selection
     if named.cost > selection.best.cost or not named.model.plausible():
         return selection
     left = named.cost - named.residual_count

@@ -28,6 +28,7 @@ from .probability import probabilities
 from .result import NamedEffect, Value
 from .shares import Shares
 from ..fit.criteria import enough, noise_scale, PRICE
+from ..fit.discrepancy import has_discrepancy
 from ..fit.fitting import Fit, fit
 from ..fit.selection import Selection
 from ..observe.model import Model, names_of
@@ -91,7 +92,8 @@ def name_effects(
     if shares is None:
         return Names([], {})
     effects, rival_models = [], {}
-    likely = dict(zip(shares.of, probabilities(list(shares.of.values()))))
+    exact = not has_discrepancy(recordings)
+    likely = dict(zip(shares.of, probabilities(list(shares.of.values()), exact)))
     for name in sorted(best.model.effects, key=lambda name: -shares.of[name].share):
         dropped = fit(recordings, best.model.without(name), steps=8)
         rivals = _rivals(selection, name, recordings)
@@ -99,7 +101,8 @@ def name_effects(
         rival_models.update({rival.model.effects[-1]: rival.model for rival in alike})
         cls, share = EFFECTS[name], shares.of[name]
         effects.append(NamedEffect(
-            name, cls.family, cls.port, cls.equation, likely[name], share.share,
+            name, cls.family, cls.port, cls.equation, likely[name] / (1.0 + exact * len(alike)),
+            share.share,
             share.interval, shares.on_parts(name), _values(best, name, stds),
             [rival.model.effects[-1] for rival in alike],
             locate(shown, dropped.model, cls.port)))

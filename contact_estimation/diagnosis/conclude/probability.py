@@ -30,7 +30,7 @@ _EVEN, _SLOPE = 0.28, 8.0  # share at which a name is as often right as wrong, a
 _LEAST, _MOST = 0.05, 0.97  # no finite number of worlds supports more
 
 
-def probabilities(shares: Sequence[Share]) -> list[float]:
+def probabilities(shares: Sequence[Share], exact: bool) -> list[float]:
     """
     Compute the probabilities that names are right, by family.
 
@@ -38,6 +38,8 @@ def probabilities(shares: Sequence[Share]) -> list[float]:
     ----------
     shares : sequence of Share
         Of the recalibrated model's misfit, in the order in which the effects were taken.
+    exact : bool
+        Whether the effects leave only noise: no wrong law does that by chance.
 
     Returns
     -------
@@ -45,6 +47,8 @@ def probabilities(shares: Sequence[Share]) -> list[float]:
         Of each; that of a later effect counts half by its share of what the earlier ones leave.
 
     """
+    if exact:
+        return [_MOST] * len(shares)
     found, left = [], 1.0
     for share in shares:
         sure = min(share.interval[0], 1.0)

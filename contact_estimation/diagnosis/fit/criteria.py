@@ -34,7 +34,7 @@ SHARE = 0.3
 SHARE_OF_WHOLE = 0.1
 """Least share of the recalibrated model's misfit, unless `NEARLY_ALL` of the present one."""
 
-SURE = 0.25
+SURE = 0.2
 """Least lower end of the interval of the share of the present misfit."""
 
 NEARLY_ALL = 0.7

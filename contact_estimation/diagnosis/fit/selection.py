@@ -57,6 +57,7 @@ _EXCHANGE_GAIN = 10.0  # cost, in that of the noise
 _ASSESSED = 8  # candidates that are fitted to the end and predict parts left out
 _NEARLY, _STRICTLY = 3.0, 1.15  # mean squares, in that of the noise: small, and none
 _NEAR_NOISE = 4.0  # mean square, in that of the noise, from which a candidate may be exact
+_NEARLY_EXACT, _POLISHED = 0.1, 5  # of the present cost, likewise; candidates fitted to the noise
 _PROMISING = 0.4  # of the largest gain in the fit, to be assessed
 _ADEQUATE = 0.05  # of the gain: a simpler law may predict that much less
 _GENERIC_SHARE, _GENERIC_LEAD = 0.85, 0.15  # what a curve that fits anything slow must show
@@ -79,7 +80,7 @@ class Selection(NamedTuple):
     rivals : dict of str to list of Fit
         For each effect taken, fits with another in its place, best first.
     evidence : dict of str to float
-        Share of the cost that one effect alone takes away, by name.
+        Share of the misfit above the noise that one effect alone takes away, by name.
 
     """
 
@@ -127,8 +128,11 @@ def select(
         names = candidates_for(best.model, with_robot, is_pressed(recordings, best.model))
         found = search(weighed, present, names, progress)
         if count == 0:
-            evidence = {one.model.effects[-1]: 1.0 - one.cost / present.cost for one in found}
-        fits = found if leaves_noise(best) else _exact(recordings, found, weighed is recordings)
+            misfit = max(present.cost - _noise(weighed, present.model), 1e-9 * present.cost)
+            evidence = {one.model.effects[-1]: (present.cost - one.cost) / misfit
+                        for one in found}
+        fits = found if leaves_noise(best) else _exact(
+            recordings, best.cost, found, weighed is recordings)
         if leaves_noise(best) or fits:
             if not fits or not enough(best, fits[0]):
                 break
@@ -184,15 +188,25 @@ def weigh(recordings: Recordings, found: Fit) -> tuple[Recordings, Fit]:
     return recordings, found
 
 
+def _noise(recordings: Recordings, model: Model) -> float:
+    """Return the cost that noise alone would leave."""
+    return sum(float(channel.noise_share.sum()) for one in recordings
+               for channel in one.channels(model))
+
+
 def _nearly_noise(found: Fit) -> bool:
     return found.cost < _NEARLY * found.residual_count
 
 
-def _exact(recordings: Recordings, found: Sequence[Fit], strictly: bool) -> list[Fit]:
+def _exact(
+    recordings: Recordings, present: float, found: Sequence[Fit], strictly: bool
+) -> list[Fit]:
     """Fit the candidates near the noise to it; return them, best first, if one leaves no more."""
     count = sum(one.residual_count for one in recordings)
-    near = [one for one in found[:_ASSESSED]
-            if cost_of(recordings, one.model) < _NEAR_NOISE * count]
+    largest = max(_NEAR_NOISE * count, _NEARLY_EXACT * present)
+    costs = [(cost_of(recordings, one.model), k) for k, one in enumerate(found[:_ASSESSED])]
+    ranked = sorted(costs)
+    near = [found[k] for cost, k in ranked[:_POLISHED] if cost < largest or cost == ranked[0][0]]
     fits = [fit_to_end(recordings, fit(recordings, one.model)) for one in near]
     fits = [one for one in fits if one.model.plausible()]
     most = _STRICTLY if strictly else 1.0 + LEFT
@@ -228,8 +242,7 @@ def _rank_by_prediction(
     """Rank candidates by their errors on parts left out; none if the best explains too little."""
     # No law predicts much better than it fits.
     gains = [present.cost - one.cost for one in found]
-    noise = sum(float(channel.noise_share.sum()) for one in recordings
-                for channel in one.channels(present.model))
+    noise = _noise(recordings, present.model)
     found = [one for one, gain in zip(found, gains)
              if gain > max(SHARE * (present.cost - noise), _PROMISING * max(gains))]
     if not found:
