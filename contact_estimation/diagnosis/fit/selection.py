@@ -31,6 +31,7 @@ from numpy.typing import NDArray
 
 from .criteria import (
     enough,
+    explained_share,
     leaves_noise,
     LEFT,
     noise_scale,
@@ -53,6 +54,7 @@ Array = NDArray[np.float64]
 MOST_EFFECTS = 3
 """Effects that are selected at most."""
 
+_FULLY = 0.995  # share of the misfit from which on the rest is the method's own error
 _EXCHANGE_GAIN = 10.0  # cost, in that of the noise
 _ASSESSED = 8  # candidates that are fitted to the end and predict parts left out
 _NEARLY, _STRICTLY = 3.0, 1.15  # mean squares, in that of the noise: small, and none
@@ -118,10 +120,14 @@ def select(
     with_robot = with_robot and any(
         recording.observed.reference is not None for recording in recordings)
     best, evidence = base, dict[str, float]()
+    driven = all(one.driven_by_force(base.model) for one in recordings)
     rivals: Rivals = {}
     for count in range(MOST_EFFECTS):
         if best.cost < best.residual_count * (1.0 + 0.5 * THRESHOLD):
             break  # the rest is noise
+        explained = explained_share(base.cost, best.cost, best.residual_count)
+        if count > 0 and driven and explained > _FULLY:
+            break  # a wall that a force drives is measured more precisely than any law is valid
         weighed, present = weigh(recordings, best)
         if all(is_immaterial(one, base.model) for one in weighed) and _nearly_noise(best):
             weighed = recordings  # a law that is not exact says nothing here
@@ -157,7 +163,18 @@ def select(
         best = fit(recordings, best.model) if best.model.effects else base
         return Selection(recordings, base, best, rivals, evidence)
     weighed, best = weigh(recordings, best)
+    best = _without_trifles(weighed, best)
     return Selection(weighed, fit(weighed, base.model), best, rivals, evidence)
+
+
+def _without_trifles(recordings: Recordings, best: Fit) -> Fit:
+    """Drop effects that later ones have made superfluous."""
+    for name in best.model.effects[:-1]:
+        rest = fit(recordings, best.model.without(name))
+        misfit = rest.cost - _noise(recordings, best.model)
+        if rest.cost - best.cost < SHARE * misfit:
+            return _without_trifles(recordings, rest)
+    return best
 
 
 def weigh(recordings: Recordings, found: Fit) -> tuple[Recordings, Fit]:
@@ -260,6 +277,8 @@ def _rank_by_prediction(
                 fitted, left_out_errors(recordings, fitted, parts, before),
                 _is_generic(fitted.model, duration)))
     taken = _choose(assessed, before, parts)
+    if taken is not None:
+        taken = _simpler_beside_an_offset(recordings, assessed, taken, before, parts)
     if taken is None or not predicts_enough(
             share_of(before, taken.errors, parts, before),
             share_of(before, taken.errors, parts, whole), taken.generic):
@@ -291,6 +310,23 @@ def _choose(
         winner = next((one for one in adequate if one.name == 'force_bias'), winner)
     simpler = [one for one in adequate if one.size < winner.size]
     return min(simpler, key=lambda one: (one.size, one.total), default=winner)
+
+
+def _simpler_beside_an_offset(
+    recordings: Recordings, assessed: Sequence[_Candidate], taken: _Candidate, before: Array,
+    parts: Sequence[Part],
+) -> _Candidate:
+    """Return a simpler law if it predicts as well beside a bias, which comes next."""
+    most = taken.total + _ADEQUATE * (float(before.sum()) - taken.total)
+    if 'force_bias' in taken.found.model.effects:
+        return taken
+    for one in sorted(assessed, key=lambda one: one.total):
+        if one.size + 1 < taken.size and not one.generic:
+            model = one.found.model.with_effect('force_bias', (0.0,))
+            beside = fit(recordings, model)
+            if float(left_out_errors(recordings, beside, parts).sum()) <= most:
+                return one
+    return taken
 
 
 def _is_generic(model: Model, duration: float) -> bool:
