@@ -107,8 +107,10 @@ setup(
             'flake8-deprecated',
             'flake8-import-order>=0.19',
             'flake8-quotes',
+            'hypothesis>=6.100',
             'matplotlib>=3.6',
             'mypy>=1.9',
+            'padasip>=1.2',  # a peer of the estimators study
             'pydocstyle>=6.3',
             'pytest>=7.4',
             'pytest-xdist>=3.7',

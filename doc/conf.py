@@ -31,7 +31,7 @@ extensions = [
     'sphinx.ext.autosummary',
     'sphinx.ext.viewcode',
 ]
-exclude_patterns = ['_build']
+exclude_patterns = ['_build', 'images']
 html_theme = 'furo'
 html_title = 'contact_estimation'
 html_static_path: list[str] = []

@@ -66,7 +66,7 @@ def generate_launch_description() -> LaunchDescription:
         DeclareLaunchArgument('experiment', default_value='sine'),
         DeclareLaunchArgument('duration', default_value='0.0', description='0: the experiment'),
         DeclareLaunchArgument('seed', default_value='0'),
-        DeclareLaunchArgument('estimator', default_value='indirect_adaptive'),
+        DeclareLaunchArgument('estimator', default_value='rls_adaptive'),
         DeclareLaunchArgument('reference_law', default_value='eq20'),
         DeclareLaunchArgument(
             'params', default_value=PathJoinSubstitution([config, 'estimator_node.yaml'])

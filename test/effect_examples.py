@@ -36,6 +36,7 @@ EXAMPLES: dict[str, tuple[float, ...]] = {
     'power_law_stiffness': (1.3, 18000.0),
     'exponential_stiffness': (2.0, 0.004),
     'hunt_crossley_damping': (25000.0,),
+    'power_law_damping': (2500.0, 0.5),
     'quadratic_damping': (1500.0,),
     'viscoelastic_relaxation': (2000.0, 0.15),
     'fractional_relaxation': (900.0, 0.4),

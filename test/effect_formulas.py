@@ -134,6 +134,8 @@ FORMULAS: dict[str, Formula] = {
     'exponential_stiffness': lambda t, x, v, a, A, depth: cut(
         x, K_e * x + B_e * v + A * (np.exp(x / depth) - 1.0 - x / depth)),
     'hunt_crossley_damping': lambda t, x, v, a, chi: cut(x, K_e * x + chi * x * v),
+    'power_law_damping': lambda t, x, v, a, B_m, m: cut(
+        x, K_e * x + B_m * np.abs(x) ** m * v),
     'quadratic_damping': lambda t, x, v, a, B_2: cut(
         x, K_e * x + B_e * v + B_2 * np.sign(v) * v**2),
     'viscoelastic_relaxation': relaxation,

@@ -24,6 +24,7 @@ WRENCH = 'geometry_msgs/msg/WrenchStamped'
 VECTOR = 'geometry_msgs/msg/Vector3Stamped'
 JOINTS = 'sensor_msgs/msg/JointState'
 TRAJECTORY = 'trajectory_msgs/msg/JointTrajectory'
+FLOAT64 = 'std_msgs/msg/Float64'
 STRING = 'std_msgs/msg/String'
 
 STORE = get_typestore(Stores.ROS2_JAZZY)

@@ -55,7 +55,7 @@ from rclpy.executors import SingleThreadedExecutor  # noqa: E402
 from rclpy.parameter import Parameter  # noqa: E402
 from rclpy.qos import QoSProfile  # noqa: E402
 from sensor_msgs.msg import JointState  # noqa: E402
-from std_msgs.msg import String  # noqa: E402
+from std_msgs.msg import Float64, String  # noqa: E402,F401
 from std_srvs.srv import Trigger  # noqa: E402
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint  # noqa: E402
 
@@ -344,7 +344,8 @@ class Peer(Listener):
                 knocked[0], stamp_ns = time.monotonic(), next(stamps)
                 self.wish(stamp_ns, 0.25)
                 self.send(ContactSample(stamp_ns, -0.01, 0.0, 0.0))
-            wished = 0.25 in self.reference_positions().values()
+            # x_r begins at the robot and leaves it, slowly, once a wish has arrived.
+            wished = len(set(self.reference_positions().values())) > 1
             return wished and bool(self.heard['damping'] and self.heard['diagnostics'])
 
         self.spin_until(passed, 'the first answer')

@@ -72,7 +72,7 @@ def test_true_force_is_never_positive(paper_run: Run) -> None:
 
 
 def test_equal_seeds_give_equal_runs(paper_run: Run) -> None:
-    _, _, again = closed_loop(None, PAPER_SENSORS, duration=6.5)
+    _, _, again = closed_loop({'estimator': 'indirect_adaptive'}, PAPER_SENSORS, duration=6.5)
     assert repr(again) == repr(paper_run.results[:len(again)])
 
 

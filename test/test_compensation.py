@@ -52,10 +52,10 @@ BOUNDS = {
     # at every sample, and with it the acceleration, which then leads its mean by half a sample.
     # On a smooth command the bounds of all others hold, see below.
     'hunt_crossley_damping': (0.2, 4.0), 'environment_inertia': (1.0, 8.0),
-    'tool_inertia': (0.5, 4.0),
+    'tool_inertia': (0.5, 4.0), 'power_law_damping': (0.1, 4.0),
 }
 WITHOUT_STIFFNESS = {'power_law_stiffness'}
-WITHOUT_DAMPING = {'hunt_crossley_damping'}
+WITHOUT_DAMPING = {'hunt_crossley_damping', 'power_law_damping'}
 HARMLESS = {'adhesion', *(name for name, cls in EFFECTS.items() if cls.port == 'robot')}
 """While the wall pulls nothing is learned anyway; what the robot does, eq. (3) does not ask."""
 
@@ -92,7 +92,7 @@ def in_closed_loop(name: str, told: bool) -> tuple[Estimate, float]:
     """Give the estimate at the last instant of contact, and the greatest pressing force."""
     session = ContactSession(parameters_of(
         name if told else '', estimator='kalman', reference_law='series',
-        tuning__kalman__location_std=0.0))
+        tuning__kalman__location_std=0.0, environment__location_std=0.0))  # else x_e mends it
     plant = build(PlantParameters, {**physics_of(name), 'sensors.force_noise': 0.3})
     run = run_closed_loop(plant, session, TOUCH, TOUCH.duration)
     assert run.last_contact is not None
@@ -156,7 +156,7 @@ def test_estimator_of_a_smooth_command_that_knows_the_effect_is_right(
 ) -> None:
     samples, end = recorded(name)
     pipeline = EstimationPipeline(parameters_of(name, estimator=estimator))
-    assert_found(name, pipeline.process(samples[:end])[-1], (1.0, 2.0))
+    assert_found(name, pipeline.process(samples[:end])[-1], (1.0, 2.5))
 
 
 @pytest.mark.slow
@@ -164,7 +164,7 @@ def test_estimator_of_a_smooth_command_that_knows_the_effect_is_right(
 def test_velocity_need_not_be_measured(name: str) -> None:
     samples, end = recorded(name, False)
     pipeline = EstimationPipeline(parameters_of(name, estimator='rls'))
-    bounds = (2.0, 5.0) if name == 'stribeck_friction' else (1.0, 2.0)  # noise turns its sign
+    bounds = (2.0, 5.0) if name == 'stribeck_friction' else (1.0, 2.5)  # noise turns its sign
     assert_found(name, pipeline.process(samples[:end])[-1], bounds)
 
 

@@ -212,35 +212,35 @@ def test_force_reference_replaces_a_missing_desired_force() -> None:
 
 def test_desired_position_passes_through_out_of_contact() -> None:
     session = session_for()
-    session.add_desired(SAMPLES[0].stamp_ns + PERIOD_NS, Desired(-0.02, 0.1, 0.5, nan))
+    session.add_desired(SAMPLES[0].stamp_ns + PERIOD_NS, Desired(-0.0102, 0.1, 0.5, nan))
     (result,) = feed(session, SAMPLES[:1])
-    assert result.reference == (-0.02, 0.1, 0.5, 0.0)
+    assert result.reference == (-0.0102, 0.1, 0.5, 0.0)
 
 
 def test_setpoint_older_than_the_timeout_loses_its_rates() -> None:
     session = session_for()
-    session.add_desired(SAMPLES[0].stamp_ns - 200_000_000, Desired(-0.02, 0.1, 0.5, nan))
+    session.add_desired(SAMPLES[0].stamp_ns - 200_000_000, Desired(-0.0102, 0.1, 0.5, nan))
     (result,) = feed(session, SAMPLES[:1])
-    assert result.reference == (-0.02, 0.0, 0.0, 0.0)
+    assert result.reference == (-0.0102, 0.0, 0.0, 0.0)
 
 
 def test_desired_of_the_future_waits_for_its_stamp() -> None:
     session = session_for()
     first = SAMPLES[0].stamp_ns
-    session.add_desired(first + PERIOD_NS, Desired(-0.02, 0.0, 0.0, nan))
-    session.add_desired(first + 2 * PERIOD_NS, Desired(-0.03, 0.0, 0.0, nan))
+    session.add_desired(first + PERIOD_NS, Desired(-0.0102, 0.0, 0.0, nan))
+    session.add_desired(first + 2 * PERIOD_NS, Desired(-0.0104, 0.0, 0.0, nan))
     references = [r.reference for r in feed(session, SAMPLES[:2])]
-    assert [r.position for r in references if r] == [-0.02, -0.03]
+    assert [r.position for r in references if r] == [-0.0102, -0.0104]
 
 
 def test_setpoints_outlive_a_latency_of_seconds() -> None:
     session, count = session_for(), 1500
     first = SAMPLES[0].stamp_ns
     for k in range(1, count):  # the planner is 3 s ahead of the samples that are processed
-        session.add_desired(first + k * PERIOD_NS, Desired(-1e-5 * k, 0.0, 0.0, nan))
+        session.add_desired(first + k * PERIOD_NS, Desired(-0.01 - 1e-5 * k, 0.0, 0.0, nan))
     references = [r.reference for r in feed(session, SAMPLES[:3])]
     positions = [r.position for r in references if r]
-    assert positions == pytest.approx([-1e-5, -2e-5, -3e-5], rel=1e-12)
+    assert positions == pytest.approx([-0.01001, -0.01002, -0.01003], rel=1e-12)
 
 
 @pytest.mark.parametrize('position', [nan, inf])
@@ -252,8 +252,8 @@ def test_desired_position_that_is_not_finite_is_counted(position: float) -> None
 
 def test_desired_rates_that_are_not_finite_count_as_rest() -> None:
     session = session_for()
-    session.add_desired(0, Desired(-0.02, nan, inf, nan))
-    assert feed(session, SAMPLES[:1])[0].reference == (-0.02, 0.0, 0.0, 0.0)
+    session.add_desired(0, Desired(-0.0102, nan, inf, nan))
+    assert feed(session, SAMPLES[:1])[0].reference == (-0.0102, 0.0, 0.0, 0.0)
 
 
 def test_backward_clock_jump_keeps_the_estimate() -> None:
@@ -308,6 +308,6 @@ def test_reference_does_not_step_after_a_gap() -> None:
 @pytest.mark.parametrize('force', [-30.0, 0.0, inf])
 def test_desired_force_that_is_not_positive_counts_as_none(force: float) -> None:
     session = session_for()
-    session.add_desired(SAMPLES[0].stamp_ns, Desired(-0.02, 0.0, 0.0, force))
+    session.add_desired(SAMPLES[0].stamp_ns, Desired(-0.0102, 0.0, 0.0, force))
     (result,) = feed(session, SAMPLES[:1])
-    assert result.reference == (-0.02, 0.0, 0.0, 0.0)
+    assert result.reference == (-0.0102, 0.0, 0.0, 0.0)

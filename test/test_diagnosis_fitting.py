@@ -16,6 +16,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 from concealed_worlds import FREE, MODEL, nominal, physics, prepared_from, recorded
@@ -115,6 +116,16 @@ def test_standard_deviations_cover_the_errors() -> None:
         errors += list((np.array(found.model.values) - (K_e, B_e))
                        / standard_deviations([recording], found))
     assert np.sqrt(np.mean(np.square(errors))) < 3.0
+
+
+def test_slow_residuals_make_standard_deviations_larger() -> None:
+    recording, model = prepared_from(recorded())
+    o = recording.observed
+    slow = replace(recording, observed=replace(
+        o, force=o.force + 2.0 * recording.force_noise * np.sin(4.0 * o.t)))
+    white, correlated = (standard_deviations([one], fit([one], model))
+                         for one in (recording, slow))
+    assert (correlated > 1.5 * white).all()
 
 
 @pytest.mark.slow

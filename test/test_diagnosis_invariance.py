@@ -22,12 +22,13 @@ from contact_estimation.diagnosis.fit.discrepancy import (
     correlation_time,
     forces,
     has_discrepancy,
-    is_immaterial,
+    material,
     with_discrepancy,
     without_discrepancy,
 )
 from contact_estimation.diagnosis.fit.fitting import differentiate_by, Fit, fit, residual_function
 from contact_estimation.diagnosis.fit.invariance import (
+    channel_of,
     left_out_errors,
     Part,
     parts_of,
@@ -53,8 +54,9 @@ def rubbing() -> tuple[PreparedRecording, Fit, Fit]:
 
 
 def part_of(name: str, there: NDArray[np.bool_]) -> Part:
+    """Make a part of one channel."""
     count = np.count_nonzero(there)
-    return Part(name, there, np.ones(count), float(count))
+    return Part(name, there, np.zeros(count, int), np.ones(count), np.array([count, 0.0]))
 
 
 def test_parts_are_the_touches_and_do_not_overlap() -> None:
@@ -62,7 +64,7 @@ def test_parts_are_the_touches_and_do_not_overlap() -> None:
     parts = parts_of([recording], base)
     assert len(parts) >= 3
     assert np.sum([part.there for part in parts], axis=0).max() == 1
-    assert all(part.noise == pytest.approx(np.count_nonzero(part.there)) for part in parts)
+    assert all(part.noise.sum() == pytest.approx(np.count_nonzero(part.there)) for part in parts)
 
 
 def test_parts_of_an_attached_wall_are_blocks_of_time() -> None:
@@ -84,7 +86,7 @@ def test_left_out_error_is_that_of_a_full_refit() -> None:
             lambda values, rest=rest: function(values)[rest], found.model.coordinates,
             x_scale=found.model.steps, diff_step=1e-5)
         left = function(refitted.x)[part.there]
-        assert error == pytest.approx(float(left @ left), rel=0.02)
+        assert error.sum() == pytest.approx(float(left @ left), rel=0.02)
 
 
 def test_law_takes_nearly_all_of_every_part_and_has_the_same_parameter_there() -> None:
@@ -105,24 +107,43 @@ def test_what_the_rest_does_not_determine_predicts_nothing() -> None:
     sliding = part_of('all that friction shows in', felt)
     assert not felt.all()
     unknown = left_out_errors([recording], found, [sliding])
-    assert left_out_errors([recording], found, [sliding], 2.0 * unknown) == 2.0 * unknown
+    left = left_out_errors([recording], found, [sliding], 2.0 * unknown)
+    assert left.tolist() == (2.0 * unknown).tolist()
 
 
 def test_share_of_parts_that_disagree_has_an_interval_around_zero() -> None:
     parts = [part_of(str(k), np.zeros(1, bool)) for k in range(4)]
-    before = np.full(4, 100.0)
-    share = share_of(before, np.array([10.0, 190.0, 20.0, 185.0]), parts, before)
+    before, after = np.full((4, 2), [100.0, 0.0]), np.zeros((4, 2))
+    after[:, 0] = 10.0, 190.0, 20.0, 185.0
+    share = share_of(before, after, parts, before)
     assert share.interval[0] < 0.0 < share.interval[1]
-    assert not predicts_enough(share, share, generic=False)
+    assert not predicts_enough(share, share, trifles=True)
+
+
+def test_effect_is_judged_by_the_misfit_of_its_channel() -> None:
+    parts = [part_of(str(k), np.zeros(1, bool)) for k in range(4)]
+    before, after = np.full((4, 2), [300.0, 100.0]), np.full((4, 2), [300.0, 10.0])
+    assert share_of(before, after, parts, before).share == pytest.approx(0.225)
+    assert share_of(before, after, parts, before, 1).share == pytest.approx(0.9)
+    assert channel_of('robot_friction') == 1
+    assert channel_of('coulomb_friction') == channel_of('force_lag') == 0
+
+
+def test_channels_of_a_part_add_up_to_its_residuals() -> None:
+    recording, base, _ = rubbing()
+    for part in parts_of([recording], base):
+        force, motion = part.squares(base.residuals)
+        assert min(force, motion) > 0.0
+        assert force + motion == pytest.approx(float(np.sum(base.residuals[part.there] ** 2)))
 
 
 def test_trifle_of_the_whole_is_enough_only_if_it_is_most_of_the_rest_and_a_law() -> None:
     trifle, most = (Share(value, (0.9 * value, 1.1 * value), np.ones(3)) for value in (0.05, 0.8))
     some = Share(0.4, (0.3, 0.5), np.ones(3))
-    assert predicts_enough(most, trifle, generic=False)
-    assert not predicts_enough(most, trifle, generic=True)
-    assert not predicts_enough(some, trifle, generic=False)
-    assert predicts_enough(some, some, generic=False)
+    assert predicts_enough(most, trifle, trifles=True)
+    assert not predicts_enough(most, trifle, trifles=False)
+    assert not predicts_enough(some, trifle, trifles=True)
+    assert predicts_enough(some, some, trifles=True)
 
 
 def test_discrepancy_brings_every_channel_to_variance_one() -> None:
@@ -145,7 +166,7 @@ def test_channels_are_compared_as_forces() -> None:
 
 def test_exact_model_leaves_no_discrepancy_worth_a_name() -> None:
     recording, model = prepared_from(recorded())
-    assert is_immaterial(with_discrepancy(recording, model), model)
+    assert material(with_discrepancy(recording, model), model) == []
 
 
 def test_correlation_time_is_that_of_an_autoregressive_process() -> None:

@@ -55,6 +55,7 @@ WORLDS: dict[str, tuple[float, ...]] = {
     'power_law_stiffness': (1.2, 12000.0),
     'exponential_stiffness': (0.6, 0.0025),
     'hunt_crossley_damping': (12000.0,),
+    'power_law_damping': (1500.0, 0.5),
     'quadratic_damping': (600.0,),
     'viscoelastic_relaxation': (500.0, 0.15),
     'fractional_relaxation': (800.0, 0.4),

@@ -22,6 +22,7 @@ from contact_estimation.estimators.estimator import EnvironmentParameters, Froze
 from contact_estimation.estimators.kalman import Kalman, KalmanParameters
 from core_runs import closed_loop, contact_samples, estimates_of, PAPER_SENSORS, pipeline_with
 from core_steps import known, learn
+from filterpy.kalman import KalmanFilter
 import numpy as np
 from numpy.typing import NDArray
 import pytest
@@ -43,10 +44,11 @@ def rows_of(count: int, shift: float = 0.0) -> NDArray[np.float64]:
 
 
 def test_free_filter_equals_the_textbook_recursion() -> None:
-    q, R = KalmanParameters(stiffness_std=1e3, damping_std=10.0), 0.25  # far from all limits
-    kalman = estimator(stiffness_std=1e3, damping_std=10.0)
+    tuning = {'stiffness_std': 1e3, 'damping_std': 10.0, 'location_std': 2e-5}
+    q, R = KalmanParameters(**tuning), 0.25  # far from all limits
+    kalman = estimator(**tuning)
     x = np.array([3000.0, 50.0, 0.0])
-    P = np.diag([1e3, 10.0, 1e-4 * 3000.0]) ** 2
+    P = np.diag([1e3, 10.0, q.location_std * 3000.0]) ** 2
     for y, d, v, c in rows_of(200).tolist():
         walk = [q.relative_walk * x[0], q.relative_walk * max(x[1], 50.0), q.location_walk * x[0]]
         P = P + T * np.diag(walk) ** 2
@@ -58,6 +60,27 @@ def test_free_filter_equals_the_textbook_recursion() -> None:
     now = known(kalman)
     got = [now.stiffness, now.damping, now.location_shift, now.stiffness_std, now.damping_std]
     np.testing.assert_allclose(got, expected, rtol=1e-6)
+
+
+def test_free_filter_equals_that_of_filterpy() -> None:
+    tuning = {'stiffness_std': 1e3, 'damping_std': 10.0, 'location_std': 2e-5}
+    q, R = KalmanParameters(**tuning), 0.25  # far from all limits
+    kalman = estimator(**tuning)
+    peer = KalmanFilter(dim_x=3, dim_z=1)
+    peer.x = np.array([[3000.0], [50.0], [0.0]])
+    peer.P = np.diag([1e3, 10.0, q.location_std * 3000.0]) ** 2
+    for y, d, v, c in rows_of(200).tolist():
+        K_hat, B_hat, _ = peer.x[:, 0]
+        walk = [q.relative_walk * K_hat, q.relative_walk * max(B_hat, 50.0),
+                q.location_walk * K_hat]
+        peer.predict(Q=T * np.diag(walk) ** 2)
+        peer.update(y, R=R, H=np.array([[d, v, -c]]))
+        learn(kalman, T, (y, d, v, c), R)
+        now = known(kalman)
+        got = [now.stiffness, now.damping, now.location_shift, now.stiffness_std, now.damping_std]
+        x, P = peer.x[:, 0], peer.P
+        expected = [x[0], x[1], x[2] / x[0], P[0, 0] ** 0.5, P[1, 1] ** 0.5]
+        np.testing.assert_allclose(got, expected, rtol=1e-9)
 
 
 @pytest.mark.slow
@@ -84,7 +107,9 @@ def test_wall_that_is_1_mm_elsewhere_leaves_the_stiffness_right(wall: float) -> 
 def test_claimed_std_is_within_a_factor_2_of_the_errors_over_20_seeds() -> None:
     errors = []
     for seed in range(20):
-        pipeline = pipeline_with(estimator='kalman', contact__force_noise=1.0)
+        # These samples have no lag that the bands would have to contain.
+        pipeline = pipeline_with(
+            estimator='kalman', contact__force_noise=1.0, synchronisation__timing_std=0.0)
         samples = contact_samples(0.7, K, B, force_noise=1.0, seed=seed)
         last = estimates_of(samples, pipeline)[-1]
         errors.append([last.stiffness - K, last.damping - B])
@@ -122,6 +147,15 @@ def test_known_location_does_not_move() -> None:
     for row in rows_of(300, shift=1e-3).tolist():
         learn(kalman, T, row, 0.25)
     assert known(kalman).location_shift == 0.0
+
+
+@pytest.mark.parametrize('wall', [5e-3, -5e-3])
+def test_location_stays_within_5_standard_deviations_of_its_prior(wall: float) -> None:
+    kalman, furthest = estimator(location_std=1e-4), 0.0
+    for row in rows_of(600, shift=wall).tolist():
+        learn(kalman, T, row, 0.25)
+        furthest = max(furthest, abs(known(kalman).location_shift))
+    assert furthest == pytest.approx(5e-4)
 
 
 def test_damping_is_never_negative() -> None:

@@ -31,8 +31,8 @@ from ros_processes import descendants, Finished, ModuleProcess, run_module, wait
 
 KEYS = [
     'estimator', 'law', 'stiffness', 'damping', 'stiffness_error_percent',
-    'damping_error_percent', 'mean_force_n', 'desired_force_n', 'rate_hz', 'samples_sent',
-    'samples_lost', 'latency_ms',
+    'damping_error_percent', 'mean_force_n', 'desired_force_n', 'model_fit', 'model_fit_worst',
+    'rate_hz', 'samples_sent', 'samples_lost', 'latency_ms',
 ]
 EXPERIMENT = """
 start: -0.005
@@ -76,7 +76,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Run:
 def test_loop_succeeds_and_prints_its_estimates(whole: Run) -> None:
     assert (whole.finished.code, whole.finished.stderr) == (0, '')
     lines = whole.finished.stdout.splitlines()
-    assert lines[0].startswith('indirect_adaptive, law eq20: K_e 4')
+    assert lines[0].startswith('rls_adaptive, law eq20: K_e 4')
     assert lines[2].startswith('1500 samples at ') and 'dropped, latency [ms]: p50 ' in lines[2]
 
 

@@ -46,7 +46,8 @@ def run_of(configuration: LoopConfiguration) -> RecordedRun:
                  'stiffness_std': series(10.0), 'damping_std': series(2.0)}
     estimates['stiffness'][T > 3.0, 1] = 0.0
     signals = {'force': series(-25.0), 'position': series(0.02), 'reference': series(0.03),
-               'desired': series(0.025), 'desired_force': series(50.0)}
+               'desired': series(0.025), 'desired_force': series(50.0),
+               'model_fit': np.array([[1.0, np.nan], [2.0, 7.0], [3.0, 1.5]])}
     plant = {'begin_stamp_ns': 10**9, 'last_contact_stamp_ns': 4 * 10**9, 'samples_sent': 401,
              'samples_lost': 3, 'rate_hz': 100.0, 'latency_ms': {'p50': 1.0}}
     return RecordedRun({**signals, **estimates}, plant)
@@ -59,6 +60,12 @@ def test_summary_takes_the_estimates_at_the_last_contact() -> None:
     assert summary['damping_error_percent'] == pytest.approx(10.0)
     assert summary['mean_force_n'] == 25.0
     assert (summary['samples_sent'], summary['samples_lost']) == (401, 3)
+
+
+def test_summary_keeps_the_worst_model_fit() -> None:
+    configuration = configure('sine')
+    summary = summarise(run_of(configuration), configuration)
+    assert (summary['model_fit'], summary['model_fit_worst']) == (1.5, 7.0)
 
 
 def test_summary_of_a_run_without_contact_has_no_estimates() -> None:

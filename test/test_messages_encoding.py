@@ -20,7 +20,10 @@ import math
 from typing import Any
 
 from contact_estimation.messages import (
+    decode_float64,
     decode_string,
+    encode_float64,
+    encode_multi_array,
     encode_string,
     JointStateDecoder,
     JointStateEncoder,
@@ -30,9 +33,11 @@ from contact_estimation.messages import (
     WrenchDecoder,
     WrenchEncoder,
 )
+import numpy as np
 import pytest
 from reference_messages import (
     deserialized,
+    FLOAT64,
     joint_state_bytes,
     new,
     serialized,
@@ -93,6 +98,22 @@ def test_trajectory_has_the_bytes_of_rosbags(frame_id: str, name: str) -> None:
 def test_string_has_the_bytes_of_rosbags(text: str) -> None:
     assert encode_string(text) == serialized(new('String', text), STRING)
     assert decode_string(encode_string(text)) == text
+
+
+@pytest.mark.parametrize('value', [0.0, -1.5, math.inf, math.nan])
+def test_number_has_the_bytes_of_rosbags(value: float) -> None:
+    assert encode_float64(value) == serialized(new('Float64', value), FLOAT64)
+    assert repr(decode_float64(encode_float64(value))) == repr(value)
+
+
+@pytest.mark.parametrize('label', FRAMES)
+def test_array_has_the_bytes_of_rosbags(label: str) -> None:
+    values = [float(k) for k in range(6)]
+    dimensions = [new('MultiArrayDimension', label, 2, 6), new('MultiArrayDimension', 'b', 3, 3)]
+    layout = new('MultiArrayLayout', dimensions, 0)
+    message = new('Float64MultiArray', layout, np.array(values))
+    expected = serialized(message, 'std_msgs/msg/Float64MultiArray')
+    assert encode_multi_array([(label, 2), ('b', 3)], values) == expected
 
 
 @pytest.mark.parametrize('frame_id', FRAMES)

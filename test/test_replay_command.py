@@ -94,7 +94,7 @@ def test_json_has_the_documented_keys(
     summary = json.loads((tmp_path / 'a.json').read_text())
     assert {
         'estimator', 'samples', 'stiffness', 'damping', 'location', 'status', 'recorded_s',
-        'wall_s',
+        'wall_s', 'model_fit',
     } <= set(summary)
     last = expected()[-1]
     assert (summary['stiffness'], summary['samples']) == (last.stiffness, len(SAMPLES))
@@ -123,7 +123,7 @@ def test_mcap_output_has_the_topics_of_the_node(
 ) -> None:
     command(recording, '--output', tmp_path / 'out.mcap')
     topics = RecordingReader(tmp_path / 'out.mcap').topics()
-    assert {f'/estimator_node/{name}' for name in (*COLUMNS, 'status')} <= set(topics)
+    assert {f'/estimator_node/{name}' for name in (*COLUMNS, 'model_fit', 'status')} <= set(topics)
 
 
 def test_existing_mcap_output_is_refused(

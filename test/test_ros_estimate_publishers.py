@@ -16,14 +16,21 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import Any, Iterator
 
+from contact_estimation.estimators.stiffness_matrix import (
+    StiffnessMatrix,
+    StiffnessMatrixParameters,
+)
+from contact_estimation.signals.contact_sample import ContactSample
 from core_runs import contact_samples
 import pytest
-from ros_processes import Listener, session_results, Vector3Stamped, wait_until
+from ros_processes import Float64, Listener, session_results, Vector3Stamped, wait_until
 
-OPTIONAL = ('stiffness_std', 'damping_std', 'location', 'inertia')
+OPTIONAL = ('stiffness_std', 'damping_std', 'location', 'inertia', 'model_fit')
+TYPES = {'model_fit': Float64}
 
 
 @pytest.fixture
@@ -56,9 +63,34 @@ def test_optional_topic_is_published_while_somebody_subscribes(
 
     assert count_of_one() == 0
     topic = f'{node.node.get_name()}/{name}'
-    subscription = node.node.create_subscription(Vector3Stamped, topic, lambda _: None, 10)
+    subscription = node.node.create_subscription(
+        TYPES.get(name, Vector3Stamped), topic, lambda _: None, 10
+    )
     wait_until(publisher.get_subscription_count, 'the subscriber')
     assert count_of_one() == 1
     node.node.destroy_subscription(subscription)
     wait_until(lambda: publisher.get_subscription_count() == 0, 'its end')
     assert count_of_one() == 0
+
+
+def test_matrices_are_published_with_labels(
+    node: Listener, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from contact_estimation.ros.estimate_publishers import EstimatePublishers
+    from rclpy.serialization import deserialize_message
+    from std_msgs.msg import Float64MultiArray
+
+    outputs = EstimatePublishers(node.node, '')
+    outputs.use('tool', 'xyz')
+    estimator = StiffnessMatrix(StiffnessMatrixParameters(), 0.002)
+    rest = [tuple(ContactSample(2_000_000 * k, 0.0, 0.0, -f) for f in (3.0, 2.0, 1.0))
+            for k in range(150)]
+    published: dict[str, bytes] = {}
+    for name, publisher in outputs._matrices.items():
+        monkeypatch.setattr(publisher, 'publish', partial(published.__setitem__, name))
+    outputs.publish_matrices(estimator.process(rest, [True] * 150)[-1])
+    assert set(published) == {'stiffness_matrix', 'principal_stiffness', 'contact_normal'}
+    array = deserialize_message(published['stiffness_matrix'], Float64MultiArray)
+    labels = [(d.label, d.size, d.stride) for d in array.layout.dim]
+    assert labels[0] == ('stiffness/stiffness_std/damping/damping_std', 4, 36)
+    assert [size for _, size, _ in labels] == [4, 3, 3] and len(array.data) == 36

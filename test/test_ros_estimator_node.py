@@ -66,8 +66,10 @@ def test_estimates_converge_to_the_truth(peer: Peer, estimator: str) -> None:
     samples = moved(LONG, peer.begin_ns)
     peer.feed(samples)
     last = samples[-1].stamp_ns
-    assert peer.values('stiffness')[last] == pytest.approx(K_E, rel=0.01)
-    if ESTIMATORS[estimator].fits_linear_damping:
+    linear = ESTIMATORS[estimator].fits_linear_damping
+    # The exponent of hunt_crossley takes a part of K.
+    assert peer.values('stiffness')[last] == pytest.approx(K_E, rel=0.01 if linear else 0.02)
+    if linear:
         assert peer.values('damping')[last] == pytest.approx(B_E, rel=0.03)
 
 
@@ -89,6 +91,7 @@ def test_reference_is_stamped_one_period_after_the_wrench(peer: Peer) -> None:
 
 
 def test_desired_trajectory_passes_through_in_free_flight(peer: Peer) -> None:
+    peer.change(reference__maximum_velocity=1e3)
     samples = moved(FREE, peer.begin_ns)
     peer.wish(peer.begin_ns, 0.125, 30.0, 0.5, -2.0)
     peer.feed(samples)
@@ -98,6 +101,7 @@ def test_desired_trajectory_passes_through_in_free_flight(peer: Peer) -> None:
 
 
 def test_desired_trajectory_that_nobody_renews_is_a_place_to_rest_at(peer: Peer) -> None:
+    peer.change(reference__maximum_velocity=1e3)
     samples = moved(FREE, peer.begin_ns)
     peer.wish(peer.begin_ns, 0.125, 30.0, 0.5, -2.0)
     peer.feed(samples)

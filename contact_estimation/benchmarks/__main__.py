@@ -22,10 +22,12 @@ import platform
 from typing import Any
 
 from ..commands.command_line import command, new_file, Parser
+from ..estimation.parameters import EstimationParameters
 from ..estimators import ESTIMATORS
 from ..exceptions import ParameterRangeError
 
 BENCHMARKS = ('estimators', 'node', 'replay')
+_DEFAULT = EstimationParameters().estimator
 _CONTACTS = ('mixed', 'always')
 
 
@@ -45,8 +47,8 @@ def make_parser() -> Parser:
     parser.add_argument('--rounds', type=int, help='repetitions (node 2, replay 3)')
     node = parser.add_argument_group('node')
     node.add_argument('--seconds', type=float, default=15.0, help='duration of each run [s] (15)')
-    node.add_argument('--estimator', choices=tuple(ESTIMATORS), default='indirect_adaptive',
-                      help='estimator of the node (indirect_adaptive)')
+    node.add_argument('--estimator', choices=tuple(ESTIMATORS), default=_DEFAULT,
+                      help=f'estimator of the node ({_DEFAULT})')
     replay = parser.add_argument_group('replay')
     replay.add_argument('--recording',
                         help='recording with wrench and joint_states (a simulated one)')

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Time of one update: whole pipeline and bare estimator, against filterpy's Kalman filter."""
+"""Time of one update: session, pipeline and bare estimator, against filterpy's Kalman filter."""
 
 from __future__ import annotations
 
@@ -21,13 +21,19 @@ import time
 from typing import Any, Callable
 
 from .contact_data import contact_data, estimator_input
-from .estimator_steps import filterpy_step, learning_steps, pipeline_steps, Steps
+from .estimator_steps import (
+    filterpy_step,
+    learning_steps,
+    pipeline_steps,
+    session_steps,
+    Steps,
+)
 from .table import print_table
 from ..estimators import ESTIMATORS
 
 _BLOCK = 250  # samples; short, so that all candidates see the same load of the machine
 FILTERPY = 'filterpy KalmanFilter'
-_FIGURES = ('pipeline_us', 'pipeline_run_us', 'update_us', 'update_run_us')
+_FIGURES = ('session_us', 'pipeline_us', 'pipeline_run_us', 'update_us', 'update_run_us')
 
 
 def run_estimator_benchmark(seconds: float) -> dict[str, Any]:
@@ -49,6 +55,7 @@ def run_estimator_benchmark(seconds: float) -> dict[str, Any]:
     data = contact_data(seconds)
     candidates: dict[str, Steps] = {FILTERPY: filterpy_step(data)}
     for name in ESTIMATORS:
+        candidates[f'{name} session_us'] = session_steps(data, name)
         for part, prepare in (('pipeline', pipeline_steps), ('update', learning_steps)):
             one_by_one, in_runs = prepare(data, name)
             candidates[f'{name} {part}_us'] = one_by_one

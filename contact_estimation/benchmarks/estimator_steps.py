@@ -22,7 +22,11 @@ from filterpy.kalman import KalmanFilter
 import numpy as np
 
 from .contact_data import ContactData, estimator_input, settled_pipeline
+from .simulated_samples import RATE
+from ..estimation.parameters import EstimationParameters
+from ..estimation.session import ContactSession
 from ..estimators.estimator import Frozen
+from ..parameters.values import build
 
 Steps = Callable[[int, int], None]
 _VARIANCE = 1.0 / 3.0  # of the simulated force noise [N^2]
@@ -56,6 +60,35 @@ def pipeline_steps(data: ContactData, name: str) -> tuple[Steps, Steps]:
         run(samples[begin:end], data.samples[begin][1])
 
     return one_by_one, in_runs
+
+
+def session_steps(data: ContactData, name: str) -> Steps:
+    """
+    Prepare a whole session: synchroniser, pipeline and reference, message by message.
+
+    Parameters
+    ----------
+    data, name
+        See `settled_pipeline`.
+
+    Returns
+    -------
+    steps : callable
+        Adds a joint state and a wrench for each sample.
+
+    """
+    session = ContactSession(
+        build(EstimationParameters, {'estimator': name, 'sample_rate': RATE}))
+
+    def steps(begin: int, end: int) -> None:
+        for (stamp_ns, position, velocity, force), _ in data.samples[begin:end]:
+            session.add_motion(stamp_ns, position, velocity)
+            session.add_wrench(stamp_ns, force)
+
+    for (stamp_ns, position, velocity, force), _ in data.approach:
+        session.add_motion(stamp_ns, position, velocity)
+        session.add_wrench(stamp_ns, force)
+    return steps
 
 
 def learning_steps(data: ContactData, name: str) -> tuple[Steps, Steps]:

@@ -12,69 +12,17 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Report of the trials on rigs: outcomes by law and family, reliability of probabilities."""
+"""Report of the trials on rigs: outcomes by law and family, calibration, misses."""
 
 from __future__ import annotations
 
 from dataclasses import asdict
-from typing import Any, Mapping, NamedTuple, Sequence
+from typing import Any, Mapping, Sequence
 
+from .calibration import calibration_text, reliability
 from .family_scoring import FAILED, FamilyScore, RIGHT, SILENT, WRONG
 
-PROBABILITY_EDGES = (0.0, 0.5, 0.7, 0.8, 0.9, 1.0)
-"""Edges of the five bins of the reliability table."""
-
 _OUTCOMES = (RIGHT, WRONG, SILENT, FAILED)
-
-
-class Reliability(NamedTuple):
-    """
-    One bin of the reliability table.
-
-    Attributes
-    ----------
-    low, high : float
-        Range of the reported probability; the last bin includes its end.
-    names : int
-        Number of names given with such a probability.
-    mean : float or None
-        Mean probability given; None without names.
-    share_right : float or None
-        Share of the names of an acceptable family.
-
-    """
-
-    low: float
-    high: float
-    names: int
-    mean: float | None
-    share_right: float | None
-
-
-def reliability(scores: Sequence[FamilyScore]) -> list[Reliability]:
-    """
-    Compare reported probabilities with the share of right names.
-
-    Parameters
-    ----------
-    scores : sequence of FamilyScore
-        Scores of a study. All names count, those of clean and unknown worlds as wrong.
-
-    Returns
-    -------
-    table : list of Reliability
-        One row for each bin.
-
-    """
-    given = [(named.probability, named.right) for score in scores for named in score.names]
-    table = []
-    for low, high in zip(PROBABILITY_EDGES[:-1], PROBABILITY_EDGES[1:]):
-        part = [(p, right) for p, right in given
-                if low <= p < high or p == high == PROBABILITY_EDGES[-1]]
-        count = len(part)
-        means = [sum(column) / count for column in zip(*part)] if part else [None, None]
-        table.append(Reliability(low, high, count, *means))
-    return table
 
 
 def outcomes(scores: Sequence[FamilyScore]) -> dict[str, int]:
@@ -175,8 +123,7 @@ def family_text(scores: Sequence[FamilyScore], folder: str) -> str:
         for label, part in parts.items():
             counts = outcomes(part)
             lines.append(f'  {label:<30}' + ''.join(f'{counts[name]:>9}' for name in columns))
-    lines += ['', 'probability given       names     mean    right']
-    lines += [_reliability_line(row) for row in reliability(scores)]
+    lines += ['', calibration_text(scores)]
     misses = [score for score in scores if score.is_miss]
     lines += ['', f'{len(misses)} misses; recordings in {folder}']
     lines += [_miss_line(score) for score in misses]
@@ -211,12 +158,6 @@ def _summary(scores: Sequence[FamilyScore]) -> list[str]:
 
 def _share_line(name: str, count: int, total: int) -> str:
     return f'  {name:<58}{100.0 * count / total:>8.3g}  of {total}'
-
-
-def _reliability_line(row: Reliability) -> str:
-    shown = ['       -' if value is None else f'{value:>8.2f}'
-             for value in (row.mean, row.share_right)]
-    return f'  {row.low:.1f} to {row.high:.1f}{row.names:>18}{shown[0]} {shown[1]}'
 
 
 def _miss_line(score: FamilyScore) -> str:

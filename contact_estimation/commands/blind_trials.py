@@ -22,6 +22,7 @@ from typing import Any
 
 from .command_line import command, new_file, Parser
 from .progress import Progress
+from ..blind_trials.calibration import plot_reliability
 from ..blind_trials.family_report import family_dict, family_text
 from ..blind_trials.report import as_dict, as_text, plot_confusion
 from ..blind_trials.study import plan_study, run_study, Scores
@@ -100,6 +101,8 @@ def run(options: Any) -> int:
         target.write_text(json.dumps(content, indent=1) + '\n')
     if scores.exact:
         print(f'wrote {plot_confusion(scores.exact, folder / "confusion.png")}')
+    if scores.on_rigs:
+        print(f'wrote {plot_reliability(scores.on_rigs, folder / "reliability.png")}')
     return 0
 
 

@@ -24,13 +24,17 @@ import sys
 import time
 from typing import Any, Protocol, Sequence
 
+import numpy as np
+
 from .command_line import add_source_options, command, different_files, new_file, Parser, source_of
 from .progress import Progress
-from ..estimation.estimate_files import CsvEstimates, McapEstimates
+from ..estimation.estimate_files import CsvEstimates, McapEstimates, stamp_text
+from ..estimation.model_fit import ModelFitMonitor
 from ..estimation.replay import RecordingReplay
 from ..estimation.result import AxesEstimates
 from ..estimators import ESTIMATORS
 from ..estimators.estimator import Estimate
+from ..estimators.stiffness_matrix import MatrixEstimate
 from ..exceptions import ParameterRangeError, RecordingError, UnknownNameError
 from ..parameters.file import read_parameter_file
 from ..parameters.values import without
@@ -43,6 +47,9 @@ class EstimateFile(Protocol):
 
     def write(self, estimates: Sequence[AxesEstimates]) -> None:
         """Append the estimates of consecutive samples."""
+
+    def write_matrices(self, estimates: Sequence[MatrixEstimate]) -> None:
+        """Append estimates of three coupled axes."""
 
 
 def make_parser() -> Parser:
@@ -99,8 +106,10 @@ def run(options: Any) -> int:
         for estimates in replay.estimates():
             if not estimates:
                 continue
+            matrices = replay.session.matrix.take()
             for file in files:
                 file.write(estimates)
+                file.write_matrices(matrices)
             first, last = first or estimates[0][0], estimates[-1]
             samples += len(estimates)
             progress.show(reader.progress, f'{samples} samples')
@@ -114,6 +123,7 @@ def run(options: Any) -> int:
         'samples': samples,
         **_finite(last[0]),
         'status': last[0].status.value,
+        'model_fit': _fit_of(replay.session.pipeline.model_fit),
         'recorded_s': recorded_s,
         'wall_s': time.perf_counter() - begin,
         'rejected': dict(replay.session.rejected),
@@ -123,7 +133,13 @@ def run(options: Any) -> int:
     }
     if len(axes) > 1:
         summary['axes'] = {
-            axis: {**_finite(e), 'status': e.status.value} for axis, e in zip(axes, last)
+            axis: {**_finite(e), 'status': e.status.value, 'model_fit': _fit_of(own.model_fit)}
+            for (axis, own), e in zip(replay.session.pipelines.items(), last)
+        }
+    if replay.session.matrix.last:
+        summary['stiffness_matrix'] = {
+            name: np.asarray(value).tolist()
+            for name, value in replay.session.matrix.last._asdict().items()
         }
     if options.json:
         new_file(options.json).write_text(json.dumps(summary, indent=1) + '\n')
@@ -189,6 +205,18 @@ def _finite(estimate: Estimate) -> dict[str, float | None]:
     return {name: value if isfinite(value) else None for name, value in values.items()}
 
 
+def _fit_of(monitor: ModelFitMonitor) -> dict[str, Any]:
+    """Return how the model fits the last contact, and the worst mismatch of the recording."""
+    now, worst = monitor.now.ratio, monitor.worst
+    return {
+        'ratio': now if isfinite(now) else None,
+        'mismatches': monitor.count,
+        'worst_ratio': worst.ratio if worst.text else None,
+        'worst_stamp': stamp_text(worst.stamp_ns) if worst.text else None,
+        'text': worst.text,
+    }
+
+
 def _print(summary: dict[str, Any]) -> None:
     speed = summary['recorded_s'] / max(summary['wall_s'], 1e-9)
     print(f'{summary["estimator"]}: {summary["samples"]} samples, {summary["recorded_s"]:.1f} s '
@@ -200,6 +228,11 @@ def _print(summary: dict[str, Any]) -> None:
             band = f' +- {std:.3g}' if std is not None else ''
             print(f'  {name:<10}{value:12.6g}{band} {unit}')
     print(f'  status    {summary["status"]:>12}')
+    if summary['model_fit']['text']:
+        print(f'  model     {summary["model_fit"]["text"]} '
+              f'(until {summary["model_fit"]["worst_stamp"]} s)')
+    if 'stiffness_matrix' in summary:
+        _print_matrix(summary['stiffness_matrix'])
     for axis, own in list(summary.get('axes', {}).items())[1:]:
         print(f'  axis {axis}: stiffness {own["stiffness"]:.6g} N/m, damping {own["damping"]:.6g} '
               f'N s/m, {own["status"]}')
@@ -209,6 +242,16 @@ def _print(summary: dict[str, Any]) -> None:
     if summary['truncated'] or summary['damaged_chunks']:
         print(f'  the recording is cut short or damaged ({summary["damaged_chunks"]} damaged '
               'chunks); all intact data were used', file=sys.stderr)
+
+
+def _print_matrix(found: dict[str, Any]) -> None:
+    for value, std, direction in zip(
+        found['principal'], found['principal_std'], found['directions']
+    ):
+        along = ', '.join(f'{part:.3f}' for part in direction)
+        print(f'  principal stiffness {value:.6g} +- {std:.3g} N/m along ({along})')
+    normal = ', '.join(f'{part:.3f}' for part in found['normal'])
+    print(f'  normal into the wall ({normal}) +- {found["normal_std"]:.2g} rad')
 
 
 main = command(make_parser, run)

@@ -88,3 +88,27 @@ def check_axes(axis: str, joint: str, further: FurtherAxesParameters) -> None:
             f'joint and further_axes.*.joint must name different joints, got {joints}; each axis '
             'has a position of its own'
         )
+
+
+def check_matrix(matrix_estimator: str, axes: tuple[str, ...]) -> None:
+    """
+    Check that the full matrices have three axes.
+
+    Parameters
+    ----------
+    matrix_estimator : str
+        'off', or the name of the estimator.
+    axes : tuple of str
+        Axes that have a joint.
+
+    Raises
+    ------
+    ParameterRangeError
+        If one is missing.
+
+    """
+    if matrix_estimator != 'off' and len(axes) < 3:
+        raise ParameterRangeError(
+            f'matrix_estimator {matrix_estimator} needs the axes x, y and z, got '
+            f'{", ".join(axes)}; name the other joints in further_axes.*.joint'
+        )

@@ -20,9 +20,11 @@ from pathlib import Path
 from types import TracebackType
 from typing import Sequence
 
+from .matrix_messages import encode_matrices, MATRIX_TOPICS
 from .result import AxesEstimates
 from ..estimators.estimator import Estimate
-from ..messages import encode_string, Vector3StampedEncoder
+from ..estimators.stiffness_matrix import MatrixEstimate
+from ..messages import encode_float64, encode_string, Vector3StampedEncoder
 from ..recordings.writing import RecordingWriter
 
 _NAN = float('nan')
@@ -78,6 +80,9 @@ class CsvEstimates:
             for axes in estimates
         )
 
+    def write_matrices(self, estimates: Sequence[MatrixEstimate]) -> None:
+        """Write nothing: matrices do not come with every sample."""
+
     def __enter__(self) -> 'CsvEstimates':
         """Return itself."""
         return self
@@ -121,7 +126,16 @@ class McapEstimates:
                     self._vectors.encode(stamp_ns, *vector), stamp_ns,
                 )
             status = encode_string(axes[0].status.value)  # of the contact axis
+            fit = encode_float64(axes[0].model_fit)
+            self._writer.write('/estimator_node/model_fit', 'std_msgs/msg/Float64', fit, stamp_ns)
             self._writer.write('/estimator_node/status', 'std_msgs/msg/String', status, stamp_ns)
+
+    def write_matrices(self, estimates: Sequence[MatrixEstimate]) -> None:
+        """Append estimates of three coupled axes."""
+        for estimate in estimates:
+            for name, raw in encode_matrices(estimate, self._vectors).items():
+                self._writer.write(
+                    f'/estimator_node/{name}', MATRIX_TOPICS[name], raw, estimate.stamp_ns)
 
     def __enter__(self) -> 'McapEstimates':
         """Return itself."""

@@ -20,10 +20,13 @@ from dataclasses import dataclass, replace
 from math import nan
 from typing import Any
 
-from .axis_parameters import check_axes, FurtherAxesParameters
-from ..estimators import ESTIMATORS, EstimatorsTuning
+from .axis_parameters import check_axes, check_matrix, FurtherAxesParameters
+from .robot_compliance import RobotParameters
+from .wall_tracking import TrackingParameters
+from ..estimators import ESTIMATORS, EstimatorsTuning, MATRIX_ESTIMATORS
 from ..estimators.estimator import EnvironmentParameters
 from ..estimators.excitation_monitor import ExcitationParameters
+from ..estimators.stiffness_matrix import StiffnessMatrixParameters
 from ..parameters.specification import group, parameter, ParameterGroup
 from ..physics import PhysicsParameters
 from ..reference.laws import LAWS
@@ -39,7 +42,7 @@ class EstimationParameters(ParameterGroup):
     """Parameters that determine estimates and reference, shared by node and replay."""
 
     estimator: str = parameter(
-        'indirect_adaptive', 'Which estimator runs', choices=tuple(ESTIMATORS)
+        'rls_adaptive', 'Which estimator runs', choices=tuple(ESTIMATORS)
     )
     reference_law: str = parameter(
         'eq20', 'Force law: how the desired force sets the reference position', choices=tuple(LAWS)
@@ -65,11 +68,18 @@ class EstimationParameters(ParameterGroup):
     further_axes: FurtherAxesParameters = group(
         FurtherAxesParameters, 'Axes estimated beside the contact axis, each independently; '
         'all other parameters are shared')
+    matrix_estimator: str = parameter(
+        'off', 'Estimator of the full 3 x 3 stiffness and damping; needs all three axes',
+        choices=('off', *MATRIX_ESTIMATORS), read_only=True,
+    )
+    stiffness_matrix: StiffnessMatrixParameters = group(StiffnessMatrixParameters)
     environment: EnvironmentParameters = group(EnvironmentParameters)
     conditioning: ConditioningParameters = group(ConditioningParameters)
     contact: ContactParameters = group(ContactParameters)
     excitation: ExcitationParameters = group(ExcitationParameters)
+    tracking: TrackingParameters = group(TrackingParameters)
     synchronisation: SynchronisationParameters = group(SynchronisationParameters)
+    robot: RobotParameters = group(RobotParameters)
     reference: ReferenceParameters = group(ReferenceParameters)
     physics: Any = group(PhysicsParameters)
     tuning: Any = group(EstimatorsTuning)
@@ -79,6 +89,7 @@ class EstimationParameters(ParameterGroup):
         super().__post_init__()
         check_cutoff(self.conditioning.cutoff_frequency, self.sample_rate)
         check_axes(self.axis, self.joint, self.further_axes)
+        check_matrix(self.matrix_estimator, tuple(self.joints))
         refuse_double_tracking(self.reference_law, self.reference.robot_force_tracking)
 
     @property

@@ -21,8 +21,10 @@ import math
 from math import nan
 from typing import Iterable, Sequence
 
+from .model_fit import ModelFitMonitor
 from .parameters import EstimationParameters
 from .supervised_estimator import SupervisedEstimator
+from .wall_tracking import REACH
 from ..estimators.estimator import Estimate, OnlineEstimator
 from ..estimators.excitation_monitor import ExcitationMonitor
 from ..physics import effects_that_are_on
@@ -46,11 +48,17 @@ class EstimationPipeline:
     parameters : EstimationParameters
         All parameters; `environment` is that of the axis.
 
+    Attributes
+    ----------
+    model_fit : ModelFitMonitor
+        Whether the model of the estimator fits.
+
     """
 
     def __init__(self, parameters: EstimationParameters | None = None) -> None:
         self.parameters = p = parameters or EstimationParameters()
         self._supervised = SupervisedEstimator(p)
+        self.model_fit = ModelFitMonitor(p.sample_rate)
         self._conditioner = Conditioner(
             p.contact, p.conditioning, p.sample_rate, self.estimator.relation
         )
@@ -89,6 +97,9 @@ class EstimationPipeline:
             self._compensate()
         self._set_location()
         self._conditioner.detector.configure(parameters.contact)
+        if parameters.sample_rate != old.sample_rate:
+            self.model_fit = ModelFitMonitor(parameters.sample_rate)
+        self.model_fit.restart()
 
     def _compensate(self) -> None:
         p = self.parameters
@@ -100,7 +111,9 @@ class EstimationPipeline:
     def _set_location(self) -> None:
         self._conditioner.location = self.parameters.environment.location
         # Where x_e is estimated too, its prior bounds how far outside contact is possible.
-        self._conditioner.location_margin = 5.0 * (self.estimator.location_std or 0.0)
+        environment = self.parameters.environment
+        self._conditioner.location_margin = max(
+            5.0 * (self.estimator.location_std or 0.0), REACH * environment.location_std)
 
     # -- events -----------------------------------------------------------------------------
 
@@ -109,11 +122,13 @@ class EstimationPipeline:
         self._supervised.reset()
         self._conditioner.detector.reset()
         self._conditioner.restart()
+        self.model_fit.reset()
 
     def restart_time(self) -> None:
         """Accept stamps before the last one, as when a bag loops; K_hat and B_hat stay."""
         self._conditioner.restart()
         self._compensate()
+        self.model_fit.restart()
 
     def tare(self) -> tuple[bool, str]:
         """Set the force bias to the mean free-flight force; see `Conditioner.tare`."""
@@ -140,6 +155,21 @@ class EstimationPipeline:
         return self._conditioner.missing
 
     @property
+    def location_shift(self) -> float:
+        """Location of the surface found less the configured one [m]."""
+        return self._supervised.shift
+
+    @property
+    def location_unchecked(self) -> bool:
+        """Whether the present contact has not shown where its surface is."""
+        return self._supervised.location_unchecked
+
+    @property
+    def outliers(self) -> int:
+        """Number of forces replaced as outliers."""
+        return self._conditioner.gate.count
+
+    @property
     def sample_period_s(self) -> float:
         """Mean spacing of the last stamps [s]; 0 before any."""
         return self._conditioner.sample_period_s
@@ -163,6 +193,11 @@ class EstimationPipeline:
     def excitation(self) -> ExcitationMonitor:
         """The excitation monitor, for its predicted standard deviations."""
         return self._supervised.monitor
+
+    @property
+    def hindrance(self) -> str:
+        """What hinders the estimator on the present contact; '' for nothing."""
+        return self._supervised.hindrance
 
     @property
     def estimator(self) -> OnlineEstimator:
@@ -194,14 +229,17 @@ class EstimationPipeline:
         if reference.position == reference.position:
             self._observe(samples, conditioned, reference)
         states = self._supervised.process(conditioned)
-        location = self.parameters.environment.location
+        fits = self.model_fit.add(
+            samples, conditioned, self.estimator, self.parameters.contact.position_noise
+        )
+        location = self.parameters.environment.location + self._supervised.shift
         surfaces: Iterable[float] = repeat(location)
         if conditioned.shifts:
             surfaces = [location + shift for shift in conditioned.shifts]
         return [
-            Estimate(sample[0], K, B, K_std, B_std, surface + shift, M, status, reason)
-            for sample, surface, ((K, B, K_std, B_std, shift, M), status, reason)
-            in zip(samples, surfaces, states)
+            Estimate(sample[0], K, B, K_std, B_std, surface + shift, M, status, reason, fit)
+            for sample, surface, ((K, B, K_std, B_std, shift, M), status, reason), fit
+            in zip(samples, surfaces, states, fits)
         ]
 
     def _observe(

@@ -20,6 +20,7 @@ from collections import Counter, deque
 from math import inf, isfinite, nan
 
 from .parameters import EstimationParameters
+from .robot_compliance import seen_by_the_robot
 from ..estimators.estimator import Estimate, EstimateStatus
 from ..reference.reference_generator import ReferenceGenerator
 from ..reference.setpoints import Desired, Reference
@@ -59,9 +60,13 @@ class ReferenceStream:
             All parameters.
 
         """
-        self._generator.configure(parameters.reference_law, parameters.reference)
+        self._generator.configure(
+            parameters.reference_law, parameters.reference, 1.0 / parameters.sample_rate
+        )
+        self._deepest = parameters.environment.location + parameters.reference.maximum_depth
         self._timeout_s = parameters.synchronisation.timeout_s
         self._default_force = parameters.force_reference
+        self._robot = parameters.robot
         self.period_ns = round(1e9 / parameters.sample_rate)
 
     def restart(self) -> None:
@@ -116,6 +121,7 @@ class ReferenceStream:
         stamp_ns, period = sample.stamp_ns, self.period_ns * 1e-9
         if self._start_ns == _BEFORE_ANY:
             self._start_ns = stamp_ns
+            self._generator.start(sample.position)
         # After a gap the robot still is where the last reference left it.
         elapsed = period
         if self._last_ns != _BEFORE_ANY:
@@ -126,8 +132,14 @@ class ReferenceStream:
         return self._generator.step(
             (target_ns - self._start_ns) * 1e-9, elapsed,
             self._setpoint_at(target_ns, sample.position), contact,
-            estimate.location, estimate.stiffness,
+            estimate.location, seen_by_the_robot(estimate.stiffness, self._robot),
+            self._deepest,
         )
+
+    @property
+    def limited(self) -> bool:
+        """Whether a limit keeps the last reference away from what it should be."""
+        return self._generator.limited
 
     def _setpoint_at(self, stamp_ns: int, position: float) -> Desired:
         """

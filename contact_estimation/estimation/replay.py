@@ -69,7 +69,8 @@ class RecordingReplay:
         self._reader, self._source, self._chosen = reader, source, dict(chosen)
         recorded = _known_today(from_metadata(reader.metadata()))
         if 'axis' in chosen:  # chosen by the user, not recorded by the node
-            recorded = {k: v for k, v in recorded.items() if not k.startswith('further_axes.')}
+            recorded = {k: v for k, v in recorded.items()
+                        if not k.startswith(('further_axes.', 'matrix_estimator'))}
         parameters = build(EstimationParameters, {**recorded, **chosen})
         self.session = ContactSession(parameters, generate_reference=False)
         self._inputs = MessageInputs(self.session)

@@ -23,6 +23,7 @@ from typing import Any, Callable, Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from .matrix_estimation import MatrixEstimation
 from .parameters import EstimationParameters
 from .pipeline import EstimationPipeline, NO_REFERENCE
 from .reference_stream import ReferenceStream
@@ -56,6 +57,10 @@ class ContactSession:
         By axis, the contact axis first.
     pipeline : EstimationPipeline
         Of the contact axis.
+    stream : ReferenceStream
+        Of the references generated.
+    matrix : MatrixEstimation
+        Of three coupled axes.
     last_stamp_ns : int
         Stamp of the last sample processed [ns].
 
@@ -73,7 +78,8 @@ class ContactSession:
         self.last_stamp_ns = _BEFORE_ANY
         self._synchroniser = Synchroniser(parameters.synchronisation)
         self._generates = generate_reference
-        self._stream = ReferenceStream(parameters, self._synchroniser.rejected)
+        self.stream = ReferenceStream(parameters, self._synchroniser.rejected)
+        self.matrix = MatrixEstimation(parameters)
         self._schedule = Schedule()
         self._follow(NO_REFERENCE)
         self._follows_reference = self.pipeline.estimator.follows_reference
@@ -186,9 +192,9 @@ class ContactSession:
             if self._schedule.actions or self._schedule.references:
                 self._apply_due(axes[0].stamp_ns)
             (estimates,) = self._estimate((axes,))
-            reference_stamp_ns, reference = self.last_stamp_ns + self._stream.period_ns, None
+            reference_stamp_ns, reference = self.last_stamp_ns + self.stream.period_ns, None
             if self._generates:
-                reference = self._stream.step(axes[0], estimates[0])
+                reference = self.stream.step(axes[0], estimates[0])
                 if self._follows_reference:
                     self.add_reference(reference_stamp_ns, reference, self._jumps)
             results.append(Result(axes[0], estimates, reference_stamp_ns, reference))
@@ -198,7 +204,9 @@ class ContactSession:
         """Estimate from samples between which no change takes effect."""
         self.last_stamp_ns = run[-1][0].stamp_ns
         columns = map(EstimationPipeline.process, self._pipelines, zip(*run), self._followed)
-        return list(zip(*columns))
+        estimates = list(zip(*columns))
+        self.matrix.process(run, estimates)
+        return estimates
 
     def _apply_due(self, stamp_ns: int) -> None:
         reference = self._schedule.apply_due(Moment(self._jumps, stamp_ns))
@@ -210,7 +218,7 @@ class ContactSession:
         self._jumps += 1
         for pipeline in self._pipelines:
             pipeline.restart_time()
-        self._stream.restart()
+        self.stream.restart()
         self._follow(NO_REFERENCE)
         self.last_stamp_ns = _BEFORE_ANY
 
@@ -222,7 +230,7 @@ class ContactSession:
 
     def add_desired(self, stamp_ns: int, desired: Desired) -> None:
         """Add a setpoint of the planner, effective from its stamp; see `ReferenceStream.add`."""
-        self._stream.add(stamp_ns, desired)
+        self.stream.add(stamp_ns, desired)
 
     def add_reference(self, stamp_ns: int, reference: Reference, jumps: int = 0) -> None:
         """
@@ -262,13 +270,15 @@ class ContactSession:
         parameters = changed(self.parameters, changes)
         for axis, pipeline in self.pipelines.items():
             pipeline.configure(parameters.of_axis(axis))
-        self._stream.configure(parameters)
+        self.stream.configure(parameters)
+        self.matrix.configure(parameters)
         self._synchroniser.configure(parameters.synchronisation)
         self._follows_reference = self.pipeline.estimator.follows_reference
         self.parameters = parameters
 
     def reset(self) -> None:
         """Reset K_hat and B_hat to their initial values on every axis."""
+        self.matrix.reset()
         for pipeline in self._pipelines:
             pipeline.reset()
 

@@ -30,6 +30,7 @@ from .rls import RecursiveLeastSquares
 from .rls_adaptive import AdaptiveLeastSquares
 from .signal_processing import SignalProcessing
 from .signal_processing_refined import SignalProcessingRefined
+from .stiffness_matrix import StiffnessMatrix
 from ..parameters.specification import group, ParameterGroup
 
 ESTIMATORS: dict[str, type[OnlineEstimator]] = {
@@ -47,6 +48,11 @@ OFFLINE_ESTIMATORS: dict[str, Callable[[TargetImpedance], OfflineEstimator]] = {
     'signal_processing_refined': SignalProcessingRefined,
 }
 """Need the whole recording, and the force alone; the node refuses them."""
+
+MATRIX_ESTIMATORS: dict[str, type[StiffnessMatrix]] = {
+    'stiffness_matrix': StiffnessMatrix,
+}
+"""Of the full matrices of three axes, beside the estimator of the single axes."""
 
 EstimatorsTuning: type[ParameterGroup] = make_dataclass(
     'EstimatorsTuning',

@@ -23,6 +23,9 @@ from functools import cached_property
 from math import nan
 from typing import Callable, ClassVar, Mapping, NamedTuple, Sequence
 
+import numpy as np
+from numpy.typing import NDArray
+
 from ..exceptions import ParameterRangeError
 from ..parameters.specification import parameter, ParameterGroup
 from ..reference.setpoints import Reference
@@ -62,6 +65,8 @@ class Estimate(NamedTuple):
         Free, estimating or frozen.
     reason : str
         Why the estimate is frozen, or which parameter is; '' otherwise.
+    model_fit : float
+        Rms of the residual over that of the noise in the last 2 s of contact; NaN while unknown.
 
     """
 
@@ -74,6 +79,7 @@ class Estimate(NamedTuple):
     inertia: float
     status: EstimateStatus
     reason: str
+    model_fit: float = nan
 
 
 class ParameterEstimate(NamedTuple):
@@ -113,6 +119,12 @@ class EnvironmentParameters(ParameterGroup):
     """Initial values and limits of the environment."""
 
     location: float = parameter(0.0, 'Surface of the untouched wall, x_e', 'm')
+    location_std: float = parameter(
+        0.002,
+        'Standard deviation of location. A surface up to 3 of them away is found from the offset '
+        'of the force against position where the contact shows it; 0: location is exact',
+        'm', minimum=0.0, maximum=1.0,
+    )
     initial_stiffness: float = parameter(
         3000.0, 'Initial K_hat; too soft rather than too stiff, or the force overshoots', 'N/m',
         minimum=1e-3, maximum=1e9,
@@ -168,6 +180,12 @@ class OnlineEstimator(ABC):
     fits_linear_damping: ClassVar[bool] = True
     """Whether the law contains B_e v, with B_e independent of depth."""
 
+    weighs_data: ClassVar[bool] = True
+    """Whether prior and data are weighed by their covariances; gains set by hand do not."""
+
+    may_restart: ClassVar[bool] = True
+    """Whether a sudden change of K_hat does no harm to what the estimator controls."""
+
     follows_reference: ClassVar[bool] = False
     """Whether `observe` needs the reference that the robot follows."""
 
@@ -213,6 +231,23 @@ class OnlineEstimator(ABC):
             B_hat [N s/m].
 
         """
+
+    def restart(
+        self, stiffness: float, damping: float, stiffness_std: float, damping_std: float
+    ) -> None:
+        """
+        Restart from values that are known to some precision, as at a new contact.
+
+        Parameters
+        ----------
+        stiffness, damping : float
+            K_hat [N/m], B_hat [N s/m].
+        stiffness_std, damping_std : float
+            Their standard deviations, which take the place of those of the tuning where the
+            estimator has any.
+
+        """
+        self.start_from(stiffness, damping)
 
     @abstractmethod
     def update(
@@ -275,10 +310,51 @@ class OnlineEstimator(ABC):
         """
         return None
 
+    def columns_of(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
+        """
+        Return regressors that span the law, whatever the present estimate; eq. (3) by default.
+
+        A mass is none of them, even where it is estimated: K_hat and B_hat are those of eq. (3).
+
+        Parameters
+        ----------
+        rows : ndarray, shape (N, 5)
+            (y, phi_K, phi_B, phi_c, phi_M) each.
+
+        Returns
+        -------
+        columns : ndarray, shape (N, M)
+            By a combination of which y is explained where the law holds.
+
+        """
+        return rows[:, 1:3]
+
     @property
     def details(self) -> Mapping[str, float]:
         """Further estimated quantities by name, for the diagnostics."""
         return {}
+
+    @property
+    def limitation(self) -> str:
+        """What these parameters cannot estimate, to warn of at start-up; '': nothing known."""
+        return ''
+
+    def hindrance(self, products: NDArray[np.float64]) -> str:
+        """
+        Return what hinders this estimator on the present contact, to warn of.
+
+        Parameters
+        ----------
+        products : ndarray, shape (5, 5)
+            Sum of row^T row over the window of the excitation monitor.
+
+        Returns
+        -------
+        text : str
+            '' for nothing.
+
+        """
+        return ''
 
     @property
     def location_std(self) -> float | None:

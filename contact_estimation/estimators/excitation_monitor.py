@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from collections import deque
 from dataclasses import dataclass
-from math import inf, sqrt
+from math import ceil, inf, sqrt
 from typing import NamedTuple, Sequence
 
 import numpy as np
@@ -30,6 +30,9 @@ from ..signals.relations import COLUMNS, NoiseGain, Row
 
 _BLOCKS = 10  # of the window; judged a block at a time, since excitation changes slowly
 _EARLY = 10  # rows between judgements
+
+RECENT = 20
+"""Number of rows that show a change."""
 
 
 @dataclass(frozen=True)
@@ -66,6 +69,23 @@ class Window(NamedTuple):
     effective_samples: float
     rate_noise: float
     products: NDArray[np.float64]
+
+    def shifted(self, shift: float) -> 'Window':
+        """
+        Return the sums with the surface moved: phi_K less shift phi_c.
+
+        Parameters
+        ----------
+        shift : float
+            How far into the wall the surface is [m].
+
+        """
+        move = np.eye(COLUMNS)
+        move[1, 3] = -shift
+        return self._replace(products=move @ self.products @ move.T)
+
+
+_EMPTY = Window(0.0, 0.0, np.zeros((COLUMNS, COLUMNS)))
 
 
 class ExcitationMonitor:
@@ -109,21 +129,31 @@ class ExcitationMonitor:
     def reset(self) -> None:
         """Discard all rows."""
         self._past: deque[Window] = deque(maxlen=_BLOCKS - 1)
+        self._before = _EMPTY  # sum of the past
+        chunk = min(_EARLY, self._block)
+        self._last: deque[Window] = deque(maxlen=max(1, ceil(RECENT / chunk) - 1))
         self._start_block()
+        self._start_chunk()
+        self.completed = 0  # blocks
         self.frozen = Frozen(True, True)
         self.stiffness_std = inf
         self.damping_std = inf
 
     def _start_block(self) -> None:
+        self._chunks: list[Window] = []
+        self._count = 0
+        self._next = min(_EARLY, self._block)
+
+    def _start_chunk(self) -> None:
         self._rows: list[Row] = []
+        self._sums: Window | None = None
         self._window: Window | None = None
         self._effective = self._rate_noise = 0.0
-        self._next = min(_EARLY, self._block)
 
     @property
     def until_judgement(self) -> int:
         """Number of rows that may be added before the next judgement is due."""
-        return self._next - len(self._rows)
+        return self._next - self._count
 
     def add(self, rows: Sequence[Row], gains: Sequence[NoiseGain] = ()) -> None:
         """
@@ -138,10 +168,17 @@ class ExcitationMonitor:
 
         """
         self._rows += rows
-        self._window = None
+        self._count += len(rows)
+        self._sums = self._window = None
         for force, rate in gains:
             self._effective += force
             self._rate_noise += rate
+
+    @property
+    def blocks(self) -> Sequence[Window]:
+        """The blocks of the window, the last one possibly not complete."""
+        block = [*self._chunks, self._chunk()] if self._rows else self._chunks
+        return [*self._past, _sum(block)] if block else list(self._past)
 
     def window(self) -> Window:
         """
@@ -154,13 +191,50 @@ class ExcitationMonitor:
 
         """
         if self._window is None:
-            effective, rate_noise, products = zip(*self._past, self._block_sums())
-            self._window = Window(sum(effective), sum(rate_noise), sum(products))
+            self._window = _sum([self._before, *self._chunks, self._chunk()])
         return self._window
 
-    def _block_sums(self) -> Window:
-        rows = np.array(self._rows, float).reshape(-1, COLUMNS)
-        return Window(self._effective, self._rate_noise, rows.T @ rows)
+    def recent(self) -> Window:
+        """
+        Return the sums over the last rows, which show a change of the wall first.
+
+        Returns
+        -------
+        recent : Window
+            Over about 20 rows.
+
+        """
+        return _sum([*self._last, self._chunk()])
+
+    def keep_recent(self) -> None:
+        """Discard all but the rows of `recent`, as after a change of the wall."""
+        self._past.clear()
+        self._before, self._window = _EMPTY, None
+        self._chunks = list(self._last)
+        self._count = self._next = len(self._rows)
+        self.completed = 0
+
+    def shift(self, shift: float) -> None:
+        """
+        Move the surface for the rows collected so far.
+
+        Parameters
+        ----------
+        shift : float
+            How far into the wall [m].
+
+        """
+        for windows in (self._past, self._last, self._chunks):
+            for k, window in enumerate(windows):
+                windows[k] = window.shifted(shift)
+        self._before = self._before.shifted(shift)
+        self._sums, self._window = self._chunk().shifted(shift), None
+
+    def _chunk(self) -> Window:
+        if self._sums is None:
+            rows = np.array(self._rows, float).reshape(-1, COLUMNS)
+            self._sums = Window(self._effective, self._rate_noise, rows.T @ rows)
+        return self._sums
 
     def judge(
         self,
@@ -184,11 +258,17 @@ class ExcitationMonitor:
 
         """
         self._judge(self.window().products, noise_variance, stiffness, damping, location_std)
-        if len(self._rows) >= self._block:
-            self._past.append(self._block_sums())
+        chunk = self._chunk()
+        self._chunks.append(chunk)
+        self._last.append(chunk)
+        self._start_chunk()
+        if self._count >= self._block:
+            self._past.append(_sum(self._chunks))
+            self._before = _sum(self._past)
+            self.completed += 1
             self._start_block()
         else:
-            self._next = min(self._next + _EARLY, self._block)
+            self._next = min(self._count + _EARLY, self._block)
 
     def _judge(
         self,
@@ -228,6 +308,11 @@ class ExcitationMonitor:
             self.damping_std = alone_B
         else:
             self.frozen = Frozen(True, True)
+
+
+def _sum(windows: Sequence[Window]) -> Window:
+    effective, rate_noise, products = zip(*windows)
+    return Window(sum(effective), sum(rate_noise), sum(products))
 
 
 def _std(noise_variance: float, own: float, cross: float, other: float) -> float:

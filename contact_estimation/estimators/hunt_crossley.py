@@ -17,13 +17,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import exp, log, nan, sqrt
+from math import exp, inf, log, nan, sqrt
 from typing import Callable, Mapping, NamedTuple, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .estimator import Frozen, OnlineEstimator, ParameterEstimate, TimedRow
+from .three_states import constrain, correct, Covariance, diagonal, State
 from ..parameters.specification import parameter, ParameterGroup
 from ..signals.relations import Row
 
@@ -95,8 +96,8 @@ class HuntCrossley(OnlineEstimator):
     fits_linear_damping = False
     _depth_0 = 0.0  # that _x is written for; 0 before there is one
     _log_depth = 0.0  # of the mean penetration, as a multiple of _depth_0
-    _x: NDArray[np.float64]  # a, n, r
-    _P: NDArray[np.float64]
+    _x: State  # a, n, r
+    _P: Covariance
 
     def configure(self, tuning: ParameterGroup) -> None:
         """Set new tuning; see `OnlineEstimator.configure`."""
@@ -104,8 +105,11 @@ class HuntCrossley(OnlineEstimator):
         self._p = tuning
         if self._depth_0 > 0.0:  # a, moved to the new reference depth
             step = log(tuning.reference_depth / self._depth_0)
-            move = np.array([[1.0, step, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
-            self._x, self._P = move @ self._x, move @ self._P @ move.T
+            (a, n, r), (aa, an, ar, nn, nr, rr) = self._x, self._P
+            self._x = a + step * n, n, r
+            self._P = Covariance(
+                aa + step * (2.0 * an + step * nn), an + step * nn, ar + step * nr, nn, nr, rr
+            )
             self._log_depth -= step
             self._depth_0 = tuning.reference_depth
 
@@ -114,21 +118,38 @@ class HuntCrossley(OnlineEstimator):
         p = self._p
         d_0 = p.reference_depth
         self.stiffness, self.damping, self._depth_0 = stiffness, damping, d_0
-        self._x = np.array([log(stiffness * d_0), p.exponent, damping / (stiffness * d_0)])
-        self._P = np.diag([p.log_stiffness_std, p.exponent_std, p.dissipation_std]) ** 2
+        self._x = log(stiffness * d_0), p.exponent, damping / (stiffness * d_0)
+        self._P = diagonal(p.log_stiffness_std, p.exponent_std, p.dissipation_std)
         self._log_depth = 0.0
         self._seen_s = 0.0
         self._stiffness_updated = self._damping_updated = False
+        self._std = self._spread()
+
+    def restart(
+        self, stiffness: float, damping: float, stiffness_std: float, damping_std: float
+    ) -> None:
+        """Restart at the mean penetration; see `OnlineEstimator.restart`."""
+        p, n, ln_d = self._p, self._x[1], self._log_depth
+        force = stiffness * exp(ln_d) * p.reference_depth
+        self.stiffness, self.damping = stiffness, damping
+        self._x = log(force) - n * ln_d, n, damping / force
+        n_std = sqrt(max(self._P.bb, 0.0))
+        share, r_std = stiffness_std / stiffness, damping_std / force
+        if share > 1.0:  # nothing is known: the law of another wall may differ by a factor
+            share, n_std, r_std = p.log_stiffness_std, p.exponent_std, p.dissipation_std
+            self._seen_s = 0.0
+        nn = n_std * n_std  # ln K at the mean penetration is independent of n
+        self._P = Covariance(
+            share * share + ln_d * ln_d * nn, -ln_d * nn, 0.0, nn, 0.0, r_std * r_std
+        )
         self._std = self._spread()
 
     def update(
         self, rows: Sequence[TimedRow], noise_variance: float, frozen: Frozen
     ) -> list[ParameterEstimate]:
         """Predict and correct for each row; see `OnlineEstimator.update`."""
-        free = np.array([
-            not frozen.stiffness, not frozen.stiffness and self._p.exponent_std > 0.0,
-            not frozen.damping,
-        ])
+        free = (not frozen.stiffness, not frozen.stiffness and self._p.exponent_std > 0.0,
+                not frozen.damping)
         estimates = []
         for dt, row in rows:
             if row[1] > 0.0 and abs(row[3] - 1.0) < _SETTLED:
@@ -146,43 +167,42 @@ class HuntCrossley(OnlineEstimator):
         self._log_depth = log(max(mean, 1e-12))
 
     def _update(
-        self, dt: float, row: Row, noise_variance: float, free: NDArray[np.bool_]
+        self, dt: float, row: Row, noise_variance: float, free: tuple[bool, bool, bool]
     ) -> None:
-        x, P = self._x, self._P
+        self._walk(dt, free)
+        a, n, r = self._x
         y, depth, v = row[0], row[1], row[2]
-        walk = self._p.relative_walk
-        P[np.diag_indices(3)] += free * dt * np.array([walk, walk, walk * max(x[2], 1.0)]) ** 2
-        log_depth, factor = log(depth / self._p.reference_depth), 1.0 + x[2] * v
-        H = np.array([1.0, log_depth, v / factor if factor > _SLOWEST_SHARE else 0.0])
-        force = exp(min(x[0] + x[1] * log_depth, 60.0)) * max(factor, _SLOWEST_SHARE)
-        g = P @ H
-        spread = float(H @ g)
+        log_depth, factor = log(depth / self._p.reference_depth), 1.0 + r * v
+        H = 1.0, log_depth, v / factor if factor > _SLOWEST_SHARE else 0.0
+        force = exp(min(a + n * log_depth, 60.0)) * max(factor, _SLOWEST_SHARE)
+        aa, an, ar, nn, nr, rr = self._P
+        spread = (aa + H[1] * (2.0 * an + H[1] * nn)
+                  + H[2] * (2.0 * (ar + nr * H[1]) + H[2] * rr))
         error = y / force - 1.0
         if abs(error) > _LOGARITHMIC or spread > _LOGARITHMIC**2:
             error = log(max(y / force, 1e-3))
         # Mean second-order term of ln(1 + r v): without it, the first rows would have too much
         # weight along a wrong direction.
-        bend = 0.5 * P[2, 2] * H[2] ** 2
-        g /= spread + max(noise_variance, 1e-18) / force**2 + 2.0 * bend**2
-        # Schmidt-Kalman filter: a frozen parameter is a consider parameter. Value and covariance
-        # stay; its uncertainty has reduced the gain of the others.
-        frozen = P[np.ix_(~free, ~free)].copy()
-        self._x = x + g * error * free
-        P = P - np.outer(g, H @ P)
-        P[np.ix_(~free, ~free)] = frozen
-        self._P = 0.5 * (P + P.T)
-        self._keep_within(1, _LOWEST_EXPONENT, _HIGHEST_EXPONENT)
-        self._keep_within(2, 0.0, float('inf'))
+        bend = 0.5 * rr * H[2] ** 2
+        variance = max(noise_variance, 1e-18) / force**2 + 2.0 * bend**2
+        self._x, self._P, _ = correct(self._x, self._P, H, error, variance, free)
+        if not _LOWEST_EXPONENT <= self._x[1] <= _HIGHEST_EXPONENT:
+            self._x = constrain(
+                self._x, self._P, (0.0, 1.0, 0.0), _LOWEST_EXPONENT, _HIGHEST_EXPONENT)
+        if self._x[2] < 0.0:
+            self._x = constrain(self._x, self._P, (0.0, 0.0, 1.0), 0.0, inf)
 
-    def _keep_within(self, index: int, low: float, high: float) -> None:
-        """Project onto a limit along the covariance, which moves the other states too."""
-        excess = self._x[index] - min(max(self._x[index], low), high)
-        if excess != 0.0 and self._P[index, index] > 0.0:
-            self._x = self._x - self._P[:, index] * (excess / self._P[index, index])
+    def _walk(self, dt: float, free: tuple[bool, bool, bool]) -> None:
+        aa, an, ar, nn, nr, rr = self._P
+        step = self._p.relative_walk**2 * dt
+        self._P = Covariance(
+            aa + step * free[0], an, ar, nn + step * free[1], nr,
+            rr + step * free[2] * max(self._x[2], 1.0) ** 2,
+        )
 
     def _publish(self, frozen: Frozen) -> None:
         """Evaluate the law at the mean penetration."""
-        a, n, r = self._x.tolist()
+        a, n, r = self._x
         force = exp(min(a + n * self._log_depth, 60.0))
         K, B = force / (exp(self._log_depth) * self._p.reference_depth), r * force
         K, B = self.within_limits(K, B)
@@ -194,18 +214,16 @@ class HuntCrossley(OnlineEstimator):
         self._std = self._spread()
 
     def _spread(self) -> tuple[float, float]:
-        P, ln_d, r = self._P, self._log_depth, float(self._x[2])
-        of_K = np.array([1.0, ln_d, 0.0])
-        of_B = np.array([r, r * ln_d, 1.0])  # d (r F_s) / F_s
+        ln_d, r = self._log_depth, self._x[2]
         force = self.stiffness * exp(ln_d) * self._p.reference_depth
-        K_share = sqrt(max(float(of_K @ P @ of_K), 0.0))
-        return self.stiffness * K_share, force * sqrt(max(float(of_B @ P @ of_B), 0.0))
+        K_share = _std(self._P, 1.0, ln_d, 0.0)
+        return self.stiffness * K_share, force * _std(self._P, r, r * ln_d, 1.0)  # d (r F_s) / F_s
 
     def linearisation(self) -> Callable[[Row], Row]:
         """Linearise about the present n at the mean depth; see `OnlineEstimator.linearisation`."""
-        n, r = float(self._x[1]), float(self._x[2])
+        a, n, r = self._x
         mean = exp(self._log_depth) * self._p.reference_depth
-        stiffness = exp(min(float(self._x[0]) + n * self._log_depth, 60.0)) / mean
+        stiffness = exp(min(a + n * self._log_depth, 60.0)) / mean
 
         def linear(row: Row) -> Row:
             y, depth, v, c, _ = row
@@ -216,18 +234,22 @@ class HuntCrossley(OnlineEstimator):
 
         return linear
 
+    def columns_of(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return powers that span d^n and d^n v; see `OnlineEstimator.columns_of`."""
+        depth = np.maximum(rows[:, 1], 0.0) / max(float(np.max(rows[:, 1])), 1e-12)
+        v = rows[:, 2]
+        powers = [depth, depth**1.5, depth**2]
+        return np.column_stack([*powers, *(power * v for power in powers[:2])])
+
     @property
     def law(self) -> Law:
         """Present estimates of K, n and chi."""
-        a, n, r = self._x.tolist()
-        ln_0 = log(self._p.reference_depth)
+        a, n, r = self._x
+        ln_0, P = log(self._p.reference_depth), self._P
         K = exp(a - n * ln_0)
-        of_K = np.array([1.0, -ln_0, 0.0])
-        of_chi = np.array([r, -r * ln_0, 1.0])
-        P = self._P
         return Law(
-            K, n, r * K, K * sqrt(max(float(of_K @ P @ of_K), 0.0)), sqrt(max(P[1, 1], 0.0)),
-            K * sqrt(max(float(of_chi @ P @ of_chi), 0.0)),
+            K, n, r * K, K * _std(P, 1.0, -ln_0, 0.0), sqrt(max(P.bb, 0.0)),
+            K * _std(P, r, -r * ln_0, 1.0),
         )
 
     @property
@@ -238,3 +260,10 @@ class HuntCrossley(OnlineEstimator):
     def current(self) -> ParameterEstimate:
         """Return the present estimate; see `OnlineEstimator.current`."""
         return ParameterEstimate(self.stiffness, self.damping, *self._std, 0.0, nan)
+
+
+def _std(P: Covariance, a: float, b: float, c: float) -> float:
+    """Return the standard deviation of the combination a x_0 + b x_1 + c x_2."""
+    variance = (a * (a * P.aa + 2.0 * (b * P.ab + c * P.ac))
+                + b * (b * P.bb + 2.0 * c * P.bc) + c * c * P.cc)
+    return sqrt(variance) if variance > 0.0 else 0.0

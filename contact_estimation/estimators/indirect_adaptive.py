@@ -20,11 +20,16 @@ from dataclasses import dataclass
 from math import expm1, nan, sqrt
 from typing import Sequence
 
+import numpy as np
+from numpy.typing import NDArray
+
 from .estimator import Frozen, OnlineEstimator, ParameterEstimate, TimedRow, UNKNOWN_DAMPING_S
+from .gradient_speed import limitation_of, starvation
 from ..parameters.specification import parameter, ParameterGroup
 
 _SMALLEST = 1e-30
 _MEMORY_S = 1.0  # of the mean squares that normalise
+_REMEDY = 'set tuning.indirect_adaptive.normalised, or choose another estimator'
 
 
 @dataclass(frozen=True)
@@ -59,6 +64,7 @@ class IndirectAdaptive(OnlineEstimator):
     """
 
     Parameters = IndirectAdaptiveParameters
+    weighs_data = False
 
     def configure(self, tuning: ParameterGroup) -> None:
         """Set new gains; see `OnlineEstimator.configure`."""
@@ -72,6 +78,14 @@ class IndirectAdaptive(OnlineEstimator):
         self._seen_s = self._mean_K = self._mean_B = 0.0
         self._damping_updated = False
         self._P = stiffness**2, 0.0, max(damping, UNKNOWN_DAMPING_S * stiffness) ** 2
+
+    def restart(
+        self, stiffness: float, damping: float, stiffness_std: float, damping_std: float
+    ) -> None:
+        """Restart with another P; see `OnlineEstimator.restart`."""
+        self.start_from(stiffness, damping)
+        self._damping_updated = True  # else its initial value would be the prior
+        self._P = stiffness_std**2, 0.0, damping_std**2
 
     def update(
         self, rows: Sequence[TimedRow], noise_variance: float, frozen: Frozen
@@ -127,6 +141,15 @@ class IndirectAdaptive(OnlineEstimator):
             0.0 if frozen.stiffness else 1.0 / (self._mean_K + _SMALLEST),
             0.0 if frozen.damping else 1.0 / (self._mean_B + _SMALLEST),
         )
+
+    @property
+    def limitation(self) -> str:
+        """The walls for which the gains are too small; see `OnlineEstimator.limitation`."""
+        return '' if self._rate is not None else limitation_of(self._gain_K, _REMEDY)
+
+    def hindrance(self, products: NDArray[np.float64]) -> str:
+        """Whether the gains are too small at this depth; see `OnlineEstimator.hindrance`."""
+        return '' if self._rate is not None else starvation(self._gain_K, products, _REMEDY)
 
     def current(self) -> ParameterEstimate:
         """Return the present estimate; see `OnlineEstimator.current`."""

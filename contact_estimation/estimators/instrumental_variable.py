@@ -81,13 +81,19 @@ class InstrumentalVariable(OnlineEstimator):
 
     def start_from(self, stiffness: float, damping: float) -> None:
         """Restart with the prior; see `OnlineEstimator.start_from`."""
+        self._past.clear()
+        self.restart(stiffness, damping, self._p.stiffness_std, self._p.damping_std)
+
+    def restart(
+        self, stiffness: float, damping: float, stiffness_std: float, damping_std: float
+    ) -> None:
+        """Forget all equations, with another prior; see `OnlineEstimator.restart`."""
         self.stiffness, self.damping = stiffness, damping
         self._start = stiffness, damping
-        self._past.clear()
         # Equations of K and B: (z phi_K, z phi_B, z y); then z z^T: (KK, KB, BB).
         self._of_K, self._of_B = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
         self._Z = 0.0, 0.0, 0.0
-        self._std = self._p.stiffness_std, self._p.damping_std
+        self._prior_std = self._std = stiffness_std, damping_std
 
     def update(
         self, rows: Sequence[TimedRow], noise_variance: float, frozen: Frozen
@@ -125,9 +131,8 @@ class InstrumentalVariable(OnlineEstimator):
         """Solve for both, or for the excited one with the present value of the other."""
         if not (frozen.stiffness or frozen.damping) and self._solve_both(variance):
             return
-        p = self._p
         if not frozen.stiffness:
-            (K_0, _), (a, b, c), r = self._start, self._of_K, variance / p.stiffness_std**2
+            (K_0, _), (a, b, c), r = self._start, self._of_K, variance / self._prior_std[0] ** 2
             K = (c - b * self.damping + r * K_0) / (a + r) if a > -r else -1.0
             # The damping in the equation has an error of its own.
             spread = self._Z[0] * variance + r * variance + (b * self._std[1]) ** 2
@@ -136,7 +141,7 @@ class InstrumentalVariable(OnlineEstimator):
                 self.stiffness, _ = self.within_limits(K, self.damping)
                 self._std = std, self._std[1]
         elif not frozen.damping:
-            (_, B_0), (a, b, c), r = self._start, self._of_B, variance / p.damping_std**2
+            (_, B_0), (a, b, c), r = self._start, self._of_B, variance / self._prior_std[1] ** 2
             B = (c - a * self.stiffness + r * B_0) / (b + r) if b > -r else -1.0
             spread = self._Z[2] * variance + r * variance + (a * self._std[0]) ** 2
             std = sqrt(spread) / abs(b + r) if b > -r else 0.0
@@ -145,8 +150,8 @@ class InstrumentalVariable(OnlineEstimator):
                 self._std = self._std[0], std
 
     def _solve_both(self, variance: float) -> bool:
-        p, (K_0, B_0) = self._p, self._start
-        r_K, r_B = variance / p.stiffness_std**2, variance / p.damping_std**2
+        (K_0, B_0), (K_std, B_std) = self._start, self._prior_std
+        r_K, r_B = variance / K_std**2, variance / B_std**2
         (a, b, y_K), (c, d, y_B) = self._of_K, self._of_B
         a, d, y_K, y_B = a + r_K, d + r_B, y_K + r_K * K_0, y_B + r_B * B_0
         determinant = a * d - b * c

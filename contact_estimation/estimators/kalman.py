@@ -17,14 +17,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import nan, sqrt
+from math import copysign, inf, nan, sqrt
 from typing import Sequence
 
-import numpy as np
-
 from .estimator import Frozen, OnlineEstimator, ParameterEstimate, TimedRow
+from .three_states import constrain, correct, Covariance, diagonal, State
 from ..parameters.specification import parameter, ParameterGroup
-from ..signals.relations import Row
+
+_FURTHEST = 5.0  # standard deviations of the location from its prior
 
 
 @dataclass(frozen=True)
@@ -38,9 +38,10 @@ class KalmanParameters(ParameterGroup):
         1e4, 'Prior standard deviation of B_e', 'N s/m', minimum=1e-3, maximum=1e12
     )
     location_std: float = parameter(
-        1e-4,
-        'Prior standard deviation of the wall location about environment.location; 0: known',
-        'm', minimum=0.0,
+        0.0,
+        'Prior standard deviation of the wall location about the one known or found so far, which '
+        'the filter then estimates beside K_e; a lag of the force then biases both. 0: found as '
+        'for every estimator, see environment.location_std', 'm', minimum=0.0,
     )
     relative_walk: float = parameter(
         0.002,
@@ -62,7 +63,7 @@ class Kalman(OnlineEstimator):
     Random-walk Kalman filter on y = K_e delta + B_e v - (K_e s), s the shift of the wall.
 
     Estimating the product K_e s keeps the measurement linear in the state, so that the filter is
-    exact; s itself follows as a quotient. The algebra is that of filterpy; the covariance is
+    exact; s itself follows as a quotient. The covariance is
     consistent as long as the force noise is white before conditioning.
 
     A frozen parameter is a consider parameter (Schmidt): its value and covariance stay, without
@@ -81,16 +82,19 @@ class Kalman(OnlineEstimator):
 
     def start_from(self, stiffness: float, damping: float) -> None:
         """Restart with the prior; see `OnlineEstimator.start_from`."""
-        # Imported here since it loads scipy.stats, which dominates the import time.
-        from filterpy.kalman import KalmanFilter
-
         p = self._p
-        self._filter = KalmanFilter(dim_x=3, dim_z=1)
-        self._filter.x = np.array([[stiffness], [damping], [0.0]])
-        shift_std = p.location_std * max(stiffness, self.environment.initial_stiffness)
-        self._filter.P = np.diag([p.stiffness_std**2, p.damping_std**2, shift_std**2])
-        self._filter.F = np.eye(3)
-        self._read_state()
+        scale = max(stiffness, self.environment.initial_stiffness)
+        self._x: State = stiffness, damping, 0.0
+        self._P = diagonal(p.stiffness_std, p.damping_std, p.location_std * scale)
+        self._keep_within_limits()
+
+    def restart(
+        self, stiffness: float, damping: float, stiffness_std: float, damping_std: float
+    ) -> None:
+        """Restart with another prior; x_e stays. See `OnlineEstimator.restart`."""
+        self._x = stiffness, damping, self._shift * stiffness
+        self._P = diagonal(stiffness_std, damping_std, self._p.location_std * stiffness)
+        self._keep_within_limits()
 
     def update(
         self, rows: Sequence[TimedRow], noise_variance: float, frozen: Frozen
@@ -98,61 +102,50 @@ class Kalman(OnlineEstimator):
         """Predict and correct for each row; see `OnlineEstimator.update`."""
         estimates = []
         resting_speed = self._p.resting_speed
+        free = (not frozen.stiffness, not frozen.damping,
+                not frozen.stiffness and self._p.location_std > 0.0)
+        variance = max(noise_variance, 1e-18)
         for dt, row in rows:
             if abs(row[2]) >= resting_speed:
-                self._update(dt, row, noise_variance, frozen)
+                self._walk(dt, free)
+                K, B, f = x = self._x
+                H = row[1], row[2], -row[3]
+                error = row[0] - K * H[0] - B * H[1] - f * H[2]
+                self._x, self._P, _ = correct(x, self._P, H, error, variance, free)
+                self._keep_within_limits()
             estimates.append(self.current())
         return estimates
 
-    def _update(self, dt: float, row: Row, noise_variance: float, frozen: Frozen) -> None:
-        state = self._filter
-        free = np.array(
-            [not frozen.stiffness, not frozen.damping,
-             not frozen.stiffness and self._p.location_std > 0]
-        )
-        state.predict(Q=np.diag(self._walk(dt) * free))
-        before = state.x[~free].copy(), state.P[np.ix_(~free, ~free)].copy()
-        H = np.array([[row[1], row[2], -row[3]]])
-        state.update(row[0], R=max(noise_variance, 1e-18), H=H)
-        # Schmidt-Kalman filter: a frozen parameter is a consider parameter. Value and covariance
-        # stay; its uncertainty has reduced the gain of the others.
-        state.x[~free], state.P[np.ix_(~free, ~free)] = before
-        self._read_state()
+    def _walk(self, dt: float, free: tuple[bool, bool, bool]) -> None:
+        p, (aa, ab, ac, bb, bc, cc), K = self._p, self._P, self.stiffness
+        if free[0]:
+            aa += (p.relative_walk * K) ** 2 * dt
+        if free[1]:
+            bb += (p.relative_walk * max(self.damping, self.environment.initial_damping)) ** 2 * dt
+        if free[2]:
+            cc += (p.location_walk * K) ** 2 * dt
+        self._P = Covariance(aa, ab, ac, bb, bc, cc)
 
-    def _walk(self, dt: float) -> np.ndarray:
-        p = self._p
-        scale_B = max(self.damping, self.environment.initial_damping)
-        rates = np.array(
-            [
-                p.relative_walk * self.stiffness,
-                p.relative_walk * scale_B,
-                p.location_walk * self.stiffness,
-            ]
-        )
-        return rates**2 * dt
-
-    def _read_state(self) -> None:
-        limits = self.environment
-        self._keep_within(0, limits.minimum_stiffness, limits.maximum_stiffness)
-        self._keep_within(1, 0.0, limits.maximum_damping)
-        K, B, shift_force = self._filter.x[:, 0].tolist()
+    def _keep_within_limits(self) -> None:
+        """Project onto the limits along the covariance, which moves the other states too."""
+        K_low, K_high, B_high = self.environment.limits
+        K, B, f = self._x
+        if not (K_low <= K <= K_high and 0.0 <= B <= B_high):
+            x = constrain(self._x, self._P, (1.0, 0.0, 0.0), K_low, K_high)
+            self._x = K, B, f = constrain(x, self._P, (0.0, 1.0, 0.0), 0.0, B_high)
+        furthest = copysign(_FURTHEST * self._p.location_std, f)
+        if (f - furthest * K) * furthest > 0.0:  # x_e is anchored to its prior
+            low, high = (-inf, 0.0) if furthest > 0.0 else (0.0, inf)
+            self._x = K, B, f = constrain(self._x, self._P, (-furthest, 0.0, 1.0), low, high)
         self.stiffness, self.damping = self.within_limits(K, B)
-        self._shift = shift_force / self.stiffness
-
-    def _keep_within(self, index: int, low: float, high: float) -> None:
-        """Project onto a limit along the covariance, which moves the other states too."""
-        x, P = self._filter.x, self._filter.P
-        value = float(x[index, 0])
-        excess = value - min(max(value, low), high)
-        if excess != 0.0:
-            self._filter.x = x - P[:, [index]] * (excess / P[index, index])
+        self._shift = f / self.stiffness
 
     def current(self) -> ParameterEstimate:
         """Return the present estimate; see `OnlineEstimator.current`."""
-        P = self._filter.P
+        KK, _, _, BB, _, _ = self._P
         return ParameterEstimate(
-            self.stiffness, self.damping, sqrt(max(float(P[0, 0]), 0.0)),
-            sqrt(max(float(P[1, 1]), 0.0)), self._shift, nan,
+            self.stiffness, self.damping, sqrt(KK) if KK > 0.0 else 0.0,
+            sqrt(BB) if BB > 0.0 else 0.0, self._shift, nan,
         )
 
     @property

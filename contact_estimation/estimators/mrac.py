@@ -20,7 +20,11 @@ from dataclasses import dataclass
 from math import nan, sqrt
 from typing import Sequence
 
+import numpy as np
+from numpy.typing import NDArray
+
 from .estimator import EnvironmentParameters, Frozen, OnlineEstimator, ParameterEstimate, TimedRow
+from .gradient_speed import limitation_of, starvation
 from .model_following import ModelFollowing, ModelFollowingParameters
 from ..parameters.specification import group, parameter, ParameterGroup
 from ..reference.setpoints import Reference
@@ -66,6 +70,7 @@ class ModelReferenceAdaptive(OnlineEstimator):
 
     Parameters = ModelReferenceParameters
     follows_reference = True
+    may_restart = False
     control_force = 0.0
 
     def __init__(
@@ -155,6 +160,15 @@ class ModelReferenceAdaptive(OnlineEstimator):
         self._C = _sum(_product(A, C), _product(S, self._N))
         inner = _sum(_product(self._P, _transposed(A)), _product(C, _transposed(S)))
         self._P = _sum(_product(A, inner), _product(S, _transposed(self._C)))
+
+    @property
+    def limitation(self) -> str:
+        """The walls for which the gains are too small; see `OnlineEstimator.limitation`."""
+        return limitation_of(self._p.stiffness_gain)
+
+    def hindrance(self, products: NDArray[np.float64]) -> str:
+        """Whether the gains are too small at this depth; see `OnlineEstimator.hindrance`."""
+        return starvation(self._p.stiffness_gain, products)
 
     def current(self) -> ParameterEstimate:
         """Return the present estimate; see `OnlineEstimator.current`."""

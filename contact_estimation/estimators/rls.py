@@ -80,6 +80,17 @@ class RecursiveLeastSquares(OnlineEstimator):
         self._damping_updated = False
         self._noise_variance = nan  # no row yet, so no standard deviation
 
+    def restart(
+        self, stiffness: float, damping: float, stiffness_std: float, damping_std: float
+    ) -> None:
+        """Restart with another prior of K_e and B_e; see `OnlineEstimator.restart`."""
+        noise_variance = self._noise_variance
+        self.start_from(stiffness, damping)
+        if noise_variance > 0.0:
+            scale, self._damping_updated = noise_variance * self._averaging, True
+            KK, BB = stiffness_std**2 / scale, damping_std**2 / scale
+            self._noise_variance, self._P = noise_variance, (KK, 0.0, 0.0, BB, 0.0, self._P[5])
+
     def update(
         self, rows: Sequence[TimedRow], noise_variance: float, frozen: Frozen
     ) -> list[ParameterEstimate]:
@@ -130,7 +141,7 @@ class RecursiveLeastSquares(OnlineEstimator):
             BM *= g_B * g_M
             MM *= g_M * g_M
             estimates.append(ParameterEstimate(
-                K, B, sqrt(averaged * KK), sqrt(averaged * BB), 0.0,
+                K, B, sqrt(averaged * max(KK, 0.0)), sqrt(averaged * max(BB, 0.0)), 0.0,
                 M if self._p.estimate_inertia else nan,
             ))
         self.stiffness, self.damping, self._M = K, B, M
@@ -161,8 +172,9 @@ class RecursiveLeastSquares(OnlineEstimator):
         """Return the present estimate; see `OnlineEstimator.current`."""
         averaged = self._noise_variance * self._averaging
         return ParameterEstimate(
-            self.stiffness, self.damping, sqrt(averaged * self._P[0]),
-            sqrt(averaged * self._P[3]), 0.0, self._M if self._p.estimate_inertia else nan,
+            self.stiffness, self.damping, sqrt(averaged * max(self._P[0], 0.0)),
+            sqrt(averaged * max(self._P[3], 0.0)), 0.0,
+            self._M if self._p.estimate_inertia else nan,
         )
 
 

@@ -20,14 +20,13 @@ from dataclasses import dataclass
 from math import exp, nan, sqrt
 from typing import Sequence
 
-import numpy as np
-from numpy.typing import NDArray
-
 from .estimator import Frozen, OnlineEstimator, ParameterEstimate, TimedRow
+from .three_states import constrain, correct, Covariance, diagonal, State
 from ..parameters.specification import parameter, ParameterGroup
 from ..signals.relations import Row, TustinRelation
 
 _SMALLEST = 1e-18
+Free = tuple[bool, bool, bool]
 
 
 @dataclass(frozen=True)
@@ -86,17 +85,23 @@ class AdaptiveLeastSquares(OnlineEstimator):
         p = self._p
         self.stiffness, self.damping = stiffness, damping
         self._variance = 0.0
-        self._theta = np.array([stiffness, damping, 0.0])
-        self._P = np.diag([p.stiffness_std, p.damping_std, p.inertia_std]) ** 2
+        self._x: State = stiffness, damping, 0.0
+        self._P = diagonal(p.stiffness_std, p.damping_std, p.inertia_std)
+
+    def restart(
+        self, stiffness: float, damping: float, stiffness_std: float, damping_std: float
+    ) -> None:
+        """Restart with another prior of K_e and B_e; see `OnlineEstimator.restart`."""
+        self.stiffness, self.damping = stiffness, damping
+        self._x = stiffness, damping, 0.0
+        self._P = diagonal(stiffness_std, damping_std, self._p.inertia_std)
 
     def update(
         self, rows: Sequence[TimedRow], noise_variance: float, frozen: Frozen
     ) -> list[ParameterEstimate]:
         """Update, then forget, for each row; see `OnlineEstimator.update`."""
-        free = np.array([
-            not frozen.stiffness, not frozen.damping,
-            not (frozen.stiffness or frozen.damping) and self._p.inertia_std > 0.0,
-        ])
+        free_K, free_B = not frozen.stiffness, not frozen.damping
+        free = free_K, free_B, free_K and free_B and self._p.inertia_std > 0.0
         estimates = []
         for _, row in rows:
             # A sudden change of the wall raises the residual too: the noise variance may grow by
@@ -107,42 +112,42 @@ class AdaptiveLeastSquares(OnlineEstimator):
             estimates.append(self.current())
         return estimates
 
-    def _update(self, row: Row, variance: float, free: NDArray[np.bool_]) -> None:
-        theta, P = self._theta, self._P
-        phi = np.array([row[1], row[2], row[4]])
-        gain = P @ phi
-        expected = float(phi @ gain) + variance
-        error = row[0] - float(phi @ theta)
-        gain /= expected
-        frozen = P[np.ix_(~free, ~free)].copy()
-        self._theta = theta + gain * error * free
-        P = P - np.outer(gain, phi @ P)
-        P[np.ix_(~free, ~free)] = frozen
-        self._P = 0.5 * (P + P.T)
+    def _update(self, row: Row, variance: float, free: Free) -> None:
+        K, B, M = self._x
+        H = row[1], row[2], row[4]
+        error = row[0] - K * H[0] - B * H[1] - M * H[2]
+        self._x, self._P, expected = correct(self._x, self._P, H, error, variance, free)
         self._keep_within_limits()
         surprise = error * error / (expected * self._p.memory_samples)
         self._forget(max(1.0 - surprise, self._p.smallest_forgetting_factor), free)
 
-    def _forget(self, factor: float, free: NDArray[np.bool_]) -> None:
+    def _forget(self, factor: float, free: Free) -> None:
         """Scale P on both sides with factors >= 1, which keeps it positive definite."""
-        scales = np.array([self.stiffness, max(self.damping, self.environment.initial_damping)])
-        known = np.diag(self._P)[:2] < (self._p.maximum_relative_std * scales) ** 2
-        forgets = free & np.array([known[0], known[1], known[0] and known[1]])
-        growth = np.where(forgets, 1.0 / sqrt(factor), 1.0)
-        self._P = self._P * growth * growth[:, None]
+        KK, KB, KM, BB, BM, MM = self._P
+        share, growth = self._p.maximum_relative_std, 1.0 / sqrt(factor)
+        known_K = KK < (share * self.stiffness) ** 2
+        known_B = BB < (share * max(self.damping, self.environment.initial_damping)) ** 2
+        g_K = growth if free[0] and known_K else 1.0
+        g_B = growth if free[1] and known_B else 1.0
+        g_M = growth if free[2] and known_K and known_B else 1.0
+        self._P = Covariance(
+            KK * g_K * g_K, KB * g_K * g_B, KM * g_K * g_M, BB * g_B * g_B, BM * g_B * g_M,
+            MM * g_M * g_M,
+        )
 
     def _keep_within_limits(self) -> None:
         """Project onto a limit along the covariance, so that the others move consistently."""
         K_low, K_high, B_high = self.environment.limits
-        for index, low, high in ((1, 0.0, B_high), (0, K_low, K_high)):
-            value, variance = float(self._theta[index]), float(self._P[index, index])
-            excess = value - min(max(value, low), high)
-            if excess != 0.0 and variance > 0.0:
-                self._theta = self._theta - self._P[:, index] * (excess / variance)
-        self.stiffness, self.damping = self.within_limits(*self._theta[:2].tolist())
+        K, B, _ = self._x
+        if not (K_low <= K <= K_high and 0.0 <= B <= B_high):
+            x = constrain(self._x, self._P, (0.0, 1.0, 0.0), 0.0, B_high)
+            self._x = K, B, _ = constrain(x, self._P, (1.0, 0.0, 0.0), K_low, K_high)
+        self.stiffness, self.damping = self.within_limits(K, B)
 
     def current(self) -> ParameterEstimate:
         """Return the present estimate; see `OnlineEstimator.current`."""
-        K_std, B_std, _ = np.sqrt(np.maximum(np.diag(self._P), 0.0)).tolist()
-        inertia = float(self._theta[2]) if self._p.inertia_std > 0.0 else nan
-        return ParameterEstimate(self.stiffness, self.damping, K_std, B_std, 0.0, inertia)
+        KK, _, _, BB, _, _ = self._P
+        return ParameterEstimate(
+            self.stiffness, self.damping, sqrt(KK) if KK > 0.0 else 0.0,
+            sqrt(BB) if BB > 0.0 else 0.0, 0.0, self._x[2] if self._p.inertia_std > 0.0 else nan,
+        )

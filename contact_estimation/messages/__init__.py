@@ -15,6 +15,7 @@
 """CDR messages to plain readings and back, with explicit layouts and no message library."""
 
 from .decoding import (
+    decode_float64,
     decode_string,
     JointStateDecoder,
     SeveralJointsDecoder,
@@ -23,6 +24,8 @@ from .decoding import (
     WrenchDecoder,
 )
 from .encoding import (
+    encode_float64,
+    encode_multi_array,
     encode_string,
     JointStateEncoder,
     TrajectoryEncoder,
@@ -45,6 +48,9 @@ __all__ = [
     'WrenchDecoder',
     'WrenchEncoder',
     'WrenchReading',
+    'decode_float64',
     'decode_string',
+    'encode_float64',
+    'encode_multi_array',
     'encode_string',
 ]

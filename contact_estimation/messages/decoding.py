@@ -17,12 +17,14 @@
 from __future__ import annotations
 
 from functools import partial
+from struct import unpack_from
 from typing import Any, Sequence
 
 from .cdr import CdrCursor, malformed, NS_PER_S, StampedReader
 from .readings import JointReading, TrajectoryReading, WrenchReading
 from ..exceptions import MessageError
 
+FLOAT64_TYPE = 'std_msgs/msg/Float64'
 STRING_TYPE = 'std_msgs/msg/String'
 
 
@@ -270,6 +272,35 @@ class TrajectoryDecoder:
         """
         sec, nanosec, _, *point = self._reader.read(raw)
         return TrajectoryReading(sec * NS_PER_S + nanosec, *point)
+
+
+def decode_float64(raw: bytes) -> float:
+    """
+    Read std_msgs/msg/Float64.
+
+    Parameters
+    ----------
+    raw : bytes
+        CDR with its encapsulation header.
+
+    Returns
+    -------
+    value : float
+        Content of the message.
+
+    Raises
+    ------
+    MessageError
+        With reason 'malformed'.
+
+    """
+    try:
+        cursor = CdrCursor(raw)
+        (begin,) = cursor.doubles(1)
+        cursor.finish()
+    except ValueError as error:
+        raise malformed(raw, FLOAT64_TYPE, error) from error
+    return float(unpack_from(cursor.byte_order + 'd', raw, begin)[0])
 
 
 def decode_string(raw: bytes) -> str:

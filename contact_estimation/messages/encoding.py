@@ -17,10 +17,13 @@
 from __future__ import annotations
 
 from struct import Struct
+from typing import Sequence
 
 from .cdr import NS_PER_S
 
 _LITTLE_ENDIAN = b'\0\1\0\0'
+_FLOAT64 = Struct('<4sd')
+_PAIR = Struct('<2I')
 _ONE = (1).to_bytes(4, 'little')  # length of a sequence of one element
 
 
@@ -128,6 +131,38 @@ class TrajectoryEncoder:
 def encode_string(text: str) -> bytes:
     """Return a std_msgs/msg/String with this text."""
     return _LITTLE_ENDIAN + _text(text)
+
+
+def encode_float64(value: float) -> bytes:
+    """Return a std_msgs/msg/Float64 with this value."""
+    return _FLOAT64.pack(_LITTLE_ENDIAN, value)
+
+
+def encode_multi_array(
+    dimensions: Sequence[tuple[str, int]], values: Sequence[float]
+) -> bytes:
+    """
+    Return a std_msgs/msg/Float64MultiArray.
+
+    Parameters
+    ----------
+    dimensions : sequence of (str, int)
+        Label and size of each, the outermost first.
+    values : sequence of float
+        Row by row.
+
+    Returns
+    -------
+    raw : bytes
+        CDR with its encapsulation header.
+
+    """
+    layout, stride = len(dimensions).to_bytes(4, 'little'), len(values)
+    for label, size in dimensions:
+        layout = _aligned(_aligned(layout, 4) + _text(label), 4) + _PAIR.pack(size, stride)
+        stride //= size
+    head = _aligned(layout + _PAIR.pack(0, len(values)), 8)  # data_offset, length of the data
+    return _LITTLE_ENDIAN + head + Struct(f'<{len(values)}d').pack(*values)
 
 
 def _head(frame_id: str, joint: str) -> bytes:

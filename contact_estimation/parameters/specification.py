@@ -24,6 +24,11 @@ from ..exceptions import ParameterRangeError, UnknownNameError
 
 Value = bool | int | float | str
 
+LARGEST = 1e15
+"""Of any parameter in SI units: products of a few of them must not overflow."""
+
+_LARGEST_OF_EFFECT = 1e150  # K_n of a cubic law in micrometres is beyond 1e15 N/m^3
+
 
 @dataclasses.dataclass(frozen=True)
 class ParameterSpecification:
@@ -133,6 +138,12 @@ class ParameterSpecification:
         too_high = self.maximum is not None and value > self.maximum
         if not math.isfinite(value) or too_low or too_high:
             raise self._error(value)
+        largest = _LARGEST_OF_EFFECT if self.nan_is_off else LARGEST
+        if self.maximum is None and abs(value) > largest:
+            raise ParameterRangeError(
+                f'{self.name} must be {self.expectation}, and at most {largest:g} in magnitude, '
+                f'got {value!r}: its square would overflow; default {self.default!r}'
+            )
 
     def _error(self, value: Any) -> ParameterRangeError:
         return ParameterRangeError(

@@ -41,6 +41,7 @@ from .hunt_crossley_damping import HuntCrossleyDamping
 from .impedance_mismatch import ImpedanceMismatch
 from .moving_environment import MovingEnvironment
 from .plastic_set import PlasticSet
+from .power_law_damping import PowerLawDamping
 from .power_law_stiffness import PowerLawStiffness
 from .presliding_friction import PreslidingFriction
 from .quadratic_damping import QuadraticDamping
@@ -61,6 +62,7 @@ EFFECTS: dict[str, type[Effect]] = {
     'power_law_stiffness': PowerLawStiffness,
     'exponential_stiffness': ExponentialStiffness,
     'hunt_crossley_damping': HuntCrossleyDamping,
+    'power_law_damping': PowerLawDamping,
     'quadratic_damping': QuadraticDamping,
     'viscoelastic_relaxation': ViscoelasticRelaxation,
     'fractional_relaxation': FractionalRelaxation,

@@ -138,6 +138,11 @@ class BoucWenHysteresis(ContactEffect):
         return bool(values.beta > 0.0)
 
     @classmethod
+    def is_flexible(cls, values: Any, duration: float) -> bool:
+        """Is one that gives energy: |gamma| > beta (Erlicher and Point 2004)."""
+        return abs(values.gamma) > values.beta
+
+    @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """Spread beta; alpha is large enough for beta and gamma to matter."""
         yields = (0.7, 2.0, 6.0, 20.0)

@@ -154,9 +154,9 @@ class Effect(ABC):
         return True
 
     @classmethod
-    def follows_any_slow_misfit(cls, values: Any, duration: float) -> bool:
+    def is_flexible(cls, values: Any, duration: float) -> bool:
         """
-        Return whether the effect is a curve that fits almost any slow misfit.
+        Return whether the effect is a curve that fits almost any misfit of its kind.
 
         Parameters
         ----------
@@ -167,7 +167,7 @@ class Effect(ABC):
 
         Returns
         -------
-        generic : bool
+        flexible : bool
             If so, more is asked of it than of a law.
 
         """

@@ -57,7 +57,7 @@ class ForceDrift(ForceSensorEffect):
         return measured - self.values.rate * t
 
     @classmethod
-    def follows_any_slow_misfit(cls, values: Any, duration: float) -> bool:
+    def is_flexible(cls, values: Any, duration: float) -> bool:
         """Is one."""
         return True
 

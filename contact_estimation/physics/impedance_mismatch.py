@@ -17,6 +17,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 from numpy.random import Generator
 
@@ -51,6 +52,11 @@ class ImpedanceMismatch(RobotEffect):
         self.stiffness_scale = values.K_t_scale
         self.damping_scale = values.B_t_scale
         self.mass_scale = values.M_t_scale
+
+    @classmethod
+    def is_flexible(cls, values: Any, duration: float) -> bool:
+        """Is always one: three scales follow any misfit in position, velocity and acceleration."""
+        return True
 
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:

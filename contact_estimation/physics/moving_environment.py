@@ -59,7 +59,7 @@ class MovingEnvironment(ContactEffect):
         return p.amplitude * m.sin(angle), p.amplitude * omega * m.cos(angle)
 
     @classmethod
-    def follows_any_slow_misfit(cls, values: Any, duration: float) -> bool:
+    def is_flexible(cls, values: Any, duration: float) -> bool:
         """Is one with few periods in the recording."""
         return bool(values.frequency * duration < _MANY_PERIODS)
 

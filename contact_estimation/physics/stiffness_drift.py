@@ -47,7 +47,7 @@ class StiffnessDrift(ContactEffect):
         return force * (1.0 + self.values.rate * t)
 
     @classmethod
-    def follows_any_slow_misfit(cls, values: Any, duration: float) -> bool:
+    def is_flexible(cls, values: Any, duration: float) -> bool:
         """Is one."""
         return True
 

@@ -88,7 +88,7 @@ class ViscoelasticRelaxation(ContactEffect):
         return s[None, :]
 
     @classmethod
-    def follows_any_slow_misfit(cls, values: Any, duration: float) -> bool:
+    def is_flexible(cls, values: Any, duration: float) -> bool:
         """Is one with a time constant beyond the recording."""
         return bool(values.tau > duration)
 

@@ -17,9 +17,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import isfinite
+from math import inf, isfinite, nan
 
 from .laws import LAWS
+from .limits import limited
 from .setpoints import Desired, Reference
 from ..exceptions import ParameterRangeError
 from ..parameters.specification import parameter, ParameterGroup
@@ -40,7 +41,12 @@ class ReferenceParameters(ParameterGroup):
         'N/m', minimum=1e-3,
     )
     maximum_velocity: float = parameter(
-        0.25, 'Slew rate limit of x_r while a force law is active', 'm/s', minimum=1e-6
+        0.25, 'Limit of |dx_r/dt|, whether a force law is active or x_d passes through; must be '
+        'above the speed of the planner, or x_r lags behind x_d', 'm/s', minimum=1e-6, maximum=1e6,
+    )
+    maximum_depth: float = parameter(
+        nan, 'Limit of x_r beyond environment.location; NaN: no limit', 'm', minimum=0.0,
+        nan_is_off=True,
     )
     fade_s: float = parameter(
         0.2, 'Time over which the offset between two laws fades out', 's',
@@ -57,7 +63,8 @@ class ReferenceGenerator:
     Convert setpoints of the planner into the reference that the robot follows.
 
     A force law applies while F_r is finite and there is contact; otherwise x_d passes through.
-    Whenever that changes, the offset between old and new reference fades out smoothly.
+    Whenever that changes, the offset between old and new reference fades out smoothly. Position
+    and rates always stay within the limits of `limits.limited`.
 
     Parameters
     ----------
@@ -65,6 +72,13 @@ class ReferenceGenerator:
         Key of LAWS.
     parameters : ReferenceParameters
         Limits.
+    period_s : float
+        Nominal time between references [s].
+
+    Attributes
+    ----------
+    limited : bool
+        Whether a limit keeps the last reference away from what it should be.
 
     Raises
     ------
@@ -73,26 +87,42 @@ class ReferenceGenerator:
 
     """
 
-    def __init__(self, law: str, parameters: ReferenceParameters) -> None:
-        self._law, self._p = law, parameters
+    def __init__(
+        self, law: str, parameters: ReferenceParameters, period_s: float = 2e-3
+    ) -> None:
+        self._law, self._p, self._period_s = law, parameters, period_s
         refuse_double_tracking(law, parameters.robot_force_tracking)
         self.reset()
 
     def reset(self) -> None:
-        """Discard the past: the next reference is not smoothed."""
+        """Discard the past: the next reference is not smoothed, unless `start` is called."""
         self._mode: str | None = None
         self._last: Reference | None = None
         self._offset, self._faded_s = 0.0, 0.0
-        self._lags = False  # behind its target because of the slew rate limit
+        self.limited = False
         self._forces: list[tuple[float, float]] = []  # (time, F_r), at most three
 
-    def configure(self, law: str, parameters: ReferenceParameters) -> None:
+    def start(self, position: float) -> None:
+        """
+        Start at the position of the robot, from which x_r then moves within its limits.
+
+        Parameters
+        ----------
+        position : float
+            Measured x [m]; finite.
+
+        """
+        self._last = Reference(position, 0.0, 0.0)
+
+    def configure(
+        self, law: str, parameters: ReferenceParameters, period_s: float = 2e-3
+    ) -> None:
         """
         Change law or limits while running; x_r stays continuous.
 
         Parameters
         ----------
-        law, parameters
+        law, parameters, period_s
             As for the constructor.
 
         Raises
@@ -104,10 +134,11 @@ class ReferenceGenerator:
         refuse_double_tracking(law, parameters.robot_force_tracking)
         if law != self._law or parameters != self._p:
             self._mode = None if self._last is None else 'changed'
-        self._law, self._p = law, parameters
+        self._law, self._p, self._period_s = law, parameters, period_s
 
     def step(
-        self, t: float, dt: float, desired: Desired, contact: bool, x_e: float, K_hat: float
+        self, t: float, dt: float, desired: Desired, contact: bool, x_e: float, K_hat: float,
+        deepest: float = inf,
     ) -> Reference:
         """
         Compute the reference of one instant.
@@ -126,11 +157,13 @@ class ReferenceGenerator:
             Location of the wall [m].
         K_hat : float
             Estimated stiffness [N/m].
+        deepest : float
+            Largest x_r [m]; NaN: no limit.
 
         Returns
         -------
         reference : Reference
-            Continuous in position.
+            Finite, continuous in position, within the limits.
 
         """
         F_r_dot, F_r_ddot = self._differentiate(t, desired.force)
@@ -142,13 +175,15 @@ class ReferenceGenerator:
         else:
             target = Reference(desired.position, desired.velocity, desired.acceleration)
         self._switch(self._law if active else 'pass_through', dt, target)
-        faded = self._fade(dt, target)
-        reference = faded
-        if active or self._offset != 0.0 or self._lags:
-            # The speed of the setpoint itself is never limited.
-            own = 0.0 if active else abs(desired.velocity)
-            reference = self._limit(dt, faded, self._p.maximum_velocity + own)
-        self._last = reference._replace(force=desired.force if active else 0.0)
+        force = desired.force if active else 0.0
+        wanted = self._fade(dt, target)._replace(force=force)
+        last = self._last or wanted
+        if not isfinite(last.position):
+            last = Reference(0.0, 0.0, 0.0)
+        self._last = limited(
+            last, wanted, dt, self._period_s, self._p.maximum_velocity, deepest
+        )
+        self.limited = self._last.position != wanted.position
         return self._last
 
     def _differentiate(self, t: float, F_r: float) -> tuple[float, float]:
@@ -173,7 +208,8 @@ class ReferenceGenerator:
         if mode != self._mode and self._mode is not None and self._last is not None:
             # Extrapolate the old reference by its velocity, so that the rate is continuous too.
             expected = self._last.position + dt * self._last.velocity
-            self._offset, self._faded_s = expected - target.position, 0.0
+            offset = expected - target.position
+            self._offset, self._faded_s = offset if isfinite(offset) else 0.0, 0.0
         self._mode = mode
 
     def _fade(self, dt: float, target: Reference) -> Reference:
@@ -191,16 +227,6 @@ class ReferenceGenerator:
             target.velocity - o * 6.0 * s * (1.0 - s) / duration,
             target.acceleration - o * (6.0 - 12.0 * s) / duration**2,
         )
-
-    def _limit(self, dt: float, target: Reference, speed: float) -> Reference:
-        if self._last is None or dt <= 0.0:
-            return target
-        step, most = target.position - self._last.position, speed * dt
-        self._lags = abs(step) > most
-        if not self._lags:
-            return target
-        sign = 1.0 if step > 0.0 else -1.0
-        return Reference(self._last.position + sign * most, sign * speed, 0.0)
 
 
 def refuse_double_tracking(law: str, force_tracking: bool) -> None:

@@ -43,6 +43,12 @@ BEST = 'kalman'
 
 BEST_TUNING = {'tuning.kalman.location_std': 0.0, 'tuning.kalman.relative_walk': 0.0}
 
+AS_THE_PAPER = {
+    'tracking.restarts': False, 'conditioning.outlier_threshold': 0.0,
+    'environment.location_std': 0.0,
+}
+"""Equations alone: one wall at a known place, and forces without outliers."""
+
 STEP_RUN_S = 4.5
 """Duration of a step response, with 0.5 s of rest before the step [s]."""
 
@@ -182,9 +188,12 @@ class OnlineCase(Case):
 
     def session(self) -> ContactSession:
         """Build an estimation session with the tuning of the case."""
+        # The paper's x_d has steps, which no limit of the velocity may round.
+        steps = {'reference.maximum_velocity': 1e3} if self.law == 'pass_through' else {}
         return ContactSession(build(
             EstimationParameters,
-            {'estimator': self.estimator, 'reference_law': self.law, **self.tuning}))
+            {'estimator': self.estimator, 'reference_law': self.law, **AS_THE_PAPER, **steps,
+             **self.tuning}))
 
     def run(self, seed: int) -> Errors:
         """Run the closed loop; see `Case.run`."""

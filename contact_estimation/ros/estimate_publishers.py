@@ -23,9 +23,11 @@ from geometry_msgs.msg import PoseStamped
 from rclpy.node import Node
 
 from .message_classes import message_class
-from .topics import OUTPUT_QOS, REFERENCE, STRING, TRAJECTORY, VECTOR3
+from .topics import FLOAT64, OUTPUT_QOS, REFERENCE, STRING, TRAJECTORY, VECTOR3
+from ..estimation.matrix_messages import encode_matrices, MATRIX_TOPICS
 from ..estimation.result import Result
-from ..messages import encode_string, TrajectoryEncoder, Vector3StampedEncoder
+from ..estimators.stiffness_matrix import MatrixEstimate
+from ..messages import encode_float64, encode_string, TrajectoryEncoder, Vector3StampedEncoder
 
 _ALWAYS: dict[str, Callable[[Any], float]] = {
     'stiffness': lambda estimate: estimate.stiffness,
@@ -59,9 +61,16 @@ class EstimatePublishers:
             name: node.create_publisher(vector, f'~/{name}', OUTPUT_QOS)
             for name in (*_ALWAYS, *_ON_DEMAND)
         }
+        self._publishers['model_fit'] = node.create_publisher(
+            message_class(FLOAT64), '~/model_fit', OUTPUT_QOS
+        )
         self._reference = node.create_publisher(message_class(TRAJECTORY), REFERENCE, OUTPUT_QOS)
         self._status = node.create_publisher(message_class(STRING), '~/status', OUTPUT_QOS)
         self._pose = node.create_publisher(PoseStamped, '~/target_pose', OUTPUT_QOS)
+        self._matrices = {
+            name: node.create_publisher(message_class(type_name), f'~/{name}', OUTPUT_QOS)
+            for name, type_name in MATRIX_TOPICS.items()
+        }
         self._wanted: list[tuple[Any, Callable[[Any], float]]] = []
         self._last_status: tuple[str, str] | None = None
         self._places = [0]
@@ -91,6 +100,7 @@ class EstimatePublishers:
             if self._publishers[name].get_subscription_count() > 0:
                 wanted.append((self._publishers[name], get))
         self._wanted = wanted
+        self._fit_wanted = self._publishers['model_fit'].get_subscription_count() > 0
 
     def publish(self, result: Result, with_pose: bool) -> None:
         """
@@ -117,9 +127,16 @@ class EstimatePublishers:
             for place, of_axis in zip(places, result.estimates):
                 vector[place] = get(of_axis)
             publisher.publish(encode(stamp_ns, *vector))
+        if self._fit_wanted:
+            self._publishers['model_fit'].publish(encode_float64(estimate.model_fit))
         self.publish_status(estimate.status.value, self._reason(result))
         if with_pose and reference is not None:
             self._publish_pose(result.reference_stamp_ns, reference.position)
+
+    def publish_matrices(self, estimate: MatrixEstimate) -> None:
+        """Publish stiffness and damping of three coupled axes."""
+        for name, raw in encode_matrices(estimate, self._vectors).items():
+            self._matrices[name].publish(raw)
 
     def _reason(self, result: Result) -> str:
         """Return the reason of the status, and the status of the further axes."""

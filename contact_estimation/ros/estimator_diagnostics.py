@@ -24,6 +24,7 @@ from typing import Any, Sequence
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
 from .percentiles import percentiles
+from ..estimation.model_fit import ModelFitMonitor
 from ..estimation.pipeline import EstimationPipeline
 from ..estimation.session import ContactSession
 from ..estimators.estimator import Estimate
@@ -112,6 +113,7 @@ class EstimatorDiagnostics:
         for (axis, pipeline), other in list(zip(session.pipelines.items(), estimates))[1:]:
             values.update((f'{axis}_{k}', v) for k, v in _values_of(other).items())
             values[f'{axis}_contact'] = pipeline.contact
+            values.update((f'{axis}_{k}', v) for k, v in _fit_of(pipeline.model_fit).items())
         values.update(self._problems(session))
         status = DiagnosticStatus(
             level=level, name=f'{self._name}: contact estimation', message=text,
@@ -153,6 +155,7 @@ class EstimatorDiagnostics:
         values: dict[str, Any] = {
             'estimator': parameters.estimator,
             'reference_law': parameters.reference_law,
+            'reference_limited': session.stream.limited,
             'contact': pipeline.contact,
             'excitation_stiffness_std': f'{pipeline.excitation.stiffness_std:.6g}',
             'excitation_damping_std': f'{pipeline.excitation.damping_std:.6g}',
@@ -164,11 +167,12 @@ class EstimatorDiagnostics:
             return values
         details = {f'{parameters.estimator}_{name}': f'{value:.8g}'
                    for name, value in pipeline.estimator.details.items()}
-        return {**values, **_values_of(estimate), **details}
+        return {**values, **_values_of(estimate), **_fit_of(pipeline.model_fit), **details}
 
     def _problems(self, session: ContactSession) -> dict[str, Any]:
         values: dict[str, Any] = {
             'missing': session.pipeline.missing,
+            'outliers': session.pipeline.outliers,
             'time_jumps': session.time_jumps,
             'errors': self.errors,
         }
@@ -190,16 +194,48 @@ def _values_of(estimate: Estimate) -> dict[str, str]:
     return values
 
 
+def _fit_of(monitor: ModelFitMonitor) -> dict[str, Any]:
+    """Return how the model fits now, and the worst mismatch so far."""
+    values: dict[str, Any] = {
+        'model_fit': f'{monitor.now.ratio:.3g}', 'model_mismatches': monitor.count
+    }
+    if monitor.worst.text:
+        values['model_fit_worst'] = f'{monitor.worst.ratio:.3g}'
+        values['model_fit_worst_text'] = monitor.worst.text
+    return values
+
+
 def _warning(session: ContactSession) -> str:
-    """Return a warning of a biased sensor or a wrong sample rate, which bias the estimates."""
+    """Return a warning of what biases the estimates: sensor, model, gains or rate."""
     for axis, pipeline in session.pipelines.items():
         if _needs_tare(pipeline):
             where = f' along {axis}' if len(session.pipelines) > 1 else ''
             level = -pipeline.free_flight_level
             return f'the sensor reads {level:.3g} N in free flight{where}; call ~/tare there'
+        if pipeline.model_fit.now.text:
+            where = f'axis {axis}: ' if len(session.pipelines) > 1 else ''
+            return where + pipeline.model_fit.now.text
+        if pipeline.hindrance:
+            where = f'axis {axis}: ' if len(session.pipelines) > 1 else ''
+            return where + pipeline.hindrance
+        location = _location_warning(pipeline)
+        if location:
+            return f'axis {axis}: {location}' if len(session.pipelines) > 1 else location
     rate, period = session.parameters.sample_rate, session.pipeline.sample_period_s
     if period > 0.0 and not 0.9 < period * rate < 1.1:
         return f'samples come at {1.0 / period:.4g} Hz, but sample_rate is {rate:g}; correct it'
+    return ''
+
+
+def _location_warning(pipeline: EstimationPipeline) -> str:
+    """Return a warning of a surface that is elsewhere, or that the contact does not show."""
+    shift, location = pipeline.location_shift, pipeline.parameters.environment.location
+    if shift != 0.0:
+        return (f'the surface is {1e3 * shift:+.3g} mm from environment.location; set it to '
+                f'{location + shift:.6g} m')
+    if pipeline.contact and pipeline.location_unchecked:
+        return ('the motion does not show where the surface is, so that stiffness relies on '
+                'environment.location; touch down again or excite')
     return ''
 
 

@@ -79,6 +79,8 @@ class EstimatorNode(Node):
         self._outputs.use(parameters.frame_id, self._axes)
         self._events = self.create_publisher(String, '~/events', topics.EVENTS_QOS)
         self._event(event_now(self._session, START, flatten(self._session.parameters)))
+        if self._session.pipeline.estimator.limitation:
+            self.get_logger().warning(self._session.pipeline.estimator.limitation)
         self._diagnostics = EstimatorDiagnostics(self.get_name(), self._own.silence_s)
         self._subscribe()
         self._diagnostics_publisher = self.create_publisher(
@@ -138,6 +140,8 @@ class EstimatorNode(Node):
             self._outputs.publish(result, self._own.publish_target_pose)
             self._last = result
             self._diagnostics.published(result.sample.stamp_ns)
+        for matrices in self._session.matrix.take():
+            self._outputs.publish_matrices(matrices)
 
     # -- events -----------------------------------------------------------------------------
 

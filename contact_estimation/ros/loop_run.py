@@ -26,14 +26,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..exceptions import RecordingError
-from ..messages import JointStateDecoder, TrajectoryDecoder, Vector3StampedDecoder, WrenchDecoder
+from ..messages import (
+    decode_float64,
+    JointStateDecoder,
+    TrajectoryDecoder,
+    Vector3StampedDecoder,
+    WrenchDecoder,
+)
 from ..recordings import RecordingReader
 
 Series = NDArray[np.float64]
 Decode = Callable[[bytes], tuple[int, dict[str, float]]]
 
 _ESTIMATES = ('stiffness', 'damping', 'stiffness_std', 'damping_std')
-_SIGNALS = ('position', 'desired', 'desired_force', 'reference', *_ESTIMATES)
+_SIGNALS = ('position', 'desired', 'desired_force', 'reference', 'model_fit', *_ESTIMATES)
 
 
 @dataclass(frozen=True)
@@ -44,8 +50,8 @@ class RecordedRun:
     Attributes
     ----------
     series : dict of str to ndarray, shape (N, 2)
-        Time since the start [s] and value of force, position, desired, desired_force, reference
-        and the estimates.
+        Time since the start [s] and value of force, position, desired, desired_force, reference,
+        model_fit and the estimates.
     plant : dict
         The plant node's own summary; empty after a crash.
 
@@ -101,8 +107,9 @@ def read_run(recording: Path, plant_summary: Path) -> RecordedRun:
     reader = RecordingReader(recording)
     decoders = _decoders(reader)
     rows: dict[str, list[tuple[int, float]]] = {}
-    for topic, _, data in reader.messages(list(decoders)):
+    for topic, log_time_ns, data in reader.messages(list(decoders)):
         stamp_ns, values = decoders[topic](data)
+        stamp_ns = stamp_ns or log_time_ns
         for name, value in values.items():
             rows.setdefault(name, []).append((stamp_ns, value))
     if 'force' not in rows:
@@ -146,9 +153,13 @@ def _decoders(reader: RecordingReader) -> dict[str, Decode]:
 
         return decode
 
+    def of_fit(raw: bytes) -> tuple[int, dict[str, float]]:
+        return 0, {'model_fit': decode_float64(raw)}  # has no stamp
+
     decoders: dict[str, Decode] = {
         '/wrench': of_wrench, '/joint_states': of_joints, '/desired_trajectory': of_setpoint,
         '/reference_trajectory': of_reference,
+        '/estimator_node/model_fit': of_fit,
         **{f'/estimator_node/{name}': of_vector(name) for name in _ESTIMATES},
     }
     recorded = reader.topics()

@@ -17,10 +17,11 @@
 
 from __future__ import annotations
 
-from math import isfinite, nan
+from math import inf, isfinite, nan
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .loop_configuration import LoopConfiguration
 from .loop_run import RecordedRun
@@ -59,6 +60,8 @@ def summarise(run: RecordedRun, configuration: LoopConfiguration) -> dict[str, A
             100.0 * (damping / wall.damping - 1.0) if wall.damping > 0.0 else nan,
         'mean_force_n': _mean_force(run, configuration.experiment),
         'desired_force_n': configuration.experiment.desired_force,
+        'model_fit': run.last_before('model_fit', inf),
+        'model_fit_worst': _greatest(run.series['model_fit'][:, 1]),
         **{name: measured.get(name)
            for name in ('rate_hz', 'samples_sent', 'samples_lost', 'latency_ms')},
     }
@@ -73,6 +76,11 @@ def _mean_force(run: RecordedRun, experiment: Experiment) -> float:
     phase = force[:, 0] % experiment.duration
     held = -force[(phase >= hold[0]) & (phase < hold[1]), 1]
     return float(np.mean(held)) if len(held) else nan
+
+
+def _greatest(values: NDArray[np.float64]) -> float:
+    known = values[np.isfinite(values)]
+    return float(known.max()) if len(known) else nan
 
 
 def _or_none(value: Any) -> Any:

@@ -28,6 +28,7 @@ from .data_thread import DataThread, RawSubscriptions
 from .parameters import declare
 from .running import run_node
 from ..estimation.events import EstimationEvent, START
+from ..estimation.matrix_messages import MATRIX_TOPICS
 from ..exceptions import ContactEstimationError, ParameterRangeError
 from ..messages import decode_string
 from ..parameters.specification import parameter, ParameterGroup, specifications
@@ -82,6 +83,9 @@ def recorded_topics(estimator: str) -> dict[str, tuple[str, QoSProfile]]:
     return {
         **{topic: (type_name, _ANY_QOS) for topic, type_name in of_any_publisher.items()},
         **{f'{estimator}/{name}': (topics.VECTOR3, _ESTIMATE_QOS) for name in vectors},
+        f'{estimator}/model_fit': (topics.FLOAT64, _ESTIMATE_QOS),
+        **{f'{estimator}/{name}': (type_name, _ESTIMATE_QOS)
+           for name, type_name in MATRIX_TOPICS.items()},
         f'{estimator}/status': (topics.STRING, _ESTIMATE_QOS),
         f'{estimator}/events': (topics.STRING, topics.EVENTS_QOS),
     }

@@ -24,6 +24,7 @@ DESIRED = 'desired_trajectory'
 REFERENCE = 'reference_trajectory'
 DIAGNOSTICS = '/diagnostics'
 
+FLOAT64 = 'std_msgs/msg/Float64'
 STRING = 'std_msgs/msg/String'
 VECTOR3 = 'geometry_msgs/msg/Vector3Stamped'
 TRAJECTORY = 'trajectory_msgs/msg/JointTrajectory'

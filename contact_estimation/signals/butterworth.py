@@ -25,6 +25,7 @@ from ..exceptions import ParameterRangeError
 
 Row = Sequence[float]
 _IMPULSE_SAMPLES = 10_000
+LOWEST_CUTOFF = 1e-6  # of the sample rate
 
 
 class ButterworthBank:
@@ -46,7 +47,7 @@ class ButterworthBank:
     Raises
     ------
     ParameterRangeError
-        If the cut-off is not below half of the sample rate.
+        As by `check_cutoff`.
 
     """
 
@@ -123,7 +124,7 @@ class ButterworthBank:
 
 def check_cutoff(cutoff_frequency: float, sample_rate: float) -> None:
     """
-    Check that a cut-off lies below the Nyquist frequency.
+    Check that a filter with this cut-off can be computed.
 
     Parameters
     ----------
@@ -133,11 +134,13 @@ def check_cutoff(cutoff_frequency: float, sample_rate: float) -> None:
     Raises
     ------
     ParameterRangeError
-        If it does not.
+        If it is not below half of the sample rate, or so low that the coefficients lose their
+        digits (b0 is about (pi cutoff / rate)^2).
 
     """
-    if cutoff_frequency >= 0.5 * sample_rate:
+    lowest, highest = LOWEST_CUTOFF * sample_rate, 0.5 * sample_rate
+    if cutoff_frequency != 0.0 and not lowest <= cutoff_frequency < highest:
         raise ParameterRangeError(
-            'conditioning.cutoff_frequency must be < half of sample_rate '
-            f'({0.5 * sample_rate:g} Hz), got {cutoff_frequency:g}; lower it, or 0 for none'
+            f'conditioning.cutoff_frequency must be >= {lowest:g} Hz and < half of sample_rate '
+            f'({highest:g} Hz), got {cutoff_frequency:g}; change it, or 0 for none'
         )

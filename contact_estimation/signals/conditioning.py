@@ -24,13 +24,14 @@ from __future__ import annotations
 
 from collections import deque
 from dataclasses import dataclass
-from math import nan
+from math import nan, sqrt
 from typing import Iterable, NamedTuple, Sequence
 
 from .butterworth import ButterworthBank
 from .compensated_sample import CompensatedSample, SampleCompensation
 from .contact_detection import ContactDetector, ContactParameters
 from .contact_sample import ContactSample
+from .outlier_gate import OutlierGate
 from .relations import GatedRows, NO_GAIN, NoiseGain, Relation, Row
 from ..parameters.specification import parameter, ParameterGroup
 
@@ -40,10 +41,19 @@ _PERIOD_GAIN = 0.01  # of the mean sample period
 
 @dataclass(frozen=True)
 class ConditioningParameters(ParameterGroup):
-    """The low-pass filter of regressor and force."""
+    """The low-pass filter of regressor and force, and the outliers before it."""
 
     cutoff_frequency: float = parameter(
         50.0, 'Cut-off of the second-order Butterworth filter; 0: no filter', 'Hz', minimum=0.0
+    )
+    outlier_threshold: float = parameter(
+        6.0,
+        'Forces in contact further from the line of the last samples than this many standard '
+        'deviations are outliers and replaced by it; 0: none is', minimum=0.0,
+    )
+    outlier_samples: int = parameter(
+        5, 'So many consecutive outliers on the same side are a change and no outliers',
+        minimum=2, maximum=1000,
     )
 
 
@@ -82,7 +92,7 @@ class Conditioned(NamedTuple):
 
 class Conditioner:
     """
-    Velocity, compensation, contact detection, relation, gate and filter, in this order.
+    Velocity, compensation, contact detection, outliers, relation, gate and filter, in this order.
 
     Causal, and independent of how the samples are cut into runs.
 
@@ -114,6 +124,7 @@ class Conditioner:
         self.bias = self.location = self.location_margin = self.sample_period_s = 0.0
         self.compensation: SampleCompensation | None = None
         self.missing = 0
+        self.gate = OutlierGate(parameters.outlier_threshold, parameters.outlier_samples)
         self.configure(parameters, sample_rate, relation)
 
     def configure(
@@ -133,12 +144,14 @@ class Conditioner:
         cutoff = parameters.cutoff_frequency
         self._velocity_filter = ButterworthBank(1, cutoff, sample_rate)
         self._rows = GatedRows(relation, cutoff, sample_rate)
+        self.gate.configure(parameters.outlier_threshold, parameters.outlier_samples)
         self.restart()
         self.detector.contact = contact
 
     def restart(self) -> None:
         """Start afresh with the next sample, as after a clock jump."""
         self._rows.restart()
+        self.gate.leave()
         self._velocity_filter.reset()
         self._last_ns = -1
         self._last_position = nan
@@ -212,16 +225,28 @@ class Conditioner:
             if not has_row[begin]:
                 new = self._leave(pressings[stretch], inside[stretch])
             elif known:
-                new = self._rows.compensated(dts[stretch], known[stretch])
+                new = self._rows.compensated(
+                    dts[stretch], self._without_outliers(known[stretch], variances[begin]))
             else:
+                forces = self.gate.replace(
+                    deltas[stretch], pressings[stretch], _noise_of(variances[begin]))
                 new = self._rows.in_contact(
-                    dts[stretch], samples[stretch], deltas[stretch], pressings[stretch]
+                    dts[stretch], samples[stretch], deltas[stretch], forces
                 )
             rows += new[0]
             gains += new[1]
             if has_row[begin]:
                 self._free.clear()
         return Conditioned(dts, velocities, contact, variances, rows, gains, shifts)
+
+    def _without_outliers(
+        self, samples: Sequence[CompensatedSample], noise_variance: float
+    ) -> list[CompensatedSample]:
+        rests = self.gate.replace(
+            [now.travel for now in samples], [now.rest for now in samples],
+            _noise_of(noise_variance),
+        )
+        return [now._replace(rest=rest) for now, rest in zip(samples, rests)]
 
     def _motion(
         self, samples: Sequence[ContactSample]
@@ -269,7 +294,12 @@ class Conditioner:
         """Keep the forces of free flight, for a tare; they have no rows."""
         self._free.extend([p for p, may in zip(pressings, inside) if not may])
         self._rows.leave(len(inside))
+        self.gate.leave()
         return [None] * len(inside), [NO_GAIN] * len(inside)
+
+
+def _noise_of(variance: float) -> float:
+    return sqrt(max(variance, 1e-18))
 
 
 def stretches(flags: Sequence[bool]) -> Iterable[tuple[int, int]]:

@@ -209,8 +209,8 @@ class GatedRows:
         self._relation_class, self._T = relation, 1.0 / sample_rate
         self._filter = ButterworthBank(COLUMNS, cutoff_frequency, sample_rate)
         # The slower pole decays with cutoff / sqrt(2): after this number of samples 1e-9 is left.
-        self._tail = 0 if cutoff_frequency == 0.0 else ceil(21.0 * sqrt(2.0) * sample_rate
-                                                            / (2.0 * pi * cutoff_frequency))
+        per_radian = sample_rate / (2.0 * pi * cutoff_frequency) if cutoff_frequency else 0.0
+        self._tail = ceil(21.0 * sqrt(2.0) * per_radian)
         self._gains = {
             w: NoiseGain(self._filter.noise_gain(w.force),
                          self._filter.noise_gain(w.rate) / self._T**2)

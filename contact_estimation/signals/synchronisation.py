@@ -51,6 +51,12 @@ class SynchronisationParameters(ParameterGroup):
         0.5, 'A stamp earlier than the last one by more than this is a backward clock jump', 's',
         minimum=1e-3, maximum=1e6,
     )
+    timing_std: float = parameter(
+        1e-3,
+        'Standard deviation of the time between force and motion that no stamp shows: lag of the '
+        'force sensor, delay of its driver. Times K_hat, it is part of the deviation of B_hat',
+        's', minimum=0.0, maximum=1.0,
+    )
     maximum_force: float = parameter(
         1e6, 'A larger force is rejected; set it to the range of the sensor', 'N', minimum=1.0
     )

@@ -151,7 +151,7 @@ def _worse(parts: Sequence[Part]) -> bool:
     pairs = [(one.recalibrated, one.corrected) for one in (force, motion)]
     ratios = [corrected / recalibrated for recalibrated, corrected in pairs
               if recalibrated and corrected is not None]
-    return bool(ratios) and min(ratios) >= 1.0
+    return bool(ratios) and not min(ratios) < 1.0
 
 
 def _locate(

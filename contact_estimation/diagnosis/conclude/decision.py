@@ -22,7 +22,7 @@ import numpy as np
 
 from .shares import Shares, shares_of
 from ..fit.criteria import enough, explained_share, leaves_noise, noise_scale, THRESHOLD
-from ..fit.discrepancy import has_discrepancy, is_immaterial, without_discrepancy
+from ..fit.discrepancy import has_discrepancy, material, without_discrepancy
 from ..fit.fitting import Fit, fit
 from ..fit.flexible import autocorrelation, predictable_share
 from ..fit.model_uncertainty import discounted
@@ -95,16 +95,18 @@ def decide(
     if best.model.effects:
         progress('shares')
         shares = shares_of(recordings, base.model, best.model)
-        doubtful = [name for name, share in shares.of.items() if share.interval[0] <= 0.0]
-        if doubtful and has_discrepancy(recordings):
+        exact = not has_discrepancy(recordings)
+        doubtful = [name for name, share in shares.of_channel.items() if not shares.agrees(name)
+                    or share.interval[0] <= 0.0 and not exact]
+        if doubtful:
             rest = fit(recordings, best.model.without(doubtful[-1]))
             return decide(selection._replace(best=rest), whole, progress)
         return Decision(best, shares.explained < EXPLAINED, 0.0, shares)
     progress('structure of the residuals')
     if has_discrepancy(recordings):
         recordings = [discounted(without_discrepancy(one), base.model) for one in recordings]
-    weighed, _ = weigh(recordings, fit(recordings, best.model))
-    if all(is_immaterial(one, base.model) for one in weighed):
+    carried, _ = weigh(recordings, fit(recordings, best.model))
+    if not any(material(one, base.model) for one in carried):
         usual = max(1.0, best.cost / best.residual_count)
         late = any(power > _HELD_OUT_POWER * usual
                    for power in _held_out_powers(whole, best.model))

@@ -24,7 +24,13 @@ from scipy.signal import periodogram
 
 from ..observe.model import Model
 from ..observe.prepared_recording import PreparedRecording
-from ..observe.residuals import force_residual, motion_residual, residuals, response_to
+from ..observe.residuals import (
+    force_explains_motion,
+    force_residual,
+    motion_residual,
+    residuals,
+    response_to,
+)
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -129,11 +135,9 @@ def guess_port(recording: PreparedRecording, model: Model) -> str:
     excess = [max(0.0, float(np.sum(part**2 - 1.0))) for part in (force, motion)]
     if excess[1] < _SILENT * excess[0]:
         return 'force_sensor'
-    pushed = recording.motion.average(response)
-    share = float(pushed @ motion) / max(float(pushed @ pushed), 1e-300)
-    explained = 1.0 - float(np.sum((motion - share * pushed) ** 2)) / float(np.sum(motion**2))
-    if explained > 0.5 and share > 0.5:
+    if force_explains_motion(recording, model):
         return 'contact'
+    pushed = recording.motion.average(response)
     return 'force_sensor' if float(pushed @ pushed) > float(motion @ motion) else 'robot'
 
 

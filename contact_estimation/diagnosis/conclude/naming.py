@@ -93,7 +93,7 @@ def name_effects(
         return Names([], {})
     effects, rival_models = [], {}
     exact = not has_discrepancy(recordings)
-    likely = dict(zip(shares.of, probabilities(list(shares.of.values()), exact)))
+    likely = dict(zip(shares.of_channel, probabilities(list(shares.of_channel.values()), exact)))
     for name in sorted(best.model.effects, key=lambda name: -shares.of[name].share):
         dropped = fit(recordings, best.model.without(name), steps=8)
         rivals = _rivals(selection, name, recordings)
@@ -130,15 +130,14 @@ def _rivals(selection: Selection, name: str, recordings: Recordings) -> list[Fit
 def _alike(
     best: Fit, name: str, rivals: Sequence[Fit], recordings: Recordings, generator: Generator
 ) -> list[Fit]:
-    """Select the rivals that predict held-out data as well, with no more parameters."""
-    alike = []
+    """Select the rivals that predict held-out data as well."""
+    alike, exact = [], not has_discrepancy(recordings)
     for rival in rivals:
-        candidate = (
-            len(rival.model.values) <= len(best.model.values)
-            and name != rival.model.effects[-1]
-            and rival.cost - best.cost <= PRICE * noise_scale(best)
-            and not enough(rival, best)
-        )
+        candidate = name != rival.model.effects[-1] and not enough(rival, best) and (
+            # Of exact laws that fit alike, the one with fewer parameters is right.
+            not exact or (
+                len(rival.model.values) <= len(best.model.values)
+                and rival.cost - best.cost <= PRICE * noise_scale(best)))
         if candidate and all(
             as_good(recording.whole(best.model), recording.held_out.samples, best.model,
                     rival.model, generator)

@@ -24,10 +24,18 @@ from __future__ import annotations
 from math import exp
 from typing import Sequence
 
+import numpy as np
+from numpy.typing import NDArray
+
 from ..fit.invariance import Share
 
-_EVEN, _SLOPE = 0.28, 8.0  # share at which a name is as often right as wrong, and the steepness
-_LEAST, _MOST = 0.05, 0.97  # no finite number of worlds supports more
+Array = NDArray[np.float64]
+
+EVEN, SLOPE = 0.21, 3.9
+"""Evidence at which a name is as often right as wrong, and the steepness of the curve there."""
+
+LEAST, MOST = 0.05, 0.97
+"""Limits of the probability: no finite number of worlds supports more."""
 
 
 def probabilities(shares: Sequence[Share], exact: bool) -> list[float]:
@@ -48,15 +56,48 @@ def probabilities(shares: Sequence[Share], exact: bool) -> list[float]:
 
     """
     if exact:
-        return [_MOST] * len(shares)
+        return [MOST] * len(shares)
     found, left = [], 1.0
     for share in shares:
         sure = min(share.interval[0], 1.0)
         of_left = min(sure / left, 1.0) if left > 0.0 else 0.0
-        found.append(_logistic(0.5 * (sure + of_left)))
+        found.append(probability_of(0.5 * (sure + of_left)))
         left = max(left - share.share, 0.0)
     return found
 
 
-def _logistic(sure: float) -> float:
-    return min(max(1.0 / (1.0 + exp(-_SLOPE * (sure - _EVEN))), _LEAST), _MOST)
+def probability_of(evidence: float) -> float:
+    """
+    Compute the probability that a name is right.
+
+    Parameters
+    ----------
+    evidence : float
+        Lower end of the share of the misfit.
+
+    Returns
+    -------
+    probability : float
+        On the calibrated curve.
+
+    """
+    return min(max(1.0 / (1.0 + exp(-SLOPE * (evidence - EVEN))), LEAST), MOST)
+
+
+def evidence_of(probability: Array) -> Array:
+    """
+    Invert `probability_of`.
+
+    Parameters
+    ----------
+    probability : ndarray
+        Within its limits.
+
+    Returns
+    -------
+    evidence : ndarray
+        At a limit the least that leads to it.
+
+    """
+    inside = np.clip(probability, LEAST, MOST)
+    return np.asarray(EVEN + np.log(inside / (1.0 - inside)) / SLOPE)

@@ -17,16 +17,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .result import EffectOnPart
-from ..fit.discrepancy import with_discrepancy
+from ..fit.discrepancy import weighed
 from ..fit.fitting import Fit, fit
 from ..fit.invariance import (
     above_noise,
+    channel_of,
+    judged_by_channel,
     left_out_errors,
     Part,
     parts_of,
@@ -34,11 +37,13 @@ from ..fit.invariance import (
     share_of,
     values_on,
 )
-from ..fit.model_uncertainty import discounted
 from ..observe.model import Model, names_of
 from ..observe.prepared_recording import Recordings
+from ...physics import EFFECTS
 
 Array = NDArray[np.float64]
+
+_SPREAD = 1.0  # median deviation of a magnitude between parts, over its median
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,14 +57,16 @@ class Shares:
         With the misfit of the recalibrated model as discrepancy: every channel counts alike.
     parts : sequence of Part
         Each left out in turn.
-    base : ndarray, shape (parts,)
+    base : ndarray, shape (parts, CHANNELS)
         Errors of the recalibrated model on parts left out.
     best : Fit
         With all named effects.
-    errors : ndarray, shape (parts,)
+    errors : ndarray, shape (parts, CHANNELS)
         Its errors.
     of : dict of str to Share
         For each effect what the model without it leaves beyond that.
+    of_channel : dict of str to Share
+        The same of the misfit in the channel by which the effect is judged.
 
     """
 
@@ -69,6 +76,7 @@ class Shares:
     best: Fit
     errors: Array
     of: dict[str, Share]
+    of_channel: dict[str, Share]
 
     @property
     def explained(self) -> float:
@@ -78,19 +86,28 @@ class Shares:
     @property
     def left(self) -> float:
         """Share that all names together leave, at least 0."""
-        noise = sum(part.noise for part in self.parts)
+        noise = sum(float(part.noise.sum()) for part in self.parts)
         misfit = float(above_noise(self.base, self.parts).sum())
         return max(float(self.errors.sum()) - noise, 0.0) / misfit
 
     def on_parts(self, name: str) -> list[EffectOnPart]:
         """Return the share and the parameters of an effect on each part alone."""
         place = self.best.model.place(name)
-        shares = self.of[name].parts
-        found = []
-        for part, share in zip(self.parts, shares):
-            alone = values_on(self.recordings, self.best, part).values[place]
-            found.append(EffectOnPart(part.name, float(share), dict(zip(names_of(name), alone))))
-        return found
+        return [EffectOnPart(part.name, float(share), dict(zip(names_of(name), alone[place])))
+                for part, share, alone in zip(self.parts, self.of[name].parts, self._alone)]
+
+    def agrees(self, name: str) -> bool:
+        """Return whether the magnitude of an effect is much the same on each part alone."""
+        place = self.best.model.place(name).start
+        neutral = EFFECTS[name].neutral.get(names_of(name)[0], 0.0)
+        sizes = np.array([alone[place] - neutral for alone in self._alone])
+        usual = float(np.median(sizes))
+        return float(np.median(np.abs(sizes - usual))) <= _SPREAD * abs(usual)
+
+    @cached_property
+    def _alone(self) -> list[tuple[float, ...]]:
+        """The values of the model on each part alone."""
+        return [values_on(self.recordings, self.best, part).values for part in self.parts]
 
 
 def shares_of(recordings: Recordings, base: Model, best: Model) -> Shares:
@@ -110,15 +127,18 @@ def shares_of(recordings: Recordings, base: Model, best: Model) -> Shares:
         Those of the effects add up to `explained`.
 
     """
-    weighed = [discounted(with_discrepancy(one, base), base) for one in recordings]
-    first = fit(weighed, base)
-    parts = parts_of(weighed, first)
-    base_errors = errors = left_out_errors(weighed, first, parts)
-    model, found, shares = base, first, {}
+    carried = weighed(recordings, base)
+    first = fit(carried, base)
+    parts = parts_of(carried, first)
+    base_errors = errors = left_out_errors(carried, first, parts)
+    model, found, shares, of_channel = base, first, {}, {}
+    by_channel = judged_by_channel(carried, base)
     for name in best.effects:
         model = model.with_effect(name, best.values[best.place(name)])
         start = best if model.effects == best.effects else model
-        found = fit(weighed, start)
-        before, errors = errors, left_out_errors(weighed, found, parts, errors)
+        found = fit(carried, start)
+        before, errors = errors, left_out_errors(carried, found, parts, errors)
         shares[name] = share_of(before, errors, parts, base_errors)
-    return Shares(weighed, parts, base_errors, found, errors, shares)
+        of_channel[name] = share_of(
+            before, errors, parts, base_errors, channel_of(name) if by_channel else None)
+    return Shares(carried, parts, base_errors, found, errors, shares, of_channel)

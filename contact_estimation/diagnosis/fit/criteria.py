@@ -37,9 +37,17 @@ SHARE_OF_WHOLE = 0.1
 SURE = 0.2
 """Least lower end of the interval of the share of the present misfit."""
 
+LEAST_ON_PART = 0.1
+"""Share that suffices for `SURE` if an effect has it on every part."""
+
+TRIFLE = 0.02
+"""Least share of the recalibrated model's misfit in any case."""
+
 NEARLY_ALL = 0.7
 """Share of the present misfit from which on a further effect is no trifle."""
 
+ADEQUATE = 0.05
+"""Share of the gain of the best law that a simpler one may lack."""
 
 LEFT = 0.5
 """Mean square of the residuals beyond that of the noise, from which on something is missing."""
@@ -121,16 +129,18 @@ def enough(before: Fit, after: Fit) -> bool:
     return gain > least and gain > SHARE * excess
 
 
-def predicts_enough(of_present: Share, of_whole: Share, generic: bool) -> bool:
+def predicts_enough(of_present: Share, of_whole: Share, trifles: bool) -> bool:
     """
     Return whether a further effect predicts enough of parts left out.
 
     Parameters
     ----------
     of_present, of_whole : Share
-        Of the misfit of the model without it, and of the recalibrated model.
-    generic : bool
-        Whether the effect is a curve that follows any slow misfit.
+        Of the misfit of the model without it in the channel that the effect decides, and of that
+        of the recalibrated model in all.
+    trifles : bool
+        Whether a small share of the whole will do if it is nearly all of the present misfit: not
+        for the first effect, nor for a flexible one.
 
     Returns
     -------
@@ -138,11 +148,13 @@ def predicts_enough(of_present: Share, of_whole: Share, generic: bool) -> bool:
         A fair share of the present misfit, beyond doubt, and not a trifle of the whole.
 
     """
-    if of_present.share < SHARE or of_present.interval[0] < SURE or of_whole.interval[0] <= 0.0:
+    everywhere = float(np.min(of_present.parts)) > LEAST_ON_PART
+    sure = of_present.interval[0] >= (0.0 if everywhere else SURE)
+    if of_present.share < SHARE or not sure or of_whole.interval[0] <= 0.0:
         return False
     if of_whole.share >= SHARE_OF_WHOLE:
         return True
-    return of_present.share >= NEARLY_ALL and not generic
+    return trifles and of_present.share >= NEARLY_ALL and of_whole.share >= TRIFLE
 
 
 def explained_share(before: float, after: float, noise: float) -> float:

@@ -29,12 +29,18 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from .fitting import Fit
+from .model_uncertainty import discounted
 from ..observe.channel import Channel
 from ..observe.model import Model
 from ..observe.prepared_recording import PreparedRecording, Recordings
 from ..observe.residuals import residuals
 
 Array = NDArray[np.float64]
+
+CHANNELS = 2
+"""Force, which contact and sensor decide, and motion, which the robot does; a wall driven by a
+force has its motion only, which then comes first."""
 
 _OUTLIER = 5.0  # standard deviations beyond which a residual counts as one at that distance
 _MOST_LAGS = 200
@@ -89,13 +95,13 @@ def forces(recording: PreparedRecording, model: Model) -> list[float]:
     """
     stds = [channel.mean_error for channel in recording.channels(model)]
     if len(stds) == 2:
-        stds[1] *= model.laws().robot.mass * recording.observed.observer_cutoff**2
+        stds[1] *= _stiffness(recording, model)
     return stds
 
 
-def is_immaterial(recording: PreparedRecording, model: Model) -> bool:
+def material(recording: PreparedRecording, model: Model) -> list[int]:
     """
-    Return whether a discrepancy is too small beside the force to be worth a name.
+    Return in which channels a discrepancy is large enough, beside the force, to be worth a name.
 
     Parameters
     ----------
@@ -106,23 +112,97 @@ def is_immaterial(recording: PreparedRecording, model: Model) -> bool:
 
     Returns
     -------
-    immaterial : bool
-        False for a wall driven by a force.
+    channels : list of int
+        Of `CHANNELS`; always its only one for a wall driven by a force.
 
     """
     if recording.driven_by_force(model):
-        return False
-    largest = recording.force_discrepancy
-    if recording.motion_discrepancy > 0.0:
-        stiffness = model.laws().robot.mass * recording.observed.observer_cutoff**2
-        largest = max(largest, stiffness * recording.motion_discrepancy)
+        return [0]
     low, high = np.percentile(recording.observed.force, (1.0, 99.0))
-    return largest < _MATERIAL * float(high - low)
+    sizes = [recording.force_discrepancy]
+    if recording.observed.reference is not None:
+        sizes.append(_stiffness(recording, model) * recording.motion_discrepancy)
+    return [k for k, size in enumerate(sizes) if size >= _MATERIAL * float(high - low)]
+
+
+def _stiffness(recording: PreparedRecording, model: Model) -> float:
+    """Return the force that changes innovations by a metre [N/m]; see `forces`."""
+    return model.laws().robot.mass * recording.observed.observer_cutoff**2
 
 
 def without_discrepancy(recording: PreparedRecording) -> PreparedRecording:
     """Return the recording as if the laws of the library were exact, without a discount."""
     return replace(recording, force_discrepancy=0.0, motion_discrepancy=0.0, discount=None)
+
+
+def weighed(recordings: Recordings, model: Model) -> Recordings:
+    """
+    Return recordings with the discrepancy and the discount of a fitted model.
+
+    Parameters
+    ----------
+    recordings : sequence of PreparedRecording
+        Their present ones are replaced.
+    model : Model
+        Fitted to them.
+
+    Returns
+    -------
+    recordings : sequence of PreparedRecording
+        In which every channel counts by what the model leaves there.
+
+    """
+    return [discounted(with_discrepancy(one, model), model) for one in recordings]
+
+
+def noise_by_channel(recordings: Recordings, model: Model) -> Array:
+    """
+    Compute the cost that noise alone would leave in each channel.
+
+    Parameters
+    ----------
+    recordings : sequence of PreparedRecording
+        With or without a discrepancy.
+    model : Model
+        Defines the channels.
+
+    Returns
+    -------
+    costs : ndarray, shape (CHANNELS,)
+        The number of residuals where there is no discrepancy, less where there is one.
+
+    """
+    costs = np.zeros(CHANNELS)
+    for one in recordings:
+        for number, channel in enumerate(one.channels(model)):
+            costs[number] += channel.noise_share.sum()
+    return costs
+
+
+def costs_by_channel(recordings: Recordings, found: Fit) -> Array:
+    """
+    Compute the cost of a fit in each channel.
+
+    Parameters
+    ----------
+    recordings : sequence of PreparedRecording
+        As fitted.
+    found : Fit
+        To them.
+
+    Returns
+    -------
+    costs : ndarray, shape (CHANNELS,)
+        Sums of squared residuals.
+
+    """
+    costs, begin = np.zeros(CHANNELS), 0
+    for one in recordings:
+        for number in range(len(one.channels(found.model))):
+            stop = begin + one.block_count
+            costs[number] += np.sum(found.residuals[begin:stop] ** 2)
+            begin = stop
+    return costs
 
 
 def has_discrepancy(recordings: Recordings) -> bool:

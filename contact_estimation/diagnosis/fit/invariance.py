@@ -27,11 +27,13 @@ from typing import NamedTuple, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from .discrepancy import forces, has_discrepancy
+from .discrepancy import CHANNELS, forces, has_discrepancy
 from .fitting import differentiate_by, Fit, residual_function
 from ..observe.episodes import episodes
 from ..observe.model import Model
 from ..observe.prepared_recording import PreparedRecording, Recordings
+from ..observe.residuals import force_explains_motion
+from ...physics import EFFECTS
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -55,21 +57,28 @@ class Part(NamedTuple):
         Such as 'episode 2' or '3.0 to 4.5 s'.
     there : ndarray of bool, shape (R,)
         Its residuals among the stacked ones of all recordings.
+    channel : ndarray of int
+        Of these residuals: 0 is the force, or the only channel, 1 the motion.
     weights : ndarray
         Of the squares of these residuals: channels with a discrepancy are compared as forces.
-    noise : float
+    noise : ndarray, shape (CHANNELS,)
         Expected weighted sum of squares if all of them were noise.
 
     """
 
     name: str
     there: Flags
+    channel: NDArray[np.int_]
     weights: Array
-    noise: float
+    noise: Array
 
-    def squares(self, residuals: Array) -> float:
-        """Sum the weighted squares of stacked residuals, shape (R,), on the part."""
-        return float(self.weights @ residuals[self.there] ** 2)
+    def squares(self, residuals: Array) -> Array:
+        """Sum the weighted squares of stacked residuals, shape (R,), on the part by channel."""
+        return _sum_by_channel(self.channel, self.weights * residuals[self.there] ** 2)
+
+
+def _sum_by_channel(channel: NDArray[np.int_], values: Array) -> Array:
+    return np.asarray(np.bincount(channel, values, CHANNELS), float)
 
 
 class Share(NamedTuple):
@@ -92,6 +101,44 @@ class Share(NamedTuple):
     parts: Array
 
 
+def channel_of(effect: str) -> int:
+    """
+    Return the channel by which an effect is judged where the robot has a misfit of its own.
+
+    Parameters
+    ----------
+    effect : str
+        Name.
+
+    Returns
+    -------
+    channel : int
+        Of `CHANNELS`: an effect of the robot shows in the motion alone.
+
+    """
+    return int(EFFECTS[effect].port == 'robot')
+
+
+def judged_by_channel(recordings: Recordings, model: Model) -> bool:
+    """
+    Return whether force and motion have misfits of different origin.
+
+    Parameters
+    ----------
+    recordings : sequence of PreparedRecording
+        With a discrepancy.
+    model : Model
+        Fitted.
+
+    Returns
+    -------
+    judged : bool
+        If so, the misfit of the one does not count against an effect of the other.
+
+    """
+    return not any(force_explains_motion(one, model) for one in recordings)
+
+
 def parts_of(recordings: Recordings, found: Fit) -> list[Part]:
     """
     Divide the fitted samples of recordings into parts.
@@ -112,7 +159,7 @@ def parts_of(recordings: Recordings, found: Fit) -> list[Part]:
 
     """
     parts = _parts_of(recordings, found.model, 1)
-    misfit = np.array([part.squares(found.residuals) for part in parts])
+    misfit = np.array([part.squares(found.residuals).sum() for part in parts])
     blocks = all(len(episodes(found.model, one.observed)) < 2 for one in recordings)
     if blocks and misfit.max(initial=0.0) > _EVENT * misfit.sum():
         return _parts_of(recordings, found.model, _PIECES)
@@ -128,14 +175,16 @@ def _parts_of(recordings: Recordings, model: Model, pieces: int) -> list[Part]:
         filled = np.concatenate([channel.filled for channel in channels])
         noise = np.concatenate([channel.noise_share for channel in channels])
         weights = np.repeat(_weights(one, model), one.block_count)
+        channel = np.repeat(np.arange(len(channels)), one.block_count)
         prefix = f'{one.name}, ' if len(recordings) > 1 else ''
         for name, blocks in _divide(one, model, least, pieces):
             here = np.tile(blocks, len(channels)) & filled
             if np.count_nonzero(here) >= _LEAST_RESIDUALS:
                 there = np.zeros(total, bool)
                 there[begin:begin + len(here)] = here
-                parts.append(Part(prefix + name, there, weights[here],
-                                  float(weights[here] @ noise[here])))
+                parts.append(Part(
+                    prefix + name, there, channel[here], weights[here],
+                    _sum_by_channel(channel[here], weights[here] * noise[here])))
         begin += len(filled)
     return parts
 
@@ -213,13 +262,13 @@ def left_out_errors(
         On all parts.
     parts : sequence of Part
         Of the recordings.
-    before : ndarray, shape (parts,), optional
+    before : ndarray, shape (parts, CHANNELS), optional
         Errors without the last effect. They stand for those with it where the rest of the
         recordings does not determine the prediction: what is not known predicts nothing.
 
     Returns
     -------
-    squares : ndarray, shape (parts,)
+    squares : ndarray, shape (parts, CHANNELS)
         Sum of the squared residuals on each part, left out.
 
     """
@@ -227,7 +276,7 @@ def left_out_errors(
     function, values, size = residual_function(recordings, model), model.coordinates, model.steps
     (low, high), here = model.ranges, function(values)
     jacobian = differentiate_by(values, size, function, here, most=high)
-    squares = np.empty(len(parts))
+    squares = np.empty((len(parts), CHANNELS))
     for k, part in enumerate(parts):
         rest = ~part.there
         present = _square(here[rest])
@@ -238,8 +287,10 @@ def left_out_errors(
             if _square(there[rest]) <= present:
                 squares[k] = part.squares(there)
                 break
-        if before is not None and _spread(part, jacobian, rest, here) > before[k] - squares[k]:
-            squares[k] = max(squares[k], before[k])
+        if before is not None:
+            gain = float((before[k] - squares[k]).sum())
+            if _spread(part, jacobian, rest, here) > gain:
+                squares[k] = squares[k] if gain < 0.0 else before[k]
     return squares
 
 
@@ -255,18 +306,22 @@ def _square(values: Array) -> float:
     return float(values @ values)
 
 
-def share_of(before: Array, after: Array, parts: Sequence[Part], whole: Array) -> Share:
+def share_of(
+    before: Array, after: Array, parts: Sequence[Part], whole: Array, channel: int | None = None,
+) -> Share:
     """
     Compute the share of a misfit that a further effect takes away.
 
     Parameters
     ----------
-    before, after : ndarray, shape (parts,)
+    before, after : ndarray, shape (parts, CHANNELS)
         `left_out_errors` without and with the effect.
     parts : sequence of Part
         For the noise.
-    whole : ndarray, shape (parts,)
+    whole : ndarray, shape (parts, CHANNELS)
         `left_out_errors` of the model whose misfit counts as 1.
+    channel : int, optional
+        The only one that counts; by default all do.
 
     Returns
     -------
@@ -274,7 +329,9 @@ def share_of(before: Array, after: Array, parts: Sequence[Part], whole: Array) -
         Of the effect.
 
     """
-    gain, misfit = before - after, above_noise(whole, parts)
+    columns = slice(None) if channel is None else slice(channel, channel + 1)
+    gain = (before - after)[:, columns].sum(axis=1)
+    misfit = above_noise(whole, parts, columns)
     share = float(gain.sum() / misfit.sum())
     count = len(parts)
     if count < 2:
@@ -285,16 +342,20 @@ def share_of(before: Array, after: Array, parts: Sequence[Part], whole: Array) -
     return Share(share, (share - reach, share + reach), gain / misfit)
 
 
-def above_noise(squares: Array, parts: Sequence[Part]) -> Array:
+def above_noise(
+    squares: Array, parts: Sequence[Part], columns: slice = slice(None)
+) -> Array:
     """
     Subtract the noise from squared errors.
 
     Parameters
     ----------
-    squares : ndarray, shape (parts,)
+    squares : ndarray, shape (parts, CHANNELS)
         `left_out_errors`.
     parts : sequence of Part
         With their noise.
+    columns : slice
+        Channels that count.
 
     Returns
     -------
@@ -302,7 +363,8 @@ def above_noise(squares: Array, parts: Sequence[Part]) -> Array:
         At least a hundredth of the mean over the parts, so that shares stay finite.
 
     """
-    misfit = squares - np.array([part.noise for part in parts])
+    squares = squares[:, columns].sum(axis=1)
+    misfit = squares - np.array([part.noise[columns].sum() for part in parts])
     least = max(0.01 * float(np.mean(misfit)), 1e-3 * float(np.mean(squares)), 1e-300)
     return np.asarray(np.maximum(misfit, least))
 

@@ -19,7 +19,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from .discrepancy import correlation_time
 from .fitting import differentiate_by, Fit, residual_function
+from ..observe.model import Model
 from ..observe.prepared_recording import Recordings
 
 Array = NDArray[np.float64]
@@ -32,7 +34,7 @@ def standard_deviations(recordings: Recordings, found: Fit) -> Array:
     Estimate standard deviations of fitted values, clustered in time (Liang and Zeger 1986).
 
     Residuals may be correlated in any way within half a second and are independent across; the
-    result is never below that for independent residuals.
+    result is never below that for residuals of the correlation time that each channel shows.
 
     Parameters
     ----------
@@ -56,8 +58,21 @@ def standard_deviations(recordings: Recordings, found: Fit) -> Array:
     span = max(1, round(_CLUSTER_S * recordings[0].observed.pace / recordings[0].block_s))
     scores = np.add.reduceat(jacobian * here[:, None], np.arange(0, len(here), span), axis=0)
     clustered = np.diag(inverse @ (scores.T @ scores) @ inverse)
-    independent = np.diag(inverse) * max(1.0, float(np.mean(here**2)))
+    times = _correlation_times(recordings, model, here)
+    correlated = np.diag(inverse @ (jacobian.T * times) @ jacobian @ inverse)
+    correlated = correlated * max(1.0, float(np.mean(here**2)))
     std = np.full(len(model.values), np.nan)
-    std[model.free] = np.sqrt(np.maximum(clustered, independent)) * model.sizes[model.free]
+    std[model.free] = np.sqrt(np.maximum(clustered, correlated)) * model.sizes[model.free]
     std[model.at_end] = np.nan
     return std
+
+
+def _correlation_times(recordings: Recordings, model: Model, stacked: Array) -> Array:
+    """Return the correlation time of the channel of each residual [blocks], shape (R,)."""
+    times, begin = np.ones(len(stacked)), 0
+    for one in recordings:
+        for _ in one.channels(model):
+            here = slice(begin, begin + one.block_count)
+            times[here] = correlation_time(stacked[here])
+            begin = here.stop
+    return times

@@ -150,6 +150,35 @@ def response_to(recording: PreparedRecording, push: Array, model: Model) -> Arra
     return innovations(moved, recording.observer, o.observer_cutoff, o.h)
 
 
+def force_explains_motion(recording: PreparedRecording, model: Model) -> bool:
+    """
+    Return whether the force that a model lacks is also what its motion lacks.
+
+    Parameters
+    ----------
+    recording : PreparedRecording
+        With the observer.
+    model : Model
+        Fitted.
+
+    Returns
+    -------
+    explains : bool
+        True of a missing effect of the contact; without a robot nothing else moves.
+
+    """
+    missing = force_residual(recording, model) * recording.use
+    response, innovations = response_to(recording, missing, model), motion_residual(
+        recording, model)
+    if response is None or innovations is None:
+        return True
+    pushed = recording.motion.average(response)
+    motion = recording.motion.average(innovations)
+    share = float(pushed @ motion) / max(float(pushed @ pushed), 1e-300)
+    left = float(np.sum((motion - share * pushed) ** 2)) / max(float(motion @ motion), 1e-300)
+    return left < 0.5 and share > 0.5
+
+
 def _wall_force(recording: PreparedRecording, laws: Laws) -> tuple[Array, Array]:
     """Return the wall's force [N] at the measured motion, and the penetration [m]."""
     o = recording.observed

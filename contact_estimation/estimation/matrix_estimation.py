@@ -1,0 +1,93 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The full matrices of a contact beside the estimates of the single axes."""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import Any, Sequence
+
+from .parameters import EstimationParameters
+from .result import AxesEstimates
+from ..estimators import MATRIX_ESTIMATORS
+from ..estimators.estimator import EstimateStatus
+from ..estimators.stiffness_matrix import MatrixEstimate
+from ..signals.contact_sample import AxesSample
+
+_MOST_WAITING = 1000  # that nobody has taken
+
+
+class MatrixEstimation:
+    """
+    Estimate the matrices from the samples of a session, where its parameters say so.
+
+    Parameters
+    ----------
+    parameters : EstimationParameters
+        All parameters.
+
+    Attributes
+    ----------
+    last : MatrixEstimate or None
+        The last estimate.
+
+    """
+
+    def __init__(self, parameters: EstimationParameters) -> None:
+        self.last: MatrixEstimate | None = None
+        self._new: deque[MatrixEstimate] = deque(maxlen=_MOST_WAITING)
+        self._estimator: Any = None
+        if parameters.matrix_estimator in MATRIX_ESTIMATORS:
+            self._estimator = MATRIX_ESTIMATORS[parameters.matrix_estimator](
+                parameters.stiffness_matrix, 1.0 / parameters.sample_rate)
+            self._order = [list(parameters.joints).index(axis) for axis in 'xyz']
+
+    def configure(self, parameters: EstimationParameters) -> None:
+        """Set new parameters while running."""
+        if self._estimator:
+            self._estimator.configure(parameters.stiffness_matrix, 1.0 / parameters.sample_rate)
+
+    def reset(self) -> None:
+        """Forget everything."""
+        self.last = None
+        self._new.clear()
+        if self._estimator:
+            self._estimator.reset()
+
+    def process(self, run: Sequence[AxesSample], estimates: Sequence[AxesEstimates]) -> None:
+        """
+        Process consecutive samples; the contact axis decides on contact.
+
+        Parameters
+        ----------
+        run : sequence of tuple of ContactSample
+            Samples of all axes.
+        estimates : sequence of tuple of Estimate
+            Of the same samples.
+
+        """
+        if not self._estimator:
+            return
+        ordered = [tuple(axes[k] for k in self._order) for axes in run]
+        contact = [axes[0].status is not EstimateStatus.FREE for axes in estimates]
+        found = self._estimator.process(ordered, contact)
+        self._new += found
+        self.last = found[-1] if found else self.last
+
+    def take(self) -> list[MatrixEstimate]:
+        """Return the estimates made since the last call."""
+        found = list(self._new)
+        self._new.clear()
+        return found

@@ -1,0 +1,58 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The full matrices as raw messages, the same for node and replay."""
+
+from __future__ import annotations
+
+from ..estimators.stiffness_matrix import LABELS, matrices, MatrixEstimate, principal_table
+from ..estimators.stiffness_matrix import PRINCIPAL_LABELS
+from ..messages import encode_multi_array, Vector3StampedEncoder
+
+MULTI_ARRAY = 'std_msgs/msg/Float64MultiArray'
+MATRIX_TOPICS = {
+    'stiffness_matrix': MULTI_ARRAY,
+    'principal_stiffness': MULTI_ARRAY,
+    'contact_normal': 'geometry_msgs/msg/Vector3Stamped',
+}
+"""Name and type of the topics, below the name of the node."""
+
+
+def encode_matrices(estimate: MatrixEstimate, vectors: Vector3StampedEncoder) -> dict[str, bytes]:
+    """
+    Encode an estimate for the topics of MATRIX_TOPICS.
+
+    Parameters
+    ----------
+    estimate : MatrixEstimate
+        To be published.
+    vectors : Vector3StampedEncoder
+        With the frame of the wrench.
+
+    Returns
+    -------
+    messages : dict of str to bytes
+        By topic; the labels of the arrays say what their entries are.
+
+    """
+    quantities, columns = '/'.join(LABELS), '/'.join(PRINCIPAL_LABELS)
+    return {
+        'stiffness_matrix': encode_multi_array(
+            [(quantities, 4), ('force x/y/z', 3), ('motion x/y/z', 3)],
+            matrices(estimate).ravel().tolist()),
+        'principal_stiffness': encode_multi_array(
+            [('direction', 3), (columns, len(PRINCIPAL_LABELS))],
+            principal_table(estimate).ravel().tolist()),
+        'contact_normal': vectors.encode(estimate.stamp_ns, *estimate.normal.tolist()),
+    }

@@ -1,0 +1,94 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Compliance of the robot between its position sensors and the tool, in series with the wall."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import hypot
+
+from ..estimators.estimator import ParameterEstimate
+from ..parameters.specification import parameter, ParameterGroup
+
+_LEAST_SHARE = 0.02
+"""Of the deflection that must be the wall's; below, K_e is too uncertain to be limited more."""
+
+
+@dataclass(frozen=True)
+class RobotParameters(ParameterGroup):
+    """What of the robot the contact data cannot show."""
+
+    compliance: float = parameter(
+        0.0,
+        'Deflection of robot, sensor and tool between position sensor and contact, per force; the '
+        'estimates are of the wall alone then. 1 / 50 kN/m is 2e-5', 'm/N',
+        minimum=0.0, maximum=1.0,
+    )
+    compliance_std: float = parameter(
+        0.0,
+        'Standard deviation of the compliance, which widens the deviations of K_hat and B_hat',
+        'm/N', minimum=0.0, maximum=1.0,
+    )
+
+
+def of_the_wall(estimate: ParameterEstimate, robot: RobotParameters) -> ParameterEstimate:
+    """
+    Return the wall's part of what wall and robot in series appear as.
+
+    A spring 1 / C in series with K_e + B_e s appears as K = K_e / (1 + C K_e) and
+    B = B_e / (1 + C K_e)^2 at frequencies below those of both.
+
+    Parameters
+    ----------
+    estimate : ParameterEstimate
+        Of the measured force and position.
+    robot : RobotParameters
+        Compliance C [m/N] and its standard deviation.
+
+    Returns
+    -------
+    wall : ParameterEstimate
+        Of the wall alone, deviations to first order.
+
+    """
+    K, B, K_std, B_std, shift, inertia = estimate
+    C, C_std = robot.compliance, robot.compliance_std
+    share = max(1.0 - C * K, _LEAST_SHARE)  # K / K_e
+    K_e, B_e = K / share, B / share**2
+    by_K = 2.0 * B_e * C / share  # dB_e / dK
+    return ParameterEstimate(
+        K_e, B_e, hypot(K_std / share**2, K_e * K_e * C_std),
+        hypot(B_std / share**2, by_K * K_std, 2.0 * B_e * K_e * C_std), shift, inertia,
+    )
+
+
+def seen_by_the_robot(stiffness: float, robot: RobotParameters) -> float:
+    """
+    Return the stiffness of wall and robot in series, which relates measured position and force.
+
+    Parameters
+    ----------
+    stiffness : float
+        K_e of the wall alone [N/m].
+    robot : RobotParameters
+        Compliance C [m/N].
+
+    Returns
+    -------
+    stiffness : float
+        K_e / (1 + C K_e) [N/m].
+
+    """
+    return stiffness / (1.0 + robot.compliance * stiffness)

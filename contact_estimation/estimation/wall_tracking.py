@@ -1,0 +1,338 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+Tracking of the wall, the same for every estimator: a new wall, a step, a surface elsewhere.
+
+An estimator that averages over a second or more is blind for that long to a wall that has
+changed, and one whose covariance has collapsed for good. So the last rows are compared with the
+estimate: what they contradict is reopened.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass
+from enum import IntEnum
+from math import exp, hypot, inf, sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..estimators.estimator import OnlineEstimator, UNKNOWN_DAMPING_S
+from ..estimators.excitation_monitor import ExcitationMonitor, Window
+from ..estimators.wall_fit import fit_wall, misfit, Wall, WallFit
+from ..parameters.specification import parameter, ParameterGroup
+
+_SIGNIFICANT = 50.0  # gain of a fit over the noise variance; chi-squared of two: below 1e-10
+_EXPLAINS = 0.5  # of the misfit must be gone with the new fit: a spike is no new wall
+_RELEVANT = 0.003  # relative misfit below which the estimator follows on its own
+_NOTABLE = 0.04  # relative misfit from which the rows before belong to another wall
+_SURE = 0.1  # relative deviation of a stiffness
+_FOREIGN_NOTABLE = 0.15  # for another law than eq. (3)
+_DIFFERENT, _DIFFERENT_STD = 0.02, 5.0  # of the stiffness of the window: share, deviations
+_ESCALATION, _CALMING_S = 2.0, 1.0  # of the above after each, for laws other than eq. (3)
+_JUDGEMENTS = 5  # before which a change cannot have entered the noise
+_LOCATION_SIGNIFICANT = 5.0  # standard deviations of the shift
+_LOCATION_RELEVANT = 0.003  # of K_e
+_LAGS = 2.0  # standard deviations of the timing that may feign a shift
+_CHECKED = 0.02  # standard deviation of K_e by the location below which it is certain
+_UNCHECKED_S = 1.0  # of a contact, after which a location not certain is reported
+_SHARPER = 0.6  # standard deviation of a shift, relative to the last one, that refines it
+_LARGEST = 1e24  # sum of squares; larger ones come from impossible parameters
+_LEAST_FREEDOM = 2.0  # of a fit with an offset
+_DETERMINED = 0.2  # relative deviation below which a fit determines B_e
+_UNKNOWN = 2.0  # share of a value that says nothing
+_WIDER = 2.0  # than a change that the estimator has to follow
+
+
+REACH = 3.0
+"""How far from its configured location a wall is looked for [standard deviations]."""
+
+
+@dataclass(frozen=True)
+class TrackingParameters(ParameterGroup):
+    """How estimates follow a wall that changes."""
+
+    restarts: bool = parameter(
+        True,
+        'Reopen the estimate where the last rows contradict it, and at every new contact, which '
+        'starts with K_hat and B_hat as a prior; false: as the estimator alone follows',
+    )
+    carried_std: float = parameter(
+        1.0, 'Standard deviation of K_hat and B_hat, relative to them, at a new contact',
+        minimum=1e-3, maximum=100.0,
+    )
+
+
+class Change(IntEnum):
+    """What a comparison has shown: nothing, another estimate, another wall, another surface."""
+
+    NONE = 0
+    ESTIMATE = 1
+    WALL = 2
+    LOCATION = 3
+
+
+class WallTracker:
+    """
+    Compares the estimate with the rows of the excitation monitor, and reopens it.
+
+    Parameters
+    ----------
+    location_std : float
+        Of environment.location [m]; 0: known.
+    position_noise : float
+        Standard deviation [m].
+    timing_std : float
+        Of the time between force and motion [s].
+
+    Attributes
+    ----------
+    shift : float
+        Estimated location less the configured one [m], estimated from the offset of the force
+        against position.
+    shift_std : float
+        Its standard deviation [m]; 0 while no shift has been found.
+
+    """
+
+    def __init__(
+        self, parameters: TrackingParameters, location_std: float, position_noise: float,
+        timing_std: float,
+    ) -> None:
+        self.shift = self.shift_std = self._found_std = 0.0
+        self._contact_s = 0.0
+        self._checked = False  # the location, in this contact
+        self._notable = _NOTABLE
+        self._since = _JUDGEMENTS  # judgements since the last restart
+        self._noises: deque[float] = deque(maxlen=_JUDGEMENTS)
+        self.configure(parameters, location_std, position_noise, timing_std)
+
+    def configure(
+        self, parameters: TrackingParameters, location_std: float, position_noise: float,
+        timing_std: float,
+    ) -> None:
+        """Set new parameters while running; see the constructor."""
+        self._p, self._location_std = parameters, location_std
+        self._position_noise, self._timing_std = position_noise, timing_std
+
+    @property
+    def location_unchecked(self) -> bool:
+        """Whether a contact of some length has not shown where its surface is."""
+        return (self._p.restarts and self._location_std > 0.0 and not self._checked
+                and self._contact_s > _UNCHECKED_S)
+
+    def touch_down(self, estimator: OnlineEstimator) -> None:
+        """
+        Turn the estimate of the last contact into a prior of the next.
+
+        Parameters
+        ----------
+        estimator : OnlineEstimator
+            Reopened.
+
+        """
+        self._found_std = self._contact_s = 0.0
+        self._checked = False
+        linear = estimator.linearisation() is None
+        if linear and estimator.may_restart:  # the exponent couples depths: it must not be free
+            _reopen(estimator, self._p.carried_std)
+
+    def follow(
+        self, monitor: ExcitationMonitor, estimator: OnlineEstimator, noise_variance: float,
+        force_variance: float, elapsed_s: float,
+    ) -> Change:
+        """
+        Compare the last rows with the estimate.
+
+        Parameters
+        ----------
+        monitor : ExcitationMonitor
+            Holds the rows.
+        estimator : OnlineEstimator
+            Is reopened where they contradict it.
+        noise_variance, force_variance : float
+            Of the equation and of the force [N^2].
+        elapsed_s : float
+            Contact since the last call [s].
+
+        Returns
+        -------
+        change : Change
+            What has changed.
+
+        """
+        if not (self._p.restarts and estimator.may_restart):
+            return Change.NONE
+        window, wall = monitor.window(), _wall(estimator)
+        if not window.products.max() < _LARGEST:
+            return Change.NONE
+        known = force_variance + self._position_variance(window, wall)
+        # The noise as it was before a change could enter it.
+        variance = max(known, self._noises[0] if self._noises else noise_variance, 1e-18)
+        self._noises.append(noise_variance)
+        self._since += 1
+        self._contact_s += elapsed_s
+        self._notable += (_NOTABLE - self._notable) * (1.0 - exp(-elapsed_s / _CALMING_S))
+        fit = _fit(window.products, wall, variance)
+        linear = estimator.linearisation() is None
+        self._checked |= not linear  # the exponent explains an offset
+        if fit is None or not (linear or monitor.completed):  # other laws bend at touch-down
+            return Change.NONE
+        change = Change.NONE
+        if self._gain(monitor, fit.offset_wall, variance) > self._notable:
+            self._notable *= _ESCALATION
+            monitor.keep_recent()
+            window, change = monitor.window(), Change.WALL
+            fit = _fit(window.products, wall, variance) or fit
+        shift = self._shift_of(window, estimator, fit, known)
+        if shift != 0.0:
+            self.shift += shift
+            monitor.shift(shift)
+            self._restart(estimator, fit.offset_wall, fit, known)
+            return Change.LOCATION
+        share = self._gain(monitor, wall, variance)
+        settled = self._since >= _JUDGEMENTS  # before, the estimator may be about to follow
+        notable = _NOTABLE
+        if not linear:  # an uncertain one follows on its own
+            notable = _FOREIGN_NOTABLE if _is_sure(estimator) else inf
+        if fit.wall.stiffness > 0.0 and (
+            share > notable or settled and linear and _differs(fit, wall, variance)
+        ):
+            self._restart(estimator, fit.wall, fit, variance)
+            return change or Change.ESTIMATE
+        if linear and share > _RELEVANT:
+            _reopen(estimator, _WIDER * min(share, 1.0))
+        return change
+
+    def _restart(
+        self, estimator: OnlineEstimator, wall: Wall, fit: WallFit, variance: float
+    ) -> None:
+        """Restart at a fitted wall, with a damping only where the fit determines it."""
+        self._since = 0
+        damping_std = sqrt(variance * fit.damping_variance)
+        told = damping_std < _DETERMINED * wall.damping
+        K, B = estimator.within_limits(wall.stiffness, wall.damping if told else estimator.damping)
+        K_std, B_std = _spread(K, B, _UNKNOWN)
+        if not estimator.weighs_data:  # it does not learn the same rows twice
+            K_std = max(_WIDER * sqrt(variance * fit.stiffness_variance), _DIFFERENT * K)
+            B_std = _WIDER * damping_std if told else B_std
+        estimator.restart(K, B, K_std, B_std)
+
+    def _position_variance(self, window: Window, wall: Wall) -> float:
+        """Return the variance of the force that the position noise appears as [N^2]."""
+        rate = window.rate_noise / max(window.effective_samples, 1e-9)
+        K, B = wall.stiffness, wall.damping
+        return self._position_noise**2 * (K * K + B * B * rate)
+
+    @staticmethod
+    def _gain(monitor: ExcitationMonitor, wall: Wall, variance: float) -> float:
+        """Return the relative misfit of the last rows that another wall explains; 0: none."""
+        products = monitor.recent().products
+        found = misfit(products, wall)
+        if found < _SIGNIFICANT * variance:
+            return 0.0
+        fit = _fit(products, wall, variance)
+        if fit is None:
+            return 0.0
+        gain = found - fit.left
+        if gain < _SIGNIFICANT * variance or gain < _EXPLAINS * found:
+            return 0.0
+        return sqrt(gain / float(products[3, 3])) / _force(products, monitor.window().products)
+
+    def _shift_of(
+        self, window: Window, estimator: OnlineEstimator, fit: WallFit, known: float
+    ) -> float:
+        """Return how far the line of force against position meets 0 from the surface; 0: near."""
+        wall, freedom = fit.offset_wall, window.effective_samples - 3.0
+        if (self._location_std == 0.0 or wall.stiffness <= 0.0 or freedom < _LEAST_FREEDOM
+                or estimator.linearisation()):
+            return 0.0
+        shift = -wall.offset / wall.stiffness
+        variance = max(known, fit.offset_left / freedom)
+        std = sqrt(variance * fit.offset_variance) / wall.stiffness
+        own = _LOCATION_SIGNIFICANT * (estimator.location_std or 0.0)
+        refines = std < _SHARPER * self._found_std
+        moved = window.shifted(shift).products
+        per_shift = abs(float(moved[1, 3])) / max(float(moved[1, 1]), 1e-30)  # of K_e [1/m]
+        effect = abs(shift) * per_shift
+        self._checked |= std * per_shift < _CHECKED
+        apparent = _LAGS * self._apparent_shift(window.products, wall)
+        found = (fit.left - fit.offset_left > _EXPLAINS * fit.left
+                 and abs(shift) > max(_LOCATION_SIGNIFICANT * std, own) + apparent)
+        if (not (found or refines) or effect < _LOCATION_RELEVANT
+                or abs(self.shift + shift) > REACH * self._location_std):
+            return 0.0
+        self._found_std, self.shift_std = std, hypot(std, apparent / _LAGS)
+        return shift
+
+    def _apparent_shift(self, products: NDArray[np.float64], wall: Wall) -> float:
+        """
+        Return the shift that a lag of the force feigns [m].
+
+        A lag tau adds -B tau a, and by parts sum of d a = -sum of v v: the line of force against
+        position appears steeper. No shift appears where the mass is fitted.
+
+        """
+        KK, Kc, cc = (float(products[i, j]) for i, j in ((1, 1), (1, 3), (3, 3)))
+        spread = KK - Kc * Kc / cc if cc > 0.0 else 0.0
+        if products[4, 4] > 0.0 or spread <= 0.0:
+            return 0.0
+        by_lag = max(wall.damping, 0.0) * float(products[2, 2]) / spread  # of K
+        return self._timing_std * by_lag * Kc / cc / wall.stiffness
+
+
+def _force(*windows: NDArray[np.float64]) -> float:
+    """Return the largest root mean square of the force in several windows [N]."""
+    return max(sqrt(products[0, 0] / max(products[3, 3], 1e-30)) for products in windows) + 1e-30
+
+
+def _differs(fit: WallFit, wall: Wall, variance: float) -> bool:
+    """Return whether the stiffness is not that of the window: gains may be too small for it."""
+    std = sqrt(variance * fit.stiffness_variance)
+    return abs(fit.wall.stiffness - wall.stiffness) > max(
+        _DIFFERENT * wall.stiffness, _DIFFERENT_STD * std)
+
+
+def _is_sure(estimator: OnlineEstimator) -> bool:
+    return estimator.current().stiffness_std < _SURE * estimator.stiffness
+
+
+def _wall(estimator: OnlineEstimator) -> Wall:
+    """Return the wall that an estimator holds."""
+    K, B, _, _, shift, inertia = estimator.current()
+    return Wall(K, B, -K * shift, inertia if inertia == inertia else 0.0)
+
+
+def _fit(products: NDArray[np.float64], wall: Wall, variance: float) -> WallFit | None:
+    """Fit a wall whose damping and mass are as uncertain as those of a first contact."""
+    KK = float(products[1, 1])
+    secant = float(products[0, 1]) / KK if KK > 0.0 else 0.0
+    scale = max(wall.stiffness, secant, 1e-9)
+    damping_std = max(wall.damping, UNKNOWN_DAMPING_S * scale)
+    inertia_std = UNKNOWN_DAMPING_S**2 * scale
+    return fit_wall(products, wall, variance / damping_std**2, variance / inertia_std**2)
+
+
+def _spread(stiffness: float, damping: float, share: float) -> tuple[float, float]:
+    """Return the standard deviations of K_e and B_e known to a share of them."""
+    return share * stiffness, share * max(damping, UNKNOWN_DAMPING_S * stiffness)
+
+
+def _reopen(estimator: OnlineEstimator, share: float) -> None:
+    """Restart from the present estimate, known to a share of it at best."""
+    K, B, K_std, B_std, _, _ = estimator.current()
+    K_least, B_least = _spread(K, B, share)
+    estimator.restart(K, B, max(K_std, K_least), max(B_std, B_least))

@@ -1,0 +1,99 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Speed of eq. (25): fixed gains adapt with the square of the depth, and starve on stiff walls."""
+
+from __future__ import annotations
+
+from math import sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+_SLOWEST_S = 2.0
+"""Time constant of K_hat above which a contact is over before it has adapted."""
+
+_USUAL_FORCE = 50.0  # [N], for a statement before any contact
+_REMEDY = 'choose another estimator'
+
+
+def stiffest_wall(stiffness_gain: float) -> float:
+    """
+    Return the stiffness above which eq. (25) adapts too slowly under 50 N.
+
+    With phi = d = F / K, eq. (25) has the time constant 1 / (Gamma^-1 d^2).
+
+    Parameters
+    ----------
+    stiffness_gain : float
+        Entry of Gamma^-1 for K [N/m/(N m s)].
+
+    Returns
+    -------
+    stiffness : float
+        [N/m]
+
+    """
+    return _USUAL_FORCE * sqrt(stiffness_gain * _SLOWEST_S)
+
+
+def limitation_of(stiffness_gain: float, remedy: str = _REMEDY) -> str:
+    """
+    State the walls for which a gain is too small, for a warning at start-up.
+
+    Parameters
+    ----------
+    stiffness_gain : float
+        Entry of Gamma^-1 for K [N/m/(N m s)].
+    remedy : str
+        What to change.
+
+    Returns
+    -------
+    text : str
+        One sentence.
+
+    """
+    return (f'with stiffness_gain {stiffness_gain:g} K_hat needs over {_SLOWEST_S:g} s on walls '
+            f'above {stiffest_wall(stiffness_gain):.3g} N/m pressed with {_USUAL_FORCE:g} N; '
+            f'{remedy} for stiffer ones')
+
+
+def starvation(
+    stiffness_gain: float, products: NDArray[np.float64], remedy: str = _REMEDY
+) -> str:
+    """
+    State that a gain is too small at the depth of the window.
+
+    Parameters
+    ----------
+    stiffness_gain : float
+        Entry of Gamma^-1 for K [N/m/(N m s)].
+    products : ndarray, shape (5, 5)
+        Sum of row^T row over the window.
+    remedy : str
+        What to change.
+
+    Returns
+    -------
+    text : str
+        '' where the gain suffices, or nothing has been touched.
+
+    """
+    rows, power = float(products[3, 3]), stiffness_gain * float(products[1, 1])
+    if rows <= 0.0 or power * _SLOWEST_S >= rows:
+        return ''
+    time_constant = rows / power if power > 0.0 else float('inf')
+    return (f'K_hat adapts with a time constant of {time_constant:.2g} s at this depth: the wall '
+            f'is too stiff for stiffness_gain {stiffness_gain:g}; {remedy}')

@@ -1,0 +1,150 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+Kalman corrections of three states in scalars.
+
+Array operations on three by three matrices take ten times as long.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+State = tuple[float, float, float]
+
+
+class Covariance(NamedTuple):
+    """Upper triangle of a symmetric matrix of the states (a, b, c)."""
+
+    aa: float
+    ab: float
+    ac: float
+    bb: float
+    bc: float
+    cc: float
+
+
+def diagonal(a: float, b: float, c: float) -> Covariance:
+    """
+    Return the covariance of independent states.
+
+    Parameters
+    ----------
+    a, b, c : float
+        Standard deviations.
+
+    """
+    return Covariance(a * a, 0.0, 0.0, b * b, 0.0, c * c)
+
+
+def correct(
+    x: State, P: Covariance, H: State, error: float, variance: float,
+    free: tuple[bool, bool, bool],
+) -> tuple[State, Covariance, float]:
+    """
+    Correct states and covariance with one scalar measurement.
+
+    x <- x + g e, P <- P - g H P with g = P H^T / (H P H^T + R). A state that is not free is a
+    consider state (Schmidt): its value and its covariance with other such states stay; its
+    uncertainty reduces the gain of the free ones.
+
+    Parameters
+    ----------
+    x : tuple of float
+        States.
+    P : Covariance
+        Their covariance.
+    H : tuple of float
+        Derivatives of the measurement.
+    error : float
+        Measurement less its prediction.
+    variance : float
+        R, > 0.
+    free : tuple of bool
+        Which states are corrected.
+
+    Returns
+    -------
+    x, P : tuple of float, Covariance
+        Corrected.
+    expected : float
+        H P H^T + R before the correction.
+
+    """
+    aa, ab, ac, bb, bc, cc = P
+    h_a, h_b, h_c = H
+    p_a = aa * h_a + ab * h_b + ac * h_c
+    p_b = ab * h_a + bb * h_b + bc * h_c
+    p_c = ac * h_a + bc * h_b + cc * h_c
+    expected = h_a * p_a + h_b * p_b + h_c * p_c + variance
+    g_a, g_b, g_c = p_a / expected, p_b / expected, p_c / expected
+    a, b, c = x
+    free_a, free_b, free_c = free
+    if free_a:
+        a += g_a * error
+        aa -= g_a * p_a
+    if free_b:
+        b += g_b * error
+        bb -= g_b * p_b
+    if free_c:
+        c += g_c * error
+        cc -= g_c * p_c
+    if free_a or free_b:
+        ab -= g_a * p_b
+    if free_a or free_c:
+        ac -= g_a * p_c
+    if free_b or free_c:
+        bc -= g_b * p_c
+    return (a, b, c), Covariance(aa, ab, ac, bb, bc, cc), expected
+
+
+def constrain(
+    x: State, P: Covariance, normal: State, low: float, high: float
+) -> State:
+    """
+    Project states onto limits of a linear combination of them, along their covariance.
+
+    The others move consistently: x <- x - P n excess / (n^T P n).
+
+    Parameters
+    ----------
+    x : tuple of float
+        States.
+    P : Covariance
+        Their covariance.
+    normal : tuple of float
+        n of the combination n^T x.
+    low, high : float
+        Its limits.
+
+    Returns
+    -------
+    x : tuple of float
+        Within the limits, unless the combination has no variance.
+
+    """
+    n_a, n_b, n_c = normal
+    value = n_a * x[0] + n_b * x[1] + n_c * x[2]
+    if low <= value <= high:
+        return x
+    aa, ab, ac, bb, bc, cc = P
+    p_a = aa * n_a + ab * n_b + ac * n_c
+    p_b = ab * n_a + bb * n_b + bc * n_c
+    p_c = ac * n_a + bc * n_b + cc * n_c
+    variance = n_a * p_a + n_b * p_b + n_c * p_c
+    if variance <= 0.0:
+        return x
+    share = (value - min(max(value, low), high)) / variance
+    return x[0] - p_a * share, x[1] - p_b * share, x[2] - p_c * share

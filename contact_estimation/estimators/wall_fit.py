@@ -1,0 +1,156 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Least squares of the wall over a window, with and without an offset of its force."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+_SMALLEST = 1e-12  # relative square of a column below which it depends on the others
+
+
+class Wall(NamedTuple):
+    """
+    Parameters of y = K_e phi_K + B_e phi_B + offset phi_c + M_e phi_M.
+
+    Attributes
+    ----------
+    stiffness, damping : float
+        K [N/m], B [N s/m].
+    offset : float
+        Force at phi_K = 0 [N]: -K s of a surface that is shifted by s.
+    inertia : float
+        M [kg].
+
+    """
+
+    stiffness: float
+    damping: float
+    offset: float
+    inertia: float
+
+
+class WallFit(NamedTuple):
+    """
+    The wall that fits a window best.
+
+    Attributes
+    ----------
+    wall : Wall
+        Fitted, with the given offset and inertia.
+    left : float
+        Squared misfit that it leaves [N^2].
+    offset_wall : Wall
+        Fitted with an offset of its own.
+    offset_left : float
+        Squared misfit that this leaves [N^2].
+    stiffness_variance, damping_variance : float
+        Of `wall`, for white noise of variance 1.
+    offset_variance : float
+        Of the offset of `offset_wall`, likewise.
+
+    """
+
+    wall: Wall
+    left: float
+    offset_wall: Wall
+    offset_left: float
+    stiffness_variance: float
+    damping_variance: float
+    offset_variance: float
+
+
+def fit_wall(
+    products: NDArray[np.float64], guess: Wall, damping_weight: float, inertia_weight: float
+) -> WallFit | None:
+    """
+    Fit a wall to a window, once with the guessed offset and once with a fitted one.
+
+    A few hundredths of a second do not determine B_e and M_e beside K_e; then their priors do.
+
+    Parameters
+    ----------
+    products : ndarray, shape (5, 5)
+        Sum of row^T row, rows (y, phi_K, phi_B, phi_c, phi_M).
+    guess : Wall
+        Prior of B_e, and the offset.
+    damping_weight, inertia_weight : float
+        Of the priors, that of M_e being 0: noise variance over their variance, > 0.
+
+    Returns
+    -------
+    fit : WallFit or None
+        None where the rows do not determine K_e.
+
+    """
+    (yy, Ky, By, cy, My), (_, KK, KB, Kc, KM), (_, _, BB, Bc, BM), (*_, cc, cM), (*_, MM) = (
+        products.tolist()
+    )
+    _, B, c, _ = guess
+    yy, By, BB, MM = (yy + damping_weight * B * B, By + damping_weight * B, BB + damping_weight,
+                      MM + inertia_weight)
+    m_y, m_K, m_B, m_c = My / MM, KM / MM, BM / MM, cM / MM
+    yy, Ky, By, cy = yy - m_y * My, Ky - m_y * KM, By - m_y * BM, cy - m_y * cM
+    KK, KB, Kc = KK - m_K * KM, KB - m_K * BM, Kc - m_K * cM
+    BB, Bc, cc = BB - m_B * BM, Bc - m_B * cM, cc - m_c * cM
+    # M_e has been eliminated; now B_e, then K_e, then the offset.
+    share_K, share_c = KB / BB, Bc / BB
+    k, kc, ky = KK - share_K * KB, Kc - share_K * Bc, Ky - share_K * By
+    if k <= _SMALLEST * KK or KK <= 0.0:
+        return None
+    o, oy, left = cc - share_c * Bc, cy - share_c * By, yy - By * By / BB
+    share = kc / k
+    o, oy, left = o - share * kc, oy - share * ky, left - ky * ky / k
+    fitted, gained = (oy / o, oy * oy / o) if o > _SMALLEST * cc else (c, 0.0)
+
+    def wall(offset: float) -> Wall:
+        K = (ky - kc * offset) / k
+        B = (By - KB * K - Bc * offset) / BB
+        return Wall(K, B, offset, m_y - m_K * K - m_B * B - m_c * offset)
+
+    return WallFit(
+        wall(c), max(left - gained + o * (fitted - c) ** 2, 0.0), wall(fitted),
+        max(left - gained, 0.0), 1.0 / k, 1.0 / BB + share_K * share_K / k, 1.0 / max(o, 1e-30),
+    )
+
+
+def misfit(products: NDArray[np.float64], wall: Wall) -> float:
+    """
+    Compute the squared error with which a wall predicts the rows of a window.
+
+    Parameters
+    ----------
+    products : ndarray, shape (5, 5)
+        As for `fit_wall`.
+    wall : Wall
+        K_e, B_e, offset and M_e.
+
+    Returns
+    -------
+    misfit : float
+        Sum of squares [N^2].
+
+    """
+    K, B, c, M = wall
+    (yy, Ky, By, cy, My), (_, KK, KB, Kc, KM), (_, _, BB, Bc, BM), (*_, cc, cM), (*_, MM) = (
+        products.tolist()
+    )
+    return float(yy - 2.0 * (K * Ky + B * By + c * cy + M * My)
+                 + K * (K * KK + 2.0 * (B * KB + c * Kc + M * KM))
+                 + B * (B * BB + 2.0 * (c * Bc + M * BM)) + c * (c * cc + 2.0 * M * cM)
+                 + M * M * MM)

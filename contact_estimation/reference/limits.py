@@ -1,0 +1,81 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Limits that hold for every reference, whatever estimate, setpoint or parameter is behind it."""
+
+from __future__ import annotations
+
+from math import copysign, isfinite
+
+from .setpoints import Reference
+
+
+def limited(
+    last: Reference, target: Reference, dt: float, period: float, speed: float, deepest: float
+) -> Reference:
+    """
+    Return the reference that is nearest to a target within the limits.
+
+    x_r is finite, moves at most `speed` dt from the last reference, and not deeper than
+    `deepest`; from beyond it, x_r retreats at that speed. The same holds along the parabola that
+    the robot follows until the next reference.
+
+    Parameters
+    ----------
+    last : Reference
+        Published before; finite.
+    target : Reference
+        Wanted; where its position is not finite, x_r stays.
+    dt : float
+        Time since the last reference [s]; x_r stays where this is not > 0.
+    period : float
+        Time for which the robot follows the new one [s].
+    speed : float
+        Largest |dx_r/dt| [m/s].
+    deepest : float
+        Largest x_r [m]; NaN: no limit.
+
+    Returns
+    -------
+    reference : Reference
+        With the force of the target.
+
+    """
+    if not isfinite(target.position):
+        return Reference(last.position, 0.0, 0.0, target.force)
+    position, velocity, acceleration, force = target
+    if position > deepest:
+        position, velocity, acceleration = deepest, 0.0, 0.0
+    step, most = position - last.position, speed * max(dt, 0.0)
+    if abs(step) > most:
+        position = last.position + copysign(most, step)
+        velocity, acceleration = copysign(speed, step), 0.0
+    return Reference(
+        position, *_rates(position, velocity, acceleration, period, speed, deepest), force)
+
+
+def _rates(
+    position: float, velocity: float, acceleration: float, period: float, speed: float,
+    deepest: float,
+) -> tuple[float, float]:
+    """Return velocity and acceleration with which the limits hold until the next reference."""
+    if not (isfinite(velocity) and isfinite(acceleration)):
+        return 0.0, 0.0
+    v = min(max(velocity, -speed), speed)
+    reached = v + period * acceleration
+    a = acceleration if v == velocity and abs(reached) <= speed else 0.0
+    furthest = position + period * (v + max(0.5 * period * a, 0.0))
+    if furthest > deepest:
+        v, a = min(v, max(0.0, (deepest - position) / period)), 0.0
+    return v, a

@@ -1,0 +1,136 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Forces that no contact can have caused are replaced before the filter spreads them."""
+
+from __future__ import annotations
+
+from math import exp, sqrt
+from typing import Sequence
+
+_MEMORY = 0.9  # of the line per sample
+_STIFFEST = 1e6  # standard deviation of the slope of a new line [N/m]
+_BEND = 0.2  # of the force, by which damping may bend the line at a reversal
+_SUPPORT = 10  # samples in agreement, below which the line may be wrong: touch-down bends it
+_SCALE_RATE = 0.05  # of the logarithm of the noise per sample
+_WITHIN = 0.683  # share of Gaussian noise within one standard deviation
+
+
+class OutlierGate:
+    """
+    Replaces forces that are far from the line of the last samples by the line.
+
+    The line of force against depth is fitted to the last ten samples or so by recursive least
+    squares, so that it holds for any smooth law and wherever the surface is. The noise is a
+    quantile of its errors, on which outliers have no leverage. The way out: after a number of
+    outliers in a row on the same side, the line starts afresh from the last of them.
+
+    Parameters
+    ----------
+    threshold : float
+        Standard deviations beyond which a force is an outlier; 0: none is.
+    samples : int
+        Number of consecutive outliers on the same side that are a change.
+
+    Attributes
+    ----------
+    count : int
+        Number of forces replaced.
+
+    """
+
+    def __init__(self, threshold: float, samples: int) -> None:
+        self.count = 0
+        self._scale = 0.0
+        self.configure(threshold, samples)
+        self.leave()
+
+    def configure(self, threshold: float, samples: int) -> None:
+        """Set other thresholds; see the constructor."""
+        self._threshold, self._samples = threshold, samples
+
+    def leave(self) -> None:
+        """Forget the line, as out of contact; the noise stays."""
+        self._line: tuple[float, float, float] | None = None  # depth, force there, slope
+        self._P = 0.0, 0.0, 0.0  # of force and slope, times the noise variance
+        self._run = 0  # outliers in a row, negative below the line
+        self._support = 0  # samples that agree with the line
+
+    def replace(
+        self, deltas: Sequence[float], forces: Sequence[float], noise_std: float
+    ) -> list[float]:
+        """
+        Replace the outliers among the forces of consecutive samples in contact.
+
+        Parameters
+        ----------
+        deltas : sequence of float
+            Penetration [m].
+        forces : sequence of float
+            Pressing forces [N].
+        noise_std : float
+            Standard deviation of the force noise, > 0 [N].
+
+        Returns
+        -------
+        replaced : list of float
+            The line instead of outliers [N].
+
+        """
+        if self._threshold == 0.0:
+            return list(forces)
+        return [self._replaced(d, y, noise_std) for d, y in zip(deltas, forces)]
+
+    def _replaced(self, d: float, y: float, noise_std: float) -> float:
+        if self._line is None:
+            self._start(d, y, noise_std)
+            return y
+        depth, level, slope = self._line
+        x = d - depth
+        cc, ck, kk = self._P
+        cc, ck = cc + x * (2.0 * ck + x * kk), ck + x * kk  # at this depth
+        predicted = level + slope * x
+        error, scale = y - predicted, max(self._scale, noise_std)
+        width = scale * sqrt(1.0 + cc)
+        self._scale = scale * exp(
+            _SCALE_RATE * (_WITHIN if abs(error) > width else _WITHIN - 1.0))
+        bound = self._threshold * width + _BEND * max(abs(predicted), abs(level))
+        if abs(error) > bound:
+            if self._support < _SUPPORT or self._believes(error):
+                self._start(d, y, noise_std)
+                return y
+            self.count += 1
+            return predicted
+        self._run = 0
+        self._support += 1
+        # Least squares with forgetting; without motion the slope would wind up.
+        s = _MEMORY + cc
+        self._line = d, predicted + cc / s * error, slope + ck / s * error
+        cc, ck, kk = cc / s, ck / s, (kk - ck * ck / s) / _MEMORY
+        widest = (_STIFFEST / scale) ** 2
+        if kk > widest:
+            ck, kk = ck * sqrt(widest / kk), widest
+        self._P = cc, ck, kk
+        return y
+
+    def _believes(self, error: float) -> bool:
+        """Count an outlier; return whether so many on one side are a change."""
+        side = 1 if error > 0.0 else -1
+        self._run = self._run + side if self._run * side > 0 else side
+        return abs(self._run) >= self._samples
+
+    def _start(self, d: float, y: float, noise_std: float) -> None:
+        self._line = d, y, 0.0
+        self._P = 1.0, 0.0, (_STIFFEST / max(self._scale, noise_std)) ** 2
+        self._run = self._support = 0

@@ -1,0 +1,64 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Warnings of gains that starve on stiff walls."""
+
+from __future__ import annotations
+
+from contact_estimation.estimation.parameters import EstimationParameters
+from contact_estimation.estimators.gradient_speed import starvation, stiffest_wall
+from contact_estimation.parameters.values import build
+from core_runs import contact_samples, estimates_of, pipeline_with
+import numpy as np
+import pytest
+
+
+def test_the_stiffest_wall_is_adapted_to_within_two_seconds_under_50_n() -> None:
+    gain, T = 5e4, 1e-4
+    K, d, estimate = stiffest_wall(gain), 50.0 / stiffest_wall(gain), 0.0
+    for _ in range(round(2.0 / T)):
+        estimate -= T * gain * d * (estimate * d - K * d)  # eq. (25)
+    assert estimate / K == pytest.approx(1.0 - np.exp(-1.0), rel=1e-3)
+
+
+@pytest.mark.parametrize(('estimator', 'K_e', 'warned'), [
+    ('indirect_adaptive', 4800.0, False), ('indirect_adaptive', 1e5, True), ('mrac', 1e5, True),
+    ('rls_adaptive', 1e5, False),
+])
+def test_a_contact_too_stiff_for_the_gains_is_told(
+    estimator: str, K_e: float, warned: bool
+) -> None:
+    pipeline = pipeline_with(estimator=estimator)
+    assert pipeline.hindrance == ''
+    estimates_of(contact_samples(0.5, K_e=K_e, depth=50.0 / K_e, amplitude=5.0 / K_e), pipeline)
+    assert ('too stiff for stiffness_gain' in pipeline.hindrance) == warned
+
+
+def test_normalised_gains_never_starve() -> None:
+    tuning = {'tuning__indirect_adaptive__normalised': True}
+    pipeline = pipeline_with(estimator='indirect_adaptive', **tuning)
+    estimates_of(contact_samples(0.5, K_e=1e5, depth=5e-4, amplitude=5e-5), pipeline)
+    assert pipeline.estimator.limitation == pipeline.hindrance == ''
+
+
+def test_the_paper_s_gains_state_their_limit_and_the_default_has_none() -> None:
+    limited = pipeline_with(estimator='indirect_adaptive').estimator.limitation
+    assert '1.58e+04 N/m' in limited and 'normalised' in limited
+    assert pipeline_with().estimator.limitation == ''
+    assert build(EstimationParameters, {}).estimator == 'rls_adaptive'
+
+
+def test_gains_of_zero_never_adapt() -> None:
+    products = np.diag([1.0, 1.0, 1.0, 100.0, 0.0])
+    assert 'time constant of inf s' in starvation(0.0, products)

@@ -1,0 +1,122 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Outliers of the force: replaced before the filter, and believed where they last."""
+
+from __future__ import annotations
+
+from contact_estimation.estimators import ESTIMATORS
+from contact_estimation.signals.contact_sample import ContactSample
+from contact_estimation.signals.outlier_gate import OutlierGate
+from core_runs import contact_samples, estimates_of, pipeline_with
+import numpy as np
+from numpy.typing import NDArray
+import pytest
+
+EACH = pytest.mark.parametrize('estimator', ESTIMATORS)
+NOISE, K = 0.3, 5000.0
+DEPTHS = 0.01 + 0.002 * np.sin(0.04 * np.arange(500))
+
+
+def forces(seed: int = 0) -> NDArray[np.float64]:
+    """Press on a spring."""
+    noise: NDArray[np.float64] = NOISE * np.random.default_rng(seed).standard_normal(500)
+    return K * DEPTHS + noise
+
+
+def replaced(given: NDArray[np.float64], gate: OutlierGate) -> NDArray[np.float64]:
+    """Pass forces through a gate."""
+    return np.array(gate.replace(DEPTHS.tolist(), given.tolist(), NOISE))
+
+
+def hit(samples: list[ContactSample], at: list[int], force: float) -> list[ContactSample]:
+    """Add a pressing force to single samples."""
+    return [
+        s._replace(force=s.force - force) if k in at else s for k, s in enumerate(samples)
+    ]
+
+
+def test_forces_without_outliers_pass_unchanged() -> None:
+    gate, given = OutlierGate(6.0, 5), forces()
+    np.testing.assert_array_equal(replaced(given, gate), given)
+    assert gate.count == 0
+
+
+@pytest.mark.parametrize('spike', [500.0, 100.0, -40.0])
+def test_spike_becomes_the_force_of_the_line(spike: float) -> None:
+    gate, given = OutlierGate(6.0, 5), forces()
+    given[200] += spike
+    got = replaced(given, gate)
+    assert gate.count == 1
+    assert got[200] == pytest.approx(K * DEPTHS[200], abs=4.0 * NOISE)
+    np.testing.assert_array_equal(np.delete(got, 200), np.delete(given, 200))
+
+
+def test_change_is_believed_after_so_many_samples() -> None:
+    gate, given = OutlierGate(6.0, 5), forces()
+    given[200:] += 60.0
+    got = replaced(given, gate)
+    assert gate.count == 4
+    np.testing.assert_array_equal(got[204:], given[204:])
+
+
+def test_spikes_on_alternating_sides_are_never_believed() -> None:
+    gate, given = OutlierGate(6.0, 3), forces()
+    given[200:210] += 80.0 * (-1.0) ** np.arange(10)
+    replaced(given, gate)
+    assert gate.count == 10
+
+
+def test_spike_at_touch_down_spoils_no_sample_after_it() -> None:
+    gate, given = OutlierGate(6.0, 5), forces()
+    given[0] += 300.0
+    np.testing.assert_array_equal(replaced(given, gate), given)
+
+
+def test_threshold_0_replaces_nothing() -> None:
+    gate, given = OutlierGate(0.0, 5), forces()
+    given[200] += 500.0
+    np.testing.assert_array_equal(replaced(given, gate), given)
+
+
+def test_gate_does_not_depend_on_how_samples_are_cut_into_runs() -> None:
+    given = forces()
+    given[[100, 200, 201]] += 100.0
+    gate, got = OutlierGate(6.0, 5), []
+    for k in range(0, 500, 7):
+        got += gate.replace(DEPTHS[k:k + 7].tolist(), given[k:k + 7].tolist(), NOISE)
+    assert got == replaced(given, OutlierGate(6.0, 5)).tolist()
+
+
+@EACH
+def test_one_sample_of_500_newtons_moves_the_stiffness_by_less_than_1_percent(
+    estimator: str
+) -> None:
+    samples = contact_samples(2.0, force_noise=NOISE)
+    clean, spoilt = (
+        [e.stiffness for e in estimates_of(list(s), pipeline_with(estimator=estimator))]
+        for s in (samples, hit(samples, [900], 500.0))
+    )
+    np.testing.assert_allclose(spoilt[900:], clean[900:], rtol=0.01)
+
+
+@EACH
+def test_spikes_in_1_percent_of_the_samples_move_the_stiffness_by_less_than_2_percent(
+    estimator: str
+) -> None:
+    samples = contact_samples(2.0, force_noise=NOISE)
+    at = np.flatnonzero(np.random.default_rng(1).uniform(size=len(samples)) < 0.01)
+    spoilt = hit(samples, [k for k in at.tolist() if k > 260], 100.0)
+    last = estimates_of(spoilt, pipeline_with(estimator=estimator))[-1]
+    assert last.stiffness == pytest.approx(4800.0, rel=0.02)

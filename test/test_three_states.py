@@ -1,0 +1,66 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Corrections of three states in scalars against the same in matrices."""
+
+from __future__ import annotations
+
+from itertools import product
+
+from contact_estimation.estimators.three_states import constrain, correct, Covariance, diagonal
+import numpy as np
+from numpy.typing import NDArray
+import pytest
+
+UPPER = np.triu_indices(3)
+X, H, R = (1.0, -2.0, 0.5), (0.3, 1.1, -0.7), 0.4
+
+
+def random_covariance(seed: int) -> tuple[NDArray[np.float64], Covariance]:
+    """Draw a positive definite matrix."""
+    root = np.random.default_rng(seed).standard_normal((3, 3))
+    P = root @ root.T
+    return P, Covariance(*P[UPPER].tolist())
+
+
+@pytest.mark.parametrize('free', list(product([True, False], repeat=3)))
+def test_correction_equals_the_schmidt_kalman_filter(free: tuple[bool, bool, bool]) -> None:
+    P, triangle = random_covariance(1)
+    mask, h = np.array(free), np.array(H)
+    gain = P @ h / (h @ P @ h + R) * mask
+    # Joseph's form holds for any gain, so also for one that is 0 at consider states.
+    left = np.eye(3) - np.outer(gain, h)
+    expected = left @ P @ left.T + R * np.outer(gain, gain)
+    x, got, spread = correct(X, triangle, H, 0.9, R, free)
+    np.testing.assert_allclose(x, np.array(X) + gain * 0.9, rtol=1e-12)
+    np.testing.assert_allclose(got, expected[UPPER], rtol=1e-12, atol=1e-12)
+    assert spread == pytest.approx(h @ P @ h + R)
+
+
+def test_constraint_gives_the_most_probable_state_on_the_limit() -> None:
+    P, triangle = random_covariance(2)
+    n = np.array([1.0, 0.5, -0.2])
+    x = np.array(constrain(X, triangle, tuple(n), 1.0, 2.0))
+    assert n @ x == pytest.approx(1.0)
+    # Lagrange: P^-1 (x - x_0) is parallel to the normal.
+    gradient = np.linalg.solve(P, x - np.array(X))
+    np.testing.assert_allclose(np.cross(gradient, n), 0.0, atol=1e-12)
+
+
+def test_constraint_leaves_a_state_within_the_limits() -> None:
+    assert constrain(X, diagonal(1.0, 1.0, 1.0), (1.0, 0.0, 0.0), 0.0, 2.0) == X
+
+
+def test_constraint_leaves_a_state_that_is_known() -> None:
+    assert constrain(X, diagonal(0.0, 1.0, 1.0), (1.0, 0.0, 0.0), 2.0, 3.0) == X
