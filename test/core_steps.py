@@ -59,9 +59,10 @@ def judged(
 ) -> Frozen:
     """Let the excitation monitor judge after one row, filled up with zeros."""
     scales = variance, stiffness, damping, location_std
-    monitor.add([(*row, *[0.0] * (COLUMNS - len(row)))])
-    if monitor.until_judgement == 0:
+    monitor.sums.add([(*row, *[0.0] * (COLUMNS - len(row)))])
+    if monitor.sums.wanted == 0:
         monitor.judge(*scales)
+        monitor.sums.close_chunk()
     return monitor.frozen  # type: ignore[no-any-return]
 
 

@@ -24,7 +24,7 @@ from typing import Iterable, Sequence
 from .model_fit import ModelFitMonitor
 from .parameters import EstimationParameters
 from .supervised_estimator import SupervisedEstimator
-from .wall_tracking import REACH
+from .surface_search import REACH
 from ..estimators.estimator import Estimate, OnlineEstimator
 from ..estimators.excitation_monitor import ExcitationMonitor
 from ..physics import effects_that_are_on

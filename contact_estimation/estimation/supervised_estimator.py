@@ -17,7 +17,6 @@
 from __future__ import annotations
 
 from collections import deque
-from itertools import repeat
 from math import isfinite
 from typing import Sequence
 
@@ -33,7 +32,8 @@ from ..estimators.estimator import (
     ParameterEstimate,
     TimedRow,
 )
-from ..estimators.excitation_monitor import ExcitationMonitor, RECENT
+from ..estimators.excitation_monitor import ExcitationMonitor
+from ..estimators.row_sums import RECENT
 from ..estimators.systematic_errors import SystematicErrors
 from ..signals.conditioning import Conditioned, stretches
 from ..signals.relations import NoiseGain, Row
@@ -58,8 +58,10 @@ class SupervisedEstimator:
     """
     An estimator, the monitor of its excitation and the noise of its equation.
 
-    The monitor decides at fixed counts of rows which parameters are updated. Rows are collected
-    in between, so that the estimates do not depend on how the samples are cut into runs.
+    The monitor decides at fixed counts of rows which parameters are updated: every ten rows at
+    first and while the last ones contradict the estimate, later once a block of the window. Rows
+    are collected in between, so that the estimates do not depend on how the samples are cut into
+    runs.
 
     Parameters
     ----------
@@ -78,30 +80,31 @@ class SupervisedEstimator:
     def __init__(self, parameters: EstimationParameters) -> None:
         self._p = parameters
         self.estimator = self._new_estimator()
-        self._noise = EquationNoise(parameters.contact.force_noise**2)
-        self._errors = SystematicErrors(parameters.synchronisation.timing_std)
-        self._new_tracker()
-        self._new_monitor()
-        self._predict()
+        self.monitor = ExcitationMonitor(parameters.excitation, 1.0 / parameters.sample_rate)
+        self._start()
 
     def _new_estimator(self) -> OnlineEstimator:
         p = self._p
         tuning = getattr(p.tuning, p.estimator)
         return ESTIMATORS[p.estimator](tuning, p.environment, 1.0 / p.sample_rate)
 
-    def _new_tracker(self) -> None:
+    def _start(self) -> None:
+        p = self._p
+        self._noise = EquationNoise(p.contact.force_noise**2)
+        self._errors = SystematicErrors(p.synchronisation.timing_std)
+        self._start_contacts()
+        self._start_collecting()
+        self._predict()
+
+    def _start_contacts(self) -> None:
         p = self._p
         self._tracker = WallTracker(
             p.tracking, p.environment.location_std, p.contact.position_noise,
             p.synchronisation.timing_std)
         self._free_s = 0.0
-        self._judged = False  # in this contact
-        self._past: deque[TimedRow] = deque(maxlen=_LEARNT_AGAIN)  # rows of this wall
-
-    def _new_monitor(self) -> None:
-        self.monitor = ExcitationMonitor(self._p.excitation, 1.0 / self._p.sample_rate)
+        self._judged_rows = 0  # in this contact
         self._judged_blocks = 0
-        self._start_collecting()
+        self._past: deque[TimedRow] = deque(maxlen=_LEARNT_AGAIN)  # rows of this wall
 
     def configure(self, parameters: EstimationParameters) -> None:
         """
@@ -123,12 +126,13 @@ class SupervisedEstimator:
             self.estimator.environment = parameters.environment
             self.estimator.configure(getattr(parameters.tuning, parameters.estimator))
         if parameters.environment.location != old.environment.location:
-            self._new_tracker()
+            self._start_contacts()
         self._tracker.configure(
             parameters.tracking, parameters.environment.location_std,
             parameters.contact.position_noise, parameters.synchronisation.timing_std)
         if rate_changed:
-            self._new_monitor()
+            self.monitor = ExcitationMonitor(parameters.excitation, 1.0 / parameters.sample_rate)
+            self._judged_blocks = 0
         elif parameters.excitation != old.excitation:
             self.monitor.configure(parameters.excitation)
         self._start_collecting()
@@ -137,7 +141,6 @@ class SupervisedEstimator:
         stiffness, damping = self.estimator.stiffness, self.estimator.damping
         self.estimator = self._new_estimator()
         self.estimator.start_from(*self.estimator.within_limits(stiffness, damping))
-        self._noise.forget_updates()
         self._errors = SystematicErrors(self._p.synchronisation.timing_std)
         self._predict()
 
@@ -145,26 +148,24 @@ class SupervisedEstimator:
         """Reset the estimate to its initial values, and excitation and noise with it."""
         self.estimator.reset()
         self.monitor.reset()
-        self._start_collecting()
-        self._noise = EquationNoise(self._p.contact.force_noise**2)
-        self._errors = SystematicErrors(self._p.synchronisation.timing_std)
-        self._new_tracker()
-        self._predict()
+        self._start()
 
     @property
     def hindrance(self) -> str:
         """What hinders the estimator on the present contact; '' for nothing."""
-        return self.estimator.hindrance(self.monitor.window().products)
+        return self.estimator.hindrance(self.monitor.sums.window().products)
 
     @property
     def shift(self) -> float:
         """Estimated location less the configured one [m], the same for every estimator."""
-        return self._tracker.shift
+        return self._tracker.surface.shift
 
     @property
     def location_unchecked(self) -> bool:
         """Whether the present contact has not shown where its surface is."""
         return self._tracker.location_unchecked
+
+    # -- samples ----------------------------------------------------------------------------
 
     def process(self, conditioned: Conditioned) -> list[State]:
         """
@@ -210,23 +211,20 @@ class SupervisedEstimator:
         timed: list[TimedRow] = [
             (dt if dt < longest else longest, row) for dt, row in zip(dts, rows) if row
         ]
-        if self._free_s >= _NEW_CONTACT_S and self._judged:
-            self._touch_down()
-        self._free_s = 0.0
+        if self._free_s:
+            if self._free_s >= _NEW_CONTACT_S and self._judged_rows:
+                self._touch_down()
+            self._free_s = 0.0
+        if len(timed) < self._wanted:  # the usual case
+            return self._update_part(timed, gains, force_variance)
         states: list[State] = []
         begin = 0
         while begin < len(timed):
-            part = timed[begin:begin + self._until_judgement]
-            self._past += part
-            if self._tracker.shift:
-                part = _shifted(part, self._tracker.shift)
-            self._rows += part
-            self._gains += gains[begin:begin + len(part)]
-            states += self._update_part(part, max(force_variance, self._noise.variance))
-            self._until_judgement -= len(part)
-            if self._until_judgement == 0:
-                self._judge(force_variance)
-            begin += len(part)
+            part = slice(begin, begin + self._wanted)
+            states += self._update_part(timed[part], gains[part], force_variance)
+            begin = part.stop
+            if self._wanted == 0:
+                self._complete_chunk(force_variance)
         return states
 
     def _touch_down(self) -> None:
@@ -235,63 +233,93 @@ class SupervisedEstimator:
             self._tracker.touch_down(self.estimator)
             self.monitor.reset()
             self._start_collecting()
-            self._judged = False
+            self._judged_rows = self._judged_blocks = 0
             self._past.clear()
             self._predict()
 
-    def _update_part(self, part: list[TimedRow], variance: float) -> list[State]:
-        """Update with rows between two judgements, where the predicted force is above noise."""
+    def _update_part(
+        self, part: list[TimedRow], gains: Sequence[NoiseGain], force_variance: float
+    ) -> list[State]:
+        """Update with rows of one chunk, where the predicted force is above noise."""
+        self._wanted -= len(part)
+        self._past += part
+        if self._tracker.surface.shift:
+            part = _shifted(part, self._tracker.surface.shift)
+        self._rows += part
+        self._gains += gains
         frozen = self.monitor.frozen
-        reason = _FROZEN_REASONS[frozen]
         if frozen.stiffness and frozen.damping:
-            return [(self._current(), EstimateStatus.FROZEN, reason)] * len(part)
+            return [(self._current(), EstimateStatus.FROZEN, _FROZEN_REASONS[frozen])] * len(part)
+        variance = max(force_variance, self._noise.variance)
         K, B, floor = self._prediction
         predicted = [K * row[1] + B * row[2] > floor for _, row in part]
+        if all(predicted):
+            return self._checked(self._learn(part, variance, frozen))
         states: list[State] = []
         for begin, end in stretches(predicted):
-            if not predicted[begin]:
+            if predicted[begin]:
+                states += self._learn(part[begin:end], variance, frozen)
+            else:
                 waits: State = self._current(), EstimateStatus.FROZEN, _NOT_PREDICTED
                 states += [waits] * (end - begin)
-                continue
-            self._noise.note_update(frozen)
-            self._errors.note_update(frozen)
-            estimates = self.estimator.update(part[begin:end], variance, frozen)
-            widened = map(self._widen, estimates)
-            states += zip(widened, repeat(EstimateStatus.ESTIMATING), repeat(reason))
         return self._checked(states)
 
-    def _current(self) -> ParameterEstimate:
-        return self._widen(self.estimator.current())
+    def _learn(self, part: list[TimedRow], variance: float, frozen: Frozen) -> list[State]:
+        self._errors.note_update(frozen)
+        widened = self._widen(self.estimator.update(part, variance, frozen))
+        reason = _FROZEN_REASONS[frozen]
+        return [(estimate, EstimateStatus.ESTIMATING, reason) for estimate in widened]
 
-    def _widen(self, estimate: ParameterEstimate) -> ParameterEstimate:
+    def _current(self) -> ParameterEstimate:
+        return self._widen([self.estimator.current()])[0]
+
+    def _widen(self, estimates: list[ParameterEstimate]) -> list[ParameterEstimate]:
         """Add systematic errors to the deviations: once, for every estimator."""
-        widened = self._errors.widen(self._noise.widen(estimate))
-        robot = self._p.robot
+        widened, robot = self._errors.widen(estimates), self._p.robot
         if robot.compliance or robot.compliance_std:
-            return of_the_wall(widened, robot)
+            return [of_the_wall(estimate, robot) for estimate in widened]
         return widened
 
     def _checked(self, states: list[State]) -> list[State]:
         """Reset the estimator where its estimate is not finite."""
         now = states[-1][0]
-        if isfinite(now.stiffness) and isfinite(now.damping):
+        if isfinite(now[0]) and isfinite(now[1]):
             return states
         self.estimator.reset()
         return [(self._current(), EstimateStatus.FROZEN, _NOT_FINITE)] * len(states)
 
-    def _judge(self, force_variance: float) -> None:
-        """Let the monitor judge which parameters the collected rows excite."""
-        estimator, environment = self.estimator, self._p.environment
-        elapsed_s = len(self._rows) / self._p.sample_rate
+    # -- judgements -------------------------------------------------------------------------
+
+    def _complete_chunk(self, force_variance: float) -> None:
+        """Judge the estimate, unless nothing has changed within a block of the window."""
         self._pass_to_monitor()
+        sums = self.monitor.sums
+        self._judged_rows += len(self._rows)
+        if sums.fills_block or not self._tracker.may_wait(sums, self.estimator):
+            self._judge_excitation(force_variance)
+            sums.close_chunk()
+            completed = sums.completed
+            if completed < _EARLY_BLOCKS or completed >= self._judged_blocks + _JUDGED_TOGETHER:
+                self._judged_blocks = completed
+                self._judge_errors(force_variance)
+            self._predict()
+        else:
+            sums.close_chunk()
+        self._start_collecting()
+
+    def _judge_excitation(self, force_variance: float) -> None:
+        """Let the monitor judge which parameters the collected rows excite."""
+        estimator, environment, monitor = self.estimator, self._p.environment, self.monitor
         self._judge_noise(force_variance)
         change = self._tracker.follow(
-            self.monitor, estimator, self._noise.variance, force_variance, elapsed_s
+            monitor.sums, estimator, self._noise.variance, force_variance,
+            self._judged_rows / self._p.sample_rate,
         )
         if change is Change.WALL or change is Change.LOCATION:
             self._judge_noise(force_variance)
-        self._judged = True
-        self.monitor.judge(
+        self._errors.judge_position(
+            monitor.sums.window(), self._p.contact.position_noise, estimator)
+        monitor.judge(
             self._noise.variance,
             max(estimator.stiffness, 0.1 * environment.initial_stiffness),
             max(estimator.damping, environment.initial_damping, 1e-3),
@@ -299,19 +327,13 @@ class SupervisedEstimator:
         )
         if change is not Change.NONE:
             self._learn_again(change, max(force_variance, self._noise.variance))
-        completed = self.monitor.completed
-        if completed < _EARLY_BLOCKS or completed >= self._judged_blocks + _JUDGED_TOGETHER:
-            self._judge_errors(force_variance)
-        self._start_collecting()
-        self._predict()
 
     def _judge_errors(self, force_variance: float) -> None:
-        self._judged_blocks = self.monitor.completed
         K, position_noise = self.estimator.stiffness, self._p.contact.position_noise
         self._errors.judge(
-            self.monitor.blocks, self._noise.variance,
+            self.monitor.sums.blocks, self._noise.variance,
             force_variance + (K * position_noise) * (K * position_noise), position_noise,
-            self._tracker.shift_std, self.estimator,
+            self._tracker.surface.shift_std, self.estimator,
         )
 
     def _learn_again(self, change: Change, variance: float) -> None:
@@ -321,25 +343,25 @@ class SupervisedEstimator:
                 self._past.popleft()
         frozen = self.monitor.frozen
         if not (frozen.stiffness and frozen.damping):
-            self._noise.note_update(frozen)
             self._errors.note_update(frozen)
             self.estimator.update(
-                _shifted(list(self._past), self._tracker.shift), variance, frozen)
+                _shifted(list(self._past), self._tracker.surface.shift), variance, frozen)
 
     def _judge_noise(self, force_variance: float) -> None:
         self._noise.judge(
-            self.monitor.window(), force_variance, self._p.contact.position_noise, self.estimator
-        )
+            self.monitor.sums.window(), force_variance, self._p.contact.position_noise,
+            self.estimator)
 
     def _pass_to_monitor(self) -> None:
         """Pass the collected rows to the monitor, linearised about the last judged estimate."""
         linear = self._linear
-        self.monitor.add([linear(row) if linear else row for _, row in self._rows], self._gains)
+        self.monitor.sums.add(
+            [linear(row) if linear else row for _, row in self._rows], self._gains)
 
     def _start_collecting(self) -> None:
         self._rows: list[TimedRow] = []  # with the surface where it is
         self._gains: list[NoiseGain] = []
-        self._until_judgement = self.monitor.until_judgement
+        self._wanted = self.monitor.sums.wanted
 
     def _predict(self) -> None:
         """Store prediction and linearisation for the rows until the next judgement."""

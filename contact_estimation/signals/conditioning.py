@@ -215,6 +215,9 @@ class Conditioner:
         surface = -self.location_margin
         inside = [delta > surface for delta in deltas]
         contact, variances = self.detector.decide(dts, pressings, inside)
+        if not known and all(contact):  # the usual case
+            new = self._touching(dts, samples, deltas, pressings, variances[0])
+            return Conditioned(dts, velocities, contact, variances, *new)
         has_row = contact
         if known:
             has_row = [touching and now.usable for touching, now in zip(contact, known)]
@@ -228,16 +231,23 @@ class Conditioner:
                 new = self._rows.compensated(
                     dts[stretch], self._without_outliers(known[stretch], variances[begin]))
             else:
-                forces = self.gate.replace(
-                    deltas[stretch], pressings[stretch], _noise_of(variances[begin]))
-                new = self._rows.in_contact(
-                    dts[stretch], samples[stretch], deltas[stretch], forces
-                )
+                new = self._touching(
+                    dts[stretch], samples[stretch], deltas[stretch], pressings[stretch],
+                    variances[begin])
             rows += new[0]
             gains += new[1]
             if has_row[begin]:
                 self._free.clear()
         return Conditioned(dts, velocities, contact, variances, rows, gains, shifts)
+
+    def _touching(
+        self, dts: Sequence[float], samples: Sequence[ContactSample], deltas: Sequence[float],
+        pressings: Sequence[float], noise_variance: float,
+    ) -> tuple[list[Row | None], list[NoiseGain]]:
+        """Return rows and gains of a stretch of contact without compensated physics."""
+        self._free.clear()
+        forces = self.gate.replace(deltas, pressings, _noise_of(noise_variance))
+        return self._rows.in_contact(dts, samples, deltas, forces)
 
     def _without_outliers(
         self, samples: Sequence[CompensatedSample], noise_variance: float
@@ -290,7 +300,7 @@ class Conditioner:
 
     def _leave(
         self, pressings: list[float], inside: list[bool]
-    ) -> tuple[Sequence[Row | None], list[NoiseGain]]:
+    ) -> tuple[list[Row | None], list[NoiseGain]]:
         """Keep the forces of free flight, for a tare; they have no rows."""
         self._free.extend([p for p, may in zip(pressings, inside) if not may])
         self._rows.leave(len(inside))

@@ -25,6 +25,7 @@ _BEND = 0.2  # of the force, by which damping may bend the line at a reversal
 _SUPPORT = 10  # samples in agreement, below which the line may be wrong: touch-down bends it
 _SCALE_RATE = 0.05  # of the logarithm of the noise per sample
 _WITHIN = 0.683  # share of Gaussian noise within one standard deviation
+_LARGER, _SMALLER = exp(_SCALE_RATE * _WITHIN), exp(_SCALE_RATE * (_WITHIN - 1.0))
 
 
 class OutlierGate:
@@ -101,12 +102,11 @@ class OutlierGate:
         cc, ck, kk = self._P
         cc, ck = cc + x * (2.0 * ck + x * kk), ck + x * kk  # at this depth
         predicted = level + slope * x
-        error, scale = y - predicted, max(self._scale, noise_std)
+        error = y - predicted
+        size, scale = abs(error), max(self._scale, noise_std)
         width = scale * sqrt(1.0 + cc)
-        self._scale = scale * exp(
-            _SCALE_RATE * (_WITHIN if abs(error) > width else _WITHIN - 1.0))
-        bound = self._threshold * width + _BEND * max(abs(predicted), abs(level))
-        if abs(error) > bound:
+        self._scale = scale * (_LARGER if size > width else _SMALLER)
+        if size > self._threshold * width + _BEND * max(abs(predicted), abs(level)):
             if self._support < _SUPPORT or self._believes(error):
                 self._start(d, y, noise_std)
                 return y

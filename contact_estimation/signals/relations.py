@@ -228,7 +228,7 @@ class GatedRows:
     def in_contact(
         self, dts: Sequence[float], samples: Sequence[ContactSample], deltas: Sequence[float],
         pressings: Sequence[float],
-    ) -> tuple[Sequence[Row | None], list[NoiseGain]]:
+    ) -> tuple[list[Row | None], list[NoiseGain]]:
         """
         Return the filtered rows of a stretch of contact.
 
@@ -241,7 +241,7 @@ class GatedRows:
 
         Returns
         -------
-        rows, gains : sequence of row or None, list of NoiseGain
+        rows, gains : list of row or None, list of NoiseGain
             One a sample, and how noise enters it.
 
         """
@@ -254,7 +254,7 @@ class GatedRows:
 
     def compensated(
         self, dts: Sequence[float], samples: Sequence[CompensatedSample]
-    ) -> tuple[Sequence[Row | None], list[NoiseGain]]:
+    ) -> tuple[list[Row | None], list[NoiseGain]]:
         """Return rows as `in_contact`, columns of K_e and x_e weighted over time as the force."""
         rows: list[Row | None] = []
         gains: list[NoiseGain] = []
@@ -269,12 +269,11 @@ class GatedRows:
             gains.append(gain_of[relation.weighting])
         return self._filtered(rows), gains
 
-    def _filtered(self, rows: list[Row | None]) -> Sequence[Row | None]:
+    def _filtered(self, rows: list[Row | None]) -> list[Row | None]:
         self._tail_left = self._tail
         filtered = self._filter.process([row or _ZEROS for row in rows])
-        if None in rows:  # the relation waits for consecutive samples
-            return [new if row else None for row, new in zip(rows, filtered)]
-        return filtered
+        # The relation may wait for consecutive samples.
+        return [new if row else None for row, new in zip(rows, filtered)]
 
     def leave(self, count: int) -> None:
         """Filter the zeros of samples out of contact, until the filter's response has decayed."""

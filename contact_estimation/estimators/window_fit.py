@@ -1,0 +1,173 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Least squares over the blocks of a window, with the scatter of its blocks."""
+
+from __future__ import annotations
+
+from math import nan, sqrt
+from typing import NamedTuple, Sequence
+
+import numpy as np
+
+from .estimator import OnlineEstimator
+from .row_sums import Window
+from ..signals.relations import TustinRelation
+
+_LEAST_BLOCKS = 2  # beyond the fitted parameters, for the scatter of the blocks
+_RIDGE = 1e-10  # relative; keeps the fit finite without motion
+_LOCATION, _MASS = 3, 4  # columns of a row
+_TREND = 5  # column of K_e times time, behind them
+_SMALLEST = 1e-24  # power of a column relative to that of phi_B, in SI units
+
+
+class WindowFit(NamedTuple):
+    """
+    Least squares over the window.
+
+    Attributes
+    ----------
+    values : tuple of float
+        K [N/m] and B [N s/m].
+    variances : tuple of float
+        Of both, for white noise of variance 1 before the filter.
+    scatter : tuple of float
+        Of both, from the scatter of the blocks: right for correlated residuals too. NaN where
+        there are too few blocks.
+    by_acceleration : float
+        Change of K for a force m a that is not fitted, per m.
+
+    """
+
+    values: tuple[float, float]
+    variances: tuple[float, float]
+    scatter: tuple[float, float]
+    by_acceleration: float
+
+
+class _Sums:
+    """
+    Products of the rows of each block, with a column phi_K t for a trend of K_e.
+
+    Parameters
+    ----------
+    blocks : sequence of Window
+        The blocks of the window, the last one the newest.
+
+    """
+
+    def __init__(self, blocks: Sequence[Window]) -> None:
+        count = len(blocks)
+        raw = np.array([block.products for block in blocks])  # (n, 5, 5)
+        time = np.arange(1.0 - count, 1.0) / count  # 0 at the end of the window
+        products = np.empty((count, _TREND + 1, _TREND + 1))
+        products[:, :_TREND, :_TREND] = raw
+        products[:, _TREND, :_TREND] = products[:, :_TREND, _TREND] = time[:, None] * raw[:, 1]
+        products[:, _TREND, _TREND] = time * time * raw[:, 1, 1]
+        total = products.sum(axis=0)
+        self.powers: list[float] = total.diagonal().tolist()
+        self.scale = np.array([1.0, *(1.0 / sqrt(p) if p > _SMALLEST else 0.0
+                                      for p in self.powers[1:])])
+        both = self.scale * self.scale[:, None]
+        self._blocks, self._total = products * both, total * both
+
+    def fit(
+        self, fitted: list[int], location_information: float, by_parts: bool
+    ) -> WindowFit:
+        """
+        Fit columns, with the covariance of correlated residuals.
+
+        With s_b = sum of phi r over block b, the covariance is A^-1 (sum s_b s_b^T) A^-1,
+        A = sum phi phi^T (cluster-robust; Liang and Zeger 1986): no assumption about the
+        residuals within a block.
+
+        Parameters
+        ----------
+        fitted : sequence of int
+            Columns, those of K and B first.
+        location_information : float
+            Of the prior, on the column of the location.
+        by_parts : bool
+            Whether the window holds no acceleration.
+
+        Returns
+        -------
+        fit : WindowFit
+            With K at the end of the window where its trend is fitted.
+
+        """
+        A = self._total[fitted][:, fitted]
+        A.flat[::len(fitted) + 1] += _RIDGE
+        if _LOCATION in fitted:
+            index = fitted.index(_LOCATION)
+            A[index, index] += location_information * self.scale[_LOCATION] ** 2
+        inverse = np.linalg.inv(A)
+        theta = inverse @ self._total[fitted, 0]  # in units of the scales
+        weights = np.zeros(_TREND + 1)
+        weights[0], weights[fitted] = 1.0, -theta
+        scores = (self._blocks @ weights)[:, fitted]  # (n, p)
+        freedom = len(scores) - len(fitted)
+        correction = len(scores) / freedom if freedom >= _LEAST_BLOCKS else nan
+        K_spread, B_spread = ((inverse[:2] @ scores.T) ** 2).sum(axis=1).tolist()
+        K_scale, B_scale = self.scale[1:3].tolist()
+        K_power, B_power = K_scale * K_scale, B_scale * B_scale
+        K_left, B_left = float(inverse[0, 0]) * K_power, float(inverse[1, 1]) * B_power
+        # sum of d a = -sum of v v, by parts, where no mass is fitted
+        lacking = -self.powers[2] * K_left if by_parts else 0.0
+        return WindowFit(
+            (float(theta[0]) * K_scale, float(theta[1]) * B_scale), (K_left, B_left),
+            (K_spread * K_power * correction, B_spread * B_power * correction), lacking,
+        )
+
+
+def fit_window(
+    blocks: Sequence[Window], noise_variance: float, estimator: OnlineEstimator
+) -> tuple[WindowFit, ...]:
+    """
+    Fit the window as the estimator does, with a trend of K_e, and with the location.
+
+    Parameters
+    ----------
+    blocks : sequence of Window
+        The blocks of the window.
+    noise_variance : float
+        Of the equation, which weighs the prior of the location [N^2].
+    estimator : OnlineEstimator
+        Whose parameters are fitted.
+
+    Returns
+    -------
+    fits : tuple of WindowFit
+        As the estimator; at the end of the window; with x_e free, unless the estimator does so.
+        The first alone where the blocks are too few, none where the window holds no motion.
+
+    """
+    sums = _Sums(blocks)
+    if sums.powers[1] <= _SMALLEST or sums.powers[2] <= _SMALLEST:
+        return ()
+    location_std = estimator.location_std
+    has_mass = sums.powers[_MASS] > _SMALLEST
+    fitted = [1, 2, *([_LOCATION] if location_std else []), *([_MASS] if has_mass else [])]
+    information = 0.0
+    if location_std:
+        scale = estimator.stiffness * location_std
+        information = noise_variance / (scale * scale)
+    by_parts = not issubclass(estimator.relation, TustinRelation)
+    mean = sums.fit(fitted, information, by_parts)
+    if len(blocks) < len(fitted) + 1 + _LEAST_BLOCKS:
+        return (mean,)
+    end = sums.fit([*fitted, _TREND], information, by_parts)
+    if location_std:
+        return mean, end
+    return mean, end, sums.fit([*fitted, _LOCATION], 0.0, by_parts)
