@@ -205,7 +205,8 @@ class ContactSession:
         self.last_stamp_ns = run[-1][0].stamp_ns
         columns = map(EstimationPipeline.process, self._pipelines, zip(*run), self._followed)
         estimates = list(zip(*columns))
-        self.matrix.process(run, estimates)
+        if self.matrix.runs:
+            self.matrix.process(run, estimates)
         return estimates
 
     def _apply_due(self, stamp_ns: int) -> None:
