@@ -92,6 +92,7 @@ class ModelFitMonitor:
         self._block = max(_LEAST_ROWS // 3, round(_JUDGED_EVERY_S / self._T))
         self._blocks = max(3, round(_WINDOW_S / self._T / self._block))
         self._hold = max(1, round(_LEAVING_S / self._T))
+        self._whole = self._block + self._hold
         self.reset()
 
     def reset(self) -> None:
@@ -103,8 +104,8 @@ class ModelFitMonitor:
     def restart(self) -> None:
         """Start a new window, as after a change of parameters; the last judgement stays."""
         self._past: deque[Array] = deque(maxlen=self._blocks)
-        self._pending: list[tuple[float, ...]] = []
-        self._held: deque[tuple[float, ...]] = deque()
+        self._pending: list[tuple[float, Row, ContactSample, NoiseGain]] = []
+        self._fresh = 0  # of the last pending rows: dropped where the contact ends with them
         self._contact_s = self._free_s = self._t = 0.0
         self._bad = 0
 
@@ -136,13 +137,11 @@ class ModelFitMonitor:
         if not (self._t or any(contact)):
             return [self.now.ratio] * len(samples)
         ratios = []
-        for sample, dt, touching, variance, row, gain in zip(
-            samples, dts, contact, variances, rows, gains
-        ):
+        for k, touching in enumerate(contact):
             if not touching:
-                self._leave(dt)
-            elif self._take(dt, row, sample, gain):
-                self._judge(sample[0], variance, estimator, position_noise)
+                self._leave(dts[k])
+            elif self._take(dts[k], rows[k], samples[k], gains[k]):
+                self._judge(samples[k][0], variances[k], estimator, position_noise)
             ratios.append(self.now.ratio)
         return ratios
 
@@ -151,7 +150,8 @@ class ModelFitMonitor:
         self._contact_s = 0.0
         if not self._t:
             return
-        self._held.clear()
+        del self._pending[max(len(self._pending) - self._fresh, 0):]
+        self._fresh = 0
         self._t += dt
         self._free_s += dt
         if self._free_s > _NEW_WALL_S:
@@ -164,19 +164,22 @@ class ModelFitMonitor:
         self._contact_s += dt
         if not row or self._contact_s <= _SETTLING_S:
             return False
-        _, position, velocity, force = sample
-        self._held.append((self._t, *row, force, position, velocity, *gain))
-        if len(self._held) <= self._hold:
-            return False
-        self._pending.append(self._held.popleft())
-        return len(self._pending) == self._block
+        pending = self._pending
+        pending.append((self._t, row, sample, gain))
+        if self._fresh < self._hold:
+            self._fresh += 1
+        return len(pending) >= self._whole and self._fresh == self._hold
 
     def _judge(
         self, stamp_ns: int, noise_variance: float, estimator: OnlineEstimator,
         position_noise: float,
     ) -> None:
-        self._past.append(np.array(self._pending))
-        self._pending = []
+        block, self._pending = self._pending[:self._block], self._pending[self._block:]
+        t, rows, samples, gains = zip(*block)
+        table = np.empty((len(block), 11))
+        table[:, 0], table[:, _ROW], table[:, _GAINS] = t, rows, gains
+        table[:, _RAW] = [(force, position, velocity) for _, position, velocity, force in samples]
+        self._past.append(table)
         if len(self._past) * self._block < _LEAST_ROWS:
             return
         window = self._window(estimator, position_noise)
@@ -195,7 +198,6 @@ class ModelFitMonitor:
     def _window(self, estimator: OnlineEstimator, position_noise: float) -> Window:
         """Return the window with the columns of the estimator."""
         table = np.concatenate(self._past)
-        rows = table[:, _ROW]
         rows = table[:, _ROW]
         return Window(
             table[:, 0], rows, estimator.columns_of(rows), table[:, _RAW], table[:, _GAINS],
