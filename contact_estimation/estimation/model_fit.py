@@ -38,7 +38,7 @@ _NEW_WALL_S = 0.5  # free for so long, the next contact may be with another wall
 _TOLD = 2.0  # ratio from which a judgement is bad
 _ALL_CLEAR = 1.5
 _CONSECUTIVE = 2  # bad judgements before a mismatch is reported
-_ROW, _RAW, _GAINS = slice(1, 6), slice(6, 9), slice(9, 11)
+_ROW, _RAW, _GAINS, _COLUMNS = slice(1, 6), slice(6, 9), slice(9, 11), 11
 
 
 class ModelFit(NamedTuple):
@@ -92,7 +92,7 @@ class ModelFitMonitor:
         self._block = max(_LEAST_ROWS // 3, round(_JUDGED_EVERY_S / self._T))
         self._blocks = max(3, round(_WINDOW_S / self._T / self._block))
         self._hold = max(1, round(_LEAVING_S / self._T))
-        self._whole = self._block + self._hold
+        self._whole = (self._block + self._hold) * _COLUMNS
         self.reset()
 
     def reset(self) -> None:
@@ -104,7 +104,7 @@ class ModelFitMonitor:
     def restart(self) -> None:
         """Start a new window, as after a change of parameters; the last judgement stays."""
         self._past: deque[Array] = deque(maxlen=self._blocks)
-        self._pending: list[tuple[float, Row, ContactSample, NoiseGain]] = []
+        self._pending: list[float] = []  # one row after the other
         self._fresh = 0  # of the last pending rows: dropped where the contact ends with them
         self._contact_s = self._free_s = self._t = 0.0
         self._bad = 0
@@ -150,8 +150,9 @@ class ModelFitMonitor:
         self._contact_s = 0.0
         if not self._t:
             return
-        del self._pending[max(len(self._pending) - self._fresh, 0):]
-        self._fresh = 0
+        if self._fresh:
+            del self._pending[-self._fresh * _COLUMNS:]
+            self._fresh = 0
         self._t += dt
         self._free_s += dt
         if self._free_s > _NEW_WALL_S:
@@ -164,21 +165,21 @@ class ModelFitMonitor:
         self._contact_s += dt
         if not row or self._contact_s <= _SETTLING_S:
             return False
+        _, position, velocity, force = sample
         pending = self._pending
-        pending.append((self._t, row, sample, gain))
+        pending += (self._t, *row, force, position, velocity, *gain)
         if self._fresh < self._hold:
             self._fresh += 1
-        return len(pending) >= self._whole and self._fresh == self._hold
+            return False
+        return len(pending) >= self._whole
 
     def _judge(
         self, stamp_ns: int, noise_variance: float, estimator: OnlineEstimator,
         position_noise: float,
     ) -> None:
-        block, self._pending = self._pending[:self._block], self._pending[self._block:]
-        t, rows, samples, gains = zip(*block)
-        table = np.empty((len(block), 11))
-        table[:, 0], table[:, _ROW], table[:, _GAINS] = t, rows, gains
-        table[:, _RAW] = [(force, position, velocity) for _, position, velocity, force in samples]
+        count = self._block * _COLUMNS
+        table = np.array(self._pending[:count]).reshape(-1, _COLUMNS)
+        del self._pending[:count]
         self._past.append(table)
         if len(self._past) * self._block < _LEAST_ROWS:
             return

@@ -21,7 +21,7 @@ from math import exp, nan, sqrt
 from typing import Sequence
 
 from .estimator import Frozen, OnlineEstimator, ParameterEstimate, TimedRow
-from .three_states import constrain, correct, Covariance, diagonal, State
+from .three_states import constrain, correct, diagonal, State
 from ..parameters.specification import parameter, ParameterGroup
 from ..signals.relations import Row, TustinRelation
 
@@ -130,7 +130,7 @@ class AdaptiveLeastSquares(OnlineEstimator):
         g_K = growth if free[0] and known_K else 1.0
         g_B = growth if free[1] and known_B else 1.0
         g_M = growth if free[2] and known_K and known_B else 1.0
-        self._P = Covariance(
+        self._P = (
             KK * g_K * g_K, KB * g_K * g_B, KM * g_K * g_M, BB * g_B * g_B, BM * g_B * g_M,
             MM * g_M * g_M,
         )
@@ -138,11 +138,11 @@ class AdaptiveLeastSquares(OnlineEstimator):
     def _keep_within_limits(self) -> None:
         """Project onto a limit along the covariance, so that the others move consistently."""
         K_low, K_high, B_high = self.environment.limits
-        K, B, _ = self._x
-        if not (K_low <= K <= K_high and 0.0 <= B <= B_high):
+        self.stiffness, self.damping, _ = self._x
+        if not (K_low <= self.stiffness <= K_high and 0.0 <= self.damping <= B_high):
             x = constrain(self._x, self._P, (0.0, 1.0, 0.0), 0.0, B_high)
             self._x = K, B, _ = constrain(x, self._P, (1.0, 0.0, 0.0), K_low, K_high)
-        self.stiffness, self.damping = self.within_limits(K, B)
+            self.stiffness, self.damping = self.within_limits(K, B)
 
     def current(self) -> ParameterEstimate:
         """Return the present estimate; see `OnlineEstimator.current`."""

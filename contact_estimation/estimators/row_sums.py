@@ -211,7 +211,7 @@ class RowSums:
         self._start_chunk()
         if self._count >= self._block:
             self._past.append(_sum(self._chunks))
-            self._before = _sum(self._past)
+            self._before = _sum([*self._past])
             self.completed += 1
             self._start_block()
         else:
@@ -219,5 +219,9 @@ class RowSums:
 
 
 def _sum(windows: Sequence[Window]) -> Window:
-    effective, rate_noise, products = zip(*windows)
-    return Window(sum(effective), sum(rate_noise), sum(products))
+    effective, rate_noise, products = windows[0]
+    for window in windows[1:]:
+        effective += window.effective_samples
+        rate_noise += window.rate_noise
+        products = products + window.products
+    return Window(effective, rate_noise, products)

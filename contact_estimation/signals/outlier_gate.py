@@ -106,7 +106,8 @@ class OutlierGate:
         size, scale = abs(error), max(self._scale, noise_std)
         width = scale * sqrt(1.0 + cc)
         self._scale = scale * (_LARGER if size > width else _SMALLER)
-        if size > self._threshold * width + _BEND * max(abs(predicted), abs(level)):
+        bound = self._threshold * width
+        if size > bound and size > bound + _BEND * max(abs(predicted), abs(level)):
             if self._support < _SUPPORT or self._believes(error):
                 self._start(d, y, noise_std)
                 return y
@@ -118,7 +119,8 @@ class OutlierGate:
         s = _MEMORY + cc
         self._line = d, predicted + cc / s * error, slope + ck / s * error
         cc, ck, kk = cc / s, ck / s, (kk - ck * ck / s) / _MEMORY
-        widest = (_STIFFEST / scale) ** 2
+        widest = _STIFFEST / scale
+        widest *= widest
         if kk > widest:
             ck, kk = ck * sqrt(widest / kk), widest
         self._P = cc, ck, kk

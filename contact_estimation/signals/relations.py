@@ -271,8 +271,10 @@ class GatedRows:
 
     def _filtered(self, rows: list[Row | None]) -> list[Row | None]:
         self._tail_left = self._tail
+        if None not in rows:
+            return [*self._filter.process(rows)]
+        # The relation waits for consecutive samples.
         filtered = self._filter.process([row or _ZEROS for row in rows])
-        # The relation may wait for consecutive samples.
         return [new if row else None for row, new in zip(rows, filtered)]
 
     def leave(self, count: int) -> None:
