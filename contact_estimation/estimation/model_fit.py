@@ -30,7 +30,7 @@ from ..signals.contact_sample import ContactSample
 from ..signals.relations import NoiseGain, Row
 
 _WINDOW_S = 2.0
-_JUDGED_EVERY_S = 0.2
+_JUDGED_EVERY_S = 0.4
 _LEAST_ROWS = 60  # of a judged window
 _SETTLING_S = 0.05  # after touch-down: the sensor's lag smears the step of the force
 _LEAVING_S = 0.02  # before release: with a lag the force outlasts the contact

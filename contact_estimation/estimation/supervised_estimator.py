@@ -38,11 +38,13 @@ from ..estimators.systematic_errors import SystematicErrors
 from ..signals.conditioning import Conditioned, stretches
 from ..signals.relations import NoiseGain, Row
 
+_BOTH = Frozen(True, True)
+_ESTIMATING = EstimateStatus.ESTIMATING  # an enumeration takes long to look up
 _FROZEN_REASONS = {
     Frozen(False, False): '',
     Frozen(False, True): 'damping frozen: weak excitation',
     Frozen(True, False): 'stiffness frozen: weak excitation',
-    Frozen(True, True): 'weak excitation',
+    _BOTH: 'weak excitation',
 }
 _WAITING = 'waiting for consecutive samples'
 _NOT_PREDICTED = 'predicted force within the noise'
@@ -78,10 +80,16 @@ class SupervisedEstimator:
     """
 
     def __init__(self, parameters: EstimationParameters) -> None:
-        self._p = parameters
+        self._set(parameters)
         self.estimator = self._new_estimator()
         self.monitor = ExcitationMonitor(parameters.excitation, 1.0 / parameters.sample_rate)
         self._start()
+
+    def _set(self, parameters: EstimationParameters) -> None:
+        self._p = parameters
+        self._longest = 2.0 / parameters.sample_rate  # never integrate over a gap
+        self._robot_is_stiff = not (
+            parameters.robot.compliance or parameters.robot.compliance_std)
 
     def _new_estimator(self) -> OnlineEstimator:
         p = self._p
@@ -116,7 +124,8 @@ class SupervisedEstimator:
             All parameters.
 
         """
-        old, self._p = self._p, parameters
+        old = self._p
+        self._set(parameters)
         self._errors.timing_std = parameters.synchronisation.timing_std
         rate_changed = parameters.sample_rate != old.sample_rate
         self._pass_to_monitor()
@@ -136,13 +145,13 @@ class SupervisedEstimator:
         elif parameters.excitation != old.excitation:
             self.monitor.configure(parameters.excitation)
         self._start_collecting()
+        self._predict()
 
     def _switch(self) -> None:
         stiffness, damping = self.estimator.stiffness, self.estimator.damping
         self.estimator = self._new_estimator()
         self.estimator.start_from(*self.estimator.within_limits(stiffness, damping))
         self._errors = SystematicErrors(self._p.synchronisation.timing_std)
-        self._predict()
 
     def reset(self) -> None:
         """Reset the estimate to its initial values, and excitation and noise with it."""
@@ -207,7 +216,7 @@ class SupervisedEstimator:
         self, dts: Sequence[float], rows: Sequence[Row | None], gains: Sequence[NoiseGain],
         force_variance: float,
     ) -> list[State]:
-        longest = 2.0 / self._p.sample_rate  # never integrate over a gap
+        longest = self._longest
         timed: list[TimedRow] = [
             (dt if dt < longest else longest, row) for dt, row in zip(dts, rows) if row
         ]
@@ -247,46 +256,38 @@ class SupervisedEstimator:
             part = _shifted(part, self._tracker.surface.shift)
         self._rows += part
         self._gains += gains
-        frozen = self.monitor.frozen
-        if frozen.stiffness and frozen.damping:
-            return [(self._current(), EstimateStatus.FROZEN, _FROZEN_REASONS[frozen])] * len(part)
+        frozen, reason = self._frozen
+        if frozen is _BOTH:
+            return [(self._current(), EstimateStatus.FROZEN, reason)] * len(part)
         variance = max(force_variance, self._noise.variance)
         K, B, floor = self._prediction
         predicted = [K * row[1] + B * row[2] > floor for _, row in part]
-        if all(predicted):
-            return self._checked(self._learn(part, variance, frozen))
         states: list[State] = []
         for begin, end in stretches(predicted):
-            if predicted[begin]:
-                states += self._learn(part[begin:end], variance, frozen)
-            else:
+            if not predicted[begin]:
                 waits: State = self._current(), EstimateStatus.FROZEN, _NOT_PREDICTED
                 states += [waits] * (end - begin)
-        return self._checked(states)
+                continue
+            self._errors.note_update(frozen)
+            learned = self.estimator.update(part[begin:end], variance, frozen)
+            states += [(estimate, _ESTIMATING, reason) for estimate in self._widen(learned)]
+        K_hat, B_hat, *_ = states[-1][0]
+        return states if isfinite(K_hat) and isfinite(B_hat) else self._restarted(len(states))
 
-    def _learn(self, part: list[TimedRow], variance: float, frozen: Frozen) -> list[State]:
-        self._errors.note_update(frozen)
-        widened = self._widen(self.estimator.update(part, variance, frozen))
-        reason = _FROZEN_REASONS[frozen]
-        return [(estimate, EstimateStatus.ESTIMATING, reason) for estimate in widened]
+    def _restarted(self, count: int) -> list[State]:
+        """Reset the estimator, whose estimate is not finite."""
+        self.estimator.reset()
+        return [(self._current(), EstimateStatus.FROZEN, _NOT_FINITE)] * count
 
     def _current(self) -> ParameterEstimate:
         return self._widen([self.estimator.current()])[0]
 
     def _widen(self, estimates: list[ParameterEstimate]) -> list[ParameterEstimate]:
         """Add systematic errors to the deviations: once, for every estimator."""
-        widened, robot = self._errors.widen(estimates), self._p.robot
-        if robot.compliance or robot.compliance_std:
-            return [of_the_wall(estimate, robot) for estimate in widened]
-        return widened
-
-    def _checked(self, states: list[State]) -> list[State]:
-        """Reset the estimator where its estimate is not finite."""
-        now = states[-1][0]
-        if isfinite(now[0]) and isfinite(now[1]):
-            return states
-        self.estimator.reset()
-        return [(self._current(), EstimateStatus.FROZEN, _NOT_FINITE)] * len(states)
+        widened = self._errors.widen(estimates)
+        if self._robot_is_stiff:
+            return widened
+        return [of_the_wall(estimate, self._p.robot) for estimate in widened]
 
     # -- judgements -------------------------------------------------------------------------
 
@@ -364,7 +365,9 @@ class SupervisedEstimator:
         self._wanted = self.monitor.sums.wanted
 
     def _predict(self) -> None:
-        """Store prediction and linearisation for the rows until the next judgement."""
+        """Store what holds for the rows until the next judgement."""
+        frozen = self.monitor.frozen
+        self._frozen = _BOTH if frozen == _BOTH else frozen, _FROZEN_REASONS[frozen]
         self._linear = self.estimator.linearisation()
         if self.estimator.estimates_location:
             self._prediction = 0.0, 0.0, -1.0  # no prediction before the location is known

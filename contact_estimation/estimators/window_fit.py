@@ -60,6 +60,8 @@ class _Sums:
     """
     Products of the rows of each block, with a column phi_K t for a trend of K_e.
 
+    Columns are scaled to a power of 1 over the window.
+
     Parameters
     ----------
     blocks : sequence of Window
@@ -82,11 +84,11 @@ class _Sums:
         both = self.scale * self.scale[:, None]
         self._blocks, self._total = products * both, total * both
 
-    def fit(
-        self, fitted: list[int], location_information: float, by_parts: bool
-    ) -> WindowFit:
+    def fits(
+        self, columns: Sequence[Sequence[int]], information: float, by_parts: bool
+    ) -> tuple[WindowFit, ...]:
         """
-        Fit columns, with the covariance of correlated residuals.
+        Fit several choices of columns, with the covariance of correlated residuals.
 
         With s_b = sum of phi r over block b, the covariance is A^-1 (sum s_b s_b^T) A^-1,
         A = sum phi phi^T (cluster-robust; Liang and Zeger 1986): no assumption about the
@@ -94,41 +96,53 @@ class _Sums:
 
         Parameters
         ----------
-        fitted : sequence of int
-            Columns, those of K and B first.
-        location_information : float
-            Of the prior, on the column of the location.
+        columns : sequence of sequence of int
+            Of each fit, those of K and B among them.
+        information : float
+            Of the prior of the location.
         by_parts : bool
             Whether the window holds no acceleration.
 
         Returns
         -------
-        fit : WindowFit
+        fits : tuple of WindowFit
             With K at the end of the window where its trend is fitted.
 
         """
-        A = self._total[fitted][:, fitted]
-        A.flat[::len(fitted) + 1] += _RIDGE
-        if _LOCATION in fitted:
-            index = fitted.index(_LOCATION)
-            A[index, index] += location_information * self.scale[_LOCATION] ** 2
-        inverse = np.linalg.inv(A)
-        theta = inverse @ self._total[fitted, 0]  # in units of the scales
-        weights = np.zeros(_TREND + 1)
-        weights[0], weights[fitted] = 1.0, -theta
-        scores = (self._blocks @ weights)[:, fitted]  # (n, p)
-        freedom = len(scores) - len(fitted)
-        correction = len(scores) / freedom if freedom >= _LEAST_BLOCKS else nan
-        K_spread, B_spread = ((inverse[:2] @ scores.T) ** 2).sum(axis=1).tolist()
-        K_scale, B_scale = self.scale[1:3].tolist()
-        K_power, B_power = K_scale * K_scale, B_scale * B_scale
-        K_left, B_left = float(inverse[0, 0]) * K_power, float(inverse[1, 1]) * B_power
-        # sum of d a = -sum of v v, by parts, where no mass is fitted
-        lacking = -self.powers[2] * K_left if by_parts else 0.0
-        return WindowFit(
-            (float(theta[0]) * K_scale, float(theta[1]) * B_scale), (K_left, B_left),
-            (K_spread * K_power * correction, B_spread * B_power * correction), lacking,
+        used = np.zeros((len(columns), _TREND + 1))
+        for mask, chosen in zip(used, columns):
+            mask[list(chosen)] = 1.0
+        A = self._total * (used[:, :, None] * used[:, None, :])  # columns not fitted: identity
+        diagonal = np.einsum('kii->ki', A)
+        diagonal += 1.0 - used + _RIDGE
+        diagonal[:, _LOCATION] += information * self.scale[_LOCATION] ** 2
+        inverse = np.linalg.inv(A[:, 1:, 1:])  # (k, 5, 5)
+        theta = (inverse @ (self._total[1:, 0] * used[:, 1:])[:, :, None])[:, :, 0]
+        weights = np.ones((_TREND + 1, len(columns)))
+        weights[1:] = -theta.T
+        scores = (self._blocks @ weights)[:, 1:] * used[:, 1:].T  # (n, 5, k)
+        spread = ((inverse[:, :2] @ scores.transpose(2, 1, 0)) ** 2).sum(axis=2)  # (k, 2)
+        unit = self.scale[1:3]
+        return tuple(
+            self._fit(values, variances, scatter, len(chosen), by_parts)
+            for values, variances, scatter, chosen in zip(
+                (theta[:, :2] * unit).tolist(),
+                (inverse[:, (0, 1), (0, 1)] * unit**2).tolist(), (spread * unit**2).tolist(),
+                columns)
         )
+
+    def _fit(
+        self, values: list[float], variances: list[float], scatter: list[float], fitted: int,
+        by_parts: bool,
+    ) -> WindowFit:
+        count = len(self._blocks)
+        freedom = count - fitted
+        correction = count / freedom if freedom >= _LEAST_BLOCKS else nan
+        # sum of d a = -sum of v v, by parts, where no mass is fitted
+        lacking = -self.powers[2] * variances[0] if by_parts else 0.0
+        return WindowFit(
+            (values[0], values[1]), (variances[0], variances[1]),
+            (scatter[0] * correction, scatter[1] * correction), lacking)
 
 
 def fit_window(
@@ -163,11 +177,9 @@ def fit_window(
     if location_std:
         scale = estimator.stiffness * location_std
         information = noise_variance / (scale * scale)
+    columns = [fitted]
+    if len(blocks) >= len(fitted) + 1 + _LEAST_BLOCKS:
+        columns += [[*fitted, _TREND]]
+        columns += [] if location_std else [[*fitted, _LOCATION]]
     by_parts = not issubclass(estimator.relation, TustinRelation)
-    mean = sums.fit(fitted, information, by_parts)
-    if len(blocks) < len(fitted) + 1 + _LEAST_BLOCKS:
-        return (mean,)
-    end = sums.fit([*fitted, _TREND], information, by_parts)
-    if location_std:
-        return mean, end
-    return mean, end, sums.fit([*fitted, _LOCATION], 0.0, by_parts)
+    return sums.fits(columns, information, by_parts)
