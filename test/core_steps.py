@@ -68,8 +68,7 @@ def judged(
 
 def decided(detector: Any, dt: float, pressing: float, inside: bool) -> bool:
     """Let the contact detector decide on one sample."""
-    detector.decide([dt], [pressing], [inside])
-    return bool(detector.contact)
+    return bool(detector.touches(dt, pressing, inside))
 
 
 def row_of(

@@ -17,8 +17,6 @@
 from __future__ import annotations
 
 from math import exp, sqrt
-from typing import Sequence
-
 _MEMORY = 0.9  # of the line per sample
 _STIFFEST = 1e6  # standard deviation of the slope of a new line [N/m]
 _BEND = 0.2  # of the force, by which damping may bend the line at a reversal
@@ -55,11 +53,11 @@ class OutlierGate:
         self.count = 0
         self._scale = 0.0
         self.configure(threshold, samples)
-        self.leave()
 
     def configure(self, threshold: float, samples: int) -> None:
         """Set other thresholds; see the constructor."""
         self._threshold, self._samples = threshold, samples
+        self.leave()
 
     def leave(self) -> None:
         """Forget the line, as out of contact; the noise stays."""
@@ -68,34 +66,28 @@ class OutlierGate:
         self._run = 0  # outliers in a row, negative below the line
         self._support = 0  # samples that agree with the line
 
-    def replace(
-        self, deltas: Sequence[float], forces: Sequence[float], noise_std: float
-    ) -> list[float]:
+    def replace(self, d: float, y: float, noise_std: float) -> float:
         """
-        Replace the outliers among the forces of consecutive samples in contact.
+        Replace the force of the next sample in contact where it is an outlier.
 
         Parameters
         ----------
-        deltas : sequence of float
+        d : float
             Penetration [m].
-        forces : sequence of float
-            Pressing forces [N].
+        y : float
+            Pressing force [N].
         noise_std : float
             Standard deviation of the force noise, > 0 [N].
 
         Returns
         -------
-        replaced : list of float
-            The line instead of outliers [N].
+        replaced : float
+            The line instead of an outlier [N].
 
         """
-        if self._threshold == 0.0:
-            return list(forces)
-        return [self._replaced(d, y, noise_std) for d, y in zip(deltas, forces)]
-
-    def _replaced(self, d: float, y: float, noise_std: float) -> float:
         if self._line is None:
-            self._start(d, y, noise_std)
+            if self._threshold:
+                self._start(d, y, noise_std)
             return y
         depth, level, slope = self._line
         x = d - depth
