@@ -137,12 +137,14 @@ class ModelFitMonitor:
         if not (self._t or any(contact)):
             return [self.now.ratio] * len(samples)
         ratios = []
-        for k, touching in enumerate(contact):
+        for sample, dt, touching, variance, row, gain in zip(
+            samples, dts, contact, variances, rows, gains
+        ):
             if not touching:
-                self._leave(dts[k])
-            elif self._take(dts[k], rows[k], samples[k], gains[k]):
-                self._judge(samples[k][0], variances[k], estimator, position_noise)
-            ratios.append(self.now.ratio)
+                self._leave(dt)
+            elif self._take(dt, row, sample, gain):
+                self._judge(sample[0], variance, estimator, position_noise)
+            ratios.append(self.now[0])
         return ratios
 
     def _leave(self, dt: float) -> None:

@@ -63,7 +63,7 @@ class EstimationPipeline:
             p.contact, p.conditioning, p.sample_rate, self.estimator.relation
         )
         self._compensate()
-        self._set_location()
+        self._note_parameters()
 
     # -- parameters -------------------------------------------------------------------------
 
@@ -95,7 +95,7 @@ class EstimationPipeline:
             )
         if repr(parameters.physics) != repr(old.physics):  # NaN is not equal to itself
             self._compensate()
-        self._set_location()
+        self._note_parameters()
         self._conditioner.detector.configure(parameters.contact)
         if parameters.sample_rate != old.sample_rate:
             self.model_fit = ModelFitMonitor(parameters.sample_rate)
@@ -108,8 +108,11 @@ class EstimationPipeline:
         )
         self._conditioner.compensation = compensation if compensation.acts else None
 
-    def _set_location(self) -> None:
-        self._conditioner.location = self.parameters.environment.location
+    def _note_parameters(self) -> None:
+        p = self.parameters
+        self._location, self._position_noise = p.environment.location, p.contact.position_noise
+        self._observes = self.estimator.follows_reference
+        self._conditioner.location = self._location
         # Where x_e is estimated too, its prior bounds how far outside contact is possible.
         environment = self.parameters.environment
         self._conditioner.location_margin = max(
@@ -226,13 +229,12 @@ class EstimationPipeline:
 
         """
         conditioned = self._conditioner.process(samples)
-        if reference.position == reference.position:
+        if self._observes:
             self._observe(samples, conditioned, reference)
         states = self._supervised.process(conditioned)
         fits = self.model_fit.add(
-            samples, conditioned, self.estimator, self.parameters.contact.position_noise
-        )
-        location = self.parameters.environment.location + self._supervised.shift
+            samples, conditioned, self._supervised.estimator, self._position_noise)
+        location = self._location + self._supervised.shift
         surfaces: Iterable[float] = repeat(location)
         if conditioned.shifts:
             surfaces = [location + shift for shift in conditioned.shifts]
@@ -245,7 +247,7 @@ class EstimationPipeline:
     def _observe(
         self, samples: Sequence[ContactSample], conditioned: Conditioned, reference: Reference
     ) -> None:
-        if not self.estimator.follows_reference:
+        if reference.position != reference.position:
             return
         observe, bias = self.estimator.observe, self._conditioner.bias
         for sample, dt, velocity in zip(samples, conditioned.dts, conditioned.velocities):

@@ -50,7 +50,8 @@ _WAITING = 'waiting for consecutive samples'
 _NOT_PREDICTED = 'predicted force within the noise'
 _NOT_FINITE = 'estimate was not finite; reset to the initial values'
 _EARLY_BLOCKS = 5  # during which errors are judged more often
-_JUDGED_TOGETHER = 2  # blocks, later
+_JUDGED_TOGETHER = 4  # blocks, later
+_WAITS = 2  # blocks between judgements of a settled estimate
 _LEARNT_AGAIN = 250  # rows after a restart
 _NEW_CONTACT_S = 0.05  # out of contact, after which a contact is a new one
 State = tuple[ParameterEstimate, EstimateStatus, str]
@@ -109,6 +110,7 @@ class SupervisedEstimator:
         self._tracker = WallTracker(
             p.tracking, p.environment.location_std, p.contact.position_noise,
             p.synchronisation.timing_std)
+        self._surface = self._tracker.surface
         self._free_s = 0.0
         self._judged_rows = 0  # in this contact
         self._judged_blocks = 0
@@ -167,7 +169,7 @@ class SupervisedEstimator:
     @property
     def shift(self) -> float:
         """Estimated location less the configured one [m], the same for every estimator."""
-        return self._tracker.surface.shift
+        return self._surface.shift
 
     @property
     def location_unchecked(self) -> bool:
@@ -252,8 +254,9 @@ class SupervisedEstimator:
         """Update with rows of one chunk, where the predicted force is above noise."""
         self._wanted -= len(part)
         self._past += part
-        if self._tracker.surface.shift:
-            part = _shifted(part, self._tracker.surface.shift)
+        shift = self._surface.shift
+        if shift:
+            part = _shifted(part, shift)
         self._rows += part
         self._gains += gains
         frozen, reason = self._frozen
@@ -261,16 +264,18 @@ class SupervisedEstimator:
             return [(self._current(), EstimateStatus.FROZEN, reason)] * len(part)
         variance = max(force_variance, self._noise.variance)
         K, B, floor = self._prediction
+        estimator = self.estimator
         predicted = [K * row[1] + B * row[2] > floor for _, row in part]
         states: list[State] = []
-        for begin, end in stretches(predicted):
+        parts = stretches(predicted) if False in predicted else ((0, len(part)),)
+        for begin, end in parts:
             if not predicted[begin]:
                 waits: State = self._current(), EstimateStatus.FROZEN, _NOT_PREDICTED
                 states += [waits] * (end - begin)
                 continue
             self._errors.note_update(frozen)
-            learned = self.estimator.update(part[begin:end], variance, frozen)
-            states += [(estimate, _ESTIMATING, reason) for estimate in self._widen(learned)]
+            for estimate in self._widen(estimator.update(part[begin:end], variance, frozen)):
+                states.append((estimate, _ESTIMATING, reason))
         K_hat, B_hat, *_ = states[-1][0]
         return states if isfinite(K_hat) and isfinite(B_hat) else self._restarted(len(states))
 
@@ -296,7 +301,8 @@ class SupervisedEstimator:
         self._pass_to_monitor()
         sums = self.monitor.sums
         self._judged_rows += len(self._rows)
-        if sums.fills_block or not self._tracker.may_wait(sums, self.estimator):
+        due = sums.fills_block and not (sums.full and (sums.completed + 1) % _WAITS)
+        if due or not self._tracker.may_wait(sums, self.estimator):
             self._judge_excitation(force_variance)
             sums.close_chunk()
             completed = sums.completed
