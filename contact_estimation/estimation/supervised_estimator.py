@@ -257,7 +257,7 @@ class SupervisedEstimator:
         shift = self._surface.shift
         if shift:
             part = _shifted(part, shift)
-        self._rows += part
+        self._chunk += part
         self._gains += gains
         frozen, reason = self._frozen
         if frozen is _BOTH:
@@ -299,20 +299,24 @@ class SupervisedEstimator:
     def _complete_chunk(self, force_variance: float) -> None:
         """Judge the estimate, unless nothing has changed within a block of the window."""
         self._pass_to_monitor()
-        sums = self.monitor.sums
-        self._judged_rows += len(self._rows)
-        due = sums.fills_block and not (sums.full and (sums.completed + 1) % _WAITS)
-        if due or not self._tracker.may_wait(sums, self.estimator):
+        sums, rows = self.monitor.sums, self._linearised(self._chunk)
+        self._rows += rows
+        self._chunk = []
+        at_end = len(self._rows) >= sums.left
+        due = at_end and (not sums.full or (sums.completed + 1) % _WAITS == 0)
+        if due or not sums.full or not self._tracker.may_wait(rows, self.estimator):
+            self._pass_to_monitor()
             self._judge_excitation(force_variance)
-            sums.close_chunk()
+            sums.close_block()
             completed = sums.completed
             if completed < _EARLY_BLOCKS or completed >= self._judged_blocks + _JUDGED_TOGETHER:
                 self._judged_blocks = completed
                 self._judge_errors(force_variance)
             self._predict()
-        else:
-            sums.close_chunk()
-        self._start_collecting()
+        elif at_end:
+            self._pass_to_monitor()
+            sums.close_block()
+        self._wanted = min(sums.wanted, sums.left - len(self._rows))
 
     def _judge_excitation(self, force_variance: float) -> None:
         """Let the monitor judge which parameters the collected rows excite."""
@@ -359,14 +363,21 @@ class SupervisedEstimator:
             self.monitor.sums.window(), force_variance, self._p.contact.position_noise,
             self.estimator)
 
-    def _pass_to_monitor(self) -> None:
-        """Pass the collected rows to the monitor, linearised about the last judged estimate."""
+    def _linearised(self, chunk: list[TimedRow]) -> list[Row]:
+        """Return rows linearised about the last judged estimate."""
         linear = self._linear
-        self.monitor.sums.add(
-            [linear(row) if linear else row for _, row in self._rows], self._gains)
+        return [linear(row) if linear else row for _, row in chunk]
+
+    def _pass_to_monitor(self) -> None:
+        """Pass the collected rows to the monitor."""
+        self._rows += self._linearised(self._chunk)
+        self._judged_rows += len(self._rows)
+        self.monitor.sums.add(self._rows, self._gains)
+        self._start_collecting()
 
     def _start_collecting(self) -> None:
-        self._rows: list[TimedRow] = []  # with the surface where it is
+        self._chunk: list[TimedRow] = []  # with the surface where it is
+        self._rows: list[Row] = []  # of complete chunks, linearised
         self._gains: list[NoiseGain] = []
         self._wanted = self.monitor.sums.wanted
 

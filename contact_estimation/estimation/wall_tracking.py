@@ -26,6 +26,7 @@ from collections import deque
 from dataclasses import dataclass
 from enum import IntEnum
 from math import exp, inf, sqrt
+from typing import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,6 +36,7 @@ from ..estimators.estimator import OnlineEstimator, UNKNOWN_DAMPING_S
 from ..estimators.row_sums import RowSums, Window
 from ..estimators.wall_fit import fit_wall, misfit, Wall, WallFit
 from ..parameters.specification import parameter, ParameterGroup
+from ..signals.relations import Row
 
 _SIGNIFICANT = 50.0  # gain of a fit over the noise variance; chi-squared of two: below 1e-10
 _EXPLAINS = 0.5  # of the misfit must be gone with the new fit: a spike is no new wall
@@ -102,6 +104,7 @@ class WallTracker:
     ) -> None:
         self.surface = SurfaceSearch(location_std, timing_std)
         self._contact_s = self._variance = 0.0
+        self._found = 0.0  # misfit of the rows of the last call of `may_wait`
         self._notable = _NOTABLE
         self._since = _JUDGEMENTS  # judgements since the last restart
         self._noises: deque[float] = deque(maxlen=_JUDGEMENTS)
@@ -136,24 +139,28 @@ class WallTracker:
         if linear and estimator.may_restart:  # the exponent couples depths: it must not be free
             _reopen(estimator, self._p.carried_std)
 
-    def may_wait(self, sums: RowSums, estimator: OnlineEstimator) -> bool:
+    def may_wait(self, rows: Sequence[Row], estimator: OnlineEstimator) -> bool:
         """
-        Return whether nothing calls for a judgement of the estimate before the end of a block.
+        Return whether nothing calls for a judgement of the estimate now.
 
         Parameters
         ----------
-        sums : RowSums
-            Of the rows.
+        rows : sequence of row
+            Those since the last call.
         estimator : OnlineEstimator
             The estimator.
 
         """
-        if not sums.full:
-            return False
         if not (self._p.restarts and estimator.may_restart):
             return True
-        found = misfit(sums.recent().products, _wall(estimator))
-        return self._since >= _SETTLED and found < _SIGNIFICANT * self._variance
+        if self._since < _SETTLED:
+            return False
+        (K, B, c, M), found = _wall(estimator), 0.0
+        for y, f_K, f_B, f_c, f_M in rows:
+            error = y - K * f_K - B * f_B - c * f_c - M * f_M
+            found += error * error
+        before, self._found = self._found, found
+        return before + found < _SIGNIFICANT * self._variance
 
     def follow(
         self, sums: RowSums, estimator: OnlineEstimator, noise_variance: float,

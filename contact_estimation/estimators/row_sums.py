@@ -88,43 +88,32 @@ class RowSums:
 
     def __init__(self, rows: int) -> None:
         self._block = max(1, round(rows / _BLOCKS))
+        self._chunk = min(_CHUNK, self._block)
         self._past: deque[Window] = deque(maxlen=_BLOCKS - 1)
-        self._before = _EMPTY  # sum of the past
-        chunk = min(_CHUNK, self._block)
-        self._last: deque[Window] = deque(maxlen=max(1, ceil(RECENT / chunk) - 1))
-        self.completed = 0
-        self._start_block()
-        self._start_chunk()
-
-    def _start_block(self) -> None:
-        self._chunks: list[Window] = []
-        self._count = 0
-        self._next = min(_CHUNK, self._block)
-
-    def _start_chunk(self) -> None:
-        self._rows: list[Row] = []
-        self._sums: Window | None = None
+        self._chunks: list[Window] = []  # of the present block
+        self._last: deque[Window] = deque(maxlen=ceil(RECENT / self._chunk))
         self._window: Window | None = None
-        self._effective = self._rate_noise = 0.0
+        self._count = 0  # rows of the present block
+        self.completed = 0
 
     @property
     def wanted(self) -> int:
         """Number of rows that complete the present chunk."""
-        return self._next - self._count
+        return min(self._chunk - self._count % self._chunk, self._block - self._count)
 
     @property
-    def fills_block(self) -> bool:
-        """Whether the present chunk, when complete, completes a block."""
-        return self._next >= self._block
+    def left(self) -> int:
+        """Number of rows that complete the present block."""
+        return self._block - self._count
 
     @property
     def full(self) -> bool:
         """Whether as many rows have come as the window holds."""
         return self.completed >= _BLOCKS
 
-    def add(self, rows: Sequence[Row], gains: Sequence[NoiseGain] = ()) -> None:
+    def add(self, rows: Sequence[Row], gains: Sequence[NoiseGain]) -> None:
         """
-        Add rows of contact, at most `wanted`.
+        Add rows of contact, at most `left`.
 
         Parameters
         ----------
@@ -134,18 +123,28 @@ class RowSums:
             How noise enters each row.
 
         """
-        self._rows += rows
+        table = np.array(rows, float).reshape(-1, COLUMNS)
+        begin, end = 0, self.wanted
+        while begin < len(rows):
+            part = table[begin:end]
+            chunk = Window(*_total(gains[begin:end]), part.T @ part)
+            self._chunks.append(chunk)
+            self._last.append(chunk)
+            begin, end = end, end + self._chunk
         self._count += len(rows)
-        self._sums = self._window = None
-        for force, rate in gains:
-            self._effective += force
-            self._rate_noise += rate
+        self._window = None
+
+    def close_block(self) -> None:
+        """Start the next block where the present one is complete."""
+        if self._count >= self._block:
+            self._past.append(_sum(self._chunks))
+            self._chunks, self._count = [], 0
+            self.completed += 1
 
     @property
     def blocks(self) -> Sequence[Window]:
         """The blocks of the window, the last one possibly not complete."""
-        block = [*self._chunks, self._chunk()] if self._rows else self._chunks
-        return [*self._past, _sum(block)] if block else list(self._past)
+        return [*self._past, _sum(self._chunks)] if self._chunks else list(self._past)
 
     def window(self) -> Window:
         """
@@ -158,7 +157,7 @@ class RowSums:
 
         """
         if self._window is None:
-            self._window = _sum([self._before, *self._chunks, self._chunk()])
+            self._window = _sum([*self._past, *self._chunks])
         return self._window
 
     def recent(self) -> Window:
@@ -171,14 +170,13 @@ class RowSums:
             Over about 20 rows.
 
         """
-        return _sum([*self._last, self._chunk()])
+        return _sum([*self._last])
 
     def keep_recent(self) -> None:
         """Discard all but the rows of `recent`, as after a change of the wall."""
         self._past.clear()
-        self._before, self._window = _EMPTY, None
-        self._chunks = list(self._last)
-        self._count = self._next = len(self._rows)
+        self._chunks, self._window = list(self._last), None
+        self._count = min(self._chunk, self._count)
         self.completed = 0
 
     def shift(self, shift: float) -> None:
@@ -194,34 +192,22 @@ class RowSums:
         for windows in (self._past, self._last, self._chunks):
             for k, window in enumerate(windows):
                 windows[k] = window.shifted(shift)
-        self._before = self._before.shifted(shift)
-        self._sums, self._window = self._chunk().shifted(shift), None
+        self._window = None
 
-    def _chunk(self) -> Window:
-        if self._sums is None:
-            rows = np.array(self._rows, float).reshape(-1, COLUMNS)
-            self._sums = Window(self._effective, self._rate_noise, rows.T @ rows)
-        return self._sums
 
-    def close_chunk(self) -> None:
-        """Start the next chunk, and the next block where this one is complete."""
-        chunk = self._chunk()
-        self._chunks.append(chunk)
-        self._last.append(chunk)
-        self._start_chunk()
-        if self._count >= self._block:
-            self._past.append(_sum(self._chunks))
-            self._before = _sum([*self._past])
-            self.completed += 1
-            self._start_block()
-        else:
-            self._next = min(self._count + _CHUNK, self._block)
+def _total(gains: Sequence[NoiseGain]) -> NoiseGain:
+    """Return the sum of the gains of rows, which usually are equal."""
+    if gains and gains.count(gains[0]) == len(gains):
+        return NoiseGain(len(gains) * gains[0].force, len(gains) * gains[0].rate)
+    return NoiseGain(sum(gain.force for gain in gains), sum(gain.rate for gain in gains))
 
 
 def _sum(windows: Sequence[Window]) -> Window:
+    if not windows:
+        return _EMPTY
     effective, rate_noise, products = windows[0]
-    for window in windows[1:]:
-        effective += window.effective_samples
-        rate_noise += window.rate_noise
-        products = products + window.products
+    for more, rate, others in windows[1:]:
+        effective += more
+        rate_noise += rate
+        products = products + others
     return Window(effective, rate_noise, products)
