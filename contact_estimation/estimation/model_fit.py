@@ -163,13 +163,13 @@ class ModelFitMonitor:
     def _take(self, dt: float, row: Row | None, sample: ContactSample, gain: NoiseGain) -> bool:
         """Take a sample in contact; return whether it completes a block."""
         self._free_s = 0.0
-        self._t += dt
-        self._contact_s += dt
-        if not row or self._contact_s <= _SETTLING_S:
+        self._t = t = self._t + dt
+        if self._contact_s <= _SETTLING_S:
+            self._contact_s += dt
+        if self._contact_s <= _SETTLING_S or not row:
             return False
-        _, position, velocity, force = sample
         pending = self._pending
-        pending += (self._t, *row, force, position, velocity, *gain)
+        pending += (t, *row, sample[3], sample[1], sample[2], *gain)
         if self._fresh < self._hold:
             self._fresh += 1
             return False

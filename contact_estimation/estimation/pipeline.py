@@ -235,13 +235,12 @@ class EstimationPipeline:
         fits = self.model_fit.add(
             samples, conditioned, self._supervised.estimator, self._position_noise)
         location = self._location + self._supervised.shift
-        surfaces: Iterable[float] = repeat(location)
-        if conditioned.shifts:
-            surfaces = [location + shift for shift in conditioned.shifts]
+        shifts: Iterable[float] = conditioned.shifts or repeat(0.0)
         return [
-            Estimate(sample[0], K, B, K_std, B_std, surface + shift, M, status, reason, fit)
-            for sample, surface, ((K, B, K_std, B_std, shift, M), status, reason), fit
-            in zip(samples, surfaces, states, fits)
+            Estimate(sample[0], K, B, K_std, B_std, location + moved + shift, M, status, reason,
+                     fit)
+            for sample, moved, ((K, B, K_std, B_std, shift, M), status, reason), fit
+            in zip(samples, shifts, states, fits)
         ]
 
     def _observe(

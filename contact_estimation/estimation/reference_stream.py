@@ -28,6 +28,7 @@ from ..signals.contact_sample import ContactSample
 
 _MAX_SETPOINTS = 100_000  # that no sample has reached yet; older ones are dropped beyond
 _BEFORE_ANY = -(2**63)
+_FREE = EstimateStatus.FREE  # an enumeration takes long to look up
 
 
 class ReferenceStream:
@@ -130,10 +131,11 @@ class ReferenceStream:
             elapsed = min((stamp_ns - last_ns) * 1e-9, 2.0 * elapsed)
         target_ns = stamp_ns + self.period_ns
         desired = self._setpoint_at(target_ns) if self._setpoints else self._resting
+        _, K_hat, _, _, _, location, _, status, _, _ = estimate
         return self._generator.step(
-            (target_ns - self._start_ns) * 1e-9, elapsed, desired,
-            estimate.status is not EstimateStatus.FREE, estimate.location,
-            seen_by_the_robot(estimate.stiffness, self._robot), self._deepest,
+            (target_ns - self._start_ns) * 1e-9, elapsed, desired, status is not _FREE, location,
+            seen_by_the_robot(K_hat, self._robot) if self._robot.compliance else K_hat,
+            self._deepest,
         )
 
     @property

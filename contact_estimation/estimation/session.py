@@ -186,12 +186,13 @@ class ContactSession:
 
     def _process(self, samples: Sequence[AxesSample]) -> list[Result]:
         results: list[Result] = []
+        schedule = self._schedule
         for axes in samples:
             if self._synchroniser.jumped:
                 self._restart_time()
-            if self._schedule.actions or self._schedule.references:
+            if schedule.references or schedule.actions:
                 self._apply_due(axes[0].stamp_ns)
-            (estimates,) = self._estimate((axes,))
+            estimates = self._estimate((axes,))[0]
             reference_stamp_ns, reference = self.last_stamp_ns + self.stream.period_ns, None
             if self._generates:
                 reference = self.stream.step(axes[0], estimates[0])

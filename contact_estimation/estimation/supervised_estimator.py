@@ -262,9 +262,10 @@ class SupervisedEstimator:
         frozen, reason = self._frozen
         if frozen is _BOTH:
             return [(self._current(), EstimateStatus.FROZEN, reason)] * len(part)
-        variance = max(force_variance, self._noise.variance)
+        estimator, variance = self.estimator, self._noise.variance
+        if force_variance > variance:
+            variance = force_variance
         K, B, floor = self._prediction
-        estimator = self.estimator
         predicted = [K * row[1] + B * row[2] > floor for _, row in part]
         states: list[State] = []
         parts = stretches(predicted) if False in predicted else ((0, len(part)),)
@@ -276,8 +277,9 @@ class SupervisedEstimator:
             self._errors.note_update(frozen)
             for estimate in self._widen(estimator.update(part[begin:end], variance, frozen)):
                 states.append((estimate, _ESTIMATING, reason))
-        K_hat, B_hat, *_ = states[-1][0]
-        return states if isfinite(K_hat) and isfinite(B_hat) else self._restarted(len(states))
+        if isfinite(estimator.stiffness) and isfinite(estimator.damping):
+            return states
+        return self._restarted(len(states))
 
     def _restarted(self, count: int) -> list[State]:
         """Reset the estimator, whose estimate is not finite."""

@@ -114,8 +114,8 @@ class AdaptiveLeastSquares(OnlineEstimator):
 
     def _update(self, row: Row, variance: float, free: Free) -> None:
         K, B, M = self._x
-        H = row[1], row[2], row[4]
-        error = row[0] - K * H[0] - B * H[1] - M * H[2]
+        H = f_K, f_B, f_M = row[1], row[2], row[4]
+        error = row[0] - K * f_K - B * f_B - M * f_M
         self._x, self._P, expected = correct(self._x, self._P, H, error, variance, free)
         self._keep_within_limits()
         surprise = error * error / (expected * self._p.memory_samples)
@@ -125,8 +125,9 @@ class AdaptiveLeastSquares(OnlineEstimator):
         """Scale P on both sides with factors >= 1, which keeps it positive definite."""
         KK, KB, KM, BB, BM, MM = self._P
         share, growth = self._p.maximum_relative_std, 1.0 / sqrt(factor)
-        known_K = KK < (share * self.stiffness) ** 2
-        known_B = BB < (share * max(self.damping, self.environment.initial_damping)) ** 2
+        limit_K = share * self.stiffness
+        limit_B = share * max(self.damping, self.environment.initial_damping)
+        known_K, known_B = KK < limit_K * limit_K, BB < limit_B * limit_B
         g_K = growth if free[0] and known_K else 1.0
         g_B = growth if free[1] and known_B else 1.0
         g_M = growth if free[2] and known_K and known_B else 1.0

@@ -168,8 +168,8 @@ class ReferenceGenerator:
         """
         position, velocity, acceleration, force = desired
         F_r_dot, F_r_ddot = self._differentiate(t, force)
-        compliance = LAWS[self._law]
-        if compliance is not None and contact and isfinite(force):
+        compliance = LAWS[self._law] if contact and isfinite(force) else None
+        if compliance is not None:
             mode, C = self._law, compliance(
                 max(K_hat, self._p.stiffness_floor), self._p.robot_stiffness)
             target = Reference(x_e + force * C, F_r_dot * C, F_r_ddot * C, force)
