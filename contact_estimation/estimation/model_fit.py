@@ -136,16 +136,38 @@ class ModelFitMonitor:
         dts, _, contact, variances, rows, gains, _ = conditioned
         if not (self._t or any(contact)):
             return [self.now.ratio] * len(samples)
-        ratios = []
-        for sample, dt, touching, variance, row, gain in zip(
-            samples, dts, contact, variances, rows, gains
-        ):
-            if not touching:
-                self._leave(dt)
-            elif self._take(dt, row, sample, gain):
-                self._judge(sample[0], variance, estimator, position_noise)
-            ratios.append(self.now[0])
-        return ratios
+        return [
+            self.take(*entries, estimator, position_noise)
+            for entries in zip(samples, dts, contact, variances, rows, gains)
+        ]
+
+    def take(
+        self, sample: ContactSample, dt: float, touching: bool, noise_variance: float,
+        row: Row | None, gain: NoiseGain, estimator: OnlineEstimator, position_noise: float,
+    ) -> float:
+        """
+        Take one sample, as `add` does many.
+
+        Parameters
+        ----------
+        sample : ContactSample
+            The sample.
+        dt, touching, noise_variance, row, gain
+            Of `Conditioned`.
+        estimator, position_noise
+            As for `add`.
+
+        Returns
+        -------
+        ratio : float
+            `ModelFit.ratio` after it.
+
+        """
+        if not touching:
+            self._leave(dt)
+        elif self._collect(dt, row, sample, gain):
+            self._judge(sample[0], noise_variance, estimator, position_noise)
+        return self.now[0]
 
     def _leave(self, dt: float) -> None:
         """Note a sample out of contact."""
@@ -160,8 +182,8 @@ class ModelFitMonitor:
         if self._free_s > _NEW_WALL_S:
             self.restart()
 
-    def _take(self, dt: float, row: Row | None, sample: ContactSample, gain: NoiseGain) -> bool:
-        """Take a sample in contact; return whether it completes a block."""
+    def _collect(self, dt: float, row: Row | None, sample: ContactSample, gain: NoiseGain) -> bool:
+        """Collect a sample in contact; return whether it completes a block."""
         self._free_s = 0.0
         self._t = t = self._t + dt
         if self._contact_s <= _SETTLING_S:

@@ -16,21 +16,20 @@
 
 from __future__ import annotations
 
-from itertools import repeat
 import math
 from math import nan
-from typing import Iterable, Sequence
+from typing import Sequence
 
 from .model_fit import ModelFitMonitor
 from .parameters import EstimationParameters
 from .supervised_estimator import SupervisedEstimator
 from .surface_search import REACH
-from ..estimators.estimator import Estimate, OnlineEstimator
+from ..estimators.estimator import Estimate, EstimateStatus, OnlineEstimator, ParameterEstimate
 from ..estimators.excitation_monitor import ExcitationMonitor
 from ..physics import effects_that_are_on
 from ..physics.compensation import Compensation
 from ..reference.setpoints import Reference
-from ..signals.conditioning import Conditioned, Conditioner
+from ..signals.conditioning import Conditioner
 from ..signals.contact_sample import ContactSample
 
 NO_REFERENCE = Reference(nan, nan, nan)
@@ -228,26 +227,43 @@ class EstimationPipeline:
             One a sample.
 
         """
+        if len(samples) == 1:
+            return [self._process_one(samples[0], reference)]
         conditioned = self._conditioner.process(samples)
         if self._observes:
-            self._observe(samples, conditioned, reference)
+            for sample, dt, v in zip(samples, conditioned.dts, conditioned.velocities):
+                self._observe(sample, dt, v, reference)
         states = self._supervised.process(conditioned)
         fits = self.model_fit.add(
             samples, conditioned, self._supervised.estimator, self._position_noise)
-        location = self._location + self._supervised.shift
-        shifts: Iterable[float] = conditioned.shifts or repeat(0.0)
         return [
-            Estimate(sample[0], K, B, K_std, B_std, location + moved + shift, M, status, reason,
-                     fit)
-            for sample, moved, ((K, B, K_std, B_std, shift, M), status, reason), fit
-            in zip(samples, shifts, states, fits)
+            self._estimate(sample[0], *state, moved, fit) for sample, state, moved, fit
+            in zip(samples, states, conditioned.shifts, fits)
         ]
 
+    def _process_one(self, sample: ContactSample, reference: Reference) -> Estimate:
+        """Process a sample as it comes, live, without lists in between."""
+        dt, v, touching, variance, row, gain, moved = self._conditioner.take(sample)
+        if self._observes:
+            self._observe(sample, dt, v, reference)
+        supervised = self._supervised
+        state = supervised.take(dt, touching, variance, row, gain)
+        fit = self.model_fit.take(
+            sample, dt, touching, variance, row, gain, supervised.estimator,
+            self._position_noise)
+        return self._estimate(sample[0], *state, moved, fit)
+
+    def _estimate(
+        self, stamp_ns: int, estimate: ParameterEstimate, status: EstimateStatus, reason: str,
+        moved: float, fit: float,
+    ) -> Estimate:
+        K, B, K_std, B_std, shift, M = estimate
+        location = self._location + self._supervised.shift + moved + shift
+        return Estimate(stamp_ns, K, B, K_std, B_std, location, M, status, reason, fit)
+
     def _observe(
-        self, samples: Sequence[ContactSample], conditioned: Conditioned, reference: Reference
+        self, sample: ContactSample, dt: float, velocity: float, reference: Reference
     ) -> None:
-        if reference.position != reference.position:
-            return
-        observe, bias = self.estimator.observe, self._conditioner.bias
-        for sample, dt, velocity in zip(samples, conditioned.dts, conditioned.velocities):
-            observe(dt, sample.position, velocity, sample.force - bias, reference)
+        if reference.position == reference.position:
+            self.estimator.observe(
+                dt, sample.position, velocity, sample.force - self._conditioner.bias, reference)

@@ -206,6 +206,27 @@ class SupervisedEstimator:
                 )
         return states
 
+    def take(
+        self, dt: float, touching: bool, force_variance: float, row: Row | None, gain: NoiseGain
+    ) -> State:
+        """
+        Update the estimate with one sample, as `process` does with many.
+
+        Parameters
+        ----------
+        dt, touching, force_variance, row, gain
+            Of `Conditioned`.
+
+        Returns
+        -------
+        state : (ParameterEstimate, EstimateStatus, str)
+            Estimate, status and reason after the sample.
+
+        """
+        if row is None:
+            return self._keep((dt,), (touching,))[0]
+        return self._update((dt,), (row,), (gain,), force_variance)[0]
+
     def _keep(self, dts: Sequence[float], contact: Sequence[bool]) -> list[State]:
         """Keep the estimate: out of contact, or while consecutive samples are lacking."""
         self._free_s += sum(dt for dt, touching in zip(dts, contact) if not touching)

@@ -76,8 +76,8 @@ class Conditioned(NamedTuple):
         relation does not hold, or not yet.
     gains : list of NoiseGain
         How white noise enters the row.
-    shifts : sequence of float
-        Known displacement of the surface [m]; empty: none.
+    shifts : list of float
+        Known displacement of the surface [m].
 
     """
 
@@ -87,7 +87,7 @@ class Conditioned(NamedTuple):
     variances: list[float]
     rows: list[Row | None]
     gains: list[NoiseGain]
-    shifts: Sequence[float] = ()
+    shifts: list[float]
 
 
 class Conditioner:
@@ -205,20 +205,26 @@ class Conditioner:
             One entry a sample.
 
         """
-        if len(samples) == 1:  # live
-            dt, velocity, touching, variance, row, gain, shift = self._take(samples[0])
-            return Conditioned(
-                [dt], [velocity], [touching], [variance], [row], [gain],
-                [shift] if self.compensation else ())
-        columns = [list(column) for column in zip(*map(self._take, samples))]
-        if not self.compensation:
-            columns[-1] = []
+        columns = [list(column) for column in zip(*map(self.take, samples))]
         return Conditioned(*columns)
 
-    def _take(
+    def take(
         self, sample: ContactSample
     ) -> tuple[float, float, bool, float, Row | None, NoiseGain, float]:
-        """Condition one sample: an entry of each column of `Conditioned`."""
+        """
+        Condition one sample.
+
+        Parameters
+        ----------
+        sample : ContactSample
+            The next one.
+
+        Returns
+        -------
+        entries : tuple
+            One of each column of `Conditioned`.
+
+        """
         stamp_ns, position, velocity, force = sample
         dt = self._elapsed(stamp_ns)
         if velocity != velocity:
