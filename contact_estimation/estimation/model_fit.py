@@ -137,8 +137,9 @@ class ModelFitMonitor:
         if not (self._t or any(contact)):
             return [self.now.ratio] * len(samples)
         return [
-            self.take(*entries, estimator, position_noise)
-            for entries in zip(samples, dts, contact, variances, rows, gains)
+            self.take(sample, dt, touching, variance, row, gain, estimator, position_noise)
+            for sample, dt, touching, variance, row, gain
+            in zip(samples, dts, contact, variances, rows, gains)
         ]
 
     def take(

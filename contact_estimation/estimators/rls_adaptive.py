@@ -139,8 +139,10 @@ class AdaptiveLeastSquares(OnlineEstimator):
     def _keep_within_limits(self) -> None:
         """Project onto a limit along the covariance, so that the others move consistently."""
         K_low, K_high, B_high = self.environment.limits
-        self.stiffness, self.damping, _ = self._x
-        if not (K_low <= self.stiffness <= K_high and 0.0 <= self.damping <= B_high):
+        K, B, _ = self._x
+        if K_low <= K <= K_high and 0.0 <= B <= B_high:
+            self.stiffness, self.damping = K, B
+        else:
             x = constrain(self._x, self._P, (0.0, 1.0, 0.0), 0.0, B_high)
             self._x = K, B, _ = constrain(x, self._P, (1.0, 0.0, 0.0), K_low, K_high)
             self.stiffness, self.damping = self.within_limits(K, B)
