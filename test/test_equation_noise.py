@@ -18,11 +18,11 @@ from __future__ import annotations
 
 from contact_estimation.estimators.equation_noise import EquationNoise, residual_variance
 from contact_estimation.estimators.estimator import EnvironmentParameters
-from contact_estimation.estimators.row_sums import Window
 from contact_estimation.estimators.indirect_adaptive import (
     IndirectAdaptive,
     IndirectAdaptiveParameters,
 )
+from contact_estimation.estimators.row_sums import Window
 from contact_estimation.signals.butterworth import ButterworthBank
 from core_runs import contact_samples, estimates_of, pipeline_with
 import numpy as np

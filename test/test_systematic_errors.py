@@ -23,11 +23,11 @@ from contact_estimation.estimators.estimator import (
     Frozen,
     ParameterEstimate,
 )
-from contact_estimation.estimators.row_sums import Window
 from contact_estimation.estimators.indirect_adaptive import (
     IndirectAdaptive,
     IndirectAdaptiveParameters,
 )
+from contact_estimation.estimators.row_sums import Window
 from contact_estimation.estimators.systematic_errors import SystematicErrors
 from contact_estimation.estimators.window_fit import fit_window
 from core_runs import contact_samples, estimates_of, pipeline_with

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Supervision of an estimator: excitation, noise, errors that are not noise, a wall that changes."""
+"""Supervision of an estimator: excitation, noise, systematic errors, a wall that changes."""
 
 from __future__ import annotations
 

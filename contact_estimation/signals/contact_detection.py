@@ -18,6 +18,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import sqrt
+
 from ..parameters.specification import parameter, ParameterGroup
 
 _SETTLING_S = 0.5
