@@ -86,8 +86,8 @@ def test_the_fit_of_the_window_is_the_batch_fit() -> None:
     expected = np.linalg.lstsq(phi, force, rcond=None)[0]
     fits = fit_window(blocks_of(force, d, v), SIGMA**2, estimator_at())
     assert fits is not None
-    assert fits[0].values == pytest.approx(tuple(expected), rel=1e-6)
-    assert fits[0].variances == pytest.approx(tuple(np.diag(np.linalg.inv(phi.T @ phi))), rel=1e-6)
+    assert fits.mean.values == pytest.approx(tuple(expected), rel=1e-6)
+    assert fits.mean.variances == pytest.approx(tuple(np.diag(np.linalg.inv(phi.T @ phi))), rel=1e-6)
 
 
 def test_the_scatter_of_the_blocks_is_the_variance_of_repeated_fits() -> None:
@@ -101,7 +101,7 @@ def test_the_scatter_of_the_blocks_is_the_variance_of_repeated_fits() -> None:
         fitted.append(np.linalg.lstsq(phi, force, rcond=None)[0])
         fits = fit_window(blocks_of(force, d, v), SIGMA**2, estimator_at())
         assert fits is not None
-        scatter.append(fits[0].scatter)
+        scatter.append(fits.mean.scatter)
     assert np.mean(scatter, axis=0) == pytest.approx(np.var(fitted, axis=0), rel=0.25)
 
 
@@ -110,8 +110,8 @@ def test_a_trend_of_the_stiffness_is_fitted_to_the_end_of_the_window() -> None:
     rising = K * (1.0 + 0.05 * t)
     fits = fit_window(blocks_of(rising * d + B * v, d, v), SIGMA**2, estimator_at())
     assert fits is not None
-    assert fits[0].values[0] == pytest.approx(np.mean(rising), rel=2e-3)
-    assert fits[1].values[0] == pytest.approx(rising[-25], rel=2e-3)  # middle of the last block
+    assert fits.mean.values[0] == pytest.approx(np.mean(rising), rel=2e-3)
+    assert fits.end.values[0] == pytest.approx(rising[-25], rel=2e-3)  # middle of the last block
 
 
 def test_a_lag_of_the_force_weighs_on_stiffness_and_damping_as_it_biases_them() -> None:

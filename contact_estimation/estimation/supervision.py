@@ -82,7 +82,7 @@ class Supervision:
         self.tracker = WallTracker(
             p.tracking, p.environment.location_std, p.contact.position_noise,
             p.synchronisation.timing_std)
-        self._judged_rows = self._judged_blocks = 0  # of this contact
+        self._judged_rows = self._judged_blocks = self._errors_rows = 0  # of this contact
         self._past: deque[TimedRow] = deque(maxlen=_LEARNT_AGAIN)  # rows of this wall
 
     def configure(self, parameters: EstimationParameters, estimator: OnlineEstimator) -> None:
@@ -122,7 +122,8 @@ class Supervision:
             self.tracker.touch_down(self._estimator)
             self.monitor.reset()
             self._start_collecting()
-            self._judged_rows = self._judged_blocks = 0
+            self._judged_rows = self._judged_blocks = self._errors_rows = 0
+            self.errors.forget_surface()
             self._past.clear()
             self._prepare()
 
@@ -189,6 +190,8 @@ class Supervision:
             monitor.sums, estimator, self.noise.variance, force_variance,
             self._judged_rows / self._p.sample_rate,
         )
+        if change is Change.LOCATION:
+            self.errors.forget_surface()
         if change is Change.WALL or change is Change.LOCATION:
             self._judge_noise(force_variance)
         self.errors.judge_position(
@@ -207,8 +210,9 @@ class Supervision:
         self.errors.judge(
             self.monitor.sums.blocks, self.noise.variance,
             force_variance + (K * position_noise) * (K * position_noise), position_noise,
-            self.tracker.surface.shift_std, self._estimator,
+            self.tracker.surface.std, self._estimator, self._judged_rows - self._errors_rows,
         )
+        self._errors_rows = self._judged_rows
 
     def _learn_again(self, change: Change, variance: float) -> None:
         """Update a restarted estimator with the last rows, which are those of the wall it met."""

@@ -16,12 +16,12 @@
 
 from __future__ import annotations
 
-from math import isfinite, nan, sqrt
+from math import inf, isfinite, nan, sqrt
 from typing import NamedTuple, Sequence
 
 from .estimator import Frozen, OnlineEstimator, ParameterEstimate, UNKNOWN_DAMPING_S
 from .row_sums import Window
-from .window_fit import fit_window, WindowFit
+from .window_fit import fit_window, WindowFit, WindowFits
 
 _LOCATION = 3  # column of a row
 _SMOOTHING = 0.2  # per judgement, of the correlation: ten blocks determine it poorly
@@ -37,6 +37,17 @@ def _by_shift(blocks: Sequence[Window]) -> float:
     """Return the relative change of K_hat per shift of the surface [1/m]."""
     first, power = (sum(float(block.products[1, k]) for block in blocks) for k in (_LOCATION, 1))
     return first / power if power > 0.0 else 0.0
+
+
+def _count(blocks: Sequence[Window]) -> float:
+    """Return the number of rows."""
+    return sum(float(block.products[_LOCATION, _LOCATION]) for block in blocks)
+
+
+def _mean_depth(blocks: Sequence[Window]) -> float:
+    """Return the mean of phi_K [m]."""
+    first = sum(float(block.products[1, _LOCATION]) for block in blocks)
+    return first / max(_count(blocks), 1e-9)
 
 
 def _depth_spread(blocks: Sequence[Window]) -> float:
@@ -85,6 +96,7 @@ class SystematicErrors:
         self.timing_std = timing_std
         self._correlations = [[1.0, 1.0] for _ in range(3)]  # by fit
         self._spread = 0.0
+        self.forget_surface()
         self._now = _Error(1.0, 0.0, 0.0), _Error(1.0, 0.0, 0.0)
         self.forget_updates()
 
@@ -124,6 +136,7 @@ class SystematicErrors:
     def judge(
         self, blocks: Sequence[Window], noise_variance: float, known_variance: float,
         position_noise: float, location_std: float, estimator: OnlineEstimator,
+        new_rows: int = 0,
     ) -> None:
         """
         Compare an estimator with the last window.
@@ -139,51 +152,89 @@ class SystematicErrors:
         position_noise : float
             Standard deviation of the position [m].
         location_std : float
-            Standard deviation of x_e, where it has been found from this contact [m].
+            Standard deviation of x_e before this window, as configured or found [m].
         estimator : OnlineEstimator
             The estimator.
+        new_rows : int
+            Number of rows since the last call; 0: all of the window.
 
         """
         fits = fit_window(blocks, noise_variance, estimator)
-        if not fits:
+        if fits is None:
             return
         excess = max(noise_variance - _EXPLAINED**2 * known_variance, 0.0)
         excess *= _ABSORBED**2 * sum(block.effective_samples for block in blocks)
         rate_noise = position_noise**2 * sum(block.rate_noise for block in blocks)
         lag = estimator.damping * self.timing_std
-        K_lag = lag * fits[0].by_acceleration
+        K_lag = lag * fits.mean.by_acceleration
         self._note_correlations(fits, noise_variance)
-        moved = estimator.stiffness * location_std * _by_shift(blocks)
+        shift_variance = self._shift_variance(
+            fits.located, noise_variance, location_std, lag * _mean_depth(blocks),
+            min((new_rows or inf) / max(_count(blocks), 1.0), 1.0))
+        per_shift = estimator.stiffness * _by_shift(blocks)
         K_error, B_error = self._differences(fits, noise_variance, rate_noise, lag, estimator)
-        of_K, of_B = (excess * variance for variance in fits[0].variances)
+        of_K, of_B = (excess * variance for variance in fits.mean.variances)
         B_error += UNKNOWN_DAMPING_S**2 * K_error  # B was fitted beside a wrong K
         if not estimator.fits_linear_damping:
             self._spread = max(_depth_spread(blocks), _FADING * self._spread)
             B_error += _square(estimator.damping * self._spread)
         widest = _WIDEST * max(estimator.damping, UNKNOWN_DAMPING_S * estimator.stiffness)
         of_B = min(of_B, widest * widest)  # a tool at rest shows no damping
-        K_error += of_K + K_lag * K_lag + moved * moved
+        K_error = max(K_error, per_shift * per_shift * shift_variance)
+        K_error += of_K + K_lag * K_lag
         (K_factor, B_factor), (K, B) = self._correlations[0], self._now
         self._now = (_Error(max(K_factor, 1.0), K_error, K.share),
                      _Error(max(B_factor, 1.0), B_error + of_B, B.share))
         self._noted = None
 
-    def _note_correlations(self, fits: Sequence[WindowFit], noise_variance: float) -> None:
+    def _note_correlations(self, fits: WindowFits, noise_variance: float) -> None:
         for fit, correlation in zip(fits, self._correlations):
             for k in (0, 1):
-                if isfinite(fit.scatter[k]):
+                if fit is not None and isfinite(fit.scatter[k]):
                     white = max(noise_variance * fit.variances[k], 1e-300)
                     correlation[k] += _SMOOTHING * (fit.scatter[k] / white - correlation[k])
 
+    def _shift_variance(
+        self, located: WindowFit | None, noise_variance: float, prior_std: float,
+        lag_times_depth: float, new: float,
+    ) -> float:
+        """
+        Return the mean square of the distance of the surface from where it is supposed [m^2].
+
+        That of the posterior: the shift that the contact has shown so far is either too small to
+        be moved to, or not certain. A lag feigns one, since it changes the slope of force over
+        position, and does not average out.
+
+        """
+        if located is None or prior_std == 0.0:
+            return 0.0
+        K, prior = max(located.values[0], 1e-9), prior_std * prior_std
+        white = noise_variance * max(self._correlations[2][0], 1.0) * located.offset_variance
+        told = new * K * K / max(white, 1e-300)  # information of the rows not seen before
+        self._shift_information = information = self._shift_information + told
+        share = told / max(information, 1e-300)
+        self._shift += share * (-located.offset / K - self._shift)
+        feigned = lag_times_depth * located.by_acceleration / K
+        self._feigned += share * (feigned - self._feigned)
+        seen = 1.0 / max(information, 1e-300) + _square(self._feigned)
+        kept = prior / (prior + seen)
+        return _square(kept * self._shift) + kept * seen
+
+    def forget_surface(self) -> None:
+        """Forget where the contact has shown its surface, as at a new one."""
+        self._shift = self._feigned = self._shift_information = 0.0
+
     def _differences(
-        self, fits: Sequence[WindowFit], noise_variance: float, rate_noise: float, lag: float,
+        self, fits: WindowFits, noise_variance: float, rate_noise: float, lag: float,
         estimator: OnlineEstimator,
     ) -> tuple[float, float]:
         """Return the squares of what K_hat and B_hat differ from the window beyond chance."""
         K, B = estimator.stiffness, estimator.damping
         of_K, of_B = 0.0, 0.0
-        first = min(1, len(fits) - 1)
-        for fit, correlation in zip(fits[first:], self._correlations[first:]):
+        compared = [fits.mean, None, None] if fits.end is None else [None, fits.end, fits.located]
+        for fit, correlation in zip(compared, self._correlations):
+            if fit is None:
+                continue
             white_K, white_B = (noise_variance * max(c, 1.0) * variance
                                 for c, variance in zip(correlation, fit.variances))
             share = min(rate_noise * fit.variances[1], 0.5)  # of the power of phi_B

@@ -47,6 +47,9 @@ class WindowFit(NamedTuple):
         there are too few blocks.
     by_acceleration : float
         Change of K for a force m a that is not fitted, per m.
+    offset, offset_variance : float
+        Force at phi_K = 0 [N], and its variance for white noise of variance 1; 0 where x_e is
+        not fitted.
 
     """
 
@@ -54,6 +57,28 @@ class WindowFit(NamedTuple):
     variances: tuple[float, float]
     scatter: tuple[float, float]
     by_acceleration: float
+    offset: float
+    offset_variance: float
+
+
+class WindowFits(NamedTuple):
+    """
+    Fits of one window.
+
+    Attributes
+    ----------
+    mean : WindowFit
+        With the parameters of the estimator.
+    end : WindowFit or None
+        With a trend of K_e, at the end of the window; None where the blocks are too few.
+    located : WindowFit or None
+        With x_e free; None where the estimator fits it.
+
+    """
+
+    mean: WindowFit
+    end: WindowFit | None
+    located: WindowFit | None
 
 
 class _Sums:
@@ -122,32 +147,33 @@ class _Sums:
         weights[1:] = -theta.T
         scores = (self._blocks @ weights)[:, 1:] * used[:, 1:].T  # (n, 5, k)
         spread = ((inverse[:, :2] @ scores.transpose(2, 1, 0)) ** 2).sum(axis=2)  # (k, 2)
-        unit = self.scale[1:3]
+        unit = self.scale[1:4]
         return tuple(
-            self._fit(values, variances, scatter, len(chosen), by_parts)
+            self._fit(values, variances, scatter, chosen, by_parts)
             for values, variances, scatter, chosen in zip(
-                (theta[:, :2] * unit).tolist(),
-                (inverse[:, (0, 1), (0, 1)] * unit**2).tolist(), (spread * unit**2).tolist(),
-                columns)
+                (theta[:, :3] * unit).tolist(),
+                (inverse[:, (0, 1, 2), (0, 1, 2)] * unit**2).tolist(),
+                (spread * unit[:2] ** 2).tolist(), columns)
         )
 
     def _fit(
-        self, values: list[float], variances: list[float], scatter: list[float], fitted: int,
-        by_parts: bool,
+        self, values: list[float], variances: list[float], scatter: list[float],
+        fitted: Sequence[int], by_parts: bool,
     ) -> WindowFit:
         count = len(self._blocks)
-        freedom = count - fitted
+        freedom = count - len(fitted)
         correction = count / freedom if freedom >= _LEAST_BLOCKS else nan
         # sum of d a = -sum of v v, by parts, where no mass is fitted
         lacking = -self.powers[2] * variances[0] if by_parts else 0.0
         return WindowFit(
             (values[0], values[1]), (variances[0], variances[1]),
-            (scatter[0] * correction, scatter[1] * correction), lacking)
+            (scatter[0] * correction, scatter[1] * correction), lacking,
+            *((values[2], variances[2]) if _LOCATION in fitted else (0.0, 0.0)))
 
 
 def fit_window(
     blocks: Sequence[Window], noise_variance: float, estimator: OnlineEstimator
-) -> tuple[WindowFit, ...]:
+) -> WindowFits | None:
     """
     Fit the window as the estimator does, with a trend of K_e, and with the location.
 
@@ -162,14 +188,13 @@ def fit_window(
 
     Returns
     -------
-    fits : tuple of WindowFit
-        As the estimator; at the end of the window; with x_e free, unless the estimator does so.
-        The first alone where the blocks are too few, none where the window holds no motion.
+    fits : WindowFits or None
+        None where the window holds no motion.
 
     """
     sums = _Sums(blocks)
     if sums.powers[1] <= _SMALLEST or sums.powers[2] <= _SMALLEST:
-        return ()
+        return None
     location_std = estimator.location_std
     has_mass = sums.powers[_MASS] > _SMALLEST
     fitted = [1, 2, *([_LOCATION] if location_std else []), *([_MASS] if has_mass else [])]
@@ -177,9 +202,8 @@ def fit_window(
     if location_std:
         scale = estimator.stiffness * location_std
         information = noise_variance / (scale * scale)
-    columns = [fitted]
-    if len(blocks) >= len(fitted) + 1 + _LEAST_BLOCKS:
-        columns += [[*fitted, _TREND]]
-        columns += [] if location_std else [[*fitted, _LOCATION]]
+    columns = [fitted, [*fitted, _TREND], *([] if location_std else [[*fitted, _LOCATION]])]
     by_parts = not issubclass(estimator.relation, TustinRelation)
-    return sums.fits(columns, information, by_parts)
+    mean, end, *located = sums.fits(columns, information, by_parts)
+    long = len(blocks) >= len(fitted) + 1 + _LEAST_BLOCKS
+    return WindowFits(mean, end if long else None, located[0] if located else None)
