@@ -82,6 +82,8 @@ setup(
             'numpydoc>=1.7',
             'sphinx>=7.3',
         ],
+        # Kinematics of arms. The wheels need numpy 2; with ROS 2 Jazzy use ros-jazzy-pinocchio.
+        'robots': ['pin>=3.0'],
         # The Jazzy line on PyPI; on a machine with /opt/ros leave this extra out.
         'ros': [
             'ros-jazzy-rclpy[fastrtps]==7.1.6',
