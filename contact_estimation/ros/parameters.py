@@ -70,7 +70,9 @@ def declare(node: Node, known: Iterable[ParameterSpecification]) -> dict[str, An
     for name, spec in specs.items():
         given = overrides[name].value if name in overrides else spec.default
         values[name] = spec.check(given)
-        node.declare_parameter(name, values[name], descriptor(spec), ignore_override=True)
+        value = values[name]
+        declared = list(value) if isinstance(value, tuple) else value
+        node.declare_parameter(name, declared, descriptor(spec), ignore_override=True)
     return values
 
 
@@ -137,7 +139,7 @@ def serve_changes(
             return SetParametersResult(successful=False, reason=str(error))
         return SetParametersResult(successful=True)
 
-    numbers = {spec.name for spec in known if isinstance(spec.default, float)}
+    numbers = {spec.name for spec in known if isinstance(spec.default, (float, tuple))}
     node.add_pre_set_parameters_callback(
         lambda parameters: [_as_number(p) if p.name in numbers else p for p in parameters]
     )
@@ -146,13 +148,15 @@ def serve_changes(
 
 def _as_number(parameter: Parameter) -> Parameter:
     """
-    Convert 500, '1e-06' and 'nan' to floating-point numbers.
+    Convert 500, '1e-06', 'nan' and [0, 0, 1] to floating-point numbers.
 
     `ros2 param set NAME 500` sends an integer, and `ros2 param load` sends what `ros2 param dump`
     has written as 1e-06 or nan as text.
 
     """
     value = parameter.value
+    if parameter.type_ == Parameter.Type.INTEGER_ARRAY:  # [0, 0, 1] of a parameter file
+        return Parameter(parameter.name, Parameter.Type.DOUBLE_ARRAY, [float(v) for v in value])
     if isinstance(value, (int, str)) and not isinstance(value, bool):
         try:
             return Parameter(parameter.name, Parameter.Type.DOUBLE, float(value))
