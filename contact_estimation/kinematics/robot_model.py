@@ -52,6 +52,8 @@ class RobotModel:
     continuous : tuple of bool
         For each joint, whether it turns without limits, so that its position is an angle modulo
         2 pi.
+    root_axes : ndarray, shape (3, 3)
+        Axes of the base in the root of the description, whose z points up.
 
     Raises
     ------
@@ -102,7 +104,8 @@ class RobotModel:
         self._aligned = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
         pin.framesForwardKinematics(self._model, self._data, pin.neutral(self._model))
         base_pose = self._data.oMf[self._place(base)]
-        self._from_root = base_pose.rotation.T.copy()
+        self.root_axes: Array = base_pose.rotation.copy()
+        self._from_root = self.root_axes.T
         self._root = base_pose.translation.copy()
         self._is_root = bool(np.array_equal(base_pose.homogeneous, np.eye(4)))
 
@@ -194,6 +197,32 @@ class RobotModel:
         J = self._library.computeFrameJacobian(
             self._model, self._data, self._configuration(q), place, self._aligned)
         return np.vstack([self._from_root @ J[:3], self._from_root @ J[3:]])
+
+    def in_tip(self, frame: str) -> Array | None:
+        """
+        Return the axes of a frame that is fixed to the tip.
+
+        Parameters
+        ----------
+        frame : str
+            A link.
+
+        Returns
+        -------
+        R : ndarray, shape (3, 3), or None
+            Its axes in the tip's frame; None where a joint lies between them.
+
+        Raises
+        ------
+        UnknownNameError, ModelFileError
+            As `pose`.
+
+        """
+        other, tip = (self._model.frames[place] for place in (self._place(frame), self._tip))
+        if other.parentJoint != tip.parentJoint:
+            return None
+        R: Array = tip.placement.rotation.T @ other.placement.rotation
+        return R
 
     def _in_base(self, place: int) -> Pose:
         pose = self._library.updateFramePlacement(self._model, self._data, place)
