@@ -52,6 +52,7 @@ setup(
     entry_points={
         'console_scripts': [
             'blind_trials = contact_estimation.commands.entry_points:blind_trials',
+            'calibrate_tool = contact_estimation.commands.entry_points:calibrate_tool',
             'estimator_node = contact_estimation.ros.estimator_node:main',
             'plant_node = contact_estimation.ros.plant_node:main',
             'recorder_node = contact_estimation.ros.recorder_node:main',

@@ -38,6 +38,7 @@ def _entry_point(name: str) -> Callable[[], int]:
 
 
 blind_trials = _entry_point('blind_trials')
+calibrate_tool = _entry_point('calibrate_tool')
 demonstrate = _entry_point('demonstrate')
 diagnose = _entry_point('diagnose')
 loop = _entry_point('loop')

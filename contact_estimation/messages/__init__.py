@@ -17,6 +17,7 @@
 from .decoding import (
     decode_float64,
     decode_string,
+    ForceTorqueDecoder,
     JointStateDecoder,
     SeveralJointsDecoder,
     TrajectoryDecoder,
@@ -36,6 +37,7 @@ from .readings import FORCE_OF_AXIS, JointReading, TrajectoryReading, WrenchRead
 
 __all__ = [
     'FORCE_OF_AXIS',
+    'ForceTorqueDecoder',
     'JointReading',
     'JointStateDecoder',
     'JointStateEncoder',
