@@ -55,6 +55,7 @@ class MessageInputs:
         self._joints = SeveralJointsDecoder(list(joints.values()))
         places = [_FORCES[axis] for axis in joints]
         self._columns = ['xyz'.index(axis) for axis in joints]
+        self._sign = session.parameters.force_sign
         one = slice(places[0], places[0] + 1)
         self._forces: Callable[..., Any] = itemgetter(*places if len(places) > 1 else (one,))
 
@@ -81,7 +82,10 @@ class MessageInputs:
         if reading.frame_id != self.frame_id and not self._accepts(reading.frame_id):
             self._session.count_rejected('wrench_frame_id')
             return []
-        return self._session.add_wrench(reading.stamp_ns, *self._forces(reading))
+        forces = self._forces(reading)
+        if self._sign < 0.0:
+            forces = [-force for force in forces]
+        return self._session.add_wrench(reading.stamp_ns, *forces)
 
     def process_joints(self, raw: bytes) -> list[Result]:
         """
@@ -129,7 +133,7 @@ class MessageInputs:
         if not self._accepts(self._wrench.frame_id):
             return None
         stamps_ns, *components = forces
-        columns = [components[column] for column in self._columns]
+        columns = [self._sign * components[column] for column in self._columns]
         return self._session.add_pairs(stamps_ns, columns, *motions[1:])
 
     def _accepts(self, frame_id: str) -> bool:

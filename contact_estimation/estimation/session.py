@@ -23,12 +23,14 @@ from typing import Any, Callable, Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from .arm import described_in_file, kinematics_of
 from .matrix_estimation import MatrixEstimation
 from .parameters import EstimationParameters
 from .pipeline import EstimationPipeline, NO_REFERENCE
 from .reference_stream import ReferenceStream
 from .result import AxesEstimates, Result
 from .schedule import Moment, Schedule
+from ..kinematics.contact_kinematics import ArmSample, ArmState, ContactKinematics
 from ..parameters.values import changed
 from ..reference.setpoints import Desired, Reference
 from ..signals.contact_sample import AxesSample
@@ -61,6 +63,10 @@ class ContactSession:
         Of the references generated.
     matrix : MatrixEstimation
         Of three coupled axes.
+    arm : ContactKinematics or None
+        Of the arm, where one is configured and described; see `describe`.
+    description : str
+        Text of the URDF of the arm, '' while there is none.
     last_stamp_ns : int
         Stamp of the last sample processed [ns].
 
@@ -76,7 +82,12 @@ class ContactSession:
         self._pipelines = list(self.pipelines.values())
         self.pipeline = self._pipelines[0]
         self.last_stamp_ns = _BEFORE_ANY
-        self._synchroniser = Synchroniser(parameters.synchronisation)
+        self.description = ''
+        self.arm: ContactKinematics | None = None
+        self._synchroniser = Synchroniser(
+            parameters.synchronisation, _arm_sample if parameters.kinematics.tip else None)
+        if parameters.kinematics.tip:
+            self.describe(described_in_file(parameters))
         self._generates = generate_reference
         self.stream = ReferenceStream(parameters, self._synchroniser.rejected)
         self.matrix = MatrixEstimation(parameters)
@@ -84,6 +95,25 @@ class ContactSession:
         self._follow(NO_REFERENCE)
         self._follows_reference = self.pipeline.estimator.follows_reference
         self._jumps = 0
+
+    def describe(self, description: str) -> None:
+        """
+        Set the description of the arm, without which none of its samples can be used.
+
+        Parameters
+        ----------
+        description : str
+            Text of the URDF; '' for none yet.
+
+        Raises
+        ------
+        ContactEstimationError
+            If it does not fit the parameters; the arm stays as it was.
+
+        """
+        if description:
+            self.arm = kinematics_of(self.parameters, description)
+            self.description = description
 
     @property
     def rejected(self) -> Counter[str]:
@@ -114,7 +144,7 @@ class ContactSession:
         stamp_ns : int
             Header stamp [ns].
         *forces : float
-            F_e along each axis of `pipelines` [N].
+            F_e along each axis of `pipelines` [N]; of an arm, force [N] and torque [N m].
 
         Returns
         -------
@@ -135,7 +165,7 @@ class ContactSession:
             Header stamp [ns].
         *motion : float
             x of each axis of `pipelines` [m], then its rate of each axis [m/s], NaN where not
-            measured.
+            measured; of an arm, q of each joint, then its rate.
 
         Returns
         -------
@@ -186,19 +216,27 @@ class ContactSession:
 
     def _process(self, samples: Sequence[AxesSample]) -> list[Result]:
         results: list[Result] = []
-        for axes in samples:
+        for paired in samples:
             if self._synchroniser.jumped:
                 self._restart_time()
             if self._schedule.actions or self._schedule.references:
-                self._apply_due(axes[0].stamp_ns)
+                self._apply_due(paired[0].stamp_ns)
+            axes, state = self._along_normal(paired)
             (estimates,) = self._estimate((axes,))
             reference_stamp_ns, reference = self.last_stamp_ns + self.stream.period_ns, None
             if self._generates:
                 reference = self.stream.step(axes[0], estimates[0])
                 if self._follows_reference:
                     self.add_reference(reference_stamp_ns, reference, self._jumps)
-            results.append(Result(axes[0], estimates, reference_stamp_ns, reference))
+            results.append(Result(axes[0], estimates, reference_stamp_ns, reference, state))
         return results
+
+    def _along_normal(self, paired: Any) -> tuple[AxesSample, ArmState | None]:
+        """Return the sample of the contact axis; one of an arm only when its turn has come."""
+        if self.arm is None:
+            return paired, None
+        self.arm.held = self.pipeline.contact  # as of the sample before
+        return (self.arm.contact(paired[0]),), self.arm.state
 
     def _estimate(self, run: Sequence[AxesSample]) -> list[AxesEstimates]:
         """Estimate from samples between which no change takes effect."""
@@ -273,6 +311,8 @@ class ContactSession:
         self.stream.configure(parameters)
         self.matrix.configure(parameters)
         self._synchroniser.configure(parameters.synchronisation)
+        if self.arm is not None:
+            self.arm.configure(parameters.tool)
         self._follows_reference = self.pipeline.estimator.follows_reference
         self.parameters = parameters
 
@@ -307,3 +347,10 @@ class ContactSession:
         if len(messages) == 1:
             return done, messages[self.parameters.axis]
         return done, '; '.join(f'{axis}: {text}' for axis, text in messages.items() if text)
+
+
+def _arm_sample(
+    stamp_ns: int, motion: Sequence[float], wrench: Sequence[float]
+) -> tuple[ArmSample]:
+    """Make the sample of an arm; it becomes a ContactSample when its turn comes."""
+    return (ArmSample(stamp_ns, motion, wrench),)

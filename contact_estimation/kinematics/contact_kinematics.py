@@ -21,9 +21,7 @@ from typing import NamedTuple, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
-from .parameters import ForceSensorParameters
 from .robot_model import RobotModel
 from .tool_load import load_map, STANDARD_GRAVITY, ToolParameters
 from ..exceptions import ParameterRangeError
@@ -93,8 +91,8 @@ class ContactKinematics:
         Normal and point.
     tool : ToolParameters
         Load of the tool on the sensor.
-    sensor : ForceSensorParameters
-        Where its link is empty, `use_sensor` gives it.
+    force_sign : float
+        -1 where the driver publishes the wrench that the robot applies.
 
     Attributes
     ----------
@@ -105,7 +103,7 @@ class ContactKinematics:
     held : bool
         See above.
     sensor : str
-        Link in whose axes the wrench is measured; '' while unknown.
+        Link in whose axes the wrench is measured, see `use_sensor`; '' before.
 
     Raises
     ------
@@ -116,7 +114,7 @@ class ContactKinematics:
 
     def __init__(
         self, model: RobotModel, contact: ContactParameters, tool: ToolParameters,
-        sensor: ForceSensorParameters,
+        force_sign: float = 1.0,
     ) -> None:
         self.model, self.held, self.sensor = model, False, ''
         self.state: ArmState | None = None
@@ -124,12 +122,14 @@ class ContactKinematics:
         self._normal = self._own_normal
         self._in_tip = contact.normal_frame == 'tip'
         self._point = np.array(contact.point) if any(contact.point) else None
-        self._mount = Rotation.from_euler('xyz', sensor.rpy).as_matrix()
+        self.configure(tool)
+        self._sign = force_sign
+        self._gravity = model.root_axes.T @ np.array([0.0, 0.0, -STANDARD_GRAVITY])
+
+    def configure(self, tool: ToolParameters) -> None:
+        """Set another load of the tool."""
         self._load, self._bias = load_map(tool)
         self._weighs = bool(self._load.any())
-        self._gravity = model.root_axes.T @ np.array([0.0, 0.0, -STANDARD_GRAVITY])
-        if sensor.frame:
-            self.use_sensor(sensor.frame)
 
     def use_sensor(self, frame: str) -> None:
         """
@@ -204,13 +204,13 @@ class ContactKinematics:
     def sensor_axes(self, motion: Sequence[float], R: Array) -> Array:
         """Return R_s, shape (3, 3), from a motion and the tip's axes R that belong to it."""
         if self._fixed is not None:
-            return R @ (self._fixed @ self._mount)
+            return R @ self._fixed
         axes, _ = self.model.pose(motion[:len(motion) // 2], self.sensor)
-        return axes @ self._mount
+        return axes
 
     def _compensated(self, measured: Sequence[float], R_sensor: Array) -> Array:
         """Return a wrench without the tool's weight and the zero of the sensor."""
-        wrench = np.array(measured, float) - self._bias
+        wrench = self._sign * np.array(measured, float) - self._bias
         if self._weighs:
             wrench -= self._load @ (self._gravity @ R_sensor)
         return wrench

@@ -34,6 +34,7 @@ from .encoding import (
     WrenchEncoder,
 )
 from .readings import FORCE_OF_AXIS, JointReading, TrajectoryReading, WrenchReading
+from .some_joints import SomeJointsDecoder
 
 __all__ = [
     'FORCE_OF_AXIS',
@@ -42,6 +43,7 @@ __all__ = [
     'JointStateDecoder',
     'JointStateEncoder',
     'SeveralJointsDecoder',
+    'SomeJointsDecoder',
     'TrajectoryDecoder',
     'TrajectoryEncoder',
     'TrajectoryReading',

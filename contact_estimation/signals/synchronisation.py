@@ -20,7 +20,7 @@ from collections import Counter, deque
 from dataclasses import dataclass
 from itertools import repeat
 from math import inf, isfinite, nan
-from typing import Sequence
+from typing import Any, Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +28,7 @@ from numpy.typing import NDArray
 from .contact_sample import AxesSample, ContactSample
 from ..parameters.specification import parameter, ParameterGroup
 
+MakeSample = Callable[[int, Sequence[float], Sequence[float]], Any]
 Columns = Sequence[NDArray[np.float64]]
 """An array of shape (N,) for each axis."""
 
@@ -61,10 +62,10 @@ class SynchronisationParameters(ParameterGroup):
         1e6, 'A larger force is rejected; set it to the range of the sensor', 'N', minimum=1.0
     )
     maximum_position: float = parameter(
-        1e3, 'A larger position is rejected', 'm', minimum=1e-3
+        1e3, 'A larger position (of an arm: of a joint) is rejected', 'm', minimum=1e-3
     )
     maximum_velocity: float = parameter(
-        1e3, 'A larger velocity is rejected', 'm/s', minimum=1e-3
+        1e3, 'A larger velocity (of an arm: of a joint) is rejected', 'm/s', minimum=1e-3
     )
 
 
@@ -81,6 +82,8 @@ class Synchroniser:
     ----------
     parameters : SynchronisationParameters
         Time limits and ranges.
+    sample : callable
+        Takes stamp, motion and forces and returns the sample; by default those of prismatic axes.
 
     Attributes
     ----------
@@ -93,7 +96,10 @@ class Synchroniser:
 
     """
 
-    def __init__(self, parameters: SynchronisationParameters) -> None:
+    def __init__(
+        self, parameters: SynchronisationParameters, sample: MakeSample | None = None
+    ) -> None:
+        self._sample = sample or _sample
         self.configure(parameters)
         self.rejected: Counter[str] = Counter()
         self.time_jumps = 0
@@ -142,7 +148,7 @@ class Synchroniser:
             last = motions[-1]  # the usual case: both stamps are equal
             motions.clear()
             motions.append(last)
-            return (_sample(stamp_ns, last[1], forces),)
+            return (self._sample(stamp_ns, last[1], forces),)
         self._wrenches.append((stamp_ns, forces))
         return self._pair()
 
@@ -182,7 +188,7 @@ class Synchroniser:
             forces = wrenches.popleft()[1]
             self._motions.clear()
             self._motions.append((stamp_ns, motion))
-            return (_sample(stamp_ns, motion, forces),)
+            return (self._sample(stamp_ns, motion, forces),)
         self._motions.append((stamp_ns, motion))
         if wrenches:
             return self._pair()
@@ -276,7 +282,7 @@ class Synchroniser:
             else:
                 motion = self._motion_at(stamp_ns)
                 if motion is not None:
-                    samples.append(_sample(stamp_ns, motion, forces))
+                    samples.append(self._sample(stamp_ns, motion, forces))
             wrenches.popleft()
         return samples
 
