@@ -24,6 +24,7 @@ from .session import ContactSession
 from ..exceptions import ContactEstimationError, RecordingError
 
 START, CHANGE, RESET, TARE = 'start', 'set_parameters', 'reset', 'tare'
+DESCRIPTION = 'robot_description'
 
 
 class EstimationEvent(NamedTuple):
@@ -33,11 +34,12 @@ class EstimationEvent(NamedTuple):
     Attributes
     ----------
     kind : str
-        'start', 'set_parameters', 'reset' or 'tare'.
+        'start', 'set_parameters', 'reset', 'tare' or 'robot_description'.
     after_stamp_ns : int
         Stamp of the sample after which it took effect [ns].
     parameters : mapping
-        All parameters at start, those changed, or those of `biases` at a tare.
+        All parameters at start, those changed, those of `biases` at a tare, or the text of the
+        URDF of an arm.
     jumps : int
         Number of backward clock jumps before it.
 
@@ -147,7 +149,8 @@ def apply_event(session: ContactSession, event: EstimationEvent) -> None:
     session : ContactSession
         The session to change.
     event : EstimationEvent
-        The event; 'start' has no effect.
+        The event; 'start' and 'robot_description' have no effect, since both must be known
+        before the first sample.
 
     """
     if event.kind == CHANGE:

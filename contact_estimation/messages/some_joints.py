@@ -74,7 +74,8 @@ def _present_joint_offsets(joints: Sequence[str], cursor: CdrCursor) -> list[int
         raise MessageError(
             'joint_unknown',
             f'none of the joints {", ".join(joints)} is in the message, which has '
-            f'{", ".join(names) or "no joint names"}; check kinematics.base, kinematics.tip and the topic',
+            f'{", ".join(names) or "no joint names"}; check kinematics.base, kinematics.tip and '
+            'the topic',
         )
     offsets: list[int | None] = []
     for joint in joints:
