@@ -89,6 +89,7 @@ def messages(every: int = 1, split: bool = False) -> list[tuple[str, int, bytes]
                     [0.0, *q_dot[part]], stamp_ns=stamp_ns,
                 )
                 listed.append(('/joint_states', stamp_ns, raw))
-        raw = wrench_bytes(wrench[:3], wrench[3:], stamp_ns=stamp_ns, frame_id='sensor')
+        force, torque = wrench[:3].tolist(), wrench[3:].tolist()
+        raw = wrench_bytes(force, torque, stamp_ns=stamp_ns, frame_id='sensor')
         listed.append(('/wrench', stamp_ns, raw))
     return listed

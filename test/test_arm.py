@@ -16,12 +16,12 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Mapping
 
 from arm_contact import (
     B_E, CENTRE, instants, K_E, LOCATION, MASS, messages, NORMAL, PARAMETERS, START,
 )
-from contact_estimation.estimation.arm_inputs import ArmInputs, inputs_of
+from contact_estimation.estimation.arm_inputs import inputs_of
 from contact_estimation.estimation.parameters import EstimationParameters
 from contact_estimation.estimation.result import Result
 from contact_estimation.estimation.session import ContactSession
@@ -36,10 +36,10 @@ pytest.importorskip('pinocchio')
 
 
 def run(
-    every: int = 1, split: bool = False, **estimation: Any
+    every: int = 1, split: bool = False, estimation: Mapping[str, Any] | None = None
 ) -> tuple[ContactSession, list[Result]]:
     """Process the messages of the arm."""
-    session = ContactSession(build(EstimationParameters, {**PARAMETERS, **estimation}))
+    session = ContactSession(build(EstimationParameters, {**PARAMETERS, **(estimation or {})}))
     session.describe(urdf())
     inputs, results = inputs_of(session), []
     for topic, _, raw in messages(every, split):
@@ -77,7 +77,7 @@ def test_the_compensated_wrench_is_that_of_the_contact_alone() -> None:
 
 
 def test_without_compensation_the_weight_is_taken_for_contact() -> None:
-    _, results = run(**{'tool.mass': 0.0})
+    _, results = run(estimation={'tool.mass': 0.0})
     error = results[10].sample.force - instants()[10].contact.force
     assert abs(error) == pytest.approx(MASS * 9.80665 * 0.8, rel=0.3)
 
@@ -95,7 +95,7 @@ def test_an_opposite_force_sign_is_corrected_before_the_tool() -> None:
 
 def test_a_normal_of_the_tip_is_held_in_contact() -> None:
     in_tip = pose(START)[:3, :3].T @ NORMAL
-    _, results = run(**{'contact.normal': in_tip.tolist(), 'contact.normal_frame': 'tip'})
+    _, results = run(estimation={'contact.normal': in_tip.tolist(), 'contact.normal_frame': 'tip'})
     arms = [r.arm for r in results if r.arm is not None]
     # The last sample before contact is detected decides; the arm turns a little on its way.
     normals = np.array([arm.normal for arm in arms])
@@ -106,7 +106,7 @@ def test_a_normal_of_the_tip_is_held_in_contact() -> None:
 
 def test_the_point_that_touches_may_be_off_the_tip() -> None:
     point = np.array([0.02, -0.01, 0.05])
-    _, results = run(**{'contact.point': point.tolist()})
+    _, results = run(estimation={'contact.point': point.tolist()})
     for instant, result in list(zip(instants(), results))[::200]:
         T = pose(tuple(instant.q))
         assert result.sample.position == pytest.approx(
@@ -132,9 +132,8 @@ def test_a_wrench_in_an_unknown_frame_is_refused_with_the_reason() -> None:
     session = ContactSession(build(EstimationParameters, PARAMETERS))
     session.describe(urdf())
     inputs = inputs_of(session)
-    assert isinstance(inputs, ArmInputs)
     inputs.process_wrench(wrench_bytes([0.0] * 3, frame_id='senser'))
-    assert "'senser'; did you mean 'sensor'" in inputs.problem
+    assert "'senser'; did you mean 'sensor'" in session.problem
     assert session.rejected == {'wrench_frame_unknown': 1}
 
 
@@ -153,7 +152,7 @@ def test_parameters_that_do_not_fit_are_refused(changes: dict[str, Any], text: s
 
 
 def test_centre_of_the_tool_matters_for_torque_only() -> None:
-    _, results = run(**{'tool.centre': (2.0 * CENTRE).tolist()})
+    _, results = run(estimation={'tool.centre': (2.0 * CENTRE).tolist()})
     free = results[10].arm
     assert free is not None and np.abs(free.wrench[3:]).max() > 0.05
     assert results[10].sample.force == pytest.approx(instants()[10].contact.force, abs=1e-9)

@@ -45,7 +45,8 @@ def record(path: Path, every: int = 1, description: str = '', metadata: bool = F
             writer.write('/robot_description', STRING, encode_string(urdf()), stamp_ns)
         if description == 'event':
             event = EstimationEvent(DESCRIPTION, 0, {'text': urdf()})
-            writer.write('/estimator_node/events', STRING, encode_string(event.to_text()), stamp_ns)
+            raw = encode_string(event.to_text())
+            writer.write('/estimator_node/events', STRING, raw, stamp_ns)
         if metadata:
             writer.write_metadata(RECORD, to_metadata(PARAMETERS))
     return path

@@ -26,6 +26,11 @@ from ..kinematics.robot_model import RobotModel
 if TYPE_CHECKING:
     from .parameters import EstimationParameters
 
+NO_DESCRIPTION = (
+    'no robot description yet: publish it on robot_description (robot_state_publisher does), or '
+    'set robot_description_file'
+)
+
 
 def check_arm(parameters: EstimationParameters) -> None:
     """
@@ -91,7 +96,8 @@ def kinematics_of(parameters: EstimationParameters, description: str) -> Contact
     p = parameters
     model = RobotModel(description, p.kinematics.base, p.kinematics.tip)
     frame = p.force_sensor.frame or p.frame_id
-    kinematics = ContactKinematics(model, p.contact, p.tool, p.force_sign)
+    kinematics = ContactKinematics(
+        model, p.contact, p.tool, p.force_sign, p.force_sensor.rpy)
     if frame:
         kinematics.use_sensor(frame)
     return kinematics

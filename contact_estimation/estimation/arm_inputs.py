@@ -42,17 +42,15 @@ class ArmInputs:
     ----------
     frame_id : str
         Frame of the wrenches: as configured, else that of the first wrench; '' before it.
-    problem : str
-        Why wrenches cannot be used, '' where they can.
 
     """
 
     def __init__(self, session: ContactSession) -> None:
         self._session = session
         self.frame_id = session.parameters.frame_id
-        self.problem = ''
         self._wrench = ForceTorqueDecoder()
         self._joints: SomeJointsDecoder | None = None
+        self._lacking = ''
 
     def process_wrench(self, raw: bytes) -> list[Result]:
         """
@@ -101,7 +99,17 @@ class ArmInputs:
         except MessageError as error:
             self._session.count_rejected(f'joint_states_{error.reason}')
             return []
-        return [] if row is None else self._session.add_motion(row[0], *row[1])
+        if row is not None:
+            if self._lacking:
+                self._session.problem = self._lacking = ''
+            return self._session.add_motion(row[0], *row[1])
+        arm = self._session.arm
+        names = [arm.model.joint_names[k] for k in self._merger.missing] if arm else []
+        if arm and names:
+            self._session.problem = self._lacking = (
+                f'no joint state has {", ".join(names)}, which the arm from '
+                f'{arm.model.base} to {arm.model.tip} needs; check the topic and kinematics.*')
+        return []
 
     def process_pairs(
         self, wrenches: Sequence[bytes], joints: Sequence[bytes]
@@ -133,10 +141,10 @@ class ArmInputs:
         try:
             arm.use_sensor(arm.sensor or frame_id)
         except ContactEstimationError as error:
-            self.frame_id, self.problem = '', f'frame of the wrench: {error}'
+            self.frame_id, self._session.problem = '', f'frame of the wrench: {error}'
             self._session.count_rejected('wrench_frame_unknown')
             return False
-        self.problem = ''
+        self._session.problem = ''
         return True
 
 

@@ -23,7 +23,7 @@ from typing import Any, Callable, Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from .arm import described_in_file, kinematics_of
+from .arm import described_in_file, kinematics_of, NO_DESCRIPTION
 from .matrix_estimation import MatrixEstimation
 from .parameters import EstimationParameters
 from .pipeline import EstimationPipeline, NO_REFERENCE
@@ -67,6 +67,8 @@ class ContactSession:
         Of the arm, where one is configured and described; see `describe`.
     description : str
         Text of the URDF of the arm, '' while there is none.
+    problem : str
+        Why no sample of the arm can be used; '' where they can.
     last_stamp_ns : int
         Stamp of the last sample processed [ns].
 
@@ -82,11 +84,12 @@ class ContactSession:
         self._pipelines = list(self.pipelines.values())
         self.pipeline = self._pipelines[0]
         self.last_stamp_ns = _BEFORE_ANY
-        self.description = ''
+        self.description = self.problem = ''
         self.arm: ContactKinematics | None = None
         self._synchroniser = Synchroniser(
             parameters.synchronisation, _arm_sample if parameters.kinematics.tip else None)
         if parameters.kinematics.tip:
+            self.problem = NO_DESCRIPTION
             self.describe(described_in_file(parameters))
         self._generates = generate_reference
         self.stream = ReferenceStream(parameters, self._synchroniser.rejected)
@@ -113,7 +116,7 @@ class ContactSession:
         """
         if description:
             self.arm = kinematics_of(self.parameters, description)
-            self.description = description
+            self.description, self.problem = description, ''
 
     @property
     def rejected(self) -> Counter[str]:

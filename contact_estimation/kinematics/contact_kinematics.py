@@ -21,6 +21,7 @@ from typing import NamedTuple, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from .robot_model import RobotModel
 from .tool_load import load_map, STANDARD_GRAVITY, ToolParameters
@@ -94,6 +95,9 @@ class ContactKinematics:
     force_sign : float
         -1 where the driver publishes the wrench that the robot applies.
 
+    mount : sequence of float
+        Roll, pitch and yaw of the sensor's axes in its link [rad].
+
     Attributes
     ----------
     model : RobotModel
@@ -114,7 +118,7 @@ class ContactKinematics:
 
     def __init__(
         self, model: RobotModel, contact: ContactParameters, tool: ToolParameters,
-        force_sign: float = 1.0,
+        force_sign: float = 1.0, mount: Sequence[float] = (0.0, 0.0, 0.0),
     ) -> None:
         self.model, self.held, self.sensor = model, False, ''
         self.state: ArmState | None = None
@@ -124,6 +128,7 @@ class ContactKinematics:
         self._point = np.array(contact.point) if any(contact.point) else None
         self.configure(tool)
         self._sign = force_sign
+        self._mount = Rotation.from_euler('xyz', mount).as_matrix()
         self._gravity = model.root_axes.T @ np.array([0.0, 0.0, -STANDARD_GRAVITY])
 
     def configure(self, tool: ToolParameters) -> None:
@@ -146,7 +151,8 @@ class ContactKinematics:
             If it is none, or joints outside the chain move it.
 
         """
-        self._fixed = self.model.in_tip(frame)
+        fixed = self.model.in_tip(frame)
+        self._fixed = None if fixed is None else fixed @ self._mount
         self.sensor = frame
 
     def contact(self, sample: ArmSample) -> ContactSample:
@@ -206,7 +212,7 @@ class ContactKinematics:
         if self._fixed is not None:
             return R @ self._fixed
         axes, _ = self.model.pose(motion[:len(motion) // 2], self.sensor)
-        return axes
+        return axes @ self._mount
 
     def _compensated(self, measured: Sequence[float], R_sensor: Array) -> Array:
         """Return a wrench without the tool's weight and the zero of the sensor."""

@@ -41,3 +41,7 @@ class ForceSensorParameters(ParameterGroup):
     frame: str = parameter(
         '', "Link of the force sensor; empty: the frame_id of the wrench's header", read_only=True
     )
+    rpy: tuple[float, ...] = parameter(
+        (0.0, 0.0, 0.0), "Roll, pitch and yaw of the sensor's axes in that link, where the "
+        'robot description lacks its mounting', 'rad', read_only=True,
+    )

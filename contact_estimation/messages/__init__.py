@@ -28,6 +28,7 @@ from .encoding import (
     encode_float64,
     encode_multi_array,
     encode_string,
+    ForceTorqueEncoder,
     JointStateEncoder,
     TrajectoryEncoder,
     Vector3StampedEncoder,
@@ -39,6 +40,7 @@ from .some_joints import SomeJointsDecoder
 __all__ = [
     'FORCE_OF_AXIS',
     'ForceTorqueDecoder',
+    'ForceTorqueEncoder',
     'JointReading',
     'JointStateDecoder',
     'JointStateEncoder',

@@ -129,6 +129,8 @@ class EstimatorDiagnostics:
         newly, self._rejected_before = rejected - self._rejected_before, rejected
         if silent > self.silence_s:
             return DiagnosticStatus.STALE, f'no wrench for {silent:.1f} s; is the sensor running?'
+        if session.problem:
+            return DiagnosticStatus.WARN, session.problem
         if estimate is None:
             return DiagnosticStatus.WARN, 'wrenches come, but no joint state matches their stamps'
         if newly:

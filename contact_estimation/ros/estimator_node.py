@@ -31,12 +31,22 @@ from .estimator_diagnostics import EstimatorDiagnostics
 from .estimator_node_parameters import EstimatorNodeParameters
 from .parameters import declare, serve_changes
 from .running import run_node
-from ..estimation.events import biases, CHANGE, EstimationEvent, event_now, RESET, START, TARE
-from ..estimation.inputs import MessageInputs
+from ..estimation.arm_inputs import inputs_of
+from ..estimation.events import (
+    biases,
+    CHANGE,
+    DESCRIPTION,
+    EstimationEvent,
+    event_now,
+    RESET,
+    START,
+    TARE,
+)
 from ..estimation.parameters import EstimationParameters
 from ..estimation.result import Result
 from ..estimation.session import ContactSession
-from ..exceptions import MessageError
+from ..estimation.target_pose import target_pose
+from ..exceptions import ContactEstimationError, MessageError, ParameterRangeError
 from ..messages import TrajectoryDecoder
 from ..parameters.specification import ParameterSpecification, specifications
 from ..parameters.values import build, changed, divided, flatten
@@ -71,6 +81,7 @@ class EstimatorNode(Node):
         estimation, own = divided(EstimatorNodeParameters, declare(self, all_specifications()))
         self._own = build(EstimatorNodeParameters, own)
         self._session = ContactSession(build(EstimationParameters, estimation))
+        self._check(self._own)
         self._lock = Lock()
         self._last: Result | None = None
         parameters = self._session.parameters
@@ -79,6 +90,8 @@ class EstimatorNode(Node):
         self._outputs.use(parameters.frame_id, self._axes)
         self._events = self.create_publisher(String, '~/events', topics.EVENTS_QOS)
         self._event(event_now(self._session, START, flatten(self._session.parameters)))
+        if self._session.arm is not None:
+            self._describe(self._session.description)
         if self._session.pipeline.estimator.limitation:
             self.get_logger().warning(self._session.pipeline.estimator.limitation)
         self._diagnostics = EstimatorDiagnostics(self.get_name(), self._own.silence_s)
@@ -92,7 +105,7 @@ class EstimatorNode(Node):
         serve_changes(self, all_specifications(), self._change_parameters)
 
     def _subscribe(self) -> None:
-        self._inputs = MessageInputs(self._session)
+        self._inputs = inputs_of(self._session)
         self._desired = TrajectoryDecoder()
         data = RawSubscriptions(self, self._own.dedicated_wait_set)
         # Served in this order: setpoint and motion of an instant precede its wrench.
@@ -103,6 +116,9 @@ class EstimatorNode(Node):
         ):
             data.subscribe(topic, type_name, topics.INPUT_QOS, callback, wakes)
         self._thread = DataThread(data, self._diagnostics.failed)
+        if self._session.parameters.kinematics.tip and self._session.arm is None:
+            self.create_subscription(
+                String, topics.ROBOT_DESCRIPTION, self._on_description, topics.DESCRIPTION_QOS)
 
     def start(self) -> None:
         """Start the data thread."""
@@ -137,18 +153,59 @@ class EstimatorNode(Node):
 
     def _publish(self, results: Sequence[Result]) -> None:
         for result in results:
-            self._outputs.publish(result, self._own.publish_target_pose)
+            self._outputs.publish(result)
+            if self._own.publish_target_pose:
+                self._publish_target(result)
             self._last = result
             self._diagnostics.published(result.sample.stamp_ns)
         for matrices in self._session.matrix.take():
             self._outputs.publish_matrices(matrices)
 
+    def _publish_target(self, result: Result) -> None:
+        parameters = self._session.parameters
+        pose = target_pose(result, parameters.reference.limits)
+        if pose is None:
+            self._session.count_rejected('target_pose_out_of_limits')
+        else:
+            self._outputs.publish_pose(pose, parameters.kinematics.base)
+
     # -- events -----------------------------------------------------------------------------
+
+    def _check(self, own: EstimatorNodeParameters) -> None:
+        """Refuse poses for a robot of which only one coordinate is known."""
+        if own.publish_target_pose and not self._session.parameters.kinematics.tip:
+            raise ParameterRangeError(
+                'publish_target_pose needs the pose of an arm, but kinematics.tip is empty; set '
+                'kinematics.base, kinematics.tip and contact.normal, or let the controller of a '
+                'single axis follow reference_trajectory'
+            )
+
+    def _on_description(self, message: String) -> None:
+        with self._lock:
+            if self._session.arm is not None:
+                return  # a change while running is another robot: start again
+            try:
+                self._session.describe(message.data)
+            except ContactEstimationError as error:
+                self._session.problem = str(error)
+                self.get_logger().error(str(error))
+                return
+            self._describe(message.data)
+
+    def _describe(self, description: str) -> None:
+        """Report the arm, and keep its description among the events, for replay."""
+        arm = self._session.arm
+        assert arm is not None
+        self._event(event_now(self._session, DESCRIPTION, {'text': description}))
+        self.get_logger().info(
+            f'arm from {arm.model.base} to {arm.model.tip}: joints '
+            f'{", ".join(arm.model.joint_names)}')
 
     def _change_parameters(self, changes: Mapping[str, Any]) -> None:
         estimation, own = divided(EstimatorNodeParameters, changes)
         with self._lock:
             new_own = changed(self._own, own)
+            self._check(new_own)
             if estimation:
                 self._session.change_parameters(estimation)
                 self._event(event_now(self._session, CHANGE, estimation))

@@ -32,7 +32,8 @@ class EstimatorNodeParameters(ParameterGroup):
         0.5, 'Diagnostics are stale after this time without a wrench', 's', minimum=0.01
     )
     publish_target_pose: bool = parameter(
-        False, 'Publish x_r as a pose on ~/target_pose, for Cartesian controllers'
+        False, 'Publish the measured pose with x_r along the normal on ~/target_pose, for '
+        'Cartesian controllers of an arm (kinematics.tip)'
     )
     dedicated_wait_set: bool = parameter(
         True, 'Serve data on a dedicated wait set; false: on the executor, as usual in rclpy',

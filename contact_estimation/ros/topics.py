@@ -22,17 +22,26 @@ WRENCH = 'wrench'
 JOINT_STATES = 'joint_states'
 DESIRED = 'desired_trajectory'
 REFERENCE = 'reference_trajectory'
+ROBOT_DESCRIPTION = 'robot_description'
 DIAGNOSTICS = '/diagnostics'
 
 FLOAT64 = 'std_msgs/msg/Float64'
 STRING = 'std_msgs/msg/String'
 VECTOR3 = 'geometry_msgs/msg/Vector3Stamped'
+WRENCH_TYPE = 'geometry_msgs/msg/WrenchStamped'
 TRAJECTORY = 'trajectory_msgs/msg/JointTrajectory'
 
 INPUT_QOS = QoSProfile(depth=100, reliability=ReliabilityPolicy.BEST_EFFORT)
 """Matches any publisher; deep, so that no message is dropped while the machine stalls."""
 
 OUTPUT_QOS = QoSProfile(depth=100, reliability=ReliabilityPolicy.RELIABLE)
+
+DESCRIPTION_QOS = QoSProfile(
+    depth=1,
+    reliability=ReliabilityPolicy.RELIABLE,
+    durability=DurabilityPolicy.TRANSIENT_LOCAL,
+)
+"""As of robot_state_publisher, which publishes the description once."""
 
 EVENTS_QOS = QoSProfile(
     depth=1000,

@@ -82,8 +82,14 @@ class JointMerger:
         rows.append((stamp_ns, values))
         return self._merged()
 
+    @property
+    def missing(self) -> list[int]:
+        """Places of the joints that no message has had."""
+        seen = {place for places in self._sources for place in places}
+        return [place for place in range(self._count) if place not in seen]
+
     def _merged(self) -> Row | None:
-        if len({place for places in self._sources for place in places}) < self._count:
+        if self.missing:
             return None
         stamp_ns = min(rows[-1][0] for rows in self._sources.values())
         if stamp_ns <= self._given_ns:
