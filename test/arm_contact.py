@@ -65,8 +65,8 @@ def instants(contact_s: float = 1.5) -> tuple[Instant, ...]:
         force = NORMAL * sample.force + drag * (sample.force < -5.0)
         to_sensor = pose(tuple(q), 'sensor')[:3, :3].T
         weight = pose(tuple(q), 'sensor', 'world')[:3, :3].T @ [0.0, 0.0, -9.80665 * MASS]
-        wrench = np.r_[to_sensor @ force + weight, np.cross(CENTRE, weight)]
-        found.append(Instant(sample, q, q_dot, wrench))
+        wrench: Array = np.r_[to_sensor @ force + weight, np.cross(CENTRE, weight)]
+        found.append(Instant(sample, q, np.asarray(q_dot, float), wrench))
     return tuple(found)
 
 

@@ -16,6 +16,7 @@
 
 from __future__ import annotations
 
+from array import array
 from math import inf
 from typing import Any, Callable, Iterable, Mapping
 
@@ -68,7 +69,7 @@ def declare(node: Node, known: Iterable[ParameterSpecification]) -> dict[str, An
             raise UnknownNameError.among(f'parameter of {node.get_name()}', name, specs)
     values = {}
     for name, spec in specs.items():
-        given = overrides[name].value if name in overrides else spec.default
+        given = _plain(overrides[name].value) if name in overrides else spec.default
         values[name] = spec.check(given)
         value = values[name]
         declared = list(value) if isinstance(value, tuple) else value
@@ -132,7 +133,8 @@ def serve_changes(
     """
 
     def on_set(parameters: list[Any]) -> SetParametersResult:
-        changes = {p.name: p.value for p in parameters if not p.name.startswith(_OF_RCLPY)}
+        changes = {p.name: _plain(p.value) for p in parameters
+                   if not p.name.startswith(_OF_RCLPY)}
         try:
             change(changes)
         except ContactEstimationError as error:
@@ -144,6 +146,11 @@ def serve_changes(
         lambda parameters: [_as_number(p) if p.name in numbers else p for p in parameters]
     )
     node.add_on_set_parameters_callback(on_set)
+
+
+def _plain(value: Any) -> Any:
+    """Turn the array that rclpy makes of a list into a list."""
+    return value.tolist() if isinstance(value, array) else value
 
 
 def _as_number(parameter: Parameter) -> Parameter:
