@@ -18,11 +18,13 @@ from __future__ import annotations
 
 from collections import Counter
 from itertools import repeat
+from math import nan
 from typing import Any, Callable, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .checks.input_checks import InputChecks
 from .matrix_estimation import MatrixEstimation
 from .parameters import EstimationParameters
 from .pipeline import EstimationPipeline, NO_REFERENCE
@@ -61,8 +63,12 @@ class ContactSession:
         Of the references generated.
     matrix : MatrixEstimation
         Of three coupled axes.
-    last_stamp_ns : int
-        Stamp of the last sample processed [ns].
+    checks : InputChecks
+        On-line checks of the inputs.
+    rejection_texts : dict of str to str
+        The last text of each reason for which a message was rejected.
+    last_stamp_ns, last_position : int, float
+        Stamp [ns] and position along the contact axis [m] of the last sample processed.
 
     """
 
@@ -75,7 +81,9 @@ class ContactSession:
         }
         self._pipelines = list(self.pipelines.values())
         self.pipeline = self._pipelines[0]
-        self.last_stamp_ns = _BEFORE_ANY
+        self.checks = InputChecks(parameters, self.pipelines)
+        self.rejection_texts: dict[str, str] = {}
+        self.last_stamp_ns, self.last_position = _BEFORE_ANY, nan
         self._synchroniser = Synchroniser(parameters.synchronisation)
         self._generates = generate_reference
         self.stream = ReferenceStream(parameters, self._synchroniser.rejected)
@@ -99,6 +107,11 @@ class ContactSession:
     def time_jumps(self) -> int:
         """Number of backward clock jumps."""
         return self._synchroniser.time_jumps
+
+    @property
+    def motion_lag_s(self) -> float:
+        """Newest stamp of a wrench less that of a joint state [s]; NaN before both."""
+        return self._synchroniser.motion_lag_s
 
     @property
     def moment(self) -> Moment:
@@ -143,6 +156,7 @@ class ContactSession:
             One for each sample completed by this joint state.
 
         """
+        self.checks.joint_stamps.append(stamp_ns)
         samples = self._synchroniser.add_motion(stamp_ns, motion)
         return self._process(samples) if samples else []
 
@@ -172,6 +186,7 @@ class ContactSession:
         samples = self._synchroniser.add_pairs(stamps_ns, forces, positions, velocities)
         if samples is None:
             return None
+        self.checks.joint_stamps.extend(stamps_ns.tolist())
         estimates: list[AxesEstimates] = []
         while len(estimates) < len(samples):
             begin = len(estimates)
@@ -180,9 +195,10 @@ class ContactSession:
             estimates += self._estimate(samples[begin:end])
         return estimates
 
-    def count_rejected(self, reason: str) -> None:
-        """Count a message that could not be used, for a reason."""
+    def count_rejected(self, reason: str, text: str = '') -> None:
+        """Count a message that could not be used, for a reason, with a text that explains it."""
         self._synchroniser.rejected[reason] += 1
+        self.rejection_texts[reason] = text
 
     def _process(self, samples: Sequence[AxesSample]) -> list[Result]:
         results: list[Result] = []
@@ -202,9 +218,14 @@ class ContactSession:
 
     def _estimate(self, run: Sequence[AxesSample]) -> list[AxesEstimates]:
         """Estimate from samples between which no change takes effect."""
-        self.last_stamp_ns = run[-1][0].stamp_ns
-        columns = map(EstimationPipeline.process, self._pipelines, zip(*run), self._followed)
-        estimates = list(zip(*columns))
+        self.last_stamp_ns, self.last_position, *_ = run[-1][0]
+        estimates: list[AxesEstimates] = []
+        for part in self.checks.parts(run):
+            columns = map(
+                EstimationPipeline.process, self._pipelines, zip(*part), self._followed)
+            done = list(zip(*columns))
+            self.checks.add(part, done)
+            estimates += done
         self.matrix.process(run, estimates)
         return estimates
 
@@ -218,6 +239,7 @@ class ContactSession:
         self._jumps += 1
         for pipeline in self._pipelines:
             pipeline.restart_time()
+        self.checks.restart()
         self.stream.restart()
         self._follow(NO_REFERENCE)
         self.last_stamp_ns = _BEFORE_ANY
@@ -272,6 +294,7 @@ class ContactSession:
             pipeline.configure(parameters.of_axis(axis))
         self.stream.configure(parameters)
         self.matrix.configure(parameters)
+        self.checks.configure(parameters)
         self._synchroniser.configure(parameters.synchronisation)
         self._follows_reference = self.pipeline.estimator.follows_reference
         self.parameters = parameters
@@ -281,6 +304,7 @@ class ContactSession:
         self.matrix.reset()
         for pipeline in self._pipelines:
             pipeline.reset()
+        self.checks.reset()
 
     def set_bias(self, bias: Mapping[str, float]) -> None:
         """Set the force by axis that is subtracted from the measured F_e [N], see `tare`."""
