@@ -215,6 +215,12 @@ class EstimationPipeline:
         return math.sqrt(self._conditioner.detector.noise_variance)
 
     @property
+    def contact_threshold(self) -> float:
+        """Force above which contact begins [N]."""
+        contact = self.parameters.contact
+        return max(contact.on_ratio * self.noise_std, contact.minimum_force)
+
+    @property
     def free_flight_level(self) -> float:
         """Mean pressing force in free flight [N]; far from 0, a tare is due."""
         return self._conditioner.detector.level
@@ -297,6 +303,9 @@ class EstimationPipeline:
         """Return why the estimate of each sample is withheld; None: none is."""
         dts, contact = conditioned.dts, conditioned.contact
         surface = self.location
+        if not self.invalid and self.touch_down.pass_over(
+                dts, contact, samples[-1][1] - surface):
+            return None
         depths = [sample[1] - surface for sample in samples]
         if conditioned.shifts:
             depths = [depth - shift for depth, shift in zip(depths, conditioned.shifts)]

@@ -109,9 +109,13 @@ class ContactSession:
         return self._synchroniser.time_jumps
 
     @property
-    def motion_lag_s(self) -> float:
-        """Newest stamp of a wrench less that of a joint state [s]; NaN before both."""
-        return self._synchroniser.motion_lag_s
+    def motion_lag(self) -> str:
+        """How far the newest joint state is behind the newest wrench, in words."""
+        lag_s = self._synchroniser.motion_lag_s
+        if lag_s != lag_s:
+            return 'none has come; is joint_states published, or remapped?'
+        return (f'the newest joint state is {lag_s:.3g} s behind the wrench; start its driver, '
+                'synchronise the clocks, or set synchronisation.offset')
 
     @property
     def moment(self) -> Moment:

@@ -32,6 +32,9 @@ CLEAR = 8.0
 """Spread of a force, in standard deviations of its noise, that is clearly no noise."""
 
 
+_LOADED = 4.0  # standard deviations
+
+
 class Warned(NamedTuple):
     """
     An active warning.
@@ -122,14 +125,21 @@ class Evidence:
         return self.parameters.contact.force_noise
 
     @cached_property
+    def rate(self) -> Array:
+        """Rate of x, measured or by differences [m/s]."""
+        if np.isfinite(self.v).all():
+            return self.v
+        return np.asarray(np.gradient(self.x, self.t))
+
+    @cached_property
     def spread(self) -> float:
         """Range of the force without its extremes [N]."""
         return spread_of(self.force)
 
     @cached_property
     def slope_sign(self) -> float:
-        """Correlation of force and position."""
-        return correlation(self.x, self.force)
+        """Correlation of force and position where there is a force."""
+        return loaded_correlation(self.x, self.force, self.noise)
 
 
 class Check(ABC):
@@ -179,6 +189,28 @@ class Check(ABC):
         """
 
 
+def loaded_correlation(x: Array, force: Array, noise: float) -> float:
+    """
+    Return the correlation of force and position over the positions at which there is a force.
+
+    Free flight before a contact would hide it.
+
+    Parameters
+    ----------
+    x, force : ndarray, shape (N,)
+        Position [m] and force [N].
+    noise : float
+        Standard deviation of the force [N].
+
+    """
+    away = np.abs(force - np.mean(force[:max(1, len(force) // 10)]))
+    loaded = away > _LOADED * noise
+    if not loaded.any():
+        return 0.0
+    near = (x >= x[loaded].min()) & (x <= x[loaded].max())
+    return correlation(x[near], force[near])
+
+
 def spread_of(values: Array) -> float:
     """
     Return the range of values without their outermost 2 %.
@@ -189,8 +221,23 @@ def spread_of(values: Array) -> float:
         Any unit, N > 0.
 
     """
-    low, high = np.quantile(values, (0.02, 0.98))
-    return float(high - low)
+    low, high = extremes(values)
+    return high - low
+
+
+def extremes(values: Array) -> tuple[float, float]:
+    """
+    Return the least and the greatest value without the outermost 2 %.
+
+    Parameters
+    ----------
+    values : ndarray, shape (N,)
+        Any unit, N > 0.
+
+    """
+    out = int(0.02 * len(values))
+    ordered = np.sort(values)  # several times as fast as np.quantile
+    return float(ordered[out]), float(ordered[len(values) - 1 - out])
 
 
 def correlation(a: Array, b: Array) -> float:

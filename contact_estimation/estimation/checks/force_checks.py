@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .check import Check, CLEAR, Evidence, Forces, spread_of
+from .check import Check, CLEAR, Evidence, extremes, Forces, loaded_correlation, spread_of
 
 _RELATED = 0.8  # correlation of force and position
 _PULLS_LESS = 3.0  # standard deviations that a one-sided force may reach on the other side
@@ -46,7 +46,7 @@ class ForceSign(Check):
             return ''
         if seen.slope_sign < _RELATED:
             return None
-        low, high = np.quantile(seen.force, (0.02, 0.98))
+        low, high = extremes(seen.force)
         if low > -_PULLS_LESS * seen.noise and not seen.contact.any():
             return (f'force grows to {high:+.3g} N with penetration, but F_e is negative while '
                     'pressing; change the sign of the wrench')
@@ -85,8 +85,7 @@ class OtherAxis(Check):
         size = spread_of(other.force)
         if size < max(CLEAR * seen.noise, _STRONGER * seen.spread):
             return False
-        a, b = other.x - np.mean(other.x), other.force - np.mean(other.force)
-        return bool(abs(a @ b) > _RELATED * np.sqrt((a @ a) * (b @ b)))
+        return abs(loaded_correlation(other.x, other.force, seen.noise)) > _RELATED
 
 
 class OutsideForce(Check):
@@ -106,7 +105,7 @@ class OutsideForce(Check):
             return None
         if seen.contact.any():
             return ''
-        pressing = -float(np.quantile(seen.force, 0.02))
+        pressing = -extremes(seen.force)[0]
         x = float(np.median(seen.x[seen.force <= -0.5 * pressing])) if pressing > 0.0 else 0.0
         outside = seen.pipeline.location - x
         if (seen.slope_sign > -_RELATED or pressing < CLEAR * seen.noise

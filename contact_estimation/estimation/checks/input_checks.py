@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from collections import deque
 from math import inf, nan
-from typing import Any, Iterator, Mapping, NamedTuple, Sequence
+from typing import Any, Mapping, NamedTuple, Sequence
 
 import numpy as np
 
@@ -34,6 +34,7 @@ _LEAST_BLOCK = 25  # samples
 _BLOCKS = 4  # of a window
 _KEPT = 50_000  # wrenches and joint stamps while no sample comes
 _NOTHING = np.zeros(0)
+_FREE = EstimateStatus.FREE
 _RELEVANT = ('environment', 'further_axes', 'synchronisation', 'contact')
 
 
@@ -92,6 +93,7 @@ class InputChecks:
         """Forget all evidence and all warnings."""
         self.found: dict[tuple[str, str], Found] = {}
         self._travel = {axis: (inf, -inf) for axis in self._pipelines}
+        self._pressing = {axis: -inf for axis in self._pipelines}
         self._clear()
 
     def _clear(self) -> None:
@@ -104,7 +106,7 @@ class InputChecks:
         """Start a new window, as after a clock jump; warnings stay."""
         self._block = max(_LEAST_BLOCK, round(_BLOCK_S * self._p.sample_rate))
         self._samples: list[AxesSample] = []
-        self._contact: list[tuple[bool, ...]] = []
+        self._estimates: list[AxesEstimates] = []
         self._windows: dict[str, deque[Array]] = {
             axis: deque(maxlen=_BLOCKS) for axis in self._pipelines}
         self._others: deque[Array] = deque(maxlen=_BLOCKS)
@@ -118,7 +120,7 @@ class InputChecks:
         elif parameters.sample_rate != old.sample_rate:
             self.restart()
 
-    def parts(self, run: Sequence[AxesSample]) -> Iterator[Sequence[AxesSample]]:
+    def parts(self, run: Sequence[AxesSample]) -> Sequence[Sequence[AxesSample]]:
         """
         Cut a run where the checks judge.
 
@@ -128,11 +130,11 @@ class InputChecks:
             Consecutive samples.
 
         """
-        begin = 0
-        while begin < len(run):
-            end = begin + self._block - len(self._samples)
-            yield run[begin:end] if begin or end < len(run) else run
-            begin = end
+        room = self._block - len(self._samples)
+        if len(run) <= room:
+            return (run,)
+        edges = [0, *range(room, len(run), self._block), len(run)]
+        return [run[begin:end] for begin, end in zip(edges, edges[1:])]
 
     def add(self, part: Sequence[AxesSample], estimates: Sequence[AxesEstimates]) -> None:
         """
@@ -147,8 +149,7 @@ class InputChecks:
 
         """
         self._samples += part
-        free = EstimateStatus.FREE
-        self._contact += [tuple([e.status is not free for e in axes]) for axes in estimates]
+        self._estimates += estimates
         if len(self._samples) >= self._block:
             self._judge()
 
@@ -164,6 +165,30 @@ class InputChecks:
                     where = f'axis {axis}: ' if len(self._pipelines) > 1 else ''
                     active.append(Warned(check.name, axis, where + text, check.invalidates))
         return active
+
+    def found_in_order(self) -> list[Found]:
+        """Return every warning since the start or `reset`, the most important first."""
+        order = [check.name for check in CHECKS]
+        return sorted(self.found.values(), key=lambda one: order.index(one.warned.name))
+
+    def why_no_contact(self, axis: str) -> str:
+        """
+        Return what forces and positions there were instead of a contact.
+
+        Parameters
+        ----------
+        axis : str
+            One of the pipelines.
+
+        """
+        place = list(self._pipelines).index(axis)
+        pending = [axes[place] for axes in self._samples]
+        deepest = max([self._travel[axis][1], *(sample[1] for sample in pending)])
+        pressing = max([self._pressing[axis], *(-sample[3] for sample in pending)])
+        pipeline = self._pipelines[axis]
+        return (f'the largest pressing force is {pressing:.3g} N, where contact begins above '
+                f'{pipeline.contact_threshold:.3g} N; x reaches {deepest:.4g} m, where '
+                f'environment.location is {pipeline.location:.4g} m')
 
     def _text(self, check: Check, axis: str) -> str:
         text, count = self._active.get((check.name, axis), ('', 0))
@@ -197,13 +222,14 @@ class InputChecks:
 
     def _close_block(self, end_ns: int) -> None:
         """Turn the samples of a block into arrays."""
-        touching = np.array(self._contact, dtype=float)
         for place, axis in enumerate(self._pipelines):
             table = np.array([axes[place] for axes in self._samples])  # (N, 4)
             low, high = self._travel[axis]
             x = table[:, 1]
             self._travel[axis] = min(low, float(x.min())), max(high, float(x.max()))
-            self._windows[axis].append(np.column_stack([table, touching[:, place]]))
+            self._pressing[axis] = max(self._pressing[axis], -float(table[:, 3].min()))
+            touching = [axes[place][7] is not _FREE for axes in self._estimates]
+            self._windows[axis].append(np.column_stack([table, touching]))
         wrenches = []
         while self.wrenches and self.wrenches[0][0] <= end_ns:
             wrenches.append(self.wrenches.popleft())
@@ -214,7 +240,7 @@ class InputChecks:
             count += 1
         begin_ns, self._block_end_ns = self._block_end_ns, end_ns
         self._joint_rate = count / ((end_ns - begin_ns) * 1e-9) if begin_ns else nan
-        self._samples, self._contact = [], []
+        self._samples, self._estimates = [], []
 
     def _evidence(self, axis: str, pipeline: Any, empty: bool = False) -> Evidence:
         if empty:

@@ -46,44 +46,45 @@ class Rejection(NamedTuple):
 REJECTIONS = (
     Rejection(
         'zero_stamps', ('wrench_zero_stamp', 'joint_zero_stamp'),
-        'the stamps of {topic} are zero ({count} messages); its driver must fill header.stamp',
+        'rejected {count} messages of {topic}: their stamps are zero; the driver must fill '
+        'header.stamp',
         'The driver publishes without a stamp, often from a hand-written bridge.',
         'Fill `header.stamp` with the time of the measurement.'),
     Rejection(
         'frame', ('wrench_frame_id',),
-        '{count} wrenches are not in the expected frame: {text}',
+        'rejected {count} wrenches of another frame: {text}',
         'Two sensors publish on one topic, or `frame_id` is wrong.',
         'Set `frame_id` to the frame of the sensor, and start again.'),
     Rejection(
         'joint', ('joint_states_joint_unknown', 'joint_states_joint_ambiguous',
                   'joint_states_joint_empty'),
-        '{count} joint states lack the joint of the contact axis: {text}',
+        'rejected {count} joint states: {text}',
         'The joint is not in `joint_states`, or several are and none was chosen.',
         'Set `joint`, or remap `joint_states`.'),
     Rejection(
         'malformed', ('wrench_malformed', 'joint_states_malformed'),
-        '{count} messages cannot be read: {text}',
+        'rejected {count} messages that cannot be read: {text}',
         'The topic has another type, or another version of it.',
         'Check the type with `ros2 topic info`.'),
     Rejection(
         'joint_gap', ('joint_gap',),
-        '{count} wrenches fall between joint states further apart than '
+        'rejected {count} wrenches between joint states further apart than '
         'synchronisation.maximum_gap_s; publish joint states faster, or raise it',
         'Joint states are too slow, or get lost.',
         'Publish them at 100 Hz or more, or raise `synchronisation.maximum_gap_s`.'),
     Rejection(
         'joint_missing', ('joint_missing',),
-        '{count} wrenches without a joint state at or after their stamps: {lag}',
+        'rejected {count} wrenches without a joint state at or after their stamps: {lag}',
         'The joint states are silent, or their clock is behind that of the wrench.',
         'Start the driver, remap `joint_states`, synchronise the clocks, or set '
         '`synchronisation.offset`.'),
     Rejection(
         'not_finite', ('wrench_not_finite', 'joint_not_finite'),
-        '{count} messages of {topic} are NaN or infinite',
+        'rejected {count} messages of {topic} that are NaN or infinite; repair the driver',
         'The driver publishes NaN where it measures nothing.', 'Repair the driver.'),
     Rejection(
         'absurd', ('wrench_absurd', 'joint_absurd'),
-        '{count} messages of {topic} are out of range; check their units, or '
+        'rejected {count} messages of {topic} out of range; check their units, or '
         'synchronisation.maximum_*',
         'Units are not SI, or the limits are too narrow.',
         'Publish N and m, or correct `synchronisation.maximum_force` and its siblings.'),
@@ -136,7 +137,7 @@ class Rejections:
             return '', ''
         total = sum(new.values())
         return self.main_reason(new) if total > _LEAST_SHARE * done else (
-            'rejected', f'{total} samples rejected since the last report')
+            'rejected', f'rejected {total} messages since the last report')
 
     def main_reason(self, counts: Mapping[str, int]) -> tuple[str, str]:
         """
@@ -162,4 +163,4 @@ class Rejections:
                 return rejection.name, rejection.message.format(
                     count=count, topic=topic, text=self._texts(reason), lag=self._lag())
         reason = max(counts, key=lambda one: counts[one])
-        return 'rejected', f'{total} samples rejected, most of them {reason}'
+        return 'rejected', f'rejected {total} messages, most of them {reason}'

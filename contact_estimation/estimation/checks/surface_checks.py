@@ -59,13 +59,14 @@ class SurfaceLine(Check):
         chosen = np.flatnonzero(seen.contact)
         if len(chosen) < _LEAST_CONTACT:
             return None
-        v = seen.v if np.isfinite(seen.v).all() else np.gradient(seen.x, seen.t)
         x, y = seen.x[chosen] - seen.pipeline.location, -seen.force[chosen]
-        table = np.column_stack([x, v[chosen], np.ones(len(x))])
+        table = np.stack([x, seen.rate[chosen], np.ones(len(x))], 1)
         scale = np.sqrt(np.mean(table**2, 0)) + 1e-15
-        square = np.linalg.pinv((table / scale).T @ (table / scale))
-        K, _, c = square @ ((table / scale).T @ y) / scale
-        residual = y - table @ (square @ ((table / scale).T @ y) / scale)
+        scaled = table / scale
+        square = np.linalg.inv(scaled.T @ scaled + 1e-12 * len(x) * np.eye(3))
+        theta = square @ (scaled.T @ y) / scale
+        K, _, c = theta
+        residual = y - table @ theta
         noise = max(float(np.sqrt(np.mean(residual**2))), seen.noise)
         if not K > 0.0 or noise > _FITS * max(seen.noise, seen.pipeline.noise_std):
             return None

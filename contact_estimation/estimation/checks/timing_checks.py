@@ -30,7 +30,10 @@ import numpy as np
 
 from .check import Array, Check, Evidence
 
-_LONGEST_S, _COARSE_S, _FINE_S = 0.1, 0.01, 0.001
+_LONGEST_S = 0.1
+_COARSE = np.linspace(-0.1, 0.1, 21)
+_FINE = np.linspace(-0.01, 0.01, 21)
+_COARSE[10] = 0.0
 _MOST_SAMPLES = 300
 _LEAST_CONTACT = 100
 _SIGNIFICANT = 60.0  # likelihood ratio
@@ -168,42 +171,40 @@ def skew_of(seen: Evidence) -> Skew | None:
     if len(chosen) < _LEAST_CONTACT:
         return None
     chosen = chosen[::-(-len(chosen) // _MOST_SAMPLES)]
-    t, y = seen.t[chosen], -seen.force[chosen]
-    v = seen.v if np.isfinite(seen.v).all() else np.gradient(seen.x, seen.t)
+    t, x, v, y = seen.t[chosen], seen.x[chosen], seen.rate[chosen], -seen.force[chosen]
     floor = max(seen.pipeline.noise_std, 1e-9)**2 * len(y)
-
-    def left(lags: Array) -> Array:
-        """Return the residual of each lag, with B >= 0."""
-        return np.array([_left(y, np.interp(t - lag, seen.t, seen.x),
-                               np.interp(t - lag, seen.t, v)) for lag in lags])
-
-    coarse = np.arange(-_LONGEST_S, _LONGEST_S + 1e-9, _COARSE_S)
-    residuals = left(coarse)
-    none = float(residuals[np.argmin(np.abs(coarse))])
-    best = float(coarse[np.argmin(residuals)])
-    fine = best + np.arange(-_COARSE_S, _COARSE_S + 1e-9, _FINE_S)
-    near = left(fine)
+    coarse = _residuals(y, t, seen, _COARSE)
+    none, best = float(coarse[len(_COARSE) // 2]), float(_COARSE[np.argmin(coarse)])
+    if best == 0.0:
+        around = coarse[len(_COARSE) // 2 - 1:len(_COARSE) // 2 + 2:2]
+        sharpness = len(y) * log(float(around.min()) / max(none, 1e-3 * floor))
+        return Skew(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, sharpness)
+    fine = best + _FINE
+    near = _residuals(y, t, seen, fine)
     best, least = float(fine[np.argmin(near)]), max(float(near.min()), 1e-3 * floor)
-    x, a = seen.x[chosen], np.gradient(v, seen.t)[chosen]
-    mass, with_mass = _mass(y, x, v[chosen], a)
+    mass, with_mass = _mass(y, x, v, np.gradient(seen.rate, seen.t)[chosen])
 
     def over(other: float) -> float:
         return len(y) * log(max(other, least) / least)
 
     return Skew(
-        best, over(none), over(with_mass), over(_left_with_physics(y, x, v[chosen])), mass,
-        (none - least) / max(none - floor, 1e-3 * floor),
-        over(float(left(best + np.array([-_COARSE_S, _COARSE_S])).min())),
+        best, over(none), over(with_mass), over(_left_with_physics(y, x, v)), mass,
+        (none - least) / max(none - floor, 1e-3 * floor), over(float(near[[0, -1]].min())),
     )
 
 
-def _left(y: Array, x: Array, v: Array) -> float:
-    """Return the sum of squares that K x + B v + c leaves, with B >= 0."""
-    ones = np.ones(len(y))
-    theta, left = _solve(y, x, v, ones)
-    if theta[1] >= 0.0:
-        return left
-    return _solve(y, x, ones)[1]
+def _residuals(y: Array, t: Array, seen: Evidence, lags: Array) -> Array:
+    """Return the sum of squares that K x + B v + c leaves at each lag, with B >= 0."""
+    x = np.stack([np.interp(t - lag, seen.t, seen.x) for lag in lags])  # (lags, N)
+    v = np.stack([np.interp(t - lag, seen.t, seen.rate) for lag in lags])
+    # Without their means no constant is needed.
+    x, v, y = x - x.mean(1)[:, None], v - v.mean(1)[:, None], y - y.mean()
+    xx, xv, vv = (np.einsum('ln,ln->l', a, b) for a, b in ((x, x), (x, v), (v, v)))
+    xy, vy, yy = x @ y, v @ y, float(y @ y)
+    xx = np.maximum(xx, 1e-300)
+    alone = yy - xy * xy / xx
+    rest_v, rest_y = np.maximum(vv - xv * xv / xx, 1e-300), vy - xv * xy / xx
+    return np.maximum(alone - np.where(rest_y > 0.0, rest_y**2 / rest_v, 0.0), 1e-12 * yy)
 
 
 def _mass(y: Array, x: Array, v: Array, a: Array) -> tuple[float, float]:

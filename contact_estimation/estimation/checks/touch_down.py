@@ -74,6 +74,38 @@ class TouchDown:
         self.text, self.found, self._rise = '', None, []
         self._settled = True
 
+    def pass_over(
+        self, dts: Sequence[float], contact: Sequence[bool], last_depth: float
+    ) -> bool:
+        """
+        Pass over a run in which nothing is to be judged: nearly every one.
+
+        Parameters
+        ----------
+        dts, contact : sequence of float, bool
+            As of `add`.
+        last_depth : float
+            Of the last sample [m].
+
+        Returns
+        -------
+        passed : bool
+            False where `add` must look at each sample.
+
+        """
+        if self.text or self._rise:
+            return False
+        if True in contact:
+            if not self._settled or False in contact:
+                return False
+            self._free_s = 0.0
+            return True
+        if not last_depth <= 0.0:
+            return False
+        self._leave(sum(dts))
+        self._approach.clear()
+        return True
+
     def add(
         self, samples: Sequence[ContactSample], dts: Sequence[float], contact: Sequence[bool],
         depths: Sequence[float], bias: float, margin: float, noise_variance: float,
@@ -98,14 +130,6 @@ class TouchDown:
             Why the estimate is withheld, '' where it is not; None: nowhere.
 
         """
-        if self._settled and not self.text and False not in contact:
-            self._free_s = 0.0
-            return None
-        if not (self.text or self._rise or True in contact or depths[-1] > 0.0
-                or depths[-1] != depths[-1]):
-            self._leave(sum(dts))
-            self._approach.clear()
-            return None
         reasons = []
         for sample, dt, touching, depth in zip(samples, dts, contact, depths):
             if touching:
