@@ -29,7 +29,7 @@ from contact_estimation.exceptions import ContactEstimationError
 from contact_estimation.parameters.values import build
 import numpy as np
 import pytest
-from reference_messages import wrench_bytes
+from reference_messages import joint_state_bytes, wrench_bytes
 from small_arm import pose, urdf
 
 pytest.importorskip('pinocchio')
@@ -120,6 +120,31 @@ def test_velocity_that_is_not_reported_is_not_measured() -> None:
     assert np.isnan(v)
 
 
+def test_joints_that_never_come_are_named() -> None:
+    session = ContactSession(build(EstimationParameters, PARAMETERS))
+    session.describe(urdf())
+    inputs = inputs_of(session)
+    for number in range(20):
+        inputs.process_joints(joint_state_bytes(['elbow'], [0.0], stamp_ns=number))
+    assert 'no joint state has shoulder, wrist' in session.rejection_texts['joint_lacking']
+
+
+def test_other_joints_on_the_topic_are_of_no_concern() -> None:
+    session, _ = run()
+    inputs = inputs_of(session)
+    inputs.process_joints(messages()[0][2])
+    inputs.process_joints(joint_state_bytes(['finger_joint'], [0.0], stamp_ns=10**12))
+    assert 'joint_states_joint_unknown' not in session.rejected
+
+
+def test_components_of_the_force_are_those_of_the_wall() -> None:
+    session, _ = run()
+    assert session.arm is not None
+    force = np.array(session.arm.components(2))
+    assert force[2] == pytest.approx(instants()[-1].contact.force, abs=1e-9)
+    assert np.linalg.norm(force[:2]) == pytest.approx(3.0, abs=1e-9)  # the drag
+
+
 def test_messages_before_the_description_are_counted() -> None:
     session = ContactSession(build(EstimationParameters, PARAMETERS))
     inputs = inputs_of(session)
@@ -133,7 +158,7 @@ def test_a_wrench_in_an_unknown_frame_is_refused_with_the_reason() -> None:
     session.describe(urdf())
     inputs = inputs_of(session)
     inputs.process_wrench(wrench_bytes([0.0] * 3, frame_id='senser'))
-    assert "'senser'; did you mean 'sensor'" in session.problem
+    assert "'senser'; did you mean 'sensor'" in session.rejection_texts['wrench_frame_unknown']
     assert session.rejected == {'wrench_frame_unknown': 1}
 
 

@@ -41,6 +41,8 @@ LOWER = [spec for spec in NUMBERS if spec.minimum is not None]
 UPPER = [spec for spec in NUMBERS if spec.maximum is not None]
 # At their least, the ranges of the sensors reject every sample: see test_synchronisation.py.
 RANGES = [f'synchronisation.maximum_{name}' for name in ('force', 'position', 'velocity')]
+# Ten seconds apart, no joint state is left for the last wrenches.
+OFFSET = 'synchronisation.offset'
 SAMPLES = contact_samples(0.2, force_noise=0.3)[60:]
 IN_CONTACT = 190  # of SAMPLES: at full depth, where the sine begins
 
@@ -138,12 +140,13 @@ def test_every_parameter_can_be_changed_in_contact() -> None:
 @pytest.mark.slow
 def test_every_parameter_can_be_set_to_its_minimum_in_contact() -> None:
     assert not problems((spec.name, _like(spec, spec.minimum or 0))
-                        for spec in LOWER if spec.name not in RANGES)
+                        for spec in LOWER if spec.name not in (*RANGES, OFFSET))
 
 
 @pytest.mark.slow
 def test_every_parameter_can_be_set_to_its_maximum_in_contact() -> None:
-    assert not problems((spec.name, _like(spec, spec.maximum or 0)) for spec in UPPER)
+    assert not problems((spec.name, _like(spec, spec.maximum or 0))
+                        for spec in UPPER if spec.name != OFFSET)
 
 
 def test_wrong_type_is_refused_by_name_and_changes_nothing() -> None:

@@ -226,7 +226,7 @@ def test_change_to_an_unknown_name_is_refused() -> None:
 
 @pytest.mark.parametrize('cutoff', [250.0, 400.0])
 def test_cutoff_must_fit_the_sample_rate(cutoff: float) -> None:
-    with pytest.raises(ParameterRangeError, match='cutoff_frequency must be < half of sample_ra'):
+    with pytest.raises(ParameterRangeError, match='cutoff_frequency must be .* < half of sample'):
         build(EstimationParameters, {'conditioning.cutoff_frequency': cutoff})
 
 

@@ -25,6 +25,8 @@ from ..exceptions import ContactEstimationError, MessageError
 from ..messages import ForceTorqueDecoder, SomeJointsDecoder
 from ..signals.joint_merging import JointMerger
 
+_PARTS = 10  # messages over which the joints of an arm may be split
+
 
 class ArmInputs:
     """
@@ -50,7 +52,7 @@ class ArmInputs:
         self.frame_id = session.parameters.frame_id
         self._wrench = ForceTorqueDecoder()
         self._joints: SomeJointsDecoder | None = None
-        self._lacking = ''
+        self._complete, self._incomplete = False, 0
 
     def process_wrench(self, raw: bytes) -> list[Result]:
         """
@@ -70,7 +72,7 @@ class ArmInputs:
         try:
             stamp_ns, wrench = self._wrench.decode(raw)
         except MessageError as error:
-            self._session.count_rejected(f'wrench_{error.reason}')
+            self._session.count_rejected(f'wrench_{error.reason}', str(error))
             return []
         if not self._accepts(self._wrench.frame_id):
             return []
@@ -97,18 +99,14 @@ class ArmInputs:
         try:
             row = self._merger.add(*self._joints.decode(raw))
         except MessageError as error:
-            self._session.count_rejected(f'joint_states_{error.reason}')
-            return []
+            if error.reason != 'joint_unknown' or not self._complete:
+                self._session.count_rejected(f'joint_states_{error.reason}', str(error))
+            return []  # once the arm is complete, other joints on the topic are of no concern
         if row is not None:
-            if self._lacking:
-                self._session.problem = self._lacking = ''
+            self._complete = True
             return self._session.add_motion(row[0], *row[1])
-        arm = self._session.arm
-        names = [arm.model.joint_names[k] for k in self._merger.missing] if arm else []
-        if arm and names:
-            self._session.problem = self._lacking = (
-                f'no joint state has {", ".join(names)}, which the arm from '
-                f'{arm.model.base} to {arm.model.tip} needs; check the topic and kinematics.*')
+        if not self._complete:
+            self._count_lacking()
         return []
 
     def process_pairs(
@@ -117,10 +115,21 @@ class ArmInputs:
         """Return None: the samples of an arm are processed one by one."""
         return None
 
+    def _count_lacking(self) -> None:
+        arm, missing = self._session.arm, self._merger.missing
+        self._incomplete += 1
+        if arm is not None and missing and self._incomplete > _PARTS:
+            names = ', '.join(arm.model.joint_names[place] for place in missing)
+            self._session.count_rejected(
+                'joint_lacking', f'no joint state has {names}, which moves '
+                f'{arm.model.tip} relative to {arm.model.base}; check joint_states and '
+                'kinematics.*')
+
     def _prepared(self) -> bool:
         arm = self._session.arm
         if arm is None:
-            self._session.count_rejected('robot_description_missing')
+            self._session.count_rejected(
+                'robot_description_missing', self._session.problem)
             return False
         self._joints = SomeJointsDecoder(arm.model.joint_names)
         self._merger = JointMerger(arm.model.continuous)
@@ -130,21 +139,23 @@ class ArmInputs:
         """Check the frame of a wrench; without a configured frame the first one is adopted."""
         arm = self._session.arm
         if arm is None:
-            self._session.count_rejected('robot_description_missing')
+            self._session.count_rejected(
+                'robot_description_missing', self._session.problem)
             return False
         if arm.sensor and frame_id == self.frame_id:
             return True
         self.frame_id = self.frame_id or frame_id
         if frame_id != self.frame_id:
-            self._session.count_rejected('wrench_frame_id')
+            self._session.count_rejected(
+                'wrench_frame_id', f'expected {self.frame_id!r}, got {frame_id!r}; set frame_id')
             return False
         try:
             arm.use_sensor(arm.sensor or frame_id)
         except ContactEstimationError as error:
-            self.frame_id, self._session.problem = '', f'frame of the wrench: {error}'
-            self._session.count_rejected('wrench_frame_unknown')
+            self.frame_id = ''
+            self._session.count_rejected(
+                'wrench_frame_unknown', f'{error}; or name the link in force_sensor.frame')
             return False
-        self._session.problem = ''
         return True
 
 

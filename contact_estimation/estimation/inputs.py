@@ -49,6 +49,7 @@ class MessageInputs:
 
     def __init__(self, session: ContactSession) -> None:
         self._session = session
+        self._wrenches = session.checks.wrenches
         self.frame_id = session.parameters.frame_id
         joints = session.parameters.joints
         self._wrench = WrenchDecoder()
@@ -77,11 +78,14 @@ class MessageInputs:
         try:
             reading = self._wrench.decode(raw)
         except MessageError as error:
-            self._session.count_rejected(f'wrench_{error.reason}')
+            self._session.count_rejected(f'wrench_{error.reason}', str(error))
             return []
         if reading.frame_id != self.frame_id and not self._accepts(reading.frame_id):
-            self._session.count_rejected('wrench_frame_id')
+            self._session.count_rejected(
+                'wrench_frame_id', f'expected {self.frame_id!r}, got {reading.frame_id!r}; set '
+                'frame_id')
             return []
+        self._wrenches.append((reading[0], reading[2], reading[3], reading[4]))
         forces = self._forces(reading)
         if self._sign < 0.0:
             forces = [-force for force in forces]
@@ -105,7 +109,7 @@ class MessageInputs:
         try:
             stamp_ns, positions, velocities = self._joints.decode(raw)
         except MessageError as error:
-            self._session.count_rejected(f'joint_states_{error.reason}')
+            self._session.count_rejected(f'joint_states_{error.reason}', str(error))
             return []
         return self._session.add_motion(stamp_ns, *positions, *velocities)
 
@@ -134,7 +138,12 @@ class MessageInputs:
             return None
         stamps_ns, *components = forces
         columns = [self._sign * components[column] for column in self._columns]
-        return self._session.add_pairs(stamps_ns, columns, *motions[1:])
+        self._wrenches.extend(zip(stamps_ns.tolist(), *(c.tolist() for c in components)))
+        estimates = self._session.add_pairs(stamps_ns, columns, *motions[1:])
+        if estimates is None:
+            for _ in wrenches:
+                self._wrenches.pop()
+        return estimates
 
     def _accepts(self, frame_id: str) -> bool:
         """Check the frame of a wrench; without a configured frame the first one is adopted."""

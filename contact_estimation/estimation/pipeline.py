@@ -21,11 +21,12 @@ import math
 from math import nan
 from typing import Iterable, Sequence
 
+from .checks.touch_down import TouchDown
 from .model_fit import ModelFitMonitor
 from .parameters import EstimationParameters
 from .supervised_estimator import SupervisedEstimator
 from .wall_tracking import REACH
-from ..estimators.estimator import Estimate, OnlineEstimator
+from ..estimators.estimator import Estimate, EstimateStatus, OnlineEstimator
 from ..estimators.excitation_monitor import ExcitationMonitor
 from ..physics import effects_that_are_on
 from ..physics.compensation import Compensation
@@ -52,11 +53,17 @@ class EstimationPipeline:
     ----------
     model_fit : ModelFitMonitor
         Whether the model of the estimator fits.
+    touch_down : TouchDown
+        Where contacts begin.
+    invalid : str
+        Why no estimate is valid now, as told by the checks of the session; '' where it is.
 
     """
 
     def __init__(self, parameters: EstimationParameters | None = None) -> None:
         self.parameters = p = parameters or EstimationParameters()
+        self.touch_down = TouchDown()
+        self.invalid = ''
         self._supervised = SupervisedEstimator(p)
         self.model_fit = ModelFitMonitor(p.sample_rate)
         self._conditioner = Conditioner(
@@ -95,7 +102,11 @@ class EstimationPipeline:
             )
         if repr(parameters.physics) != repr(old.physics):  # NaN is not equal to itself
             self._compensate()
-        self._set_location()
+        if repr(parameters.environment.location) != repr(old.environment.location):
+            self._set_location()
+            self.touch_down.trust()
+        else:
+            self._set_margin()
         self._conditioner.detector.configure(parameters.contact)
         if parameters.sample_rate != old.sample_rate:
             self.model_fit = ModelFitMonitor(parameters.sample_rate)
@@ -110,10 +121,21 @@ class EstimationPipeline:
 
     def _set_location(self) -> None:
         self._conditioner.location = self.parameters.environment.location
+        self._set_margin()
+
+    def _set_margin(self) -> None:
         # Where x_e is estimated too, its prior bounds how far outside contact is possible.
         environment = self.parameters.environment
         self._conditioner.location_margin = max(
             5.0 * (self.estimator.location_std or 0.0), REACH * environment.location_std)
+
+    def _take_location(self, location: float, std: float) -> None:
+        """Use the surface that the first touch has shown, from the next sample on."""
+        self._conditioner.location = location
+        self._conditioner.configure(  # its filters hold rows of an unknown depth
+            self.parameters.conditioning, self.parameters.sample_rate, self.estimator.relation)
+        self._supervised.take_location(std)
+        self.touch_down.trust()
 
     # -- events -----------------------------------------------------------------------------
 
@@ -122,6 +144,9 @@ class EstimationPipeline:
         self._supervised.reset()
         self._conditioner.detector.reset()
         self._conditioner.restart()
+        self._set_location()
+        self.touch_down.reset()
+        self.invalid = ''
         self.model_fit.reset()
 
     def restart_time(self) -> None:
@@ -155,6 +180,16 @@ class EstimationPipeline:
         return self._conditioner.missing
 
     @property
+    def location(self) -> float:
+        """Location of the surface, configured or taken at the first touch [m]; NaN before."""
+        return self._conditioner.location
+
+    @property
+    def location_margin(self) -> float:
+        """How far from its location the surface may be [m]."""
+        return self._conditioner.location_margin
+
+    @property
     def location_shift(self) -> float:
         """Location of the surface found less the configured one [m]."""
         return self._supervised.shift
@@ -178,6 +213,12 @@ class EstimationPipeline:
     def noise_std(self) -> float:
         """Standard deviation of the force noise in free flight [N]."""
         return math.sqrt(self._conditioner.detector.noise_variance)
+
+    @property
+    def contact_threshold(self) -> float:
+        """Force above which contact begins [N]."""
+        contact = self.parameters.contact
+        return max(contact.on_ratio * self.noise_std, contact.minimum_force)
 
     @property
     def free_flight_level(self) -> float:
@@ -225,22 +266,56 @@ class EstimationPipeline:
             One a sample.
 
         """
+        unknown = self.location != self.location
+        if unknown and len(samples) > 1:  # it may be taken at any of them
+            return [estimate for sample in samples
+                    for estimate in self.process((sample,), reference)]
         conditioned = self._conditioner.process(samples)
+        withheld = self._withheld(samples, conditioned)
+        if withheld:
+            rows = [None if reason else row for reason, row in zip(withheld, conditioned.rows)]
+            conditioned = conditioned._replace(rows=rows)
         if reference.position == reference.position:
             self._observe(samples, conditioned, reference)
         states = self._supervised.process(conditioned)
         fits = self.model_fit.add(
             samples, conditioned, self.estimator, self.parameters.contact.position_noise
         )
-        location = self.parameters.environment.location + self._supervised.shift
+        location = self.location + self._supervised.shift
         surfaces: Iterable[float] = repeat(location)
         if conditioned.shifts:
             surfaces = [location + shift for shift in conditioned.shifts]
-        return [
+        estimates = [
             Estimate(sample[0], K, B, K_std, B_std, surface + shift, M, status, reason, fit)
             for sample, surface, ((K, B, K_std, B_std, shift, M), status, reason), fit
             in zip(samples, surfaces, states, fits)
         ]
+        if self.touch_down.found is not None:
+            self._take_location(*self.touch_down.found)
+        if not withheld:
+            return estimates
+        return [_without_deviations(estimate, reason) if reason else estimate
+                for estimate, reason in zip(estimates, withheld)]
+
+    def _withheld(
+        self, samples: Sequence[ContactSample], conditioned: Conditioned
+    ) -> list[str] | None:
+        """Return why the estimate of each sample is withheld; None: none is."""
+        dts, contact = conditioned.dts, conditioned.contact
+        surface = self.location
+        if not self.invalid and self.touch_down.pass_over(
+                dts, contact, samples[-1][1] - surface):
+            return None
+        depths = [sample[1] - surface for sample in samples]
+        if conditioned.shifts:
+            depths = [depth - shift for depth, shift in zip(depths, conditioned.shifts)]
+        reasons = self.touch_down.add(
+            samples, dts, contact, depths, self.bias, self.location_margin,
+            conditioned.variances[0],
+        )
+        if self.invalid:
+            return [reason or self.invalid for reason in reasons or repeat('', len(samples))]
+        return reasons
 
     def _observe(
         self, samples: Sequence[ContactSample], conditioned: Conditioned, reference: Reference
@@ -250,3 +325,11 @@ class EstimationPipeline:
         observe, bias = self.estimator.observe, self._conditioner.bias
         for sample, dt, velocity in zip(samples, conditioned.dts, conditioned.velocities):
             observe(dt, sample.position, velocity, sample.force - bias, reference)
+
+
+def _without_deviations(estimate: Estimate, reason: str) -> Estimate:
+    """Return an estimate that is not confident, for a reason."""
+    status = estimate.status
+    if status is not EstimateStatus.FREE:
+        status = EstimateStatus.FROZEN
+    return estimate._replace(stiffness_std=nan, damping_std=nan, status=status, reason=reason)

@@ -17,7 +17,7 @@
 from __future__ import annotations
 
 from collections import Counter, deque
-from math import inf, isfinite, nan
+from math import inf, isfinite, isnan, nan
 
 from .parameters import EstimationParameters
 from .robot_compliance import seen_by_the_robot
@@ -64,6 +64,8 @@ class ReferenceStream:
             parameters.reference_law, parameters.reference, 1.0 / parameters.sample_rate
         )
         self._deepest = parameters.environment.location + parameters.reference.maximum_depth
+        self._maximum_depth = parameters.reference.maximum_depth
+        self._takes_location = isnan(parameters.environment.location)
         self._timeout_s = parameters.synchronisation.timeout_s
         self._default_force = parameters.force_reference
         self._robot = parameters.robot
@@ -128,12 +130,16 @@ class ReferenceStream:
             elapsed = min((stamp_ns - self._last_ns) * 1e-9, 2.0 * period)
         self._last_ns = stamp_ns
         target_ns = stamp_ns + self.period_ns
-        contact = estimate.status is not EstimateStatus.FREE
+        located = not isnan(estimate.location)  # no force law without x_e
+        contact = located and estimate.status is not EstimateStatus.FREE
+        deepest = self._deepest
+        if self._takes_location and located:
+            deepest = estimate.location + self._maximum_depth
         return self._generator.step(
             (target_ns - self._start_ns) * 1e-9, elapsed,
             self._setpoint_at(target_ns, sample.position), contact,
             estimate.location, seen_by_the_robot(estimate.stiffness, self._robot),
-            self._deepest,
+            deepest,
         )
 
     @property

@@ -18,12 +18,14 @@ from __future__ import annotations
 
 from collections import Counter
 from itertools import repeat
+from math import nan
 from typing import Any, Callable, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .arm import described_in_file, kinematics_of, NO_DESCRIPTION
+from .checks.input_checks import InputChecks
 from .matrix_estimation import MatrixEstimation
 from .parameters import EstimationParameters
 from .pipeline import EstimationPipeline, NO_REFERENCE
@@ -68,9 +70,13 @@ class ContactSession:
     description : str
         Text of the URDF of the arm, '' while there is none.
     problem : str
-        Why no sample of the arm can be used; '' where they can.
-    last_stamp_ns : int
-        Stamp of the last sample processed [ns].
+        Why there is no description; '' where there is one.
+    checks : InputChecks
+        On-line checks of the inputs.
+    rejection_texts : dict of str to str
+        The last text of each reason for which a message was rejected.
+    last_stamp_ns, last_position : int, float
+        Stamp [ns] and position along the contact axis [m] of the last sample processed.
 
     """
 
@@ -83,7 +89,9 @@ class ContactSession:
         }
         self._pipelines = list(self.pipelines.values())
         self.pipeline = self._pipelines[0]
-        self.last_stamp_ns = _BEFORE_ANY
+        self.checks = InputChecks(parameters, self.pipelines)
+        self.rejection_texts: dict[str, str] = {}
+        self.last_stamp_ns, self.last_position = _BEFORE_ANY, nan
         self.description = self.problem = ''
         self.arm: ContactKinematics | None = None
         self._synchroniser = Synchroniser(
@@ -134,6 +142,15 @@ class ContactSession:
         return self._synchroniser.time_jumps
 
     @property
+    def motion_lag(self) -> str:
+        """How far the newest joint state is behind the newest wrench, in words."""
+        lag_s = self._synchroniser.motion_lag_s
+        if lag_s != lag_s:
+            return 'none has come; is joint_states published, or remapped?'
+        return (f'the newest joint state is {lag_s:.3g} s behind the wrench; start its driver, '
+                'synchronise the clocks, or set synchronisation.offset')
+
+    @property
     def moment(self) -> Moment:
         """The last sample processed."""
         return Moment(self._jumps, self.last_stamp_ns)
@@ -176,6 +193,7 @@ class ContactSession:
             One for each sample completed by this joint state.
 
         """
+        self.checks.joint_stamps.append(stamp_ns)
         samples = self._synchroniser.add_motion(stamp_ns, motion)
         return self._process(samples) if samples else []
 
@@ -205,6 +223,7 @@ class ContactSession:
         samples = self._synchroniser.add_pairs(stamps_ns, forces, positions, velocities)
         if samples is None:
             return None
+        self.checks.joint_stamps.extend(stamps_ns.tolist())
         estimates: list[AxesEstimates] = []
         while len(estimates) < len(samples):
             begin = len(estimates)
@@ -213,9 +232,10 @@ class ContactSession:
             estimates += self._estimate(samples[begin:end])
         return estimates
 
-    def count_rejected(self, reason: str) -> None:
-        """Count a message that could not be used, for a reason."""
+    def count_rejected(self, reason: str, text: str = '') -> None:
+        """Count a message that could not be used, for a reason, with a text that explains it."""
         self._synchroniser.rejected[reason] += 1
+        self.rejection_texts[reason] = text
 
     def _process(self, samples: Sequence[AxesSample]) -> list[Result]:
         results: list[Result] = []
@@ -239,13 +259,21 @@ class ContactSession:
         if self.arm is None:
             return paired, None
         self.arm.held = self.pipeline.contact  # as of the sample before
-        return (self.arm.contact(paired[0]),), self.arm.state
+        sample = self.arm.contact(paired[0])
+        self.checks.wrenches.append(
+            (sample.stamp_ns, *self.arm.components('xyz'.index(self.parameters.axis))))
+        return (sample,), self.arm.state
 
     def _estimate(self, run: Sequence[AxesSample]) -> list[AxesEstimates]:
         """Estimate from samples between which no change takes effect."""
-        self.last_stamp_ns = run[-1][0].stamp_ns
-        columns = map(EstimationPipeline.process, self._pipelines, zip(*run), self._followed)
-        estimates = list(zip(*columns))
+        self.last_stamp_ns, self.last_position, *_ = run[-1][0]
+        estimates: list[AxesEstimates] = []
+        for part in self.checks.parts(run):
+            columns = map(
+                EstimationPipeline.process, self._pipelines, zip(*part), self._followed)
+            done = list(zip(*columns))
+            self.checks.add(part, done)
+            estimates += done
         self.matrix.process(run, estimates)
         return estimates
 
@@ -259,6 +287,7 @@ class ContactSession:
         self._jumps += 1
         for pipeline in self._pipelines:
             pipeline.restart_time()
+        self.checks.restart()
         self.stream.restart()
         self._follow(NO_REFERENCE)
         self.last_stamp_ns = _BEFORE_ANY
@@ -313,6 +342,7 @@ class ContactSession:
             pipeline.configure(parameters.of_axis(axis))
         self.stream.configure(parameters)
         self.matrix.configure(parameters)
+        self.checks.configure(parameters)
         self._synchroniser.configure(parameters.synchronisation)
         if self.arm is not None:
             self.arm.configure(parameters.tool)
@@ -324,6 +354,7 @@ class ContactSession:
         self.matrix.reset()
         for pipeline in self._pipelines:
             pipeline.reset()
+        self.checks.reset()
 
     def set_bias(self, bias: Mapping[str, float]) -> None:
         """Set the force by axis that is subtracted from the measured F_e [N], see `tare`."""

@@ -98,6 +98,11 @@ class SupervisedEstimator:
         self._judged = False  # in this contact
         self._past: deque[TimedRow] = deque(maxlen=_LEARNT_AGAIN)  # rows of this wall
 
+    def take_location(self, std: float) -> None:
+        """Use another location of the surface, with its standard deviation [m]."""
+        self._new_tracker()
+        self._tracker.doubt_location(std)
+
     def _new_monitor(self) -> None:
         self.monitor = ExcitationMonitor(self._p.excitation, 1.0 / self._p.sample_rate)
         self._judged_blocks = 0

@@ -128,6 +128,10 @@ class WallTracker:
         self._p, self._location_std = parameters, location_std
         self._position_noise, self._timing_std = position_noise, timing_std
 
+    def doubt_location(self, std: float) -> None:
+        """Refine the location as soon as a contact shows it better than a standard deviation."""
+        self.shift_std = self._found_std = std
+
     @property
     def location_unchecked(self) -> bool:
         """Whether a contact of some length has not shown where its surface is."""

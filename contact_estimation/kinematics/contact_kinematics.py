@@ -174,9 +174,30 @@ class ContactKinematics:
         R, p, x, v = self.motion(motion)
         R_sensor = self.sensor_axes(motion, R)
         wrench = self._compensated(measured, R_sensor)
-        force = self._normal @ (R_sensor @ wrench[:3])
+        self._force = R_sensor @ wrench[:3]
         self.state = ArmState(R, p, self._normal, wrench)
-        return ContactSample(stamp_ns, x, v, float(force))
+        return ContactSample(stamp_ns, x, v, float(self._normal @ self._force))
+
+    def components(self, place: int) -> tuple[float, float, float]:
+        """
+        Return the force of the last sample in axes of the wall.
+
+        Parameters
+        ----------
+        place : int
+            Of the component along the normal, 0 to 2.
+
+        Returns
+        -------
+        components : tuple of float
+            That along the normal, and two along the wall [N].
+
+        """
+        n, f = self._normal, self._force
+        other = np.eye(3)[int(np.argmin(np.abs(n)))]
+        along = np.cross(n, other) / np.sqrt(1.0 - (n @ other)**2)
+        x, y, z = (float(f @ axis) for axis in (n, along, np.cross(n, along)))
+        return ((x, y, z), (z, x, y), (y, z, x))[place]
 
     def motion(self, motion: Sequence[float]) -> tuple[Array, Array, float, float]:
         """

@@ -23,7 +23,8 @@ from geometry_msgs.msg import PoseStamped
 from rclpy.node import Node
 
 from .message_classes import message_class
-from .topics import FLOAT64, OUTPUT_QOS, REFERENCE, STRING, TRAJECTORY, VECTOR3, WRENCH_TYPE
+from .topics import FLOAT64, OUTPUT_QOS, overridable, REFERENCE, STATUS_QOS, STRING
+from .topics import TRAJECTORY, VECTOR3, WRENCH_TYPE
 from ..estimation.matrix_messages import encode_matrices, MATRIX_TOPICS
 from ..estimation.result import Result
 from ..estimation.target_pose import TargetPose
@@ -65,14 +66,17 @@ class EstimatePublishers:
         self._joint = joint or 'contact_axis'
         vector = message_class(VECTOR3)
         self._publishers = {
-            name: node.create_publisher(vector, f'~/{name}', OUTPUT_QOS)
+            name: node.create_publisher(
+                vector, f'~/{name}', OUTPUT_QOS, qos_overriding_options=overridable())
             for name in (*_ALWAYS, *_ON_DEMAND)
         }
         self._publishers['model_fit'] = node.create_publisher(
             message_class(FLOAT64), '~/model_fit', OUTPUT_QOS
         )
-        self._reference = node.create_publisher(message_class(TRAJECTORY), REFERENCE, OUTPUT_QOS)
-        self._status = node.create_publisher(message_class(STRING), '~/status', OUTPUT_QOS)
+        self._reference = node.create_publisher(
+            message_class(TRAJECTORY), REFERENCE, OUTPUT_QOS, qos_overriding_options=overridable())
+        self._status = node.create_publisher(
+            message_class(STRING), '~/status', STATUS_QOS, qos_overriding_options=overridable())
         self._pose = node.create_publisher(PoseStamped, '~/target_pose', OUTPUT_QOS)
         self._compensated = node.create_publisher(
             message_class(WRENCH_TYPE), '~/compensated_wrench', OUTPUT_QOS)

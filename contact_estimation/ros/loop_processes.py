@@ -49,7 +49,7 @@ class LoopProcesses:
         self._processes = {
             name: subprocess.Popen(
                 [sys.executable, '-m', f'contact_estimation.ros.{name}', '--ros-args',
-                 '--params-file', str(parameters)],
+                 '--log-level', 'warn', '--params-file', str(parameters)],
                 env=environment, start_new_session=True, stdout=subprocess.DEVNULL,
             )
             for name in ('recorder_node', 'estimator_node', 'plant_node')

@@ -17,6 +17,7 @@
 from __future__ import annotations
 
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos_overriding_options import QoSOverridingOptions
 
 WRENCH = 'wrench'
 JOINT_STATES = 'joint_states'
@@ -49,3 +50,15 @@ EVENTS_QOS = QoSProfile(
     durability=DurabilityPolicy.TRANSIENT_LOCAL,
 )
 """A late recorder still receives the initial parameters and every change since."""
+
+STATUS_QOS = QoSProfile(
+    depth=1,
+    reliability=ReliabilityPolicy.RELIABLE,
+    durability=DurabilityPolicy.TRANSIENT_LOCAL,
+)
+"""The status is published on change: a late subscriber receives the last one."""
+
+
+def overridable() -> QoSOverridingOptions:
+    """Return the options that let parameters `qos_overrides.TOPIC...` change the QoS."""
+    return QoSOverridingOptions.with_default_policies()

@@ -213,7 +213,7 @@ class Conditioner:
             shifts = [delta - now.depth for delta, now in zip(deltas, known)]
             deltas, pressings = [now.depth for now in known], [now.pressing for now in known]
         surface = -self.location_margin
-        inside = [delta > surface for delta in deltas]
+        inside = [not delta <= surface for delta in deltas]  # anywhere while x_e is unknown
         contact, variances = self.detector.decide(dts, pressings, inside)
         has_row = contact
         if known:

@@ -52,6 +52,12 @@ class SynchronisationParameters(ParameterGroup):
         0.5, 'A stamp earlier than the last one by more than this is a backward clock jump', 's',
         minimum=1e-3, maximum=1e6,
     )
+    offset: float = parameter(
+        0.0,
+        'Added to the stamps of the joint states: positive where the wrench is stamped too late '
+        '(or the joint states too early), negative the other way; the joint states that a '
+        'negative one delays must come within timeout_s', 's', minimum=-10.0, maximum=10.0,
+    )
     timing_std: float = parameter(
         1e-3,
         'Standard deviation of the time between force and motion that no stamp shows: lag of the '
@@ -113,11 +119,19 @@ class Synchroniser:
         """Whether a wrench waits for its joint state."""
         return bool(self._wrenches)
 
+    @property
+    def motion_lag_s(self) -> float:
+        """Newest stamp of a wrench less that of a joint state [s]; NaN before both."""
+        if min(self._last_wrench_ns, self._last_motion_ns) == -(2**63):
+            return nan
+        return (self._last_wrench_ns - self._last_motion_ns) * 1e-9
+
     def configure(self, parameters: SynchronisationParameters) -> None:
         """Set other limits, as for the constructor."""
         self._timeout_ns = int(parameters.timeout_s * 1e9)
         self._gap_ns = int(parameters.maximum_gap_s * 1e9)
         self._jump_ns = int(parameters.time_jump_s * 1e9)
+        self._offset_ns = round(parameters.offset * 1e9)
         self._largest_force = parameters.maximum_force
         self._largest_position = parameters.maximum_position
         self._largest_velocity = parameters.maximum_velocity
@@ -169,6 +183,7 @@ class Synchroniser:
             All that this joint state completes.
 
         """
+        stamp_ns += self._offset_ns
         if stamp_ns <= self._last_motion_ns:
             if not self._is_jump('joint', stamp_ns, self._last_motion_ns):
                 return _NOTHING
@@ -220,6 +235,7 @@ class Synchroniser:
         last = max(self._last_wrench_ns, self._last_motion_ns)
         regular = (
             not self._wrenches
+            and not self._offset_ns
             and int(stamps_ns[0]) > last
             and bool((np.diff(stamps_ns) > 0).all())
             and all(bool((np.abs(F) <= self._largest_force).all()) for F in forces)
@@ -247,8 +263,10 @@ class Synchroniser:
         """Distinguish a clock jump from a duplicate or late message, and count the latter."""
         if stamp_ns < last_ns - self._jump_ns:
             return True
-        same = stamp_ns == last_ns
-        self.rejected[f'{kind}_duplicate' if same else f'{kind}_out_of_order'] += 1
+        reason = 'duplicate' if stamp_ns == last_ns else 'out_of_order'
+        if stamp_ns == (self._offset_ns if kind == 'joint' else 0):
+            reason = 'zero_stamp'  # a driver that does not fill header.stamp
+        self.rejected[f'{kind}_{reason}'] += 1
         return False
 
     def _restart(self, stamp_ns: int) -> None:
