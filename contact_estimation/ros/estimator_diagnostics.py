@@ -188,6 +188,7 @@ class EstimatorDiagnostics:
             'reference_law': parameters.reference_law,
             'reference_limited': session.stream.limited,
             'contact': pipeline.contact,
+            'position': f'{session.last_position:.6g}',
             'excitation_stiffness_std': f'{pipeline.excitation.stiffness_std:.6g}',
             'excitation_damping_std': f'{pipeline.excitation.damping_std:.6g}',
             'force_noise_std': f'{pipeline.noise_std:.6g}',
