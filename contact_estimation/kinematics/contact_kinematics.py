@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from .robot_model import RobotModel
-from .tool_load import load_map, STANDARD_GRAVITY, ToolParameters
+from .tool_load import cross_matrix, load_map, STANDARD_GRAVITY, ToolParameters
 from ..exceptions import ParameterRangeError
 from ..signals.contact_detection import ContactParameters
 from ..signals.contact_sample import ContactSample
@@ -124,6 +124,7 @@ class ContactKinematics:
         self.state: ArmState | None = None
         self._own_normal = unit_normal(contact)
         self._normal = self._own_normal
+        self._wall: Array | None = None
         self._in_tip = contact.normal_frame == 'tip'
         self._point = np.array(contact.point) if any(contact.point) else None
         self.configure(tool)
@@ -193,10 +194,9 @@ class ContactKinematics:
             That along the normal, and two along the wall [N].
 
         """
-        n, f = self._normal, self._force
-        other = np.eye(3)[int(np.argmin(np.abs(n)))]
-        along = np.cross(n, other) / np.sqrt(1.0 - (n @ other)**2)
-        x, y, z = (float(f @ axis) for axis in (n, along, np.cross(n, along)))
+        if self._wall is None:
+            self._wall = axes_of_wall(self._normal)
+        x, y, z = (self._wall @ self._force).tolist()
         return ((x, y, z), (z, x, y), (y, z, x))[place]
 
     def motion(self, motion: Sequence[float]) -> tuple[Array, Array, float, float]:
@@ -221,11 +221,11 @@ class ContactKinematics:
         measured = not np.isnan(q_dot).any()
         R, p, p_dot, omega = self.model.velocity(q, q_dot if measured else np.zeros(count))
         if self._in_tip and not self.held:
-            self._normal = R @ self._own_normal
+            self._normal, self._wall = R @ self._own_normal, None
         normal, point, rate = self._normal, p, p_dot
         if self._point is not None:
             lever = R @ self._point
-            point, rate = p + lever, p_dot + np.cross(omega, lever)
+            point, rate = p + lever, p_dot + cross_matrix(omega) @ lever
         return R, p, float(normal @ point), float(normal @ rate) if measured else nan
 
     def sensor_axes(self, motion: Sequence[float], R: Array) -> Array:
@@ -241,6 +241,27 @@ class ContactKinematics:
         if self._weighs:
             wrench -= self._load @ (self._gravity @ R_sensor)
         return wrench
+
+
+def axes_of_wall(normal: Array) -> Array:
+    """
+    Return axes of which the first is the normal.
+
+    Parameters
+    ----------
+    normal : ndarray, shape (3,)
+        Unit vector.
+
+    Returns
+    -------
+    axes : ndarray, shape (3, 3)
+        Right-handed, one a row; the second is normal to the axis of the base that is most nearly
+        along the wall.
+
+    """
+    along = cross_matrix(normal) @ np.eye(3)[int(np.argmin(np.abs(normal)))]
+    along /= np.linalg.norm(along)
+    return np.array([normal, along, cross_matrix(normal) @ along])
 
 
 def unit_normal(contact: ContactParameters) -> Array:

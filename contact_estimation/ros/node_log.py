@@ -48,6 +48,8 @@ class NodeLog:
         resolve = self._node.resolve_topic_name
         axes = ', '.join(f'{axis} from joint {joint!r}' if joint else f'{axis} from the only joint'
                          for axis, joint in parameters.joints.items())
+        if parameters.kinematics.tip:
+            axes = f'{parameters.axis} along contact.normal of an arm'
         x_e = parameters.environment.location
         place = f'x_e = {x_e:g} m' if x_e == x_e else 'x_e taken at the first touch'
         self._logger.info(
