@@ -70,6 +70,7 @@ def instants(contact_s: float = 1.5) -> tuple[Instant, ...]:
     return tuple(found)
 
 
+@lru_cache(maxsize=None)
 def messages(every: int = 1, split: bool = False) -> list[tuple[str, int, bytes]]:
     """
     Return topic, stamp and content of all messages.

@@ -16,6 +16,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+from math import nan
 from typing import Any, Mapping
 
 from arm_contact import (
@@ -38,13 +40,24 @@ pytest.importorskip('pinocchio')
 def run(
     every: int = 1, split: bool = False, estimation: Mapping[str, Any] | None = None
 ) -> tuple[ContactSession, list[Result]]:
-    """Process the messages of the arm."""
-    session = ContactSession(build(EstimationParameters, {**PARAMETERS, **(estimation or {})}))
+    """Process the messages of the arm; equal requests of the usual parameters share one run."""
+    return run_once(every, split) if estimation is None else process(every, split, estimation)
+
+
+@lru_cache(maxsize=None)
+def run_once(every: int, split: bool) -> tuple[ContactSession, list[Result]]:
+    return process(every, split, {})
+
+
+def process(
+    every: int, split: bool, estimation: Mapping[str, Any]
+) -> tuple[ContactSession, list[Result]]:
+    session = ContactSession(build(EstimationParameters, {**PARAMETERS, **estimation}))
     session.describe(urdf())
     inputs, results = inputs_of(session), []
     for topic, _, raw in messages(every, split):
-        process = inputs.process_wrench if topic == '/wrench' else inputs.process_joints
-        results += process(raw)
+        take = inputs.process_wrench if topic == '/wrench' else inputs.process_joints
+        results += take(raw)
     return session, results
 
 
@@ -113,6 +126,29 @@ def test_the_point_that_touches_may_be_off_the_tip() -> None:
             NORMAL @ (T[:3, :3] @ point + T[:3, 3]), abs=1e-9)
 
 
+def test_a_sensor_that_the_description_lacks_is_turned_by_its_mounting() -> None:
+    # The link `tool` is turned by 0.4 about z from the sensor.
+    turned = {'force_sensor.frame': 'tool', 'force_sensor.rpy': [0.0, 0.0, -0.4]}
+    _, results = run(estimation=turned)
+    assert results[-1].sample.force == pytest.approx(instants()[-1].contact.force, abs=1e-9)
+
+
+def test_the_surface_may_be_taken_at_the_first_touch() -> None:
+    _, results = run(estimation={'environment.location': nan})
+    assert results[-1].estimate.location == pytest.approx(LOCATION, abs=5e-4)
+    assert results[-1].estimate.stiffness == pytest.approx(K_E, rel=0.03)
+
+
+def test_the_tool_may_change_while_running() -> None:
+    session, results = run(estimation={'tool.mass': 0.0})
+    session.change_parameters({'tool.mass': MASS})
+    last = instants()[-1]
+    stamp_ns = results[-1].sample.stamp_ns + 2_000_000
+    session.add_motion(stamp_ns, *last.q, *last.q_dot)
+    (result,) = session.add_wrench(stamp_ns, *last.wrench)
+    assert result.sample.force == pytest.approx(last.contact.force, abs=1e-9)
+
+
 def test_velocity_that_is_not_reported_is_not_measured() -> None:
     session, _ = run()
     assert session.arm is not None
@@ -130,7 +166,8 @@ def test_joints_that_never_come_are_named() -> None:
 
 
 def test_other_joints_on_the_topic_are_of_no_concern() -> None:
-    session, _ = run()
+    session = ContactSession(build(EstimationParameters, PARAMETERS))
+    session.describe(urdf())
     inputs = inputs_of(session)
     inputs.process_joints(messages()[0][2])
     inputs.process_joints(joint_state_bytes(['finger_joint'], [0.0], stamp_ns=10**12))
