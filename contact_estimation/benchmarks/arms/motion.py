@@ -25,6 +25,7 @@ Array = NDArray[np.float64]
 
 MOVE_S = 1.0
 _TOUCHES = ((0.016, 2.4), (0.022, 4.0), (0.028, 4.0))  # depth of x_r [m], duration [s]
+_FREE_S = 3.0  # before the first touch
 _APART = -0.012  # x_r between touches [m]
 _FREQUENCIES = (0.7, 1.9, 4.3)  # of the excitation [Hz]
 _AMPLITUDE = 0.003  # of each [m]
@@ -65,7 +66,7 @@ def touches(timestep: float, seed: int) -> Reference:
 
     """
     phases = np.random.default_rng(seed).uniform(0.0, 2.0 * np.pi, len(_FREQUENCIES))
-    parts, here = [_held(_APART, 1.0, timestep)], _APART
+    parts, here = [_held(_APART, _FREE_S, timestep)], _APART
     for depth, hold in _TOUCHES:
         parts += [_quintic(here, depth, MOVE_S, timestep),
                   _excited(depth, hold, phases, timestep),
