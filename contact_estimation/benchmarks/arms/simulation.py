@@ -131,7 +131,7 @@ class ArmSimulation:
         J = self._jacobian()
         mobility = J @ np.linalg.solve(self._mass_matrix(), J.T)
         self.M_t = 1.0 / float(mobility[0, 0])
-        self.B_t = 2.0 * _WELL_DAMPED * np.sqrt(world.K_t * self.M_t)
+        self.B_t = 2.0 * _WELL_DAMPED * float(np.sqrt(world.K_t * self.M_t))
         self._model.dof_frictionloss[:] = self._joint_friction(J)
 
     def touch(self, seed: int) -> Run:
