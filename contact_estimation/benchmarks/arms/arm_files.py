@@ -17,15 +17,16 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import Any, Mapping
 
 import numpy as np
 import yaml
 
-from .arm_models import Arm, description_of, SENSOR, TIP
-from .arm_recording import messages, write_recording
+from .arm_models import Arm, Array, description_of, SENSOR, TIP
+from .arm_recording import FORCE_BIAS, messages, TORQUE_BIAS, write_recording
 from .simulation import ArmSimulation, Run, World
 from ...kinematics.robot_model import RobotModel
+from ...kinematics.tool_load import tool_wrench, ToolParameters
 from ...parameters.file import read_parameter_file
 
 _KNOWN_WORSE = {'stiffness': 1.06, 'damping': 0.8}  # nominal over true
@@ -93,6 +94,17 @@ class ArmFiles:
         path = self._folder / f'{self.arm.name}_{name}.nominal.yaml'
         path.write_text(yaml.safe_dump({'plant_node': {'ros__parameters': model}}))
         return path
+
+    def force_along_normal(self, run: Run, tool: Mapping[str, Any]) -> Array:
+        """Return the force along the normal that a sensor without noise gives, (N,) [N]."""
+        model = RobotModel(self._urdf, self.arm.base, SENSOR)
+        axes = np.array([model.pose(q)[0] for q in run.q])
+        wrench = run.wrench + np.array(FORCE_BIAS + TORQUE_BIAS)
+        if tool:
+            own = ToolParameters(*(tool[f'tool.{field}'] for field in (
+                'mass', 'centre', 'force_bias', 'torque_bias')))
+            wrench = wrench - tool_wrench(own, axes)
+        return np.einsum('i,nij,nj->n', run.normal, axes, wrench[:, :3])
 
     def path(self, name: str) -> Path:
         """Return the path of a further file of the arm."""

@@ -98,9 +98,9 @@ def messages(
     for k in range(len(run.q)):
         stamp = begin_ns + round(k * TIMESTEP * 1e9)
         if along_normal and k % _REFERENCE_PERIOD == 0:
-            point = (float(column[k]) for column in run.reference)
+            x, v, a = (float(column[k]) for column in run.reference)
             yield Message(stamp, 'reference_trajectory', _TRAJECTORY,
-                          trajectory.encode(stamp, *point, 0.0))  # type: ignore[misc]
+                          trajectory.encode(stamp, x, v, a, 0.0))
         if k % arm.joint_period == 0:
             order = orders[k // arm.joint_period % len(orders)]
             q = run.q[k] + rng.normal(0.0, _POSITION_NOISE, len(joints))
@@ -142,7 +142,8 @@ class _Types:
     def __init__(self) -> None:
         self._store = jazzy_typestore()
         types = self._store.types
-        self._time, self._header = types['builtin_interfaces/msg/Time'], types['std_msgs/msg/Header']
+        self._time = types['builtin_interfaces/msg/Time']
+        self._header = types['std_msgs/msg/Header']
         self._vector = types['geometry_msgs/msg/Vector3']
         self._plain = types['geometry_msgs/msg/Wrench']
         self._stamped, self._joints = types[_WRENCH], types[_JOINTS]

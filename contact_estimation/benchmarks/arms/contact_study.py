@@ -46,6 +46,8 @@ class Estimated(NamedTuple):
 
     Attributes
     ----------
+    estimator : str
+        Which one.
     compensation : str
         What of the tool was taken out of the force.
     stiffness, stiffness_std, damping, damping_std, location : float
@@ -53,6 +55,7 @@ class Estimated(NamedTuple):
 
     """
 
+    estimator: str
     compensation: str
     stiffness: float
     stiffness_std: float
@@ -120,26 +123,30 @@ def estimated(files: ArmFiles, run: Run, recording: Path, tool: Path) -> list[Es
     Returns
     -------
     rows : list of Estimated
-        With everything that `calibrate_tool` found; its load without inertia; only a tare; nothing.
+        With everything that `calibrate_tool` found; its load without inertia; only a tare;
+        nothing. The kalman estimator finds x_e too, which absorbs an offset of the force; rls does
+        not.
 
     """
     whole = tool_parameters(tool)
     load = {name: whole[name] for name in _LOAD}
+    taken_out: dict[str, Mapping[str, Any]] = {
+        'load and inertia': whole, 'load only': load, 'tare only': {}, 'none': {},
+    }
     return [
-        _estimate(files, run, recording, 'load and inertia', whole),
-        _estimate(files, run, recording, 'load only', load),
-        _estimate(files, run, recording, 'tare only', {}, tare=True),
-        _estimate(files, run, recording, 'none', {}),
+        estimated_with(files, run, recording, estimator, name, tool_known)
+        for estimator in ('kalman', 'rls') for name, tool_known in taken_out.items()
     ]
 
 
-def _estimate(
-    files: ArmFiles, run: Run, recording: Path, name: str, tool: Mapping[str, Any],
-    tare: bool = False,
+def estimated_with(
+    files: ArmFiles, run: Run, recording: Path, estimator: str, name: str, tool: Mapping[str, Any]
 ) -> Estimated:
+    """Estimate with one estimator and some parameters of the tool; a name of a tare tares."""
     reader = RecordingReader(recording)
-    replay = RecordingReplay(reader, RecordingSource(), {**files.parameters(run), **tool})
-    if tare:
+    chosen = {**files.parameters(run), **tool, 'estimator': estimator}
+    replay = RecordingReplay(reader, RecordingSource(), chosen)
+    if name.startswith('tare'):
         begin = reader.start_ns or 0
         replay.session.schedule(Moment(0, begin + round(_TARE_S * 1e9)), replay.session.tare)
     last: Estimate | None = None
@@ -147,15 +154,15 @@ def _estimate(
         if axes[0].status.value != 'free':
             last = axes[0]
     if last is None:
-        return Estimated(name, *5 * [float('nan')])
-    return Estimated(name, last.stiffness, last.stiffness_std, last.damping, last.damping_std,
-                     last.location)
+        return Estimated(estimator, name, *5 * [float('nan')])
+    return Estimated(estimator, name, last.stiffness, last.stiffness_std, last.damping,
+                     last.damping_std, last.location)
 
 
 def errors(row: Estimated, run: Run, world: World) -> dict[str, Any]:
     """Return the errors of estimates against the truth."""
     return {
-        'compensation': row.compensation,
+        'estimator': row.estimator, 'compensation': row.compensation,
         'stiffness_error_percent': 100.0 * (row.stiffness / world.K_e - 1.0),
         'stiffness_std_percent': 100.0 * row.stiffness_std / world.K_e,
         'damping_error_percent': 100.0 * (row.damping / world.B_e - 1.0),

@@ -131,6 +131,7 @@ def _excited(depth: float, duration: float, phases: Array, timestep: float) -> R
     ramp = np.clip(np.minimum(t, duration - t) / 0.5, 0.0, 1.0)
     window = ramp**3 * (10 - 15 * ramp + 6 * ramp**2)
     omega = 2 * np.pi * np.array(_FREQUENCIES)[:, None]
-    x = depth + _AMPLITUDE * window * np.sin(omega * t + phases[:, None]).sum(axis=0)
-    v = np.gradient(x, timestep, edge_order=2)
-    return Reference(x, v, np.gradient(v, timestep, edge_order=2))
+    x: Array = depth + _AMPLITUDE * window * np.sin(omega * t + phases[:, None]).sum(axis=0)
+    v: Array = np.gradient(x, timestep, edge_order=2)
+    a: Array = np.gradient(v, timestep, edge_order=2)
+    return Reference(x, v, a)

@@ -17,8 +17,8 @@ Arms in MuJoCo under an impedance controller of their own, against a wall of spr
 
 Along the normal the controller realises M_t (xdd - xdd_r) = -B_t (xd - xd_r) - K_t (x - x_r) + F_e
 with M_t the arm's own effective mass at home; it holds the other five coordinates stiffly
-(operational space with force feedback: O. Khatib, IEEE J. Robotics and Automation 3(1), 1987). Nothing here uses the kinematics,
-the plant or the physics of this package.
+(operational space with force feedback: O. Khatib, IEEE J. Robotics and Automation 3(1), 1987).
+Nothing here uses the kinematics, the plant or the physics of this package.
 
 """
 
@@ -147,7 +147,7 @@ class ArmSimulation:
         return self._run(reference, self._joint_torque, K_e=0.0, B_e=0.0)
 
     def _run(
-        self, reference: Reference, torque: Callable[[Array, Array, Array, float], Array],
+        self, reference: Reference, torque: Callable[[Any, Any, Any, float], Array],
         K_e: float, B_e: float,
     ) -> Run:
         mj, model, data = self._mj, self._model, self._data
@@ -156,13 +156,13 @@ class ArmSimulation:
         rows = []
         for x_r, v_r, a_r in zip(*reference):
             mj.mj_step1(model, data)
-            x, F_e = self._wall(K_e, B_e)
-            data.qfrc_applied[:] = torque(x_r, v_r, a_r, F_e)
-            q, q_dot = data.qpos.copy(), data.qvel.copy()
-            self._press(F_e * self.normal)
+            position, pressing = self._wall(K_e, B_e)
+            data.qfrc_applied[:] = torque(x_r, v_r, a_r, pressing)
+            state = data.qpos.copy(), data.qvel.copy()
+            self._press(pressing * self.normal)
             mj.mj_step2(model, data)
-            rows.append((q, q_dot, -data.sensordata, x, F_e))
-        q, q_dot, wrench, x, F_e = (np.array(column) for column in zip(*rows))
+            rows.append((*state, -data.sensordata, position, pressing))
+        q, q_dot, wrench, x, F_e = [np.array(column, float) for column in zip(*rows)]
         impedance = {'mass': self.M_t, 'damping': self.B_t, 'stiffness': self._world.K_t}
         return Run(q, q_dot, wrench, x, F_e, reference, self.normal, self.location, impedance)
 
