@@ -116,7 +116,7 @@ def _held(x: float, duration: float, timestep: float) -> Reference:
 
 def _quintic(begin: float, end: float, duration: float, timestep: float) -> Reference:
     """Return a minimum-jerk move."""
-    s = np.arange(round(duration / timestep)) * timestep / duration
+    s: Array = np.linspace(0.0, 1.0, round(duration / timestep), endpoint=False)
     step = end - begin
     return Reference(
         begin + step * s**3 * (10 - 15 * s + 6 * s**2),
@@ -127,7 +127,7 @@ def _quintic(begin: float, end: float, duration: float, timestep: float) -> Refe
 
 def _excited(depth: float, duration: float, phases: Array, timestep: float) -> Reference:
     """Return sines about a depth, faded in and out over half a second."""
-    t = np.arange(round(duration / timestep)) * timestep
+    t = np.asarray(np.arange(round(duration / timestep)) * timestep, float)
     ramp = np.clip(np.minimum(t, duration - t) / 0.5, 0.0, 1.0)
     window = ramp**3 * (10 - 15 * ramp + 6 * ramp**2)
     omega = 2 * np.pi * np.array(_FREQUENCIES)[:, None]
