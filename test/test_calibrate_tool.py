@@ -92,6 +92,7 @@ def test_tool_is_found_within_its_deviations_and_written_as_parameters(tmp_path:
     assert found['mass_kg']['std'] < 0.01 and max(found['centre_m']['std']) < 0.001
     written = yaml.safe_load((tmp_path / 'tool.yaml').read_text())['/**']['ros__parameters']
     assert written['tool']['mass'] == pytest.approx(found['mass_kg']['value'], abs=1e-6)
+    assert written['physics']['tool_inertia']['mass'] == written['tool']['mass']
     assert written['tool']['centre'] == pytest.approx(found['centre_m']['value'], abs=1e-6)
 
 

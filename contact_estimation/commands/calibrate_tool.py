@@ -126,8 +126,10 @@ def _parameter_file(found: ToolCalibration, frame: str) -> str:
         name: [round(value, 6) for value in getattr(tool, name)]
         for name in ('centre', 'force_bias', 'torque_bias')
     }
-    text = yaml.safe_dump({'/**': {'ros__parameters': {'tool': values}}}, sort_keys=False,
-                          default_flow_style=None, width=99)
+    # tool.* is the load of a tool at rest; its inertia along the normal is a known effect.
+    inertia = {'tool_inertia': {'mass': values['mass']}}
+    text = yaml.safe_dump({'/**': {'ros__parameters': {'tool': values, 'physics': inertia}}},
+                          sort_keys=False, default_flow_style=None, width=99)
     head = [f'Tool on the sensor {frame}, found by calibrate_tool from {found.poses} poses.',
             f'Standard deviations: mass {found.mass_std:.2g} kg, '
             f'centre {_listed(found.centre_std)} m,',

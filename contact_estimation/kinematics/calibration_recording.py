@@ -32,6 +32,7 @@ from ..recordings.source import RecordingSource
 BLOCK_S = 0.1
 _FASTEST_TURN = 0.5  # [rad/s]
 _FASTEST_START = 0.5  # [m/s^2]
+_FASTEST_SPIN_UP = 0.3  # [rad/s^2]: the moments of inertia are not modelled
 _JOINT_RATE = 100.0  # of the grid on which joints of different messages meet [Hz]
 _LONGEST_GAP_S = 0.1  # between joint states
 
@@ -96,8 +97,8 @@ def read_blocks(
             f'{_LONGEST_GAP_S:g} s; check the rates of both topics'
         )
     f, w, alpha, a = _motion(model, q[:, :, have])
-    slow = (np.linalg.norm(w, axis=1) < _FASTEST_TURN) & (
-        np.linalg.norm(a, axis=1) < _FASTEST_START)
+    limits = ((w, _FASTEST_TURN), (alpha, _FASTEST_SPIN_UP), (a, _FASTEST_START))
+    slow = np.all([np.linalg.norm(each, axis=1) < limit for each, limit in limits], axis=0)
     return CalibrationBlocks(
         f, load_regressor(f, w, alpha), (sums[:, have] / counts[have]).T, slow)
 

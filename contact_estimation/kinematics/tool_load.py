@@ -62,15 +62,15 @@ class ToolParameters(ParameterGroup):
         minimum=0.0, maximum=1000.0,
     )
     centre: tuple[float, ...] = parameter(
-        (0.0, 0.0, 0.0),  # type: ignore[arg-type]
+        (0.0, 0.0, 0.0),
         "Centre of gravity of the tool in the force sensor's frame", 'm'
     )
     force_bias: tuple[float, ...] = parameter(
-        (0.0, 0.0, 0.0),  # type: ignore[arg-type]
+        (0.0, 0.0, 0.0),
         'Force that the sensor reads without any load', 'N'
     )
     torque_bias: tuple[float, ...] = parameter(
-        (0.0, 0.0, 0.0),  # type: ignore[arg-type]
+        (0.0, 0.0, 0.0),
         'Torque that the sensor reads without any load', 'N m'
     )
 
