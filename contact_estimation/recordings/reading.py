@@ -60,7 +60,7 @@ class RecordingReader:
 
     @property
     def damaged_chunks(self) -> int:
-        """Number of damaged chunks and stretches skipped while reading messages."""
+        """Return the number of damaged chunks and stretches skipped while reading messages."""
         return sum(file.damaged for file in self._files)
 
     @property

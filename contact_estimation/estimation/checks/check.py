@@ -121,7 +121,7 @@ class Evidence:
 
     @property
     def noise(self) -> float:
-        """Configured standard deviation of the force noise [N]; the learned one may be wrong."""
+        """Return the configured noise of the force [N]; the learned one may be wrong."""
         return self.parameters.contact.force_noise
 
     @cached_property

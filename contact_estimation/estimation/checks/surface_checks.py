@@ -78,8 +78,8 @@ class SurfaceLine(Check):
         if inside < _MOST_OF_DEPTH * mean:
             return None
         place = seen.pipeline.location + inside
-        return (f'the force in contact vanishes at x = {place:.4g} m, {1e3 * inside:.3g} mm inside '
-                f'the wall; set environment.location to {place:.4g}')
+        return (f'the force in contact vanishes at x = {place:.4g} m, {1e3 * inside:.3g} mm '
+                f'inside the wall; set environment.location to {place:.4g}')
 
 
 class SurfaceShifted(Check):
