@@ -52,9 +52,9 @@ setup(
     entry_points={
         'console_scripts': [
             'blind_trials = contact_estimation.commands.entry_points:blind_trials',
-            'estimator_node = contact_estimation.ros.estimator_node:main',
-            'plant_node = contact_estimation.ros.plant_node:main',
-            'recorder_node = contact_estimation.ros.recorder_node:main',
+            'estimator_node = contact_estimation.ros.executables:estimator_node',
+            'plant_node = contact_estimation.ros.executables:plant_node',
+            'recorder_node = contact_estimation.ros.executables:recorder_node',
             'loop = contact_estimation.commands.entry_points:loop',
             'diagnose = contact_estimation.commands.entry_points:diagnose',
             'replay = contact_estimation.commands.entry_points:replay',
