@@ -20,7 +20,7 @@ from collections import deque
 from functools import partial
 from typing import Any, Iterator, Mapping
 
-from .events import apply_event, EstimationEvent
+from .events import apply_event, EstimationEvent, START
 from .inputs import MessageInputs
 from .parameters import EstimationParameters
 from .result import AxesEstimates
@@ -67,7 +67,7 @@ class RecordingReplay:
         self, reader: RecordingReader, source: RecordingSource, chosen: Mapping[str, Any]
     ) -> None:
         self._reader, self._source, self._chosen = reader, source, dict(chosen)
-        recorded = _known_today(from_metadata(reader.metadata()))
+        recorded = _known_today(from_metadata(reader.metadata()) or self._at_start())
         if 'axis' in chosen:  # chosen by the user, not recorded by the node
             recorded = {k: v for k, v in recorded.items()
                         if not k.startswith(('further_axes.', 'matrix_estimator'))}
@@ -77,6 +77,15 @@ class RecordingReplay:
         self._references = TrajectoryDecoder()
         self._left_over: list[RecordedMessage] = []
         self._last_reference_ns, self._reference_jumps = -(2**63), 0
+
+    def _at_start(self) -> Mapping[str, Any]:
+        """Return the parameters of the event at start, which any recorder may have recorded."""
+        events = self._source.events
+        if canonical(events) not in {canonical(name) for name in self._reader.topics()}:
+            return {}
+        first = next(self._reader.messages([events]), None)
+        event = EstimationEvent.from_text(decode_string(first.data)) if first else None
+        return event.parameters if event and event.kind == START else {}
 
     def estimates(self) -> Iterator[list[AxesEstimates]]:
         """
