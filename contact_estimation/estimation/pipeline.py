@@ -314,7 +314,7 @@ class EstimationPipeline:
             conditioned.variances[0],
         )
         if self.invalid:
-            return [reason or self.invalid for reason in reasons or repeat('', len(samples))]
+            return [self.invalid] * len(samples)
         return reasons
 
     def _observe(

@@ -57,6 +57,8 @@ class SurfaceLine(Check):
     def judge(self, seen: Evidence) -> str | None:
         """Fit K x + B v + c to the last contact."""
         chosen = np.flatnonzero(seen.contact)
+        if seen.pipeline.touch_down.text:
+            return ''  # says the same of the same contact
         if len(chosen) < _LEAST_CONTACT:
             return None
         x, y = seen.x[chosen] - seen.pipeline.location, -seen.force[chosen]
