@@ -53,9 +53,9 @@ setup(
         'console_scripts': [
             'blind_trials = contact_estimation.commands.entry_points:blind_trials',
             'calibrate_tool = contact_estimation.commands.entry_points:calibrate_tool',
-            'estimator_node = contact_estimation.ros.estimator_node:main',
-            'plant_node = contact_estimation.ros.plant_node:main',
-            'recorder_node = contact_estimation.ros.recorder_node:main',
+            'estimator_node = contact_estimation.ros.executables:estimator_node',
+            'plant_node = contact_estimation.ros.executables:plant_node',
+            'recorder_node = contact_estimation.ros.executables:recorder_node',
             'loop = contact_estimation.commands.entry_points:loop',
             'diagnose = contact_estimation.commands.entry_points:diagnose',
             'replay = contact_estimation.commands.entry_points:replay',

@@ -224,9 +224,9 @@ def run(options: Any) -> int:
         session, samples = healthy_session(estimator, experiment, wall, options.seed + k)
         if wall == WALLS[1]:
             examples.append((estimator, experiment, samples))
-        said += [{'estimator': estimator, 'experiment': experiment, 'K_e': wall[0],
-                  'check': one.warned.name, 'warning': one.warned.text}
-                  for one in session.checks.found_in_order()]
+        world = {'estimator': estimator, 'experiment': experiment, 'K_e': wall[0]}
+        said += [{**world, 'check': one.warned.name, 'warning': one.warned.text}
+                 for one in session.checks.found_in_order()]
         progress.show((k + 1) / (2 * len(worlds)), f'{k + 1} healthy loops')
     rows = []
     for k, mistake in enumerate(MISTAKES):

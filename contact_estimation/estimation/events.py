@@ -52,7 +52,7 @@ class EstimationEvent(NamedTuple):
 
     @property
     def moment(self) -> Moment:
-        """The sample after which it took effect."""
+        """Return the sample after which it took effect."""
         return Moment(self.jumps, self.after_stamp_ns)
 
     def to_text(self) -> str:

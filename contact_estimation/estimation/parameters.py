@@ -110,7 +110,7 @@ class EstimationParameters(ParameterGroup):
 
     @property
     def joints(self) -> dict[str, str]:
-        """The joint of each estimated axis, the contact axis first."""
+        """Return the joint of each estimated axis, the contact axis first."""
         further = self.further_axes.named()
         return {self.axis: self.joint, **{axis: own.joint for axis, own in further.items()}}
 

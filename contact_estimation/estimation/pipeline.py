@@ -176,7 +176,7 @@ class EstimationPipeline:
 
     @property
     def missing(self) -> int:
-        """Number of samples missing, from the spacing of the stamps."""
+        """Return the number of samples missing, from the spacing of the stamps."""
         return self._conditioner.missing
 
     @property
@@ -201,7 +201,7 @@ class EstimationPipeline:
 
     @property
     def outliers(self) -> int:
-        """Number of forces replaced as outliers."""
+        """Return the number of forces replaced as outliers."""
         return self._conditioner.gate.count
 
     @property
@@ -211,7 +211,7 @@ class EstimationPipeline:
 
     @property
     def noise_std(self) -> float:
-        """Standard deviation of the force noise in free flight [N]."""
+        """Return the standard deviation of the force noise in free flight [N]."""
         return math.sqrt(self._conditioner.detector.noise_variance)
 
     @property
@@ -232,17 +232,17 @@ class EstimationPipeline:
 
     @property
     def excitation(self) -> ExcitationMonitor:
-        """The excitation monitor, for its predicted standard deviations."""
+        """Return the excitation monitor, for its predicted standard deviations."""
         return self._supervised.monitor
 
     @property
     def hindrance(self) -> str:
-        """What hinders the estimator on the present contact; '' for nothing."""
+        """Return what hinders the estimator on the present contact; '' for nothing."""
         return self._supervised.hindrance
 
     @property
     def estimator(self) -> OnlineEstimator:
-        """The estimator that runs."""
+        """Return the estimator that runs."""
         return self._supervised.estimator
 
     # -- samples ----------------------------------------------------------------------------
@@ -314,7 +314,7 @@ class EstimationPipeline:
             conditioned.variances[0],
         )
         if self.invalid:
-            return [reason or self.invalid for reason in reasons or repeat('', len(samples))]
+            return [self.invalid] * len(samples)
         return reasons
 
     def _observe(

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from typing import Any, Mapping
 
-from .events import DESCRIPTION, EstimationEvent
+from .events import DESCRIPTION, EstimationEvent, START
 from .parameters import EstimationParameters
 from ..exceptions import RecordingError
 from ..messages import decode_string
@@ -33,7 +33,9 @@ _OF_ARMS = ('kinematics.', 'contact.', 'force_sensor.', 'tool.', 'synchronisatio
 _FILE = 'robot_description_file'
 
 
-def recorded_parameters(reader: RecordingReader, chosen: Mapping[str, Any]) -> dict[str, Any]:
+def recorded_parameters(
+    reader: RecordingReader, source: RecordingSource, chosen: Mapping[str, Any]
+) -> dict[str, Any]:
     """
     Return the parameters at start that a recording holds.
 
@@ -41,6 +43,9 @@ def recorded_parameters(reader: RecordingReader, chosen: Mapping[str, Any]) -> d
     ----------
     reader : RecordingReader
         The recording.
+    source : RecordingSource
+        Its topics; without metadata, the event at start is used, which any recorder may have
+        recorded.
     chosen : mapping
         Parameters chosen by the user.
 
@@ -53,7 +58,7 @@ def recorded_parameters(reader: RecordingReader, chosen: Mapping[str, Any]) -> d
 
     """
     known = {spec.name for spec in specifications(EstimationParameters)} - {_FILE}
-    recorded = from_metadata(reader.metadata())
+    recorded = from_metadata(reader.metadata()) or _at_start(reader, source)
     recorded = {name: value for name, value in recorded.items() if name in known}
     if 'axis' in chosen:  # chosen by the user, not recorded by the node
         recorded = {k: v for k, v in recorded.items()
@@ -61,10 +66,20 @@ def recorded_parameters(reader: RecordingReader, chosen: Mapping[str, Any]) -> d
     return recorded
 
 
-def arm_parameters(reader: RecordingReader, chosen: Mapping[str, Any]) -> dict[str, Any]:
+def arm_parameters(
+    reader: RecordingReader, source: RecordingSource, chosen: Mapping[str, Any]
+) -> dict[str, Any]:
     """Return those of the recorded and chosen parameters that concern an arm and its sensor."""
-    every = {**recorded_parameters(reader, chosen), **chosen}
+    every = {**recorded_parameters(reader, source, chosen), **chosen}
     return {k: v for k, v in every.items() if k.startswith((*_OF_ARMS, _FILE))}
+
+
+def _at_start(reader: RecordingReader, source: RecordingSource) -> dict[str, Any]:
+    if canonical(source.events) not in {canonical(name) for name in reader.topics()}:
+        return {}
+    first = next(reader.messages([source.events]), None)
+    event = EstimationEvent.from_text(decode_string(first.data)) if first else None
+    return dict(event.parameters) if event and event.kind == START else {}
 
 
 def recorded_description(reader: RecordingReader, source: RecordingSource) -> str:

@@ -66,7 +66,7 @@ class RecordingReplay:
         self, reader: RecordingReader, source: RecordingSource, chosen: Mapping[str, Any]
     ) -> None:
         self._reader, self._source, self._chosen = reader, source, dict(chosen)
-        recorded = recorded_parameters(reader, chosen)
+        recorded = recorded_parameters(reader, source, chosen)
         parameters = build(EstimationParameters, {**recorded, **chosen})
         self.session = ContactSession(parameters, generate_reference=False)
         if parameters.kinematics.tip and self.session.arm is None:

@@ -128,7 +128,7 @@ class ContactSession:
 
     @property
     def rejected(self) -> Counter[str]:
-        """Number of messages and samples rejected, by reason."""
+        """Return the number of messages and samples rejected, by reason."""
         return self._synchroniser.rejected
 
     @property
@@ -138,7 +138,7 @@ class ContactSession:
 
     @property
     def time_jumps(self) -> int:
-        """Number of backward clock jumps."""
+        """Return the number of backward clock jumps."""
         return self._synchroniser.time_jumps
 
     @property
@@ -152,7 +152,7 @@ class ContactSession:
 
     @property
     def moment(self) -> Moment:
-        """The last sample processed."""
+        """Return the last sample processed."""
         return Moment(self._jumps, self.last_stamp_ns)
 
     def add_wrench(self, stamp_ns: int, *forces: float) -> list[Result]:

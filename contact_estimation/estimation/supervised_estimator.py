@@ -158,7 +158,7 @@ class SupervisedEstimator:
 
     @property
     def hindrance(self) -> str:
-        """What hinders the estimator on the present contact; '' for nothing."""
+        """Return what hinders the estimator on the present contact; '' for nothing."""
         return self.estimator.hindrance(self.monitor.window().products)
 
     @property

@@ -339,7 +339,7 @@ class OnlineEstimator(ABC):
 
     @property
     def limitation(self) -> str:
-        """What these parameters cannot estimate, to warn of at start-up; '': nothing known."""
+        """Return what these parameters cannot estimate, for a warning; '': nothing known."""
         return ''
 
     def hindrance(self, products: NDArray[np.float64]) -> str:

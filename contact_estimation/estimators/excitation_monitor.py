@@ -152,7 +152,7 @@ class ExcitationMonitor:
 
     @property
     def until_judgement(self) -> int:
-        """Number of rows that may be added before the next judgement is due."""
+        """Return the number of rows that may be added before the next judgement is due."""
         return self._next - self._count
 
     def add(self, rows: Sequence[Row], gains: Sequence[NoiseGain] = ()) -> None:
@@ -176,7 +176,7 @@ class ExcitationMonitor:
 
     @property
     def blocks(self) -> Sequence[Window]:
-        """The blocks of the window, the last one possibly not complete."""
+        """Return the blocks of the window, the last one possibly not complete."""
         block = [*self._chunks, self._chunk()] if self._rows else self._chunks
         return [*self._past, _sum(block)] if block else list(self._past)
 

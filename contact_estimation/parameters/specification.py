@@ -68,7 +68,7 @@ class ParameterSpecification:
 
     @property
     def valid_range(self) -> str:
-        """Valid values without type and unit; empty where the type says everything."""
+        """Return the valid values without type and unit; empty where the type says everything."""
         if self.choices:
             return 'one of ' + ', '.join(self.choices)
         if self.minimum is not None and self.maximum is not None:
@@ -79,7 +79,7 @@ class ParameterSpecification:
 
     @property
     def expectation(self) -> str:
-        """Valid values as error messages state them."""
+        """Return the valid values as error messages state them."""
         if self.choices:
             return self.valid_range
         kind = {bool: 'true or false', int: 'an integer', float: 'a number', str: 'a text',

@@ -35,7 +35,7 @@ def parameter_file(node: str, title: str, groups: Sequence[ParameterGroup]) -> s
     Parameters
     ----------
     node : str
-        Name of the node.
+        Name of the node; `/**` for every name and namespace.
     title : str
         Comment at the top of the file.
     groups : sequence of ParameterGroup

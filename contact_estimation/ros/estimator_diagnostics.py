@@ -133,7 +133,8 @@ class EstimatorDiagnostics:
         values.update((f'warning_{k}', text) for k, (_, text) in enumerate(warnings, start=1))
         status = DiagnosticStatus(
             level=level, name=f'{self._name}: contact estimation', message=text,
-            hardware_id=self.hardware_id, values=[KeyValue(key=k, value=str(v)) for k, v in values.items()],
+            hardware_id=self.hardware_id,
+            values=[KeyValue(key=k, value=str(v)) for k, v in values.items()],
         )
         message = DiagnosticArray(status=[status])
         message.header.stamp = stamp

@@ -175,7 +175,7 @@ class EstimatorNode(Node):
         self._diagnostics.hardware_id = self._own.hardware_id or frame_id
 
     def _now_ns(self) -> int:
-        clock = self.get_clock()
+        clock: Any = self.get_clock()
         return int(clock.now().nanoseconds) if clock.ros_time_is_active else time.time_ns()
 
     # -- events -----------------------------------------------------------------------------

@@ -17,7 +17,6 @@
 from __future__ import annotations
 
 from array import array
-from math import inf
 from typing import Any, Callable, Iterable, Mapping
 
 from rcl_interfaces.msg import (
@@ -30,7 +29,7 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from ..exceptions import ContactEstimationError, UnknownNameError
-from ..parameters.specification import ParameterSpecification
+from ..parameters.specification import LARGEST, ParameterSpecification
 
 _OF_RCLPY = ('use_sim_time', 'qos_overrides.', 'start_type_description_service')
 _LARGEST_INTEGER = 2**63 - 1
@@ -102,9 +101,9 @@ def descriptor(spec: ParameterSpecification) -> ParameterDescriptor:
     if spec.minimum is None or spec.nan_is_off:
         return message  # rclpy's own range check would refuse NaN
     if isinstance(spec.default, float):
-        high = inf if spec.maximum is None else spec.maximum
+        high = LARGEST if spec.maximum is None else spec.maximum  # as `check` accepts
         message.floating_point_range = [
-            FloatingPointRange(from_value=spec.minimum, to_value=min(high, 1.7e308))
+            FloatingPointRange(from_value=spec.minimum, to_value=high)
         ]
     elif type(spec.default) is int:
         high = _LARGEST_INTEGER if spec.maximum is None else int(spec.maximum)

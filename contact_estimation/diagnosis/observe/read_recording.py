@@ -71,7 +71,7 @@ def read_recording(
         raise UnknownNameError.among('axis', axis, FORCE_OF_AXIS)
     source = RecordingSource.of_topics(topics or {})
     reader = RecordingReader(str(path))
-    arm = build(EstimationParameters, arm_parameters(reader, parameters or {}))
+    arm = build(EstimationParameters, arm_parameters(reader, source, parameters or {}))
     if arm.kinematics.tip:
         signals = read_arm_signals(reader, source, arm)
     else:

@@ -33,6 +33,7 @@ CLEAR = 8.0
 
 
 _LOADED = 4.0  # standard deviations
+_STD_OF_MEDIAN_DIFFERENCE = 1.0 / (0.6745 * 2.0**0.5)
 
 
 class Warned(NamedTuple):
@@ -120,9 +121,22 @@ class Evidence:
     memory: dict[str, Any] = field(default_factory=dict)
 
     @property
-    def noise(self) -> float:
-        """Configured standard deviation of the force noise [N]; the learned one may be wrong."""
+    def configured_noise(self) -> float:
+        """Configured standard deviation of the force [N]."""
         return self.parameters.contact.force_noise
+
+    @cached_property
+    def noise(self) -> float:
+        """
+        White noise of the force, by the differences of its samples, at least as configured [N].
+
+        What the detector learns in free flight may be a contact that it does not recognise.
+
+        """
+        if len(self.force) < 2:
+            return self.configured_noise
+        white = float(np.median(np.abs(np.diff(self.force)))) * _STD_OF_MEDIAN_DIFFERENCE
+        return max(self.configured_noise, white)
 
     @cached_property
     def rate(self) -> Array:

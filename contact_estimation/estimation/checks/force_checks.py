@@ -128,7 +128,7 @@ class ForceNoise(Check):
 
     def judge(self, seen: Evidence) -> str:
         """Compare the noise with the configured one."""
-        ratio = seen.pipeline.noise_std / seen.noise
+        ratio = seen.pipeline.noise_std / seen.configured_noise
         if ratio < _NOISY:
             return ''
         return (f'force noise of {seen.pipeline.noise_std:.3g} N in free flight, {ratio:.3g} '

@@ -57,6 +57,8 @@ class SurfaceLine(Check):
     def judge(self, seen: Evidence) -> str | None:
         """Fit K x + B v + c to the last contact."""
         chosen = np.flatnonzero(seen.contact)
+        if seen.pipeline.touch_down.text:
+            return ''  # says the same of the same contact
         if len(chosen) < _LEAST_CONTACT:
             return None
         x, y = seen.x[chosen] - seen.pipeline.location, -seen.force[chosen]
@@ -78,8 +80,8 @@ class SurfaceLine(Check):
         if inside < _MOST_OF_DEPTH * mean:
             return None
         place = seen.pipeline.location + inside
-        return (f'the force in contact vanishes at x = {place:.4g} m, {1e3 * inside:.3g} mm inside '
-                f'the wall; set environment.location to {place:.4g}')
+        return (f'the force in contact vanishes at x = {place:.4g} m, {1e3 * inside:.3g} mm '
+                f'inside the wall; set environment.location to {place:.4g}')
 
 
 class SurfaceShifted(Check):
