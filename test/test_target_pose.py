@@ -18,9 +18,14 @@ from __future__ import annotations
 
 from math import nan, sqrt
 
+from contact_estimation.estimation.parameters import EstimationParameters
+from contact_estimation.estimation.target_pose import check_target_pose
+from contact_estimation.exceptions import ParameterRangeError
+from contact_estimation.parameters.values import build
 from contact_estimation.reference.limits import PoseLimits, step_along
 import pytest
 
+ARM = {'kinematics.base': 'base_link', 'kinematics.tip': 'tool', 'contact.normal': [0, 0, -1]}
 DOWN = (0.0, 0.0, -1.0)
 BOX = PoseLimits(lead=0.05, lower=(-1.0, -1.0, 0.1), upper=(1.0, 1.0, 0.5))
 
@@ -45,3 +50,9 @@ def test_steps_stay_within_lead_and_box(
 def test_the_nearest_side_of_the_box_counts_along_an_oblique_normal() -> None:
     normal = (sqrt(0.5), 0.0, -sqrt(0.5))
     assert step_along((0.99, 0.0, 0.4), normal, 0.05, BOX) == pytest.approx(0.01 * sqrt(2.0))
+
+
+def test_a_target_along_a_normal_that_turns_with_the_tool_is_refused() -> None:
+    check_target_pose(build(EstimationParameters, ARM))
+    with pytest.raises(ParameterRangeError, match='needs contact.normal_frame base'):
+        check_target_pose(build(EstimationParameters, {**ARM, 'contact.normal_frame': 'tip'}))

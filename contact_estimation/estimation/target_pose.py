@@ -20,7 +20,9 @@ from typing import NamedTuple, Sequence
 
 from scipy.spatial.transform import Rotation
 
+from .parameters import EstimationParameters
 from .result import Result
+from ..exceptions import ParameterRangeError
 from ..reference.limits import PoseLimits, step_along
 
 
@@ -42,6 +44,36 @@ class TargetPose(NamedTuple):
     stamp_ns: int
     position: Sequence[float]
     quaternion: Sequence[float]
+
+
+def check_target_pose(parameters: EstimationParameters) -> None:
+    """
+    Check that x_r determines a pose.
+
+    Parameters
+    ----------
+    parameters : EstimationParameters
+        All parameters.
+
+    Raises
+    ------
+    ParameterRangeError
+        If only one coordinate of the robot is known, or the normal turns with the tool: x then
+        changes where the tool only turns, and x_r, which does not, would pull the arm.
+
+    """
+    if not parameters.kinematics.tip:
+        raise ParameterRangeError(
+            'publish_target_pose needs the pose of an arm, but kinematics.tip is empty; set '
+            'kinematics.base, kinematics.tip and contact.normal, or let the controller of a '
+            'single axis follow reference_trajectory'
+        )
+    if parameters.contact.normal_frame != 'base':
+        raise ParameterRangeError(
+            'publish_target_pose needs contact.normal_frame base, got '
+            f'{parameters.contact.normal_frame!r}: x_r is a coordinate along a normal that does '
+            'not turn with the tool'
+        )
 
 
 def target_pose(result: Result, limits: PoseLimits) -> TargetPose | None:

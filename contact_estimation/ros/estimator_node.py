@@ -40,8 +40,8 @@ from ..estimation.events import RESET, set_location, START, TARE
 from ..estimation.parameters import EstimationParameters
 from ..estimation.result import Result
 from ..estimation.session import ContactSession
-from ..estimation.target_pose import target_pose
-from ..exceptions import ContactEstimationError, MessageError, ParameterRangeError
+from ..estimation.target_pose import check_target_pose, target_pose
+from ..exceptions import ContactEstimationError, MessageError
 from ..messages import TrajectoryDecoder
 from ..parameters.specification import ParameterSpecification, specifications
 from ..parameters.values import build, changed, divided, flatten
@@ -181,13 +181,9 @@ class EstimatorNode(Node):
     # -- events -----------------------------------------------------------------------------
 
     def _check(self, own: EstimatorNodeParameters) -> None:
-        """Refuse poses for a robot of which only one coordinate is known."""
-        if own.publish_target_pose and not self._session.parameters.kinematics.tip:
-            raise ParameterRangeError(
-                'publish_target_pose needs the pose of an arm, but kinematics.tip is empty; set '
-                'kinematics.base, kinematics.tip and contact.normal, or let the controller of a '
-                'single axis follow reference_trajectory'
-            )
+        """Refuse poses that would drive a robot where nobody wants it."""
+        if own.publish_target_pose:
+            check_target_pose(self._session.parameters)
 
     def _on_description(self, message: String) -> None:
         with self._lock:
