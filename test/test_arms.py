@@ -71,7 +71,7 @@ def test_tool_and_wall_of_a_simulated_arm_are_found(tmp_path: Path) -> None:
     world, tool = world_of(0), calibrated(files, 0)
     assert abs(tool['mass_error_g']) < 20.0 and tool['centre_error_mm'] < 2.0
     run, recording = files.touch(world, 0, 'touch')
-    known = tool_parameters(tool['file'])
+    known = tool_parameters(files.path('tool_0.yaml'))
     found = errors(estimated_with(files, run, recording, 'kalman', 'all', known), run, world)
     assert abs(found['stiffness_error_percent']) < 2.0
     assert abs(found['damping_error_percent']) < 10.0

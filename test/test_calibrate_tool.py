@@ -26,6 +26,7 @@ from contact_estimation.recordings import RecordingWriter
 from contact_estimation.recordings.definitions import jazzy_typestore
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 import small_arm
 import yaml
 
@@ -40,6 +41,7 @@ PERIOD_S, HOLD_S = 0.01, 0.8
 def write(
     path: Path, poses: Any, sign: float = 1.0,
     contact: Sequence[int] = (), moved: float = 1.0,
+    rpy: Sequence[float] = (0.0, 0.0, 0.0),
 ) -> None:
     """Record the arm held in poses; in some of them the environment presses with 20 N."""
     rng, store = np.random.default_rng(1), jazzy_typestore()
@@ -51,6 +53,7 @@ def write(
             stamp, number = int(k * PERIOD_S * 1e9), int(k * PERIOD_S / HOLD_S)
             q = np.asarray(poses[number])
             f = small_arm.pose(list(q), 'sensor', 'world')[:3, :3].T @ [0.0, 0.0, -9.80665]
+            f = Rotation.from_euler('xyz', rpy).inv().apply(f)
             F, T = MASS * f + FORCE_BIAS, np.cross(CENTRE, MASS * f) + TORQUE_BIAS
             if number in contact:
                 F = F + [0.0, 0.0, -20.0]
@@ -127,3 +130,12 @@ def test_force_sign_of_the_parameter_file_is_applied(tmp_path: Path) -> None:
     assert calibrate(tmp_path, '--params', str(tmp_path / 'params.yaml')) == 0
     found = json.loads((tmp_path / 'tool.json').read_text())
     assert found['force_bias_n']['value'] == pytest.approx(FORCE_BIAS, abs=0.1)
+
+
+def test_mounting_of_the_parameter_file_is_applied(tmp_path: Path) -> None:
+    write(tmp_path / 'run.mcap', POSES, rpy=(0.3, -0.5, 1.0))
+    (tmp_path / 'params.yaml').write_text(
+        '/**: {ros__parameters: {force_sensor: {rpy: [0.3, -0.5, 1.0]}}}')
+    assert calibrate(tmp_path, '--params', str(tmp_path / 'params.yaml')) == 0
+    found = json.loads((tmp_path / 'tool.json').read_text())
+    assert found['centre_m']['value'] == pytest.approx(CENTRE, abs=0.001)

@@ -21,14 +21,17 @@ from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
+from scipy.spatial.transform import Rotation
 import yaml
 
 from .command_line import add_topic_option, command, different_files, new_file, Parser, source_of
 from ..exceptions import ModelFileError, ParameterRangeError, RecordingError
 from ..kinematics.calibration_recording import BLOCK_S, read_blocks, recorded_frame
+from ..kinematics.parameters import ForceSensorParameters
 from ..kinematics.robot_model import RobotModel
 from ..kinematics.tool_calibration import calibrate_tool, ToolCalibration
 from ..parameters.file import read_parameter_file
+from ..parameters.specification import specifications
 from ..recordings import RecordingReader
 
 
@@ -79,7 +82,8 @@ def run(options: Any) -> int:
         )
     urdf = _text(options.robot_description)
     model = RobotModel(urdf, _root(urdf, options.robot_description), frame)
-    found = calibrate_tool(read_blocks(reader, source, model, _force_sign(given)))
+    found = calibrate_tool(read_blocks(
+        reader, source, model, _force_sign(given), _mount(given)))
     files[0].write_text(_parameter_file(found, frame))
     if options.json:
         files[1].write_text(json.dumps(_as_json(found), indent=1) + '\n')
@@ -118,6 +122,13 @@ def _force_sign(given: dict[str, Any]) -> float:
     if sign not in (1, -1):
         raise ParameterRangeError(f'force_sign must be 1 or -1, got {sign!r}')
     return float(sign)
+
+
+def _mount(given: dict[str, Any]) -> Any:
+    """Return the axes of the wrench in those of the sensor's link."""
+    spec = next(s for s in specifications(ForceSensorParameters) if s.name == 'rpy')
+    rpy = spec.check(given.get('force_sensor.rpy', spec.default))
+    return Rotation.from_euler('xyz', rpy).as_matrix()
 
 
 def _parameter_file(found: ToolCalibration, frame: str) -> str:

@@ -47,7 +47,8 @@ def recorded_frame(reader: RecordingReader, source: RecordingSource) -> str:
 
 
 def read_blocks(
-    reader: RecordingReader, source: RecordingSource, model: RobotModel, force_sign: float = 1.0
+    reader: RecordingReader, source: RecordingSource, model: RobotModel, force_sign: float = 1.0,
+    mount: Array = np.eye(3),
 ) -> CalibrationBlocks:
     """
     Read the blocks of a recording.
@@ -62,6 +63,8 @@ def read_blocks(
         Its tip is the frame of the wrench, its base has z up.
     force_sign : float
         -1 where the driver publishes the wrench that the robot applies.
+    mount : ndarray, shape (3, 3)
+        Turns the axes of the wrench into those of the model's tip.
 
     Returns
     -------
@@ -96,7 +99,7 @@ def read_blocks(
             f'no 0.1 s of {reader.path} has 3 wrenches and joint states with gaps below '
             f'{_LONGEST_GAP_S:g} s; check the rates of both topics'
         )
-    f, w, alpha, a = _motion(model, q[:, :, have])
+    f, w, alpha, a = _motion(model, q[:, :, have], mount)
     limits = ((w, _FASTEST_TURN), (alpha, _FASTEST_SPIN_UP), (a, _FASTEST_START))
     slow = np.all([np.linalg.norm(each, axis=1) < limit for each, limit in limits], axis=0)
     return CalibrationBlocks(
@@ -156,7 +159,7 @@ def _smoothed(centres: Array, times: Array, values: Array, continuous: bool) -> 
     return np.asarray(places)
 
 
-def _motion(model: RobotModel, q: Array) -> tuple[Array, Array, Array, Array]:
+def _motion(model: RobotModel, q: Array, mount: Array) -> tuple[Array, Array, Array, Array]:
     """
     Return f, w, alpha in the sensor's frame and the acceleration of its origin.
 
@@ -164,7 +167,7 @@ def _motion(model: RobotModel, q: Array) -> tuple[Array, Array, Array, Array]:
 
     """
     poses = [[model.pose(q[:, k, n]) for k in range(3)] for n in range(q.shape[2])]
-    R = np.array([[pose[0] for pose in block] for block in poses])  # (N, 3, 3, 3)
+    R = np.array([[pose[0] @ mount for pose in block] for block in poses])  # (N, 3, 3, 3)
     p = np.array([[pose[1] for pose in block] for block in poses])  # (N, 3, 3)
     h = 0.5 * BLOCK_S
     acceleration = (p[:, 2] - 2.0 * p[:, 1] + p[:, 0]) / h**2

@@ -20,6 +20,7 @@ Needs the extras `robots`, `arms` and `tools`, and for the node `ros`.
 
 from __future__ import annotations
 
+from functools import partial
 import json
 from pathlib import Path
 from typing import Any
@@ -29,7 +30,7 @@ from .arm_models import ARMS
 from .contact_study import calibrated, errors, estimated
 from .diagnosis_study import CONCEALED, diagnosed
 from .report import as_markdown, plot_contact, plot_frames
-from ...commands.command_line import command, new_folder, Parser
+from ...commands.command_line import command, Parser
 from ...exceptions import ParameterRangeError, UnknownNameError
 
 _POSE_SEEDS = 3
@@ -45,7 +46,8 @@ def make_parser() -> Parser:
     parser.add_argument('arms', nargs='*', metavar='ARM',
                         help=f'any of {", ".join(ARMS)} (all)')
     parser.add_argument('--output', required=True, metavar='DIR',
-                        help='new folder for recordings, arms.md, arms.json and pictures')
+                        help='folder for recordings, arms.md, arms.json and pictures; an '
+                        'interrupted study continues where it stopped')
     parser.add_argument('--seeds', type=int, default=10,
                         help='diagnoses of each concealed effect (10); 0: none')
     parser.add_argument('--live', action='store_true',
@@ -80,7 +82,8 @@ def run(options: Any) -> int:
             raise UnknownNameError.among('arm', name, ARMS)
     if not 0 <= options.seeds <= 1000:
         raise ParameterRangeError(f'--seeds must be 0 to 1000, got {options.seeds}')
-    folder = new_folder(options.output)
+    folder = Path(options.output)
+    folder.mkdir(parents=True, exist_ok=True)
     results: dict[str, Any] = {'tool': [], 'contact': [], 'diagnosis': []}
     for name in options.arms or ARMS:
         first = not results['tool']
@@ -93,24 +96,38 @@ def run(options: Any) -> int:
 
 def _study(files: ArmFiles, options: Any, first: bool, results: dict[str, Any]) -> None:
     arm = {'arm': files.arm.name}
-    found = [{**arm, 'seed': seed, **calibrated(files, seed)} for seed in range(_POSE_SEEDS)]
-    tool: Path = found[0]['file']
-    results['tool'] += [{**row, 'file': row['file'].name} for row in found]
+    for seed in range(_POSE_SEEDS):
+        found = files.kept(f'tool_{seed}', partial(calibrated, files, seed))
+        results['tool'].append({**arm, 'seed': seed, **found})
+    tool = files.path('tool_0.yaml')
+    for row in files.kept('contact', partial(_contact, files, tool, first)):
+        results['contact'].append({**arm, **row})
+    if first and options.live:
+        results['contact'].append({**arm, **files.kept('live', partial(_live, files, tool))})
+    for concealed in CONCEALED:
+        for seed in range(options.seeds):
+            name = f'{concealed.replace(" ", "_")}_{seed}'
+            results['diagnosis'].append(
+                files.kept(name, partial(diagnosed, files, concealed, seed, tool)))
+
+
+def _contact(files: ArmFiles, tool: Path, first: bool) -> list[dict[str, Any]]:
     world = world_of(0)
     simulated, recording = files.touch(world, 0, 'touch')
-    results['contact'] += [{**arm, **errors(row, simulated, world)}
-                           for row in estimated(files, simulated, recording, tool)]
     if first:
         folder = recording.parent
         plot_contact(folder / 'arm_contact.png', files, simulated, recording, tool, world)
         plot_frames(folder / 'arm_frames.png', files, simulated)
-    if first and options.live:
-        from .live_run import live_run  # needs ROS
+    return [errors(row, simulated, world)
+            for row in estimated(files, simulated, recording, tool)]
 
-        row, _ = live_run(files, simulated, recording, tool, world)
-        results['contact'].append({**arm, **row})
-    results['diagnosis'] += [diagnosed(files, concealed, seed, tool)
-                             for concealed in CONCEALED for seed in range(options.seeds)]
+
+def _live(files: ArmFiles, tool: Path) -> dict[str, Any]:
+    from .live_run import live_run  # needs ROS
+
+    world = world_of(0)
+    simulated, recording = files.touch(world, 0, 'live_touch')
+    return live_run(files, simulated, recording, tool, world)[0]
 
 
 main = command(make_parser, run)

@@ -16,8 +16,10 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
-from typing import Any, Mapping
+import shutil
+from typing import Any, Callable, Mapping
 
 import numpy as np
 import yaml
@@ -111,8 +113,16 @@ class ArmFiles:
         return self._folder / f'{self.arm.name}_{name}'
 
     def _record(self, run: Run, name: str, seed: int) -> Path:
+        shutil.rmtree(self.path(name), ignore_errors=True)  # of an interrupted study
         stream = messages(self.arm, run, self._joints, self._urdf, seed)
         return write_recording(self.path(name), stream)
+
+    def kept(self, name: str, make: Callable[[], Any]) -> Any:
+        """Return the results in a JSON file; where there is none, make them and write it."""
+        path = self.path(f'{name}.results.json')
+        if not path.exists():
+            path.write_text(json.dumps(make(), indent=1) + '\n')
+        return json.loads(path.read_text())
 
 
 def world_of(seed: int, friction: float = 0.0) -> World:

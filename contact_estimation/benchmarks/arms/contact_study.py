@@ -37,6 +37,10 @@ from ...recordings import RecordingReader
 from ...recordings.source import RecordingSource
 
 _TARE_S = 2.5  # in free flight, before the first touch
+_CASES = (
+    ('kalman', 'load and inertia'), ('kalman', 'load only'), ('kalman', 'tare only'),
+    ('kalman', 'none'), ('rls', 'load and inertia'), ('rls', 'none'),
+)
 _LOAD = ('tool.mass', 'tool.centre', 'tool.force_bias', 'tool.torque_bias')
 
 
@@ -78,7 +82,7 @@ def calibrated(files: ArmFiles, seed: int) -> dict[str, Any]:
     Returns
     -------
     row : dict
-        Errors of mass, centre and force bias, with the path of the parameter file.
+        Errors of mass, centre and force bias, with the name of the parameter file.
 
     Raises
     ------
@@ -97,7 +101,7 @@ def calibrated(files: ArmFiles, seed: int) -> dict[str, Any]:
     centre = np.subtract(found['centre_m']['value'], TOOL_CENTRE)
     bias = np.subtract(found['force_bias_n']['value'], FORCE_BIAS)
     return {
-        'file': output, 'mass_error_g': 1e3 * (found['mass_kg']['value'] - TOOL_MASS),
+        'file': output.name, 'mass_error_g': 1e3 * (found['mass_kg']['value'] - TOOL_MASS),
         'mass_std_g': 1e3 * found['mass_kg']['std'],
         'centre_error_mm': 1e3 * float(np.abs(centre).max()),
         'centre_std_mm': 1e3 * max(found['centre_m']['std']),
@@ -134,8 +138,8 @@ def estimated(files: ArmFiles, run: Run, recording: Path, tool: Path) -> list[Es
         'load and inertia': whole, 'load only': load, 'tare only': {}, 'none': {},
     }
     return [
-        estimated_with(files, run, recording, estimator, name, tool_known)
-        for estimator in ('kalman', 'rls') for name, tool_known in taken_out.items()
+        estimated_with(files, run, recording, estimator, name, taken_out[name])
+        for estimator, name in _CASES
     ]
 
 

@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+import shutil
 import time
 from typing import Any
 
@@ -68,6 +69,7 @@ def live_run(
 
     """
     recorded = files.path('live')
+    shutil.rmtree(recorded, ignore_errors=True)  # of an interrupted study
     given = {**files.parameters(run), **tool_parameters(tool)}
     parameters = [f'{name}:={_yaml(value)}' for name, value in given.items()]
     nodes = [
