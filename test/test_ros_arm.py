@@ -20,7 +20,10 @@ from pathlib import Path
 from typing import Any, Iterator
 
 from arm_contact import B_E, instants, K_E, NORMAL, PARAMETERS
+from contact_estimation.commands import replay
 from contact_estimation.estimation.events import DESCRIPTION, EstimationEvent
+from contact_estimation.messages import Vector3StampedDecoder
+from contact_estimation.recordings import RecordingReader
 import numpy as np
 import pytest
 from ros_processes import (
@@ -61,8 +64,9 @@ class ArmPeer(Listener):
     def meet(self) -> None:
         """Wait until the node hears this peer, and has the description."""
         self.spin_until(
-            lambda: self.wrenches.get_subscription_count()
-            and self.joints.get_subscription_count() and 'start' in self.kinds(), 'the node')
+            lambda: self.wrenches.get_subscription_count() > 1
+            and self.joints.get_subscription_count() > 1 and 'start' in self.kinds(),
+            'node and recorder')
         assert DESCRIPTION not in self.kinds()
         self.description.publish(String(data=urdf()))
         self.spin_until(lambda: DESCRIPTION in self.kinds(), 'the event of the description')
@@ -92,24 +96,33 @@ class ArmPeer(Listener):
         self.joints.publish(joints)
         self.wrenches.publish(wrench)
 
+    def feed(self, begin_ns: int) -> None:
+        """Publish all instants, a window at a time, and wait for what comes for the last."""
+        truth = instants()
+        for first in range(0, len(truth), WINDOW):
+            for instant in truth[first:first + WINDOW]:
+                self.send(instant, begin_ns + instant.contact.stamp_ns)
+            last_ns = begin_ns + instant.contact.stamp_ns
+            self.spin_until(lambda: last_ns in self.heard['damping'], f'the answer to {last_ns}')
+        self.spin_until(lambda: last_ns in self.heard['wrench'], 'the last wrench')
+        self.spin_until(lambda: max(self.heard['pose']) > last_ns, 'the last pose')
+
 
 @pytest.fixture(scope='module')
-def run(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[ArmPeer, int]]:
-    folder = tmp_path_factory.mktemp('arm')
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp('arm')
+
+
+@pytest.fixture(scope='module')
+def run(folder: Path) -> Iterator[tuple[ArmPeer, int]]:
     named = {name.replace('.', '__'): value for name, value in PARAMETERS.items()}
     with node_process(folder, NODE, publish_target_pose=True, **named):
         peer = ArmPeer()
         try:
-            peer.meet()
-            begin_ns, truth = 10**15, instants()
-            for first in range(0, len(truth), WINDOW):
-                for instant in truth[first:first + WINDOW]:
-                    peer.send(instant, begin_ns + instant.contact.stamp_ns)
-                last_ns = begin_ns + truth[min(first + WINDOW, len(truth)) - 1].contact.stamp_ns
-                peer.spin_until(
-                    lambda: last_ns in peer.heard['damping'], f'the answer to {last_ns}')
-            peer.spin_until(lambda: last_ns in peer.heard['wrench'], 'the last wrench')
-            peer.spin_until(lambda: max(peer.heard['pose']) > last_ns, 'the last pose')
+            begin_ns = 10**15
+            with node_process(folder / 'r', 'recorder_node', output=str(folder / 'bag')):
+                peer.meet()
+                peer.feed(begin_ns)
             yield peer, begin_ns
         finally:
             peer.close()
@@ -147,6 +160,19 @@ def test_target_is_the_measured_pose_with_the_normal_alone_replaced(
     np.testing.assert_allclose(first_column, T[:3, 0], atol=1e-9)
     assert abs(NORMAL @ moved) > 1e-3  # x_r rests where the arm was first, outside of the wall
     np.testing.assert_allclose(moved, NORMAL * (NORMAL @ moved), atol=1e-9)
+
+
+def test_replay_of_its_recording_returns_what_the_node_published(
+    run: tuple[ArmPeer, int], folder: Path
+) -> None:
+    peer, begin_ns = run
+    assert replay.main([str(folder / 'bag'), '--output', str(folder / 'again.mcap')]) == 0
+    decode = Vector3StampedDecoder().decode
+    messages = RecordingReader(folder / 'again.mcap').messages(['/estimator_node/damping'])
+    again = {stamp: x for stamp, x, _, _ in (decode(message.data) for message in messages)}
+    published = {stamp: m.vector.x for stamp, m in peer.heard['damping'].items()}
+    assert {s: again.get(s) for s in published if s >= begin_ns} == {
+        s: x for s, x in published.items() if s >= begin_ns}
 
 
 def test_target_pose_of_a_single_axis_is_refused(tmp_path: Path) -> None:
