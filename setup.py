@@ -52,9 +52,10 @@ setup(
     entry_points={
         'console_scripts': [
             'blind_trials = contact_estimation.commands.entry_points:blind_trials',
-            'estimator_node = contact_estimation.ros.estimator_node:main',
-            'plant_node = contact_estimation.ros.plant_node:main',
-            'recorder_node = contact_estimation.ros.recorder_node:main',
+            'calibrate_tool = contact_estimation.commands.entry_points:calibrate_tool',
+            'estimator_node = contact_estimation.ros.executables:estimator_node',
+            'plant_node = contact_estimation.ros.executables:plant_node',
+            'recorder_node = contact_estimation.ros.executables:recorder_node',
             'loop = contact_estimation.commands.entry_points:loop',
             'diagnose = contact_estimation.commands.entry_points:diagnose',
             'replay = contact_estimation.commands.entry_points:replay',
@@ -82,6 +83,10 @@ setup(
             'numpydoc>=1.7',
             'sphinx>=7.3',
         ],
+        # Test arms of `python -m contact_estimation.benchmarks.arms`; the descriptions are 130 MB.
+        'arms': ['example-robot-data', 'mujoco>=3.2', 'pin>=3.0'],
+        # Kinematics of arms. The wheels need numpy 2; with ROS 2 Jazzy use ros-jazzy-pinocchio.
+        'robots': ['pin>=3.0'],
         # The Jazzy line on PyPI; on a machine with /opt/ros leave this extra out.
         'ros': [
             'ros-jazzy-rclpy[fastrtps]==7.1.6',

@@ -16,8 +16,9 @@
 Sphinx extension: write the pages that follow from the code.
 
 `generated/effects_<port>.md` has one section per entry of EFFECTS, `generated/tuning.md` one
-table per entry of ESTIMATORS, `generated/foreign_laws.md` one row per law of blind trials: a new
-entry appears without an edit here.
+table per entry of ESTIMATORS, `generated/foreign_laws.md` one row per law of blind trials,
+`generated/warnings.md` one per entry of CHECKS and REJECTIONS: a new entry appears without an edit
+here.
 
 """
 
@@ -29,6 +30,7 @@ import sys
 from typing import Any, Iterable
 
 import contact_estimation as ce
+from contact_estimation.estimation.checks import CHECKS, REJECTIONS
 from contact_estimation.foreign_laws import ALL_LAWS
 from contact_estimation.parameters.specification import specifications
 from effect_plots import plot_effect
@@ -60,6 +62,7 @@ def write_pages(app: Any) -> None:
         _write(folder / f'effects_{port}.md', effects_page(port, folder))
     _write(folder / 'tuning.md', tuning_page())
     _write(folder / 'foreign_laws.md', laws_page())
+    _write(folder / 'warnings.md', warnings_page())
 
 
 def effects_page(port: str, folder: Path) -> str:
@@ -101,6 +104,49 @@ def laws_page() -> str:
         '# Laws of the literature', '`blind_trials --foreign` draws from the laws that a family '
         'of effects describes, `--unknown` from the others. Each file of '
         '`contact_estimation/foreign_laws` gives equation and source.', _table(head, rows)])
+
+
+WARNINGS = '''# Warnings
+
+The node checks what it is given and says what is wrong, with the remedy: as the message of its
+status in `/diagnostics` (level WARN; the most important first, all of them as `warning_1`,
+`warning_2`, ...), in its log (at once, then every 10 s), and where a warning withholds estimates,
+in `~/status`. `replay` prints the warnings of a recording (`warnings` in its JSON), and ends with 1
+where nothing could be estimated. A silent wrench topic is level ERROR.
+
+While a warning *withholds* estimates, the status is `frozen` in contact, the estimator learns
+nothing, and all standard deviations are NaN: K_hat and B_hat are then the values from before.
+Judgements are made twice a second from the last 2 s; they depend on the samples alone.
+`python -m contact_estimation.benchmarks.input_checks` counts false warnings in healthy loops and
+measures the time until each true one.
+
+## Signals
+
+Numbers are examples. The first active row is the headline.'''
+
+LIMITS = '''## What no check sees
+
+- A lag of a few milliseconds: `synchronisation.timing_std` stands for it in the deviation of B_hat.
+- A lag in a slow and smooth contact: 10 ms show in a touch-down or with broadband excitation, not
+  in slow sines.
+- A wall that is off by less than three `environment.location_std`: this is found and corrected
+  where the motion shows it.
+- A force that is wrong by a factor, or in other units that still look like newtons.'''
+
+
+def warnings_page() -> str:
+    """Return the page with a row for every warning."""
+    head = ('check', 'message', 'cause', 'remedy', 'estimates')
+    rows = [(f'`{check.name}`', check.message, check.cause, check.remedy,
+             'withheld' if check.invalidates else 'go on') for check in CHECKS]
+    rejected = [(f'`{one.name}`', one.message.format(
+        count=40, topic='wrench', text="'elbow' is not in the message", lag='none has come'),
+        one.cause, one.remedy) for one in REJECTIONS]
+    return '\n\n'.join([
+        WARNINGS, _table(head, rows),
+        '## Rejected messages\n\nMessages that cannot be used are counted by reason in '
+        '`/diagnostics`. Where they keep the node from estimating, the headline says why.',
+        _table(head[:4], rejected), LIMITS])
 
 
 def parameter_table(group: Any) -> str:

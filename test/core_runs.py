@@ -50,7 +50,7 @@ class Run(NamedTuple):
 
     @property
     def last(self) -> Estimate:
-        """The estimate at the last instant of contact."""
+        """Return the estimate at the last instant of contact."""
         touching = [r for t, r in zip(self.truths, self.results) if t.force < 0.0]
         return touching[-1].estimate
 

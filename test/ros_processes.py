@@ -402,7 +402,7 @@ class Peer(Listener):
 
     @property
     def references(self) -> dict[int, Any]:
-        """Reference trajectories by their stamps."""
+        """Return the reference trajectories by their stamps."""
         return self.heard['reference']
 
     def reference_positions(self) -> dict[int, float]:

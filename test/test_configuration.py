@@ -87,5 +87,5 @@ def test_plant_file_is_the_paper_s_world() -> None:
 def test_parameter_file_of_rclpy_reads_the_same_numbers() -> None:
     # rcl reads 1.0e-06 as a number but 1e-06 as text, so a dot must stand in every exponent.
     text = (CONFIG / 'estimator_node.yaml').read_text()
-    content = yaml.safe_load(text)['estimator_node']['ros__parameters']
+    content = yaml.safe_load(text)['/**']['ros__parameters']
     assert isinstance(content['contact']['position_noise'], float)

@@ -39,6 +39,7 @@ ROSDEP_KEYS = {
     'matplotlib': 'python3-matplotlib',
     'mcap': 'mcap-ros2-support',
     'numpy': 'python3-numpy',
+    'pinocchio': 'pinocchio',
     'rcl_interfaces': 'rcl_interfaces',
     'rclpy': 'rclpy',
     'rosbags': 'python3-rosbags-pip',

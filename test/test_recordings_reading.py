@@ -270,10 +270,10 @@ def test_folder_that_lacks_a_listed_file_is_refused(tmp_path: Path) -> None:
         RecordingReader(tmp_path / 'run')
 
 
-def test_database_bag_names_the_conversion(tmp_path: Path) -> None:
+def test_damaged_database_names_the_conversion(tmp_path: Path) -> None:
     (tmp_path / 'bag_0.db3').write_bytes(b'SQLite format 3\0' + bytes(100))
     for path in (tmp_path, tmp_path / 'bag_0.db3'):
-        with pytest.raises(RecordingError, match='ros2 bag convert'):
+        with pytest.raises(RecordingError, match='rosbags cannot read .* ros2 bag convert'):
             RecordingReader(path)
 
 

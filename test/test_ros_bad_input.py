@@ -210,10 +210,10 @@ def test_wrenches_without_joint_states_are_counted(peer: Peer) -> None:
     assert samples[95].stamp_ns in peer.values('stiffness')
 
 
-def test_silence_makes_the_diagnostics_stale(peer: Peer) -> None:
+def test_silence_makes_the_diagnostics_an_error(peer: Peer) -> None:
     peer.feed(moved(TOUCH, peer.begin_ns)[:5])
     peer.diagnosed(
-        lambda status, _: status.level == DiagnosticStatus.STALE
+        lambda status, _: status.level == DiagnosticStatus.ERROR
         and status.message.startswith('no wrench for'),
         'silence',
     )

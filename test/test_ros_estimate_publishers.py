@@ -58,7 +58,7 @@ def test_optional_topic_is_published_while_somebody_subscribes(
         """Publish one result; count what went out on the topic."""
         published.clear()
         outputs.look_for_subscribers()
-        outputs.publish(result, with_pose=False)
+        outputs.publish(result)
         return len(published)
 
     assert count_of_one() == 0

@@ -70,12 +70,12 @@ class SensorModel:
 
     @property
     def force_std(self) -> float:
-        """Standard deviation of force noise and rounding [N]."""
+        """Return the standard deviation of force noise and rounding [N]."""
         return sqrt(self.force_noise**2 + self.force_step**2 / 12.0)
 
     @property
     def position_std(self) -> float:
-        """Standard deviation of position noise and rounding [m]."""
+        """Return the standard deviation of position noise and rounding [m]."""
         return sqrt(self.position_noise**2 + self.position_step**2 / 12.0)
 
 

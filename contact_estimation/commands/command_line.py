@@ -83,12 +83,17 @@ def add_source_options(parser: argparse.ArgumentParser) -> None:
         Extended in place.
 
     """
+    add_topic_option(parser)
+    parser.add_argument('--axis', choices=('x', 'y', 'z'), help='force axis (default: x)')
+    parser.add_argument('--joint', help='joint of the contact axis (default: the only one)')
+
+
+def add_topic_option(parser: argparse.ArgumentParser) -> None:
+    """Add the option that chooses recorded topics; the parser is extended in place."""
     parser.add_argument(
         '--topic', action='append', default=[], metavar='NAME:=TOPIC',
         help='read NAME (' + ', '.join(TOPICS) + ') from TOPIC; may be repeated',
     )
-    parser.add_argument('--axis', choices=('x', 'y', 'z'), help='force axis (default: x)')
-    parser.add_argument('--joint', help='joint of the contact axis (default: the only one)')
 
 
 def topics_of(options: Any) -> dict[str, str]:

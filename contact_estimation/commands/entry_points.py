@@ -26,18 +26,29 @@ from __future__ import annotations
 
 from importlib import import_module
 import os
-from typing import Callable
+import signal
+from typing import Any, Callable
 
 
 def _entry_point(name: str) -> Callable[[], int]:
+    def interrupted(*_: Any) -> None:
+        os.write(2, f'{name}: interrupted\n'.encode())
+        os._exit(1)
+
     def entry_point() -> int:
         os.environ.setdefault('OMP_NUM_THREADS', '1')
-        return int(import_module(f'{__package__}.{name}').main())
+        before = signal.getsignal(signal.SIGINT)
+        if before is not signal.SIG_IGN:  # as of a job in the background
+            signal.signal(signal.SIGINT, interrupted)  # no traceback out of an import
+        module = import_module(f'{__package__}.{name}')
+        signal.signal(signal.SIGINT, before)
+        return int(module.main())
 
     return entry_point
 
 
 blind_trials = _entry_point('blind_trials')
+calibrate_tool = _entry_point('calibrate_tool')
 demonstrate = _entry_point('demonstrate')
 diagnose = _entry_point('diagnose')
 loop = _entry_point('loop')

@@ -33,13 +33,16 @@ from ..estimation.model_fit import ModelFitMonitor
 from ..estimation.replay import RecordingReplay
 from ..estimation.result import AxesEstimates
 from ..estimators import ESTIMATORS
-from ..estimators.estimator import Estimate
+from ..estimators.estimator import Estimate, EstimateStatus
 from ..estimators.stiffness_matrix import MatrixEstimate
 from ..exceptions import ParameterRangeError, RecordingError, UnknownNameError
 from ..parameters.file import read_parameter_file
 from ..parameters.values import without
 from ..recordings import RecordingReader
 from ..ros.estimator_node_parameters import EstimatorNodeParameters
+
+
+_SAID_OTHERWISE = ('model_fit', 'sample_rate')  # warnings that the summary states anyway
 
 
 class EstimateFile(Protocol):
@@ -101,6 +104,7 @@ def run(options: Any) -> int:
     first: Estimate | None = None
     last: AxesEstimates = ()
     samples = 0
+    seen: set[EstimateStatus] = set()
     with ExitStack() as stack:
         files = _open_files(options, axes, stack)
         for estimates in replay.estimates():
@@ -112,10 +116,13 @@ def run(options: Any) -> int:
                 file.write_matrices(matrices)
             first, last = first or estimates[0][0], estimates[-1]
             samples += len(estimates)
+            seen.update([own.status for axes in estimates for own in axes])
             progress.show(reader.progress, f'{samples} samples')
     progress.done()
     if first is None:
         raise RecordingError(_no_sample(options.recording, replay))
+    if EstimateStatus.ESTIMATING not in seen:
+        raise RecordingError(_nothing_estimated(options.recording, replay, last[0], seen))
     _warn_about_rate(replay)
     recorded_s = (last[0].stamp_ns - first.stamp_ns) * 1e-9
     summary: dict[str, Any] = {
@@ -124,6 +131,7 @@ def run(options: Any) -> int:
         **_finite(last[0]),
         'status': last[0].status.value,
         'model_fit': _fit_of(replay.session.pipeline.model_fit),
+        'warnings': _warnings_of(replay),
         'recorded_s': recorded_s,
         'wall_s': time.perf_counter() - begin,
         'rejected': dict(replay.session.rejected),
@@ -199,6 +207,28 @@ def _no_sample(recording: str, replay: RecordingReplay) -> str:
     )
 
 
+def _nothing_estimated(
+    recording: str, replay: RecordingReplay, last: Estimate, seen: set[EstimateStatus]
+) -> str:
+    """Say why there is nothing but the first guess."""
+    axis = next(iter(replay.session.pipelines))
+    causes = [found.warned.text for found in replay.session.checks.found_in_order()]
+    cause = causes[0] if causes else ''
+    if seen == {EstimateStatus.FREE}:
+        return (f'no contact seen in {recording}: '
+                f'{cause or replay.session.checks.why_no_contact(axis)}')
+    return f'nothing could be estimated in {recording}: {cause or last.reason}'
+
+
+def _warnings_of(replay: RecordingReplay) -> list[dict[str, str]]:
+    """Return every warning of the recording, the most important first."""
+    return [
+        {'name': found.warned.name, 'axis': found.warned.axis, 'text': found.warned.text,
+         'first_stamp': stamp_text(found.first_ns), 'last_stamp': stamp_text(found.last_ns)}
+        for found in replay.session.checks.found_in_order()
+    ]
+
+
 def _finite(estimate: Estimate) -> dict[str, float | None]:
     names = ('stiffness', 'damping', 'stiffness_std', 'damping_std', 'location', 'inertia')
     values = {name: getattr(estimate, name) for name in names}
@@ -231,6 +261,9 @@ def _print(summary: dict[str, Any]) -> None:
     if summary['model_fit']['text']:
         print(f'  model     {summary["model_fit"]["text"]} '
               f'(until {summary["model_fit"]["worst_stamp"]} s)')
+    for found in summary['warnings']:
+        if found['name'] not in _SAID_OTHERWISE:
+            print(f'  warning: {found["text"]} (until {found["last_stamp"]} s)', file=sys.stderr)
     if 'stiffness_matrix' in summary:
         _print_matrix(summary['stiffness_matrix'])
     for axis, own in list(summary.get('axes', {}).items())[1:]:

@@ -29,7 +29,10 @@ class FurtherAxisParameters(ParameterGroup):
     joint: str = parameter(
         '', 'Joint whose position is this axis; empty: not estimated', read_only=True
     )
-    location: float = parameter(0.0, 'Surface of the untouched wall along this axis', 'm')
+    location: float = parameter(
+        0.0, 'Surface of the untouched wall along this axis; NaN: taken at the first touch', 'm',
+        nan_is_off=True,
+    )
 
 
 @dataclass(frozen=True)

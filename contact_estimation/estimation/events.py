@@ -24,6 +24,7 @@ from .session import ContactSession
 from ..exceptions import ContactEstimationError, RecordingError
 
 START, CHANGE, RESET, TARE = 'start', 'set_parameters', 'reset', 'tare'
+DESCRIPTION, LOCATION = 'robot_description', 'set_location'
 
 
 class EstimationEvent(NamedTuple):
@@ -33,11 +34,12 @@ class EstimationEvent(NamedTuple):
     Attributes
     ----------
     kind : str
-        'start', 'set_parameters', 'reset' or 'tare'.
+        'start', 'set_parameters', 'set_location', 'reset', 'tare' or 'robot_description'.
     after_stamp_ns : int
         Stamp of the sample after which it took effect [ns].
     parameters : mapping
-        All parameters at start, those changed, or those of `biases` at a tare.
+        All parameters at start, those changed, those of `biases` at a tare, or the text of the
+        URDF of an arm.
     jumps : int
         Number of backward clock jumps before it.
 
@@ -50,7 +52,7 @@ class EstimationEvent(NamedTuple):
 
     @property
     def moment(self) -> Moment:
-        """The sample after which it took effect."""
+        """Return the sample after which it took effect."""
         return Moment(self.jumps, self.after_stamp_ns)
 
     def to_text(self) -> str:
@@ -104,7 +106,7 @@ def event_now(
     session : ContactSession
         The session changed.
     kind : str
-        'start', 'set_parameters', 'reset' or 'tare'.
+        'start', 'set_parameters', 'set_location', 'reset' or 'tare'.
     parameters : mapping
         As in `EstimationEvent`.
 
@@ -116,6 +118,27 @@ def event_now(
     """
     jumps, stamp_ns = session.moment
     return EstimationEvent(kind, stamp_ns, parameters, jumps)
+
+
+def set_location(session: ContactSession) -> tuple[bool, str, dict[str, float]]:
+    """
+    Return the change of parameters that sets x_e to where the tool is.
+
+    Parameters
+    ----------
+    session : ContactSession
+        Whose last sample counts; along the contact axis alone.
+
+    Returns
+    -------
+    done, message, changes : bool, str, dict
+        False without a sample so far; what is set, or why not; dotted name to value.
+
+    """
+    x = session.last_position
+    if x != x:
+        return False, 'no sample yet; see /diagnostics for the reason', {}
+    return True, f'environment.location is now {x:.6g} m', {'environment.location': x}
 
 
 def biases(session: ContactSession) -> dict[str, float]:
@@ -147,10 +170,11 @@ def apply_event(session: ContactSession, event: EstimationEvent) -> None:
     session : ContactSession
         The session to change.
     event : EstimationEvent
-        The event; 'start' has no effect.
+        The event; 'start' and 'robot_description' have no effect, since both must be known
+        before the first sample.
 
     """
-    if event.kind == CHANGE:
+    if event.kind in (CHANGE, LOCATION):
         try:
             session.change_parameters(event.parameters)
         except ContactEstimationError:

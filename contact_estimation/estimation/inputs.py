@@ -49,12 +49,14 @@ class MessageInputs:
 
     def __init__(self, session: ContactSession) -> None:
         self._session = session
+        self._wrenches = session.checks.wrenches
         self.frame_id = session.parameters.frame_id
         joints = session.parameters.joints
         self._wrench = WrenchDecoder()
         self._joints = SeveralJointsDecoder(list(joints.values()))
         places = [_FORCES[axis] for axis in joints]
         self._columns = ['xyz'.index(axis) for axis in joints]
+        self._sign = session.parameters.force_sign
         one = slice(places[0], places[0] + 1)
         self._forces: Callable[..., Any] = itemgetter(*places if len(places) > 1 else (one,))
 
@@ -76,12 +78,18 @@ class MessageInputs:
         try:
             reading = self._wrench.decode(raw)
         except MessageError as error:
-            self._session.count_rejected(f'wrench_{error.reason}')
+            self._session.count_rejected(f'wrench_{error.reason}', str(error))
             return []
         if reading.frame_id != self.frame_id and not self._accepts(reading.frame_id):
-            self._session.count_rejected('wrench_frame_id')
+            self._session.count_rejected(
+                'wrench_frame_id', f'expected {self.frame_id!r}, got {reading.frame_id!r}; set '
+                'frame_id')
             return []
-        return self._session.add_wrench(reading.stamp_ns, *self._forces(reading))
+        self._wrenches.append((reading[0], reading[2], reading[3], reading[4]))
+        forces = self._forces(reading)
+        if self._sign < 0.0:
+            forces = [-force for force in forces]
+        return self._session.add_wrench(reading.stamp_ns, *forces)
 
     def process_joints(self, raw: bytes) -> list[Result]:
         """
@@ -101,7 +109,7 @@ class MessageInputs:
         try:
             stamp_ns, positions, velocities = self._joints.decode(raw)
         except MessageError as error:
-            self._session.count_rejected(f'joint_states_{error.reason}')
+            self._session.count_rejected(f'joint_states_{error.reason}', str(error))
             return []
         return self._session.add_motion(stamp_ns, *positions, *velocities)
 
@@ -129,8 +137,13 @@ class MessageInputs:
         if not self._accepts(self._wrench.frame_id):
             return None
         stamps_ns, *components = forces
-        columns = [components[column] for column in self._columns]
-        return self._session.add_pairs(stamps_ns, columns, *motions[1:])
+        columns = [self._sign * components[column] for column in self._columns]
+        self._wrenches.extend(zip(stamps_ns.tolist(), *(c.tolist() for c in components)))
+        estimates = self._session.add_pairs(stamps_ns, columns, *motions[1:])
+        if estimates is None:
+            for _ in wrenches:
+                self._wrenches.pop()
+        return estimates
 
     def _accepts(self, frame_id: str) -> bool:
         """Check the frame of a wrench; without a configured frame the first one is adopted."""

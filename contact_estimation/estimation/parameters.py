@@ -20,6 +20,7 @@ from dataclasses import dataclass, replace
 from math import nan
 from typing import Any
 
+from .arm import check_arm
 from .axis_parameters import check_axes, check_matrix, FurtherAxesParameters
 from .robot_compliance import RobotParameters
 from .wall_tracking import TrackingParameters
@@ -27,6 +28,8 @@ from ..estimators import ESTIMATORS, EstimatorsTuning, MATRIX_ESTIMATORS
 from ..estimators.estimator import EnvironmentParameters
 from ..estimators.excitation_monitor import ExcitationParameters
 from ..estimators.stiffness_matrix import StiffnessMatrixParameters
+from ..kinematics.parameters import ForceSensorParameters, KinematicsParameters
+from ..kinematics.tool_load import ToolParameters
 from ..parameters.specification import group, parameter, ParameterGroup
 from ..physics import PhysicsParameters
 from ..reference.laws import LAWS
@@ -65,6 +68,18 @@ class EstimationParameters(ParameterGroup):
         '', 'Expected frame of the wrench; empty: that of the first wrench. Others are rejected',
         read_only=True,
     )
+    force_sign: float = parameter(
+        1.0, '1, or -1 where the sensor publishes the force that the robot applies', minimum=-1.0,
+        maximum=1.0, read_only=True,
+    )
+    robot_description_file: str = parameter(
+        '', 'URDF of an arm; empty: the text comes on the topic robot_description',
+        read_only=True,
+    )
+    kinematics: KinematicsParameters = group(
+        KinematicsParameters, 'An arm: x and v along contact.normal follow from its joints')
+    force_sensor: ForceSensorParameters = group(ForceSensorParameters, 'Force sensor of an arm')
+    tool: ToolParameters = group(ToolParameters, 'Load of the tool on the force sensor of an arm')
     further_axes: FurtherAxesParameters = group(
         FurtherAxesParameters, 'Axes estimated beside the contact axis, each independently; '
         'all other parameters are shared')
@@ -90,11 +105,12 @@ class EstimationParameters(ParameterGroup):
         check_cutoff(self.conditioning.cutoff_frequency, self.sample_rate)
         check_axes(self.axis, self.joint, self.further_axes)
         check_matrix(self.matrix_estimator, tuple(self.joints))
+        check_arm(self)
         refuse_double_tracking(self.reference_law, self.reference.robot_force_tracking)
 
     @property
     def joints(self) -> dict[str, str]:
-        """The joint of each estimated axis, the contact axis first."""
+        """Return the joint of each estimated axis, the contact axis first."""
         further = self.further_axes.named()
         return {self.axis: self.joint, **{axis: own.joint for axis, own in further.items()}}
 

@@ -17,9 +17,10 @@
 from __future__ import annotations
 
 import math
-from math import nan
+from math import isnan, nan
 from typing import Sequence
 
+from .checks.touch_down import TouchDown
 from .model_fit import ModelFitMonitor
 from .parameters import EstimationParameters
 from .supervised_estimator import SupervisedEstimator
@@ -29,7 +30,7 @@ from ..estimators.excitation_monitor import ExcitationMonitor
 from ..physics import effects_that_are_on
 from ..physics.compensation import Compensation
 from ..reference.setpoints import Reference
-from ..signals.conditioning import Conditioner
+from ..signals.conditioning import Conditioned, Conditioner
 from ..signals.contact_sample import ContactSample
 
 NO_REFERENCE = Reference(nan, nan, nan)
@@ -51,18 +52,24 @@ class EstimationPipeline:
     ----------
     model_fit : ModelFitMonitor
         Whether the model of the estimator fits.
+    touch_down : TouchDown
+        Where contacts begin.
+    invalid : str
+        Why no estimate is valid now, as told by the checks of the session; '' where it is.
 
     """
 
     def __init__(self, parameters: EstimationParameters | None = None) -> None:
         self.parameters = p = parameters or EstimationParameters()
+        self.touch_down = TouchDown()
+        self.invalid = ''
         self._supervised = SupervisedEstimator(p)
         self.model_fit = ModelFitMonitor(p.sample_rate)
         self._conditioner = Conditioner(
             p.contact, p.conditioning, p.sample_rate, self.estimator.relation
         )
         self._compensate()
-        self._note_parameters()
+        self._set_location()
 
     # -- parameters -------------------------------------------------------------------------
 
@@ -94,7 +101,11 @@ class EstimationPipeline:
             )
         if repr(parameters.physics) != repr(old.physics):  # NaN is not equal to itself
             self._compensate()
-        self._note_parameters()
+        if repr(parameters.environment.location) != repr(old.environment.location):
+            self._set_location()
+            self.touch_down.trust()
+        else:
+            self._note_parameters()
         self._conditioner.detector.configure(parameters.contact)
         if parameters.sample_rate != old.sample_rate:
             self.model_fit = ModelFitMonitor(parameters.sample_rate)
@@ -107,15 +118,25 @@ class EstimationPipeline:
         )
         self._conditioner.compensation = compensation if compensation.acts else None
 
+    def _set_location(self) -> None:
+        self._conditioner.location = self.parameters.environment.location
+        self._note_parameters()
+
     def _note_parameters(self) -> None:
-        p = self.parameters
-        self._location, self._position_noise = p.environment.location, p.contact.position_noise
+        self._position_noise = self.parameters.contact.position_noise
         self._observes = self.estimator.follows_reference
-        self._conditioner.location = self._location
         # Where x_e is estimated too, its prior bounds how far outside contact is possible.
         environment = self.parameters.environment
         self._conditioner.location_margin = max(
             5.0 * (self.estimator.location_std or 0.0), REACH * environment.location_std)
+
+    def _take_location(self, location: float, std: float) -> None:
+        """Use the surface that the first touch has shown, from the next sample on."""
+        self._conditioner.location = location
+        self._conditioner.configure(  # its filters hold rows of an unknown depth
+            self.parameters.conditioning, self.parameters.sample_rate, self.estimator.relation)
+        self._supervised.take_location(std)
+        self.touch_down.trust()
 
     # -- events -----------------------------------------------------------------------------
 
@@ -124,6 +145,9 @@ class EstimationPipeline:
         self._supervised.reset()
         self._conditioner.detector.reset()
         self._conditioner.restart()
+        self._set_location()
+        self.touch_down.reset()
+        self.invalid = ''
         self.model_fit.reset()
 
     def restart_time(self) -> None:
@@ -153,8 +177,18 @@ class EstimationPipeline:
 
     @property
     def missing(self) -> int:
-        """Number of samples missing, from the spacing of the stamps."""
+        """Return the number of samples missing, from the spacing of the stamps."""
         return self._conditioner.missing
+
+    @property
+    def location(self) -> float:
+        """Location of the surface, configured or taken at the first touch [m]; NaN before."""
+        return self._conditioner.location
+
+    @property
+    def location_margin(self) -> float:
+        """How far from its location the surface may be [m]."""
+        return self._conditioner.location_margin
 
     @property
     def location_shift(self) -> float:
@@ -168,7 +202,7 @@ class EstimationPipeline:
 
     @property
     def outliers(self) -> int:
-        """Number of forces replaced as outliers."""
+        """Return the number of forces replaced as outliers."""
         return self._conditioner.gate.count
 
     @property
@@ -178,8 +212,14 @@ class EstimationPipeline:
 
     @property
     def noise_std(self) -> float:
-        """Standard deviation of the force noise in free flight [N]."""
+        """Return the standard deviation of the force noise in free flight [N]."""
         return math.sqrt(self._conditioner.detector.noise_variance)
+
+    @property
+    def contact_threshold(self) -> float:
+        """Force above which contact begins [N]."""
+        contact = self.parameters.contact
+        return max(contact.on_ratio * self.noise_std, contact.minimum_force)
 
     @property
     def free_flight_level(self) -> float:
@@ -193,17 +233,17 @@ class EstimationPipeline:
 
     @property
     def excitation(self) -> ExcitationMonitor:
-        """The excitation monitor, for its predicted standard deviations."""
+        """Return the excitation monitor, for its predicted standard deviations."""
         return self._supervised.monitor
 
     @property
     def hindrance(self) -> str:
-        """What hinders the estimator on the present contact; '' for nothing."""
+        """Return what hinders the estimator on the present contact; '' for nothing."""
         return self._supervised.hindrance
 
     @property
     def estimator(self) -> OnlineEstimator:
-        """The estimator that runs."""
+        """Return the estimator that runs."""
         return self._supervised.estimator
 
     # -- samples ----------------------------------------------------------------------------
@@ -227,23 +267,56 @@ class EstimationPipeline:
             One a sample.
 
         """
-        if len(samples) == 1:
-            return [self._process_one(samples[0], reference)]
+        if len(samples) == 1 or isnan(self.location):  # it may be taken at any of them
+            return [self._process_one(sample, reference) for sample in samples]
         conditioned = self._conditioner.process(samples)
+        withheld = self._withheld(samples, conditioned)
+        if withheld:
+            rows = [None if reason else row for reason, row in zip(withheld, conditioned.rows)]
+            conditioned = conditioned._replace(rows=rows)
         if self._observes:
             for sample, dt, v in zip(samples, conditioned.dts, conditioned.velocities):
                 self._observe(sample, dt, v, reference)
         states = self._supervised.process(conditioned)
         fits = self.model_fit.add(
             samples, conditioned, self._supervised.estimator, self._position_noise)
-        return [
+        estimates = [
             self._estimate(sample[0], *state, moved, fit) for sample, state, moved, fit
             in zip(samples, states, conditioned.shifts, fits)
         ]
+        if not withheld:
+            return estimates
+        return [_without_deviations(estimate, reason) if reason else estimate
+                for estimate, reason in zip(estimates, withheld)]
+
+    def _withheld(
+        self, samples: Sequence[ContactSample], conditioned: Conditioned
+    ) -> list[str] | None:
+        """Return why the estimate of each sample is withheld; None: none is."""
+        surface = self.location
+        depths = [sample[1] - surface - moved
+                  for sample, moved in zip(samples, conditioned.shifts)]
+        return self._reasons(
+            samples, conditioned.dts, conditioned.contact, depths, conditioned.variances[0])
+
+    def _reasons(
+        self, samples: Sequence[ContactSample], dts: Sequence[float], contact: Sequence[bool],
+        depths: Sequence[float], variance: float,
+    ) -> list[str] | None:
+        touch_down = self.touch_down
+        if not self.invalid and touch_down.pass_over(dts, contact, depths[-1]):
+            return None
+        reasons = touch_down.add(
+            samples, dts, contact, depths, self.bias, self.location_margin, variance)
+        return [self.invalid] * len(samples) if self.invalid else reasons
 
     def _process_one(self, sample: ContactSample, reference: Reference) -> Estimate:
         """Process a sample as it comes, live, without lists in between."""
         dt, v, touching, variance, row, gain, moved = self._conditioner.take(sample)
+        depth = sample[1] - self._conditioner.location - moved
+        reasons = self._reasons((sample,), (dt,), (touching,), (depth,), variance)
+        if reasons:
+            row = None
         if self._observes:
             self._observe(sample, dt, v, reference)
         supervised = self._supervised
@@ -251,14 +324,17 @@ class EstimationPipeline:
         fit = self.model_fit.take(
             sample, dt, touching, variance, row, gain, supervised.estimator,
             self._position_noise)
-        return self._estimate(sample[0], *state, moved, fit)
+        estimate = self._estimate(sample[0], *state, moved, fit)
+        if self.touch_down.found is not None:
+            self._take_location(*self.touch_down.found)
+        return _without_deviations(estimate, reasons[0]) if reasons else estimate
 
     def _estimate(
         self, stamp_ns: int, estimate: ParameterEstimate, status: EstimateStatus, reason: str,
         moved: float, fit: float,
     ) -> Estimate:
         K, B, K_std, B_std, shift, M = estimate
-        location = self._location + self._supervised.shift + moved + shift
+        location = self._conditioner.location + self._supervised.shift + moved + shift
         return Estimate(stamp_ns, K, B, K_std, B_std, location, M, status, reason, fit)
 
     def _observe(
@@ -267,3 +343,11 @@ class EstimationPipeline:
         if reference.position == reference.position:
             self.estimator.observe(
                 dt, sample.position, velocity, sample.force - self._conditioner.bias, reference)
+
+
+def _without_deviations(estimate: Estimate, reason: str) -> Estimate:
+    """Return an estimate that is not confident, for a reason."""
+    status = estimate.status
+    if status is not EstimateStatus.FREE:
+        status = EstimateStatus.FROZEN
+    return estimate._replace(stiffness_std=nan, damping_std=nan, status=status, reason=reason)

@@ -17,7 +17,7 @@
 from __future__ import annotations
 
 from collections import Counter, deque
-from math import inf, isfinite, nan
+from math import inf, isfinite, isnan, nan
 
 from .parameters import EstimationParameters
 from .robot_compliance import seen_by_the_robot
@@ -65,7 +65,9 @@ class ReferenceStream:
         self._generator.configure(
             parameters.reference_law, parameters.reference, 1.0 / parameters.sample_rate
         )
-        self._deepest = parameters.environment.location + parameters.reference.maximum_depth
+        self._maximum_depth = parameters.reference.maximum_depth
+        self._deepest = parameters.environment.location + self._maximum_depth
+        self._takes_location = isnan(parameters.environment.location)
         self._timeout_s = parameters.synchronisation.timeout_s
         self._default_force = parameters.force_reference
         self._resting = Desired(self._resting.position, 0.0, 0.0, self._default_force)
@@ -132,10 +134,14 @@ class ReferenceStream:
         target_ns = stamp_ns + self.period_ns
         desired = self._setpoint_at(target_ns) if self._setpoints else self._resting
         _, K_hat, _, _, _, location, _, status, _, _ = estimate
+        contact, deepest = status is not _FREE, self._deepest
+        if self._takes_location:  # no force law without x_e
+            contact = contact and not isnan(location)
+            deepest = deepest if isnan(location) else location + self._maximum_depth
         return self._generator.step(
-            (target_ns - self._start_ns) * 1e-9, elapsed, desired, status is not _FREE, location,
+            (target_ns - self._start_ns) * 1e-9, elapsed, desired, contact, location,
             seen_by_the_robot(K_hat, self._robot) if self._robot.compliance else K_hat,
-            self._deepest,
+            deepest,
         )
 
     @property

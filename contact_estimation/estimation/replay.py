@@ -20,18 +20,17 @@ from collections import deque
 from functools import partial
 from typing import Any, Iterator, Mapping
 
+from .arm_inputs import inputs_of
 from .events import apply_event, EstimationEvent
-from .inputs import MessageInputs
 from .parameters import EstimationParameters
+from .recorded_arm import recorded_description, recorded_parameters
 from .result import AxesEstimates
 from .session import ContactSession
 from ..estimators import ESTIMATORS
 from ..exceptions import MessageError
 from ..messages import decode_string, TrajectoryDecoder
-from ..parameters.specification import specifications
 from ..parameters.values import build
 from ..recordings import RecordedMessage, RecordingReader
-from ..recordings.estimation_metadata import from_metadata
 from ..recordings.source import RecordingSource
 from ..recordings.topic_names import canonical
 from ..reference.setpoints import Reference
@@ -67,13 +66,12 @@ class RecordingReplay:
         self, reader: RecordingReader, source: RecordingSource, chosen: Mapping[str, Any]
     ) -> None:
         self._reader, self._source, self._chosen = reader, source, dict(chosen)
-        recorded = _known_today(from_metadata(reader.metadata()))
-        if 'axis' in chosen:  # chosen by the user, not recorded by the node
-            recorded = {k: v for k, v in recorded.items()
-                        if not k.startswith(('further_axes.', 'matrix_estimator'))}
+        recorded = recorded_parameters(reader, source, chosen)
         parameters = build(EstimationParameters, {**recorded, **chosen})
         self.session = ContactSession(parameters, generate_reference=False)
-        self._inputs = MessageInputs(self.session)
+        if parameters.kinematics.tip and self.session.arm is None:
+            self.session.describe(recorded_description(reader, source))
+        self._inputs = inputs_of(self.session)
         self._references = TrajectoryDecoder()
         self._left_over: list[RecordedMessage] = []
         self._last_reference_ns, self._reference_jumps = -(2**63), 0
@@ -205,9 +203,3 @@ class RecordingReplay:
             process = inputs.process_wrench if topic == wrench_topic else inputs.process_joints
             estimates += [result.estimates for result in process(data)]
         return estimates
-
-
-def _known_today(recorded: Mapping[str, Any]) -> dict[str, Any]:
-    """Leave out parameters that no longer exist: a recording may be years old."""
-    known = {spec.name for spec in specifications(EstimationParameters)}
-    return {name: value for name, value in recorded.items() if name in known}

@@ -19,6 +19,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from ..estimators.estimator import Estimate
+from ..kinematics.contact_kinematics import ArmState
 from ..reference.setpoints import Reference
 from ..signals.contact_sample import ContactSample
 
@@ -40,6 +41,8 @@ class Result(NamedTuple):
         Instant from which the robot follows the reference [ns].
     reference : Reference or None
         None where the session does not generate it (replay).
+    arm : ArmState or None
+        Pose and compensated wrench of an arm.
 
     """
 
@@ -47,6 +50,7 @@ class Result(NamedTuple):
     estimates: AxesEstimates
     reference_stamp_ns: int
     reference: Reference | None
+    arm: ArmState | None = None
 
     @property
     def estimate(self) -> Estimate:

@@ -18,17 +18,21 @@ from __future__ import annotations
 
 from collections import Counter
 from itertools import repeat
+from math import nan
 from typing import Any, Callable, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .arm import described_in_file, kinematics_of, NO_DESCRIPTION
+from .checks.input_checks import InputChecks
 from .matrix_estimation import MatrixEstimation
 from .parameters import EstimationParameters
 from .pipeline import EstimationPipeline, NO_REFERENCE
 from .reference_stream import ReferenceStream
 from .result import AxesEstimates, Result
 from .schedule import Moment, Schedule
+from ..kinematics.contact_kinematics import ArmSample, ArmState, ContactKinematics
 from ..parameters.values import changed
 from ..reference.setpoints import Desired, Reference
 from ..signals.contact_sample import AxesSample
@@ -61,8 +65,18 @@ class ContactSession:
         Of the references generated.
     matrix : MatrixEstimation
         Of three coupled axes.
-    last_stamp_ns : int
-        Stamp of the last sample processed [ns].
+    arm : ContactKinematics or None
+        Of the arm, where one is configured and described; see `describe`.
+    description : str
+        Text of the URDF of the arm, '' while there is none.
+    problem : str
+        Why there is no description; '' where there is one.
+    checks : InputChecks
+        On-line checks of the inputs.
+    rejection_texts : dict of str to str
+        The last text of each reason for which a message was rejected.
+    last_stamp_ns, last_position : int, float
+        Stamp [ns] and position along the contact axis [m] of the last sample processed.
 
     """
 
@@ -75,8 +89,16 @@ class ContactSession:
         }
         self._pipelines = list(self.pipelines.values())
         self.pipeline = self._pipelines[0]
-        self.last_stamp_ns = _BEFORE_ANY
-        self._synchroniser = Synchroniser(parameters.synchronisation)
+        self.checks = InputChecks(parameters, self.pipelines)
+        self.rejection_texts: dict[str, str] = {}
+        self.last_stamp_ns, self.last_position = _BEFORE_ANY, nan
+        self.description = self.problem = ''
+        self.arm: ContactKinematics | None = None
+        self._synchroniser = Synchroniser(
+            parameters.synchronisation, _arm_sample if parameters.kinematics.tip else None)
+        if parameters.kinematics.tip:
+            self.problem = NO_DESCRIPTION
+            self.describe(described_in_file(parameters))
         self._generates = generate_reference
         self.stream = ReferenceStream(parameters, self._synchroniser.rejected)
         self.matrix = MatrixEstimation(parameters)
@@ -85,9 +107,28 @@ class ContactSession:
         self._follows_reference = self.pipeline.estimator.follows_reference
         self._jumps = 0
 
+    def describe(self, description: str) -> None:
+        """
+        Set the description of the arm, without which none of its samples can be used.
+
+        Parameters
+        ----------
+        description : str
+            Text of the URDF; '' for none yet.
+
+        Raises
+        ------
+        ContactEstimationError
+            If it does not fit the parameters; the arm stays as it was.
+
+        """
+        if description:
+            self.arm = kinematics_of(self.parameters, description)
+            self.description, self.problem = description, ''
+
     @property
     def rejected(self) -> Counter[str]:
-        """Number of messages and samples rejected, by reason."""
+        """Return the number of messages and samples rejected, by reason."""
         return self._synchroniser.rejected
 
     @property
@@ -97,12 +138,21 @@ class ContactSession:
 
     @property
     def time_jumps(self) -> int:
-        """Number of backward clock jumps."""
+        """Return the number of backward clock jumps."""
         return self._synchroniser.time_jumps
 
     @property
+    def motion_lag(self) -> str:
+        """How far the newest joint state is behind the newest wrench, in words."""
+        lag_s = self._synchroniser.motion_lag_s
+        if lag_s != lag_s:
+            return 'none has come; is joint_states published, or remapped?'
+        return (f'the newest joint state is {lag_s:.3g} s behind the wrench; start its driver, '
+                'synchronise the clocks, or set synchronisation.offset')
+
+    @property
     def moment(self) -> Moment:
-        """The last sample processed."""
+        """Return the last sample processed."""
         return Moment(self._jumps, self.last_stamp_ns)
 
     def add_wrench(self, stamp_ns: int, *forces: float) -> list[Result]:
@@ -114,7 +164,7 @@ class ContactSession:
         stamp_ns : int
             Header stamp [ns].
         *forces : float
-            F_e along each axis of `pipelines` [N].
+            F_e along each axis of `pipelines` [N]; of an arm, force [N] and torque [N m].
 
         Returns
         -------
@@ -135,7 +185,7 @@ class ContactSession:
             Header stamp [ns].
         *motion : float
             x of each axis of `pipelines` [m], then its rate of each axis [m/s], NaN where not
-            measured.
+            measured; of an arm, q of each joint, then its rate.
 
         Returns
         -------
@@ -143,6 +193,7 @@ class ContactSession:
             One for each sample completed by this joint state.
 
         """
+        self.checks.joint_stamps.append(stamp_ns)
         samples = self._synchroniser.add_motion(stamp_ns, motion)
         return self._process(samples) if samples else []
 
@@ -172,6 +223,7 @@ class ContactSession:
         samples = self._synchroniser.add_pairs(stamps_ns, forces, positions, velocities)
         if samples is None:
             return None
+        self.checks.joint_stamps.extend(stamps_ns.tolist())
         estimates: list[AxesEstimates] = []
         while len(estimates) < len(samples):
             begin = len(estimates)
@@ -180,32 +232,48 @@ class ContactSession:
             estimates += self._estimate(samples[begin:end])
         return estimates
 
-    def count_rejected(self, reason: str) -> None:
-        """Count a message that could not be used, for a reason."""
+    def count_rejected(self, reason: str, text: str = '') -> None:
+        """Count a message that could not be used, for a reason, with a text that explains it."""
         self._synchroniser.rejected[reason] += 1
+        self.rejection_texts[reason] = text
 
     def _process(self, samples: Sequence[AxesSample]) -> list[Result]:
         results: list[Result] = []
         schedule = self._schedule
-        for axes in samples:
+        for paired in samples:
             if self._synchroniser.jumped:
                 self._restart_time()
             if schedule.references or schedule.actions:
-                self._apply_due(axes[0].stamp_ns)
-            estimates = self._estimate((axes,))[0]
+                self._apply_due(paired[0].stamp_ns)
+            axes, state = self._along_normal(paired) if self.arm else (paired, None)
+            (estimates,) = self._estimate((axes,))
             reference_stamp_ns, reference = self.last_stamp_ns + self.stream.period_ns, None
             if self._generates:
                 reference = self.stream.step(axes[0], estimates[0])
                 if self._follows_reference:
                     self.add_reference(reference_stamp_ns, reference, self._jumps)
-            results.append(Result(axes[0], estimates, reference_stamp_ns, reference))
+            results.append(Result(axes[0], estimates, reference_stamp_ns, reference, state))
         return results
+
+    def _along_normal(self, paired: Any) -> tuple[AxesSample, ArmState | None]:
+        """Return the sample of the contact axis; one of an arm only when its turn has come."""
+        assert self.arm is not None
+        self.arm.held = self.pipeline.contact  # as of the sample before
+        sample = self.arm.contact(paired[0])
+        self.checks.wrenches.append(
+            (sample.stamp_ns, *self.arm.components('xyz'.index(self.parameters.axis))))
+        return (sample,), self.arm.state
 
     def _estimate(self, run: Sequence[AxesSample]) -> list[AxesEstimates]:
         """Estimate from samples between which no change takes effect."""
-        self.last_stamp_ns = run[-1][0].stamp_ns
-        columns = map(EstimationPipeline.process, self._pipelines, zip(*run), self._followed)
-        estimates = list(zip(*columns))
+        self.last_stamp_ns, self.last_position, *_ = run[-1][0]
+        estimates: list[AxesEstimates] = []
+        for part in self.checks.parts(run):
+            columns = map(
+                EstimationPipeline.process, self._pipelines, zip(*part), self._followed)
+            done = list(zip(*columns))
+            self.checks.add(part, done)
+            estimates += done
         if self.matrix.runs:
             self.matrix.process(run, estimates)
         return estimates
@@ -220,6 +288,7 @@ class ContactSession:
         self._jumps += 1
         for pipeline in self._pipelines:
             pipeline.restart_time()
+        self.checks.restart()
         self.stream.restart()
         self._follow(NO_REFERENCE)
         self.last_stamp_ns = _BEFORE_ANY
@@ -274,7 +343,10 @@ class ContactSession:
             pipeline.configure(parameters.of_axis(axis))
         self.stream.configure(parameters)
         self.matrix.configure(parameters)
+        self.checks.configure(parameters)
         self._synchroniser.configure(parameters.synchronisation)
+        if self.arm is not None:
+            self.arm.configure(parameters.tool)
         self._follows_reference = self.pipeline.estimator.follows_reference
         self.parameters = parameters
 
@@ -283,6 +355,7 @@ class ContactSession:
         self.matrix.reset()
         for pipeline in self._pipelines:
             pipeline.reset()
+        self.checks.reset()
 
     def set_bias(self, bias: Mapping[str, float]) -> None:
         """Set the force by axis that is subtracted from the measured F_e [N], see `tare`."""
@@ -309,3 +382,10 @@ class ContactSession:
         if len(messages) == 1:
             return done, messages[self.parameters.axis]
         return done, '; '.join(f'{axis}: {text}' for axis, text in messages.items() if text)
+
+
+def _arm_sample(
+    stamp_ns: int, motion: Sequence[float], wrench: Sequence[float]
+) -> tuple[ArmSample]:
+    """Make the sample of an arm; it becomes a ContactSample when its turn comes."""
+    return (ArmSample(stamp_ns, motion, wrench),)

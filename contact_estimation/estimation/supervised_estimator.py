@@ -108,6 +108,10 @@ class SupervisedEstimator:
         self._supervision = Supervision(self._p, self.estimator)
         self._free_s = 0.0
 
+    def take_location(self, std: float) -> None:
+        """Use another location of the surface, with its standard deviation [m]."""
+        self._supervision.take_location(std)
+
     @property
     def monitor(self) -> ExcitationMonitor:
         """The excitation monitor."""
@@ -115,7 +119,7 @@ class SupervisedEstimator:
 
     @property
     def hindrance(self) -> str:
-        """What hinders the estimator on the present contact; '' for nothing."""
+        """Return what hinders the estimator on the present contact; '' for nothing."""
         return self.estimator.hindrance(self.monitor.sums.window().products)
 
     @property

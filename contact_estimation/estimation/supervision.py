@@ -116,6 +116,11 @@ class Supervision:
         self._start_collecting()
         self._prepare()
 
+    def take_location(self, std: float) -> None:
+        """Use another location of the surface, with its standard deviation [m]."""
+        self._start_contacts()
+        self.tracker.surface.doubt(std)
+
     def touch_down(self) -> None:
         """Let what was learned in the last contact be a prior: the wall may be another."""
         if self._p.tracking.restarts and self._judged_rows:

@@ -68,6 +68,10 @@ class SurfaceSearch:
         self._found_std = 0.0
         self._checked = False
 
+    def doubt(self, std: float) -> None:
+        """Refine the location as soon as a contact shows it better than a standard deviation."""
+        self.shift_std = self._found_std = std
+
     def is_unchecked(self, contact_s: float) -> bool:
         """Return whether a contact of some length has not shown where its surface is."""
         return self.prior_std > 0.0 and not self._checked and contact_s > _UNCHECKED_S

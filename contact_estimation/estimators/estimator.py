@@ -118,7 +118,10 @@ class Frozen(NamedTuple):
 class EnvironmentParameters(ParameterGroup):
     """Initial values and limits of the environment."""
 
-    location: float = parameter(0.0, 'Surface of the untouched wall, x_e', 'm')
+    location: float = parameter(
+        0.0, 'Surface of the untouched wall, x_e; NaN: it is taken at the first touch', 'm',
+        nan_is_off=True,
+    )
     location_std: float = parameter(
         0.002,
         'Standard deviation of location. A surface up to 3 of them away is found from the offset '
@@ -336,7 +339,7 @@ class OnlineEstimator(ABC):
 
     @property
     def limitation(self) -> str:
-        """What these parameters cannot estimate, to warn of at start-up; '': nothing known."""
+        """Return what these parameters cannot estimate, for a warning; '': nothing known."""
         return ''
 
     def hindrance(self, products: NDArray[np.float64]) -> str:

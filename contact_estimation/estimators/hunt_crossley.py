@@ -254,7 +254,7 @@ class HuntCrossley(OnlineEstimator):
 
     @property
     def details(self) -> Mapping[str, float]:
-        """The law by name; see `OnlineEstimator.details`."""
+        """Return the law by name; see `OnlineEstimator.details`."""
         return self.law._asdict()
 
     def current(self) -> ParameterEstimate:

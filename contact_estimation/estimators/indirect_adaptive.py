@@ -144,7 +144,7 @@ class IndirectAdaptive(OnlineEstimator):
 
     @property
     def limitation(self) -> str:
-        """The walls for which the gains are too small; see `OnlineEstimator.limitation`."""
+        """Return the walls for which the gains are too small; see `OnlineEstimator.limitation`."""
         return '' if self._rate is not None else limitation_of(self._gain_K, _REMEDY)
 
     def hindrance(self, products: NDArray[np.float64]) -> str:

@@ -182,7 +182,7 @@ class ModelReferenceAdaptive(OnlineEstimator):
 
     @property
     def limitation(self) -> str:
-        """The walls for which the gains are too small; see `OnlineEstimator.limitation`."""
+        """Return the walls for which the gains are too small; see `OnlineEstimator.limitation`."""
         return limitation_of(self._p.stiffness_gain)
 
     def hindrance(self, products: NDArray[np.float64]) -> str:

@@ -17,6 +17,7 @@
 from .decoding import (
     decode_float64,
     decode_string,
+    ForceTorqueDecoder,
     JointStateDecoder,
     SeveralJointsDecoder,
     TrajectoryDecoder,
@@ -27,19 +28,24 @@ from .encoding import (
     encode_float64,
     encode_multi_array,
     encode_string,
+    ForceTorqueEncoder,
     JointStateEncoder,
     TrajectoryEncoder,
     Vector3StampedEncoder,
     WrenchEncoder,
 )
 from .readings import FORCE_OF_AXIS, JointReading, TrajectoryReading, WrenchReading
+from .some_joints import SomeJointsDecoder
 
 __all__ = [
     'FORCE_OF_AXIS',
+    'ForceTorqueDecoder',
+    'ForceTorqueEncoder',
     'JointReading',
     'JointStateDecoder',
     'JointStateEncoder',
     'SeveralJointsDecoder',
+    'SomeJointsDecoder',
     'TrajectoryDecoder',
     'TrajectoryEncoder',
     'TrajectoryReading',

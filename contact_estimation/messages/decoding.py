@@ -88,6 +88,45 @@ class WrenchDecoder:
         return columns[1:]
 
 
+class ForceTorqueDecoder:
+    """
+    Read force and torque of geometry_msgs/msg/WrenchStamped.
+
+    Attributes
+    ----------
+    frame_id : str
+        Frame of the message read last.
+
+    """
+
+    def __init__(self) -> None:
+        self.frame_id = ''
+        self._reader = StampedReader('geometry_msgs/msg/WrenchStamped', _force_torque_offsets)
+
+    def decode(self, raw: bytes) -> tuple[int, tuple[float, ...]]:
+        """
+        Read one message.
+
+        Parameters
+        ----------
+        raw : bytes
+            CDR with its encapsulation header.
+
+        Returns
+        -------
+        stamp_ns, wrench : int, tuple of float
+            Stamp [ns]; force [N] and torque [N m] along x, y and z.
+
+        Raises
+        ------
+        MessageError
+            With reason 'malformed'.
+
+        """
+        sec, nanosec, self.frame_id, *wrench = self._reader.read(raw)
+        return sec * NS_PER_S + nanosec, tuple(wrench)
+
+
 class Vector3StampedDecoder:
     """Read geometry_msgs/msg/Vector3Stamped."""
 
@@ -338,6 +377,13 @@ def _wrench_offsets(cursor: CdrCursor) -> Sequence[int]:
     cursor.doubles(3)  # torque
     cursor.finish()
     return force
+
+
+def _force_torque_offsets(cursor: CdrCursor) -> Sequence[int]:
+    """Find force and torque."""
+    wrench = cursor.doubles(6)
+    cursor.finish()
+    return wrench
 
 
 def _vector_offsets(cursor: CdrCursor) -> Sequence[int]:

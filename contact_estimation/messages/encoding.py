@@ -24,6 +24,7 @@ from .cdr import NS_PER_S
 _LITTLE_ENDIAN = b'\0\1\0\0'
 _FLOAT64 = Struct('<4sd')
 _PAIR = Struct('<2I')
+_TORQUE = Struct('<3d')
 _ONE = (1).to_bytes(4, 'little')  # length of a sequence of one element
 
 
@@ -64,6 +65,26 @@ class WrenchEncoder:
     def encode(self, stamp_ns: int, fx: float, fy: float, fz: float) -> bytes:
         """Return the message with this stamp [ns] and force [N]."""
         return self._force.encode(stamp_ns, fx, fy, fz) + bytes(24)
+
+
+class ForceTorqueEncoder:
+    """
+    Write geometry_msgs/msg/WrenchStamped.
+
+    Parameters
+    ----------
+    frame_id : str
+        Frame of all messages.
+
+    """
+
+    def __init__(self, frame_id: str) -> None:
+        self._force = Vector3StampedEncoder(frame_id)
+
+    def encode(self, stamp_ns: int, wrench: Sequence[float]) -> bytes:
+        """Return the message with this stamp [ns], force [N] and torque [N m]."""
+        x, y, z, *torque = wrench
+        return self._force.encode(stamp_ns, x, y, z) + _TORQUE.pack(*torque)
 
 
 class JointStateEncoder:

@@ -22,7 +22,7 @@ from typing import Any, Iterator
 
 from ..exceptions import ParameterRangeError, UnknownNameError
 
-Value = bool | int | float | str
+Value = bool | int | float | str | tuple[float, ...]
 
 LARGEST = 1e15
 """Of any parameter in SI units: products of a few of them must not overflow."""
@@ -39,14 +39,14 @@ class ParameterSpecification:
     ----------
     name : str
         Dotted name, such as 'conditioning.cutoff_frequency'.
-    default : bool, int, float or str
-        Value without configuration; its type is the parameter's type.
+    default : bool, int, float, str or tuple of float
+        Value without configuration; its type is the parameter's type: a tuple is a vector.
     description : str
         Meaning, and the consequence of changing it.
     unit : str
         SI unit, '' or '1' where there is none.
     minimum, maximum : float or None
-        Inclusive range.
+        Inclusive range, of each element of a vector.
     choices : tuple of str
         Valid values of a string parameter; empty where any string is valid.
     read_only : bool
@@ -68,7 +68,7 @@ class ParameterSpecification:
 
     @property
     def valid_range(self) -> str:
-        """Valid values without type and unit; empty where the type says everything."""
+        """Return the valid values without type and unit; empty where the type says everything."""
         if self.choices:
             return 'one of ' + ', '.join(self.choices)
         if self.minimum is not None and self.maximum is not None:
@@ -79,12 +79,11 @@ class ParameterSpecification:
 
     @property
     def expectation(self) -> str:
-        """Valid values as error messages state them."""
+        """Return the valid values as error messages state them."""
         if self.choices:
             return self.valid_range
-        kind = {bool: 'true or false', int: 'an integer', float: 'a number', str: 'a text'}[
-            type(self.default)
-        ]
+        kind = {bool: 'true or false', int: 'an integer', float: 'a number', str: 'a text',
+                tuple: 'a list of 3 numbers'}[type(self.default)]
         low = '' if self.minimum is None else f' >= {self.minimum:g}'
         high = '' if self.maximum is None else f' <= {self.maximum:g}'
         off = ' or NaN (off)' if self.nan_is_off else ''
@@ -98,11 +97,11 @@ class ParameterSpecification:
         Parameters
         ----------
         value : any
-            Value received; integers are accepted for floats.
+            Value received; integers are accepted for floats, and any sequence for a vector.
 
         Returns
         -------
-        value : bool, int, float or str
+        value : bool, int, float, str or tuple of float
             Has the type of the default.
 
         Raises
@@ -113,6 +112,8 @@ class ParameterSpecification:
             If the type is wrong or the value is out of range.
 
         """
+        if isinstance(self.default, tuple):
+            return self._checked_vector(value)
         value = self._as_meant(value)
         if type(value) is not type(self.default):
             raise self._error(value)
@@ -121,6 +122,18 @@ class ParameterSpecification:
         if isinstance(value, (int, float)) and not isinstance(value, bool):
             self._check_range(value)
         return value  # type: ignore[no-any-return]
+
+    def _checked_vector(self, values: Any) -> tuple[float, ...]:
+        assert isinstance(self.default, tuple)
+        given = values.tolist() if hasattr(values, 'tolist') else values  # of numpy, of rclpy
+        element = dataclasses.replace(self, default=0.0)
+        try:
+            numbers = [element.check(value) for value in given if not isinstance(value, bool)]
+        except (TypeError, ParameterRangeError) as error:
+            raise self._error(given) from error
+        if isinstance(given, str) or len(numbers) != len(self.default):
+            raise self._error(given)
+        return tuple(numbers)  # type: ignore[arg-type]
 
     def _as_meant(self, value: Any) -> Any:
         """Undo misreadings of YAML: PyYAML reads 1e5 as text, rcl reads y as true."""

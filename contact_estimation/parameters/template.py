@@ -35,7 +35,7 @@ def parameter_file(node: str, title: str, groups: Sequence[ParameterGroup]) -> s
     Parameters
     ----------
     node : str
-        Name of the node.
+        Name of the node; `/**` for every name and namespace.
     title : str
         Comment at the top of the file.
     groups : sequence of ParameterGroup
@@ -63,8 +63,9 @@ def _group_lines(values: ParameterGroup, indent: str) -> Iterator[str]:
         else:
             yield from _comment(_explanation(specification(field, field.name)), indent)
             # rcl reads 1.0e-06 as a number but 1e-06 as text; PyYAML writes the former.
-            scalar = yaml.safe_dump(value).splitlines()[0]
-            yield f'{indent}{field.name}: {scalar}'
+            plain = list(value) if isinstance(value, tuple) else value
+            text = yaml.safe_dump(plain, default_flow_style=True).splitlines()[0]
+            yield f'{indent}{field.name}: {text}'
 
 
 def _explanation(spec: ParameterSpecification) -> str:

@@ -146,7 +146,9 @@ def changed(values: Group, changes: Mapping[str, Any]) -> Group:
     """
     flat = flatten(values)
     for spec in specifications(type(values)):
-        if spec.read_only and spec.name in changes and changes[spec.name] != flat[spec.name]:
+        if not spec.read_only or spec.name not in changes:
+            continue
+        if spec.check(changes[spec.name]) != flat[spec.name]:
             raise ParameterReadOnlyError(
                 f'{spec.name} is fixed at start ({flat[spec.name]!r}), got '
                 f'{changes[spec.name]!r}; set it in the parameter file and start again'

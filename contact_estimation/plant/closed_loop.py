@@ -24,6 +24,7 @@ from .sensors import Sensors
 from .world import Truth, World
 from ..estimation.result import Result
 from ..estimation.session import ContactSession
+from ..estimators.estimator import Estimate
 from ..exceptions import ParameterRangeError
 from ..reference.experiment import Experiment
 from ..reference.setpoints import Reference, ReferenceAt
@@ -51,6 +52,12 @@ class ClosedLoopRun:
         """Index of the last sample with true F_e < 0; None without contact."""
         touching = (k for k in range(len(self.truths) - 1, -1, -1) if self.truths[k].force < 0.0)
         return next(touching, None)
+
+    @property
+    def last_estimate(self) -> Estimate:
+        """Return the estimate at the last instant of contact; at the end where there is none."""
+        last = self.last_contact
+        return self.results[-1 if last is None else last].estimate
 
 
 def extrapolate(since: float, reference: Reference) -> ReferenceAt:

@@ -23,23 +23,24 @@ from typing import Any
 import yaml
 
 from .bag_metadata import FILE_NAME
-from .mcap_file import database_error
 from ..exceptions import RecordingError
 
+_SQLITE = b'SQLite format 3\0'
 
 def recording_files(path: Path) -> list[Path]:
     """
-    List the MCAP files of a recording in the order in which they were written.
+    List the files of a recording in the order in which they were written.
 
     Parameters
     ----------
     path : Path
-        An MCAP file or a rosbag2 folder, also one whose metadata.yaml was never written.
+        A file or a rosbag2 folder, also one whose metadata.yaml was never written.
 
     Returns
     -------
     files : list of Path
-        At least one.
+        At least one; the folder itself where rosbag2 has compressed it or stored it as SQLite,
+        see `needs_rosbags`.
 
     Raises
     ------
@@ -64,12 +65,32 @@ def recording_files(path: Path) -> list[Path]:
         )
     if files:
         return files
-    if any(path.glob('*.db3')):
-        raise database_error(path)
+    files = sorted(path.glob('*.db3'), key=_natural_order)
+    if files:
+        return files
     raise RecordingError(
         f'folder {path} holds no recording: expected metadata.yaml or *.mcap, '
         f'got {_content(path)}; give an .mcap file or a rosbag2 folder'
     )
+
+
+def needs_rosbags(path: Path) -> bool:
+    """
+    Return whether a file of a recording is not MCAP but what the package rosbags reads.
+
+    Parameters
+    ----------
+    path : Path
+        As of `recording_files`.
+
+    """
+    if path.is_dir():
+        return True
+    try:
+        with open(path, 'rb') as stream:
+            return stream.read(len(_SQLITE)) == _SQLITE
+    except OSError:
+        return False
 
 
 def _information(path: Path) -> dict[str, Any] | None:
@@ -84,14 +105,9 @@ def _information(path: Path) -> dict[str, Any] | None:
 
 def _listed_files(folder: Path, information: dict[str, Any]) -> list[Path]:
     """Return the files that metadata.yaml lists."""
-    if information.get('storage_identifier') == 'sqlite3':
-        raise database_error(folder)
     mode = str(information.get('compression_mode') or 'none').lower()
-    if mode != 'none':
-        raise RecordingError(
-            f'recording {folder} is compressed by rosbag2 (compression_mode {mode}), expected '
-            'MCAP with compression inside, if any; convert it with ros2 bag convert'
-        )
+    if information.get('storage_identifier') == 'sqlite3' or mode != 'none':
+        return [folder]
     # Old versions wrote the folder's name before that of the file.
     files = [folder / PurePosixPath(str(p)).name for p in information['relative_file_paths']]
     missing = [file.name for file in files if not file.exists()]

@@ -211,8 +211,6 @@ def _require_magic(path: Path, start: bytes, size: int) -> None:
             f'recording {path} is empty (0 bytes), expected an MCAP file; '
             'it was stopped before its first message: record again'
         )
-    if start.startswith(b'SQLite format 3'):
-        raise database_error(path)
     if start.startswith(b'#ROSBAG'):
         raise RecordingError(
             f'recording {path} is a ROS 1 bag, expected an MCAP file; '
@@ -221,15 +219,6 @@ def _require_magic(path: Path, start: bytes, size: int) -> None:
     raise RecordingError(
         f'{path} is no MCAP file: expected it to begin with {MAGIC!r}, got {start[:8]!r}; '
         'give a .mcap file or a rosbag2 folder'
-    )
-
-
-def database_error(path: Path) -> RecordingError:
-    """Explain how to convert a bag in the older storage format."""
-    return RecordingError(
-        f'recording {path} is stored as SQLite (.db3), expected MCAP; convert it with: '
-        f'ros2 bag convert -i {path} -o options.yaml, where options.yaml says '
-        '{output_bags: [{uri: NEW_FOLDER, storage_id: mcap, all_topics: true}]}'
     )
 
 

@@ -19,9 +19,10 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Collection, Iterator
 
-from .bag_folder import recording_files
+from .bag_folder import needs_rosbags, recording_files
 from .chunk_reader import RecordedMessage
 from .mcap_file import McapFile
+from .rosbags_file import RosbagsFile
 from .topic_names import canonical, require_topics
 
 __all__ = ['RecordedMessage', 'RecordingReader']
@@ -29,7 +30,7 @@ __all__ = ['RecordedMessage', 'RecordingReader']
 
 class RecordingReader:
     """
-    Read an MCAP file or a rosbag2 folder chunk by chunk.
+    Read an MCAP file, or a rosbag2 folder of any storage, chunk by chunk.
 
     Memory is bounded by one chunk. Files that were cut short are read up to the cut; damaged
     chunks are skipped and counted.
@@ -37,7 +38,7 @@ class RecordingReader:
     Parameters
     ----------
     path : Path or str
-        An .mcap file or a rosbag2 folder.
+        An .mcap or .db3 file, or a rosbag2 folder.
 
     Attributes
     ----------
@@ -55,12 +56,13 @@ class RecordingReader:
 
     def __init__(self, path: Path | str) -> None:
         self.path = Path(path)
-        self._files = [McapFile(file) for file in recording_files(self.path)]
+        self._files = [RosbagsFile(file) if needs_rosbags(file) else McapFile(file)
+                       for file in recording_files(self.path)]
         self.truncated = not all(file.summary.whole for file in self._files)
 
     @property
     def damaged_chunks(self) -> int:
-        """Number of damaged chunks and stretches skipped while reading messages."""
+        """Return the number of damaged chunks and stretches skipped while reading messages."""
         return sum(file.damaged for file in self._files)
 
     @property

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from array import array
 from dataclasses import dataclass
-from typing import Callable
+from typing import Callable, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,7 +29,7 @@ from .topic_names import canonical
 from ..exceptions import MessageError, RecordingError
 from ..messages import FORCE_OF_AXIS, JointStateDecoder, TrajectoryDecoder, WrenchDecoder
 
-Row = tuple[int, tuple[float, ...]]
+Row = tuple[int, Sequence[float]]
 
 
 @dataclass(frozen=True)
@@ -105,40 +105,73 @@ def read_signals(
         If a topic is missing or has no usable message.
 
     """
+    wrenches = WrenchDecoder()
+    wrench, joints, reference = read_rows(
+        reader, source, _decoders(wrenches, source, axis, joint), (1, 2, 4))
+    return RecordedSignals(wrench, joints, reference, wrenches.frame_id)
+
+
+def read_rows(
+    reader: RecordingReader, source: RecordingSource,
+    decode: Mapping[str, Callable[[bytes], Row | None]], widths: Sequence[int],
+) -> list[Signal]:
+    """
+    Read wrench, joints and reference.
+
+    Parameters
+    ----------
+    reader : RecordingReader
+        The recording.
+    source : RecordingSource
+        Its topics.
+    decode : mapping of str to callable
+        For wrench, joint states and reference, in this order: takes a raw message of the topic
+        and returns stamp and values; None where it completes no sample.
+    widths : sequence of int
+        Number of values of each.
+
+    Returns
+    -------
+    signals : list of Signal
+        In the order of `decode`; the reference may be empty.
+
+    Raises
+    ------
+    RecordingError
+        If a topic is missing or has no usable message.
+
+    """
     asked = [source.wrench, source.joint_states]
     recorded = {canonical(name) for name in reader.topics()}
     if canonical(source.reference_trajectory) in recorded:
         asked.append(source.reference_trajectory)
-    wrenches = WrenchDecoder()
-    decode = _decoders(wrenches, source, axis, joint)
     # Arrays of plain numbers: hours at 1 kHz are millions of messages.
     stamps = {name: array('q') for name in decode}
     rows = {name: array('d') for name in decode}
     refused: dict[str, str] = {}
     for topic, _, data in reader.messages(asked):
         try:
-            stamp_ns, values = decode[topic](data)
+            row = decode[topic](data)
         except MessageError as error:
             refused[topic] = f': {error}'
             continue
-        stamps[topic].append(stamp_ns)
-        rows[topic].extend(values)
-    wrench, joints, reference = (
-        _stacked(stamps[name], rows[name], width) for name, width in zip(decode, (1, 2, 4))
-    )
-    for name, signal in zip(asked, (wrench, joints)):
+        if row is not None:
+            stamps[topic].append(row[0])
+            rows[topic].extend(row[1])
+    signals = [stacked(stamps[name], rows[name], width) for name, width in zip(decode, widths)]
+    for name, signal in zip(asked[:2], signals):
         if not len(signal):
             raise RecordingError(
                 f'no usable message on {name} in {reader.path}: expected finite values with '
                 f'stamps, got none{refused.get(name, "")}; check topic, axis and joint'
             )
-    return RecordedSignals(wrench, joints, reference, wrenches.frame_id)
+    return signals
 
 
 def _decoders(
     wrenches: WrenchDecoder, source: RecordingSource, axis: str, joint: str
 ) -> dict[str, Callable[[bytes], Row]]:
-    joints, references = JointStateDecoder(joint), TrajectoryDecoder(joint)
+    joints = JointStateDecoder(joint)
     force_of = FORCE_OF_AXIS[axis]
 
     def force(data: bytes) -> Row:
@@ -149,17 +182,54 @@ def _decoders(
         stamp_ns, *values = joints.decode(data)
         return stamp_ns, tuple(values)
 
+    return {source.wrench: force, source.joint_states: motion,
+            source.reference_trajectory: reference_rows(joint)}
+
+
+def reference_rows(joint: str) -> Callable[[bytes], Row]:
+    """
+    Return the function that reads a reference of the contact axis.
+
+    Parameters
+    ----------
+    joint : str
+        Name of the joint; '' is the only joint of the message.
+
+    Returns
+    -------
+    read : callable
+        Takes a raw trajectory; returns its stamp, x_r, rate, acceleration and F_r.
+
+    """
+    references = TrajectoryDecoder(joint)
+
     def reference(data: bytes) -> Row:
         stamp_ns, x, *rest = references.decode(data)
         # Missing entries of a reference are 0: no feed-forward, no desired force.
         return stamp_ns, (x, *(0.0 if value != value else value for value in rest))
 
-    return {source.wrench: force, source.joint_states: motion,
-            source.reference_trajectory: reference}
+    return reference
 
 
-def _stacked(stamps: array[int], rows: array[float], width: int) -> Signal:
-    """Sort by stamp; drop non-finite samples and all but the first of equal stamps."""
+def stacked(stamps: array[int], rows: array[float], width: int) -> Signal:
+    """
+    Return samples as a signal, without non-finite ones and all but the first of equal stamps.
+
+    Parameters
+    ----------
+    stamps : array of int
+        Stamps of N samples [ns], in any order.
+    rows : array of float
+        Their values, sample by sample.
+    width : int
+        Values of each sample; one whose first is not finite is left out.
+
+    Returns
+    -------
+    signal : Signal
+        Sorted by stamp.
+
+    """
     stamp_ns = np.array(stamps, np.int64)
     values = np.array(rows, np.float64).reshape(-1, width)
     finite = np.isfinite(values[:, 0])

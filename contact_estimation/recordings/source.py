@@ -21,7 +21,7 @@ from typing import Mapping
 
 from ..exceptions import UnknownNameError
 
-TOPICS = ('wrench', 'joint_states', 'reference_trajectory')
+TOPICS = ('wrench', 'joint_states', 'reference_trajectory', 'robot_description')
 
 
 @dataclass(frozen=True)
@@ -33,6 +33,8 @@ class RecordingSource:
     ----------
     wrench, joint_states, reference_trajectory : str
         Topics.
+    robot_description : str
+        Topic of the URDF of an arm.
     events : str
         Topic of the estimator node's events.
 
@@ -41,6 +43,7 @@ class RecordingSource:
     wrench: str = 'wrench'
     joint_states: str = 'joint_states'
     reference_trajectory: str = 'reference_trajectory'
+    robot_description: str = 'robot_description'
     events: str = 'estimator_node/events'
 
     @classmethod

@@ -16,9 +16,29 @@
 
 from __future__ import annotations
 
-from math import copysign, isfinite
+from dataclasses import dataclass
+from math import copysign, inf, isfinite
+from typing import Sequence
 
 from .setpoints import Reference
+from ..parameters.specification import parameter, ParameterGroup
+
+
+@dataclass(frozen=True)
+class PoseLimits(ParameterGroup):
+    """Limits of ~/target_pose, beside those of x_r."""
+
+    lead: float = parameter(
+        0.1, 'Largest distance of the target from the measured position', 'm', minimum=1e-6,
+        maximum=10.0,
+    )
+    lower: tuple[float, ...] = parameter(
+        (-10.0, -10.0, -10.0), 'Lower corner of the box, in the frame of kinematics.base, in '
+        'which targets may lie', 'm',
+    )
+    upper: tuple[float, ...] = parameter(
+        (10.0, 10.0, 10.0), 'Upper corner of that box', 'm',
+    )
 
 
 def limited(
@@ -82,3 +102,39 @@ def _rates(
     if furthest > deepest:
         v, a = min(v, max(0.0, (deepest - position) / period)), 0.0
     return v, a
+
+
+def step_along(
+    position: Sequence[float], normal: Sequence[float], step: float, limits: PoseLimits
+) -> float | None:
+    """
+    Return the step along the normal that is nearest to a wanted one within the limits.
+
+    Parameters
+    ----------
+    position : sequence of float
+        Measured [m].
+    normal : sequence of float
+        Unit vector.
+    step : float
+        Wanted [m].
+    limits : PoseLimits
+        Lead and box.
+
+    Returns
+    -------
+    step : float or None
+        In [m]; None where no step leads into the box, or the wanted one is not finite.
+
+    """
+    if not isfinite(step):
+        return None
+    low, high = -limits.lead, limits.lead
+    for p, n, lower, upper in zip(position, normal, limits.lower, limits.upper):
+        if abs(n) < 1e-9:
+            ends = (-inf, inf) if lower <= p <= upper else (inf, -inf)
+        else:
+            ends = ((lower - p) / n, (upper - p) / n)
+            ends = (min(ends), max(ends))
+        low, high = max(low, ends[0]), min(high, ends[1])
+    return min(max(step, low), high) if low <= high else None

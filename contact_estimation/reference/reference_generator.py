@@ -20,10 +20,10 @@ from dataclasses import dataclass
 from math import inf, isfinite, nan
 
 from .laws import LAWS
-from .limits import limited
+from .limits import limited, PoseLimits
 from .setpoints import Desired, Reference
 from ..exceptions import ParameterRangeError
-from ..parameters.specification import parameter, ParameterGroup
+from ..parameters.specification import group, parameter, ParameterGroup
 
 
 @dataclass(frozen=True)
@@ -56,6 +56,7 @@ class ReferenceParameters(ParameterGroup):
         2000.0, 'Faster changes of F_r are treated as steps, without feed-forward', 'N/s',
         minimum=0.0,
     )
+    limits: PoseLimits = group(PoseLimits, 'Limits of ~/target_pose of an arm')
 
 
 class ReferenceGenerator:

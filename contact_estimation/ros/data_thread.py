@@ -32,6 +32,7 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile
 
 from .message_classes import message_class
+from .topics import overridable
 
 try:
     from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
@@ -85,7 +86,8 @@ class RawSubscriptions:
         self._wait_set: Any = None
 
     def subscribe(
-        self, topic: str, type_name: str, qos: QoSProfile, callback: Callback, wakes: bool = True
+        self, topic: str, type_name: str, qos: QoSProfile, callback: Callback, wakes: bool = True,
+        overrides: bool = False,
     ) -> None:
         """
         Subscribe to a topic; the callback gets the serialised message.
@@ -103,10 +105,13 @@ class RawSubscriptions:
         wakes : bool
             False: messages wait until one of another topic arrives and are served before it;
             waking the thread takes longer than processing the message.
+        overrides : bool
+            Whether parameters qos_overrides.TOPIC... may change the quality of service.
 
         """
         subscription = self._node.create_subscription(
-            message_class(type_name), topic, callback, qos, raw=True, callback_group=self._group
+            message_class(type_name), topic, callback, qos, raw=True, callback_group=self._group,
+            qos_overriding_options=overridable() if overrides else None,
         )
         (self._waking if wakes else self._quiet).append((subscription, callback))
 

@@ -23,11 +23,19 @@ from geometry_msgs.msg import PoseStamped
 from rclpy.node import Node
 
 from .message_classes import message_class
-from .topics import FLOAT64, OUTPUT_QOS, REFERENCE, STRING, TRAJECTORY, VECTOR3
+from .topics import FLOAT64, OUTPUT_QOS, overridable, REFERENCE, STATUS_QOS, STRING
+from .topics import TRAJECTORY, VECTOR3, WRENCH_TYPE
 from ..estimation.matrix_messages import encode_matrices, MATRIX_TOPICS
 from ..estimation.result import Result
+from ..estimation.target_pose import TargetPose
 from ..estimators.stiffness_matrix import MatrixEstimate
-from ..messages import encode_float64, encode_string, TrajectoryEncoder, Vector3StampedEncoder
+from ..messages import (
+    encode_float64,
+    encode_string,
+    ForceTorqueEncoder,
+    TrajectoryEncoder,
+    Vector3StampedEncoder,
+)
 
 _ALWAYS: dict[str, Callable[[Any], float]] = {
     'stiffness': lambda estimate: estimate.stiffness,
@@ -58,15 +66,20 @@ class EstimatePublishers:
         self._joint = joint or 'contact_axis'
         vector = message_class(VECTOR3)
         self._publishers = {
-            name: node.create_publisher(vector, f'~/{name}', OUTPUT_QOS)
+            name: node.create_publisher(
+                vector, f'~/{name}', OUTPUT_QOS, qos_overriding_options=overridable())
             for name in (*_ALWAYS, *_ON_DEMAND)
         }
         self._publishers['model_fit'] = node.create_publisher(
             message_class(FLOAT64), '~/model_fit', OUTPUT_QOS
         )
-        self._reference = node.create_publisher(message_class(TRAJECTORY), REFERENCE, OUTPUT_QOS)
-        self._status = node.create_publisher(message_class(STRING), '~/status', OUTPUT_QOS)
+        self._reference = node.create_publisher(
+            message_class(TRAJECTORY), REFERENCE, OUTPUT_QOS, qos_overriding_options=overridable())
+        self._status = node.create_publisher(
+            message_class(STRING), '~/status', STATUS_QOS, qos_overriding_options=overridable())
         self._pose = node.create_publisher(PoseStamped, '~/target_pose', OUTPUT_QOS)
+        self._compensated = node.create_publisher(
+            message_class(WRENCH_TYPE), '~/compensated_wrench', OUTPUT_QOS)
         self._matrices = {
             name: node.create_publisher(message_class(type_name), f'~/{name}', OUTPUT_QOS)
             for name, type_name in MATRIX_TOPICS.items()
@@ -91,6 +104,7 @@ class EstimatePublishers:
         self.frame_id, self._further_axes = frame_id, axes[1:]
         self._places = ['xyz'.index(axis) for axis in axes]
         self._vectors = Vector3StampedEncoder(frame_id)
+        self._wrenches = ForceTorqueEncoder(frame_id)
         self._trajectories = TrajectoryEncoder(frame_id, self._joint)
 
     def look_for_subscribers(self) -> None:
@@ -100,9 +114,10 @@ class EstimatePublishers:
             if self._publishers[name].get_subscription_count() > 0:
                 wanted.append((self._publishers[name], get))
         self._wanted = wanted
+        self._wrench_wanted = self._compensated.get_subscription_count() > 0
         self._fit_wanted = self._publishers['model_fit'].get_subscription_count() > 0
 
-    def publish(self, result: Result, with_pose: bool) -> None:
+    def publish(self, result: Result) -> None:
         """
         Publish one result.
 
@@ -110,8 +125,6 @@ class EstimatePublishers:
         ----------
         result : Result
             Of one sample.
-        with_pose : bool
-            Publish x_r as a pose too.
 
         """
         estimate, stamp_ns = result.estimates[0], result.sample.stamp_ns
@@ -129,9 +142,10 @@ class EstimatePublishers:
             publisher.publish(encode(stamp_ns, *vector))
         if self._fit_wanted:
             self._publishers['model_fit'].publish(encode_float64(estimate.model_fit))
+        if self._wrench_wanted and result.arm is not None:
+            self._compensated.publish(
+                self._wrenches.encode(stamp_ns, result.arm.wrench.tolist()))
         self.publish_status(estimate.status.value, self._reason(result))
-        if with_pose and reference is not None:
-            self._publish_pose(result.reference_stamp_ns, reference.position)
 
     def publish_matrices(self, estimate: MatrixEstimate) -> None:
         """Publish stiffness and damping of three coupled axes."""
@@ -163,9 +177,23 @@ class EstimatePublishers:
             self._last_status = (status, reason)
             self._status.publish(encode_string(f'{status}: {reason}' if reason else status))
 
-    def _publish_pose(self, stamp_ns: int, position: float) -> None:
+    def publish_pose(self, pose: TargetPose, base: str) -> None:
+        """
+        Publish the target of an arm.
+
+        Parameters
+        ----------
+        pose : TargetPose
+            In the base frame.
+        base : str
+            Name of that frame.
+
+        """
         message = PoseStamped()
-        message.header.stamp.sec, message.header.stamp.nanosec = divmod(stamp_ns, 1_000_000_000)
-        message.header.frame_id = self.frame_id
-        setattr(message.pose.position, 'xyz'[self._places[0]], position)
+        stamp, target = message.header.stamp, message.pose
+        stamp.sec, stamp.nanosec = divmod(pose.stamp_ns, 1_000_000_000)
+        message.header.frame_id = base
+        target.position.x, target.position.y, target.position.z = pose.position
+        turn = target.orientation
+        turn.x, turn.y, turn.z, turn.w = pose.quaternion
         self._pose.publish(message)

@@ -19,18 +19,17 @@ from __future__ import annotations
 from collections import deque
 from math import isfinite
 import time
-from typing import Any, Sequence
+from typing import Any, Callable, Sequence
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
 from .percentiles import percentiles
+from ..estimation.checks import Rejections
 from ..estimation.model_fit import ModelFitMonitor
-from ..estimation.pipeline import EstimationPipeline
 from ..estimation.session import ContactSession
 from ..estimators.estimator import Estimate
 
 _LATENCIES_KEPT = 2000
-_TARE_DUE = 2.0  # standard deviations of the force noise; the level is a mean over 0.5 s
 
 
 class EstimatorDiagnostics:
@@ -40,21 +39,35 @@ class EstimatorDiagnostics:
     Parameters
     ----------
     name : str
-        Of the node.
+        Of the node, with its namespace.
     silence_s : float
-        Time without a wrench after which the status is STALE [s].
+        Time without a wrench after which the status is ERROR [s].
+    hardware_id : str
+        Of the sensor or robot.
+    now_ns : callable
+        The node's clock, by which latencies are measured [ns].
+
+    Attributes
+    ----------
+    headline : tuple of (str, str)
+        Name and text of the main warning of the last report; '' without one.
 
     """
 
-    def __init__(self, name: str, silence_s: float) -> None:
+    def __init__(
+        self, name: str, silence_s: float, hardware_id: str = '',
+        now_ns: Callable[[], int] = time.time_ns,
+    ) -> None:
         self._name, self.silence_s = name, silence_s
+        self.hardware_id, self._now_ns = hardware_id, now_ns
+        self.headline = '', ''
+        self._rejections: Rejections | None = None
         self.processed = 0
         self.errors = 0
         self.last_error = ''
         self._latencies_ns: deque[int] = deque(maxlen=_LATENCIES_KEPT)
         self._last_arrival = time.monotonic()
         self._before = (0, self._last_arrival)
-        self._rejected_before = 0
 
     def arrived(self) -> None:
         """Note the arrival of a wrench."""
@@ -71,7 +84,7 @@ class EstimatorDiagnostics:
 
         """
         self.processed += 1
-        self._latencies_ns.append(time.time_ns() - stamp_ns)
+        self._latencies_ns.append(self._now_ns() - stamp_ns)
 
     def failed(self, error: Exception) -> None:
         """
@@ -108,36 +121,55 @@ class EstimatorDiagnostics:
 
         """
         estimate = estimates[0] if estimates else None
-        level, text = self._judge(session, estimate)
+        starved = self.processed == self._before[0]
+        warnings = self._warnings(session, starved)
+        level, text = self._judge(warnings, estimate)
         values = {**self._rates(), **self._estimation(session, estimate)}
         for (axis, pipeline), other in list(zip(session.pipelines.items(), estimates))[1:]:
             values.update((f'{axis}_{k}', v) for k, v in _values_of(other).items())
             values[f'{axis}_contact'] = pipeline.contact
             values.update((f'{axis}_{k}', v) for k, v in _fit_of(pipeline.model_fit).items())
         values.update(self._problems(session))
+        values.update((f'warning_{k}', text) for k, (_, text) in enumerate(warnings, start=1))
         status = DiagnosticStatus(
             level=level, name=f'{self._name}: contact estimation', message=text,
-            hardware_id='', values=[KeyValue(key=k, value=str(v)) for k, v in values.items()],
+            hardware_id=self.hardware_id,
+            values=[KeyValue(key=k, value=str(v)) for k, v in values.items()],
         )
         message = DiagnosticArray(status=[status])
         message.header.stamp = stamp
         return message
 
-    def _judge(self, session: ContactSession, estimate: Estimate | None) -> tuple[bytes, str]:
+    def _judge(
+        self, warnings: list[tuple[str, str]], estimate: Estimate | None
+    ) -> tuple[bytes, str]:
         silent = time.monotonic() - self._last_arrival
-        rejected = sum(session.rejected.values())
-        newly, self._rejected_before = rejected - self._rejected_before, rejected
+        self.headline = '', ''
         if silent > self.silence_s:
-            return DiagnosticStatus.STALE, f'no wrench for {silent:.1f} s; is the sensor running?'
+            self.headline = 'silence', f'no wrench for {silent:.1f} s; is the sensor running?'
+            return DiagnosticStatus.ERROR, self.headline[1]
+        if warnings:
+            self.headline = warnings[0]
+            return DiagnosticStatus.WARN, warnings[0][1]
         if estimate is None:
-            return DiagnosticStatus.WARN, 'wrenches come, but no joint state matches their stamps'
-        if newly:
-            return DiagnosticStatus.WARN, f'{newly} samples rejected since the last report'
-        warning = _warning(session)
-        if warning:
-            return DiagnosticStatus.WARN, warning
+            self.headline = 'joint_missing', (
+                'wrenches come, but no joint state at their stamps; is joint_states published, '
+                'or remapped?')
+            return DiagnosticStatus.WARN, self.headline[1]
         reason = f': {estimate.reason}' if estimate.reason else ''
         return DiagnosticStatus.OK, f'{estimate.status.value}{reason}'
+
+    def _warnings(self, session: ContactSession, starved: bool) -> list[tuple[str, str]]:
+        """Return names and texts, the most important first."""
+        if self._rejections is None:
+            self._rejections = Rejections(
+                lambda reason: session.rejection_texts.get(reason, ''),
+                lambda: session.motion_lag)
+        rejected = self._rejections.newly(session.rejected, self.processed)
+        active = [(warned.name, warned.text) for warned in session.checks.warnings()]
+        if not rejected[0]:
+            return active
+        return [rejected, *active] if starved else [*active, rejected]
 
     def _rates(self) -> dict[str, Any]:
         now = time.monotonic()
@@ -157,6 +189,7 @@ class EstimatorDiagnostics:
             'reference_law': parameters.reference_law,
             'reference_limited': session.stream.limited,
             'contact': pipeline.contact,
+            'position': f'{session.last_position:.6g}',
             'excitation_stiffness_std': f'{pipeline.excitation.stiffness_std:.6g}',
             'excitation_damping_std': f'{pipeline.excitation.damping_std:.6g}',
             'force_noise_std': f'{pipeline.noise_std:.6g}',
@@ -203,42 +236,3 @@ def _fit_of(monitor: ModelFitMonitor) -> dict[str, Any]:
         values['model_fit_worst'] = f'{monitor.worst.ratio:.3g}'
         values['model_fit_worst_text'] = monitor.worst.text
     return values
-
-
-def _warning(session: ContactSession) -> str:
-    """Return a warning of what biases the estimates: sensor, model, gains or rate."""
-    for axis, pipeline in session.pipelines.items():
-        if _needs_tare(pipeline):
-            where = f' along {axis}' if len(session.pipelines) > 1 else ''
-            level = -pipeline.free_flight_level
-            return f'the sensor reads {level:.3g} N in free flight{where}; call ~/tare there'
-        if pipeline.model_fit.now.text:
-            where = f'axis {axis}: ' if len(session.pipelines) > 1 else ''
-            return where + pipeline.model_fit.now.text
-        if pipeline.hindrance:
-            where = f'axis {axis}: ' if len(session.pipelines) > 1 else ''
-            return where + pipeline.hindrance
-        location = _location_warning(pipeline)
-        if location:
-            return f'axis {axis}: {location}' if len(session.pipelines) > 1 else location
-    rate, period = session.parameters.sample_rate, session.pipeline.sample_period_s
-    if period > 0.0 and not 0.9 < period * rate < 1.1:
-        return f'samples come at {1.0 / period:.4g} Hz, but sample_rate is {rate:g}; correct it'
-    return ''
-
-
-def _location_warning(pipeline: EstimationPipeline) -> str:
-    """Return a warning of a surface that is elsewhere, or that the contact does not show."""
-    shift, location = pipeline.location_shift, pipeline.parameters.environment.location
-    if shift != 0.0:
-        return (f'the surface is {1e3 * shift:+.3g} mm from environment.location; set it to '
-                f'{location + shift:.6g} m')
-    if pipeline.contact and pipeline.location_unchecked:
-        return ('the motion does not show where the surface is, so that stiffness relies on '
-                'environment.location; touch down again or excite')
-    return ''
-
-
-def _needs_tare(pipeline: EstimationPipeline) -> bool:
-    """Return whether the free-flight force exceeds its noise."""
-    return abs(pipeline.free_flight_level) > max(_TARE_DUE * pipeline.noise_std, 1e-3)

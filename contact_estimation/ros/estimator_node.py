@@ -17,10 +17,12 @@
 from __future__ import annotations
 
 from threading import Lock
+import time
 from typing import Any, Mapping, Sequence
 
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.node import Node
+from rclpy.parameter import Parameter
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
@@ -29,14 +31,17 @@ from .data_thread import DataThread, RawSubscriptions
 from .estimate_publishers import EstimatePublishers
 from .estimator_diagnostics import EstimatorDiagnostics
 from .estimator_node_parameters import EstimatorNodeParameters
+from .node_log import NodeLog
 from .parameters import declare, serve_changes
 from .running import run_node
-from ..estimation.events import biases, CHANGE, EstimationEvent, event_now, RESET, START, TARE
-from ..estimation.inputs import MessageInputs
+from ..estimation.arm_inputs import inputs_of
+from ..estimation.events import biases, CHANGE, DESCRIPTION, EstimationEvent, event_now, LOCATION
+from ..estimation.events import RESET, set_location, START, TARE
 from ..estimation.parameters import EstimationParameters
 from ..estimation.result import Result
 from ..estimation.session import ContactSession
-from ..exceptions import MessageError
+from ..estimation.target_pose import check_target_pose, target_pose
+from ..exceptions import ContactEstimationError, MessageError
 from ..messages import TrajectoryDecoder
 from ..parameters.specification import ParameterSpecification, specifications
 from ..parameters.values import build, changed, divided, flatten
@@ -71,7 +76,10 @@ class EstimatorNode(Node):
         estimation, own = divided(EstimatorNodeParameters, declare(self, all_specifications()))
         self._own = build(EstimatorNodeParameters, own)
         self._session = ContactSession(build(EstimationParameters, estimation))
+        self._check(self._own)
         self._lock = Lock()
+        self._log = NodeLog(self)
+        self._kind = CHANGE
         self._last: Result | None = None
         parameters = self._session.parameters
         self._axes = ''.join(self._session.pipelines)
@@ -79,9 +87,13 @@ class EstimatorNode(Node):
         self._outputs.use(parameters.frame_id, self._axes)
         self._events = self.create_publisher(String, '~/events', topics.EVENTS_QOS)
         self._event(event_now(self._session, START, flatten(self._session.parameters)))
+        if self._session.arm is not None:
+            self._describe(self._session.description)
         if self._session.pipeline.estimator.limitation:
             self.get_logger().warning(self._session.pipeline.estimator.limitation)
-        self._diagnostics = EstimatorDiagnostics(self.get_name(), self._own.silence_s)
+        self._diagnostics = EstimatorDiagnostics(
+            self.get_fully_qualified_name(), self._own.silence_s,
+            self._own.hardware_id or parameters.frame_id, self._now_ns)
         self._subscribe()
         self._diagnostics_publisher = self.create_publisher(
             DiagnosticArray, topics.DIAGNOSTICS, topics.OUTPUT_QOS
@@ -89,10 +101,12 @@ class EstimatorNode(Node):
         self.create_timer(1.0 / self._own.diagnostics_rate, self._report)
         self.create_service(Trigger, '~/reset', self._on_reset)
         self.create_service(Trigger, '~/tare', self._on_tare)
+        self.create_service(Trigger, '~/set_location', self._on_set_location)
         serve_changes(self, all_specifications(), self._change_parameters)
+        self._log.started(parameters)
 
     def _subscribe(self) -> None:
-        self._inputs = MessageInputs(self._session)
+        self._inputs = inputs_of(self._session)
         self._desired = TrajectoryDecoder()
         data = RawSubscriptions(self, self._own.dedicated_wait_set)
         # Served in this order: setpoint and motion of an instant precede its wrench.
@@ -101,8 +115,11 @@ class EstimatorNode(Node):
             (topics.JOINT_STATES, 'sensor_msgs/msg/JointState', self._on_joints, True),
             (topics.WRENCH, 'geometry_msgs/msg/WrenchStamped', self._on_wrench, True),
         ):
-            data.subscribe(topic, type_name, topics.INPUT_QOS, callback, wakes)
+            data.subscribe(topic, type_name, topics.INPUT_QOS, callback, wakes, overrides=True)
         self._thread = DataThread(data, self._diagnostics.failed)
+        if self._session.parameters.kinematics.tip and self._session.arm is None:
+            self.create_subscription(
+                String, topics.ROBOT_DESCRIPTION, self._on_description, topics.DESCRIPTION_QOS)
 
     def start(self) -> None:
         """Start the data thread."""
@@ -119,7 +136,7 @@ class EstimatorNode(Node):
         with self._lock:
             results = self._inputs.process_wrench(raw)
             if self._inputs.frame_id != self._outputs.frame_id:
-                self._outputs.use(self._inputs.frame_id, self._axes)
+                self._use_frame(self._inputs.frame_id)
             self._publish(results)
 
     def _on_joints(self, raw: bytes) -> None:
@@ -137,29 +154,77 @@ class EstimatorNode(Node):
 
     def _publish(self, results: Sequence[Result]) -> None:
         for result in results:
-            self._outputs.publish(result, self._own.publish_target_pose)
+            self._outputs.publish(result)
+            if self._own.publish_target_pose:
+                self._publish_target(result)
             self._last = result
             self._diagnostics.published(result.sample.stamp_ns)
         for matrices in self._session.matrix.take():
             self._outputs.publish_matrices(matrices)
 
+    def _publish_target(self, result: Result) -> None:
+        parameters = self._session.parameters
+        pose = target_pose(result, parameters.reference.limits)
+        if pose is None:
+            self._session.count_rejected('target_pose_out_of_limits')
+        else:
+            self._outputs.publish_pose(pose, parameters.kinematics.base)
+
+    def _use_frame(self, frame_id: str) -> None:
+        self._outputs.use(frame_id, self._axes)
+        self._diagnostics.hardware_id = self._own.hardware_id or frame_id
+
+    def _now_ns(self) -> int:
+        clock: Any = self.get_clock()
+        return int(clock.now().nanoseconds) if clock.ros_time_is_active else time.time_ns()
+
     # -- events -----------------------------------------------------------------------------
+
+    def _check(self, own: EstimatorNodeParameters) -> None:
+        """Refuse poses that would drive a robot where nobody wants it."""
+        if own.publish_target_pose:
+            check_target_pose(self._session.parameters)
+
+    def _on_description(self, message: String) -> None:
+        with self._lock:
+            if self._session.arm is not None:
+                return  # a change while running is another robot: start again
+            try:
+                self._session.describe(message.data)
+            except ContactEstimationError as error:
+                self._session.problem = str(error)
+                self.get_logger().error(str(error))
+                return
+            self._describe(message.data)
+
+    def _describe(self, description: str) -> None:
+        """Report the arm, and keep its description among the events, for replay."""
+        arm = self._session.arm
+        assert arm is not None
+        self._event(event_now(self._session, DESCRIPTION, {'text': description}))
+        self.get_logger().info(
+            f'arm from {arm.model.base} to {arm.model.tip}: joints '
+            f'{", ".join(arm.model.joint_names)}')
 
     def _change_parameters(self, changes: Mapping[str, Any]) -> None:
         estimation, own = divided(EstimatorNodeParameters, changes)
         with self._lock:
             new_own = changed(self._own, own)
+            self._check(new_own)
             if estimation:
                 self._session.change_parameters(estimation)
-                self._event(event_now(self._session, CHANGE, estimation))
+                self._event(event_now(self._session, self._kind, estimation))
             self._own = new_own
             self._diagnostics.silence_s = new_own.silence_s
+        if changes:
+            self._log.changed(changes)
 
     def _on_reset(self, request: Any, response: Any) -> Any:
         with self._lock:
             self._session.reset()
             self._event(event_now(self._session, RESET, {}))
         response.success, response.message = True, 'estimate is reset to its initial values'
+        self._log.event(response.message)
         return response
 
     def _on_tare(self, request: Any, response: Any) -> Any:
@@ -167,6 +232,22 @@ class EstimatorNode(Node):
             response.success, response.message = self._session.tare()
             if response.success:
                 self._event(event_now(self._session, TARE, biases(self._session)))
+                self._log.event(response.message)
+        return response
+
+    def _on_set_location(self, request: Any, response: Any) -> Any:
+        """Change the parameter, so that it shows the value; the change is the event."""
+        with self._lock:
+            response.success, response.message, changes = set_location(self._session)
+        if response.success:
+            self._kind = LOCATION
+            try:
+                (result,) = self.set_parameters(
+                    [Parameter(name, value=value) for name, value in changes.items()])
+            finally:
+                self._kind = CHANGE
+            if not result.successful:
+                response.success, response.message = False, result.reason
         return response
 
     def _event(self, event: EstimationEvent) -> None:
@@ -179,6 +260,12 @@ class EstimatorNode(Node):
             now = self.get_clock().now().to_msg()
             message = self._diagnostics.message(now, self._session, estimates)
         self._diagnostics_publisher.publish(message)
+        name, text = self._diagnostics.headline
+        if text:
+            self._log.warning(name, text)
+        if estimates:
+            reason = f': {estimates[0].reason}' if estimates[0].reason else ''
+            self._log.state(f'{estimates[0].status.value}{reason}', estimates[0].stiffness)
 
 
 def main(args: Sequence[str] | None = None) -> int:

@@ -29,10 +29,14 @@ class EstimatorNodeParameters(ParameterGroup):
         2.0, 'Rate of /diagnostics', 'Hz', minimum=1.0, maximum=10.0, read_only=True
     )
     silence_s: float = parameter(
-        0.5, 'Diagnostics are stale after this time without a wrench', 's', minimum=0.01
+        0.5, 'Diagnostics are an error after this time without a wrench', 's', minimum=0.01
+    )
+    hardware_id: str = parameter(
+        '', 'Of sensor or robot, for /diagnostics; empty: the frame of the wrench', read_only=True
     )
     publish_target_pose: bool = parameter(
-        False, 'Publish x_r as a pose on ~/target_pose, for Cartesian controllers'
+        False, 'Publish the measured pose with x_r along the normal on ~/target_pose, for '
+        'Cartesian controllers of an arm (kinematics.tip)'
     )
     dedicated_wait_set: bool = parameter(
         True, 'Serve data on a dedicated wait set; false: on the executor, as usual in rclpy',

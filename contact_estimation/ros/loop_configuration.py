@@ -25,7 +25,8 @@ import yaml
 from .estimator_node_parameters import EstimatorNodeParameters
 from ..estimation.parameters import EstimationParameters
 from ..exceptions import ParameterRangeError
-from ..parameters.file import read_parameter_file
+from ..parameters.file import ANY_NODE, read_parameter_file
+from ..parameters.specification import ParameterGroup, specifications
 from ..parameters.values import build, without
 from ..plant.plant_node_parameters import PlantNodeParameters
 from ..plant.plant_parameters import PAPER_NOISE, PlantParameters
@@ -34,6 +35,14 @@ from ..reference.experiments import experiment_named, EXPERIMENTS
 from ..reference.reference_generator import refuse_double_tracking
 
 _LONGEST_S = 1e6
+
+
+def _names(*groups: type[ParameterGroup]) -> set[str]:
+    return {spec.name for group in groups for spec in specifications(group)}
+
+
+_OF_ESTIMATOR = _names(EstimationParameters, EstimatorNodeParameters)
+_OF_PLANT = _names(PlantParameters, PlantNodeParameters)
 
 
 class LoopConfiguration(NamedTuple):
@@ -63,7 +72,7 @@ class LoopConfiguration(NamedTuple):
 
     @property
     def law(self) -> str:
-        """Reference law, and whether the robot tracks force itself."""
+        """Return the reference law, and whether the robot tracks force itself."""
         tracking = ' with force tracking' if self.plant.robot.force_tracking else ''
         return self.estimation.reference_law + tracking
 
@@ -102,7 +111,7 @@ def configure(
     played = experiment_named(experiment)
     seconds = _duration(duration, played)
     plant_values: dict[str, Any] = {
-        **PAPER_NOISE, **_values_in(parameter_file, 'plant_node'),
+        **PAPER_NOISE, **_values_in(parameter_file, 'plant_node', _OF_PLANT, _OF_ESTIMATOR),
         'experiment': (experiment if experiment in EXPERIMENTS
                        else str(Path(experiment).absolute())),
         'duration': seconds, 'repeat': seconds > played.duration,
@@ -116,7 +125,7 @@ def configure(
         'reference.robot_force_tracking': plant.robot.force_tracking,
         'reference.robot_stiffness': plant.robot.stiffness,
         'sample_rate': plant.sample_rate,
-        **_values_in(parameter_file, 'estimator_node'),
+        **_values_in(parameter_file, 'estimator_node', _OF_ESTIMATOR, _OF_PLANT),
     }
     if estimator is not None:
         estimator_values['estimator'] = estimator
@@ -126,8 +135,15 @@ def configure(
     return LoopConfiguration(played, seconds, estimation, plant, sections)
 
 
-def _values_in(parameter_file: str | None, node: str) -> dict[str, Any]:
-    return read_parameter_file(parameter_file, node) if parameter_file else {}
+def _values_in(
+    parameter_file: str | None, node: str, own: set[str], others: set[str]
+) -> dict[str, Any]:
+    """Read the parameters of a node; in the section of any node, those of the other are left."""
+    if not parameter_file:
+        return {}
+    shared = read_parameter_file(parameter_file, ANY_NODE)
+    return {name: value for name, value in read_parameter_file(parameter_file, node).items()
+            if name in own or name not in shared or name not in others}
 
 
 def _duration(given: float | None, experiment: Experiment) -> float:

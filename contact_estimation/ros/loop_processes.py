@@ -48,8 +48,8 @@ class LoopProcesses:
                        'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST'}
         self._processes = {
             name: subprocess.Popen(
-                [sys.executable, '-m', f'contact_estimation.ros.{name}', '--ros-args',
-                 '--params-file', str(parameters)],
+                [sys.executable, '-m', 'contact_estimation.ros.executables', name, '--ros-args',
+                 '--log-level', 'warn', '--params-file', str(parameters)],
                 env=environment, start_new_session=True, stdout=subprocess.DEVNULL,
             )
             for name in ('recorder_node', 'estimator_node', 'plant_node')

@@ -79,6 +79,7 @@ def run_node(
     # rclpy.init needs a directory for its logs.
     if 'HOME' not in os.environ:
         os.environ.setdefault('ROS_LOG_DIR', '/tmp')
+    interrupted = _on_signals()
     try:
         # rcl would print the error of a parameter file first, over several lines.
         set_logger_level('rcl', LoggingSeverity.FATAL)
@@ -87,7 +88,6 @@ def run_node(
     except Exception as error:  # noqa: B902 - the errors of rcl have no common base class
         print(f'cannot start: {_one_line(error)}', file=sys.stderr)
         return 1
-    interrupted = _on_signals()
     try:
         return _spin(make(), interrupted)
     except ContactEstimationError as error:

@@ -17,16 +17,19 @@
 from __future__ import annotations
 
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos_overriding_options import QoSOverridingOptions
 
 WRENCH = 'wrench'
 JOINT_STATES = 'joint_states'
 DESIRED = 'desired_trajectory'
 REFERENCE = 'reference_trajectory'
+ROBOT_DESCRIPTION = 'robot_description'
 DIAGNOSTICS = '/diagnostics'
 
 FLOAT64 = 'std_msgs/msg/Float64'
 STRING = 'std_msgs/msg/String'
 VECTOR3 = 'geometry_msgs/msg/Vector3Stamped'
+WRENCH_TYPE = 'geometry_msgs/msg/WrenchStamped'
 TRAJECTORY = 'trajectory_msgs/msg/JointTrajectory'
 
 INPUT_QOS = QoSProfile(depth=100, reliability=ReliabilityPolicy.BEST_EFFORT)
@@ -34,9 +37,28 @@ INPUT_QOS = QoSProfile(depth=100, reliability=ReliabilityPolicy.BEST_EFFORT)
 
 OUTPUT_QOS = QoSProfile(depth=100, reliability=ReliabilityPolicy.RELIABLE)
 
+DESCRIPTION_QOS = QoSProfile(
+    depth=1,
+    reliability=ReliabilityPolicy.RELIABLE,
+    durability=DurabilityPolicy.TRANSIENT_LOCAL,
+)
+"""As of robot_state_publisher, which publishes the description once."""
+
 EVENTS_QOS = QoSProfile(
     depth=1000,
     reliability=ReliabilityPolicy.RELIABLE,
     durability=DurabilityPolicy.TRANSIENT_LOCAL,
 )
 """A late recorder still receives the initial parameters and every change since."""
+
+STATUS_QOS = QoSProfile(
+    depth=1,
+    reliability=ReliabilityPolicy.RELIABLE,
+    durability=DurabilityPolicy.TRANSIENT_LOCAL,
+)
+"""The status is published on change: a late subscriber receives the last one."""
+
+
+def overridable() -> QoSOverridingOptions:
+    """Return the options that let parameters `qos_overrides.TOPIC...` change the QoS."""
+    return QoSOverridingOptions.with_default_policies()

@@ -237,7 +237,7 @@ class Conditioner:
                 stamp_ns, delta, sample[2], force, pressing)
             shift, delta, pressing = delta - known.depth, known.depth, known.pressing
         detector = self.detector
-        inside = delta > -self.location_margin
+        inside = not delta <= -self.location_margin  # anywhere while x_e is unknown
         touching = detector.touches(dt, pressing, inside)
         variance = detector.noise_variance
         if not touching or known and not known.usable:

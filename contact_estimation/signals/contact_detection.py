@@ -27,7 +27,7 @@ _OUTLIER = 4.0  # standard deviations beyond which a free-flight sample counts o
 
 @dataclass(frozen=True)
 class ContactParameters(ParameterGroup):
-    """Thresholds of contact, for the estimator and for the force laws."""
+    """Thresholds of contact, for estimator and force laws; where an arm touches the wall."""
 
     force_noise: float = parameter(
         0.6,
@@ -53,6 +53,18 @@ class ContactParameters(ParameterGroup):
     )
     samples: int = parameter(
         2, 'Consecutive samples above the threshold before contact begins', minimum=1, maximum=50
+    )
+    normal: tuple[float, ...] = parameter(
+        (0.0, 0.0, 0.0), 'Direction into the wall, of any length; for an arm (kinematics.tip)',
+        read_only=True,
+    )
+    normal_frame: str = parameter(
+        'base', 'Frame of the normal: kinematics.base, or kinematics.tip as it is oriented at '
+        'touch-down', choices=('base', 'tip'), read_only=True,
+    )
+    point: tuple[float, ...] = parameter(
+        (0.0, 0.0, 0.0), 'Point of the tip that touches the wall, in the frame of kinematics.tip',
+        'm', read_only=True,
     )
 
 

@@ -20,7 +20,7 @@ from collections import Counter, deque
 from dataclasses import dataclass
 from itertools import repeat
 from math import inf, isfinite, nan
-from typing import Sequence
+from typing import Any, Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +28,7 @@ from numpy.typing import NDArray
 from .contact_sample import AxesSample, ContactSample
 from ..parameters.specification import parameter, ParameterGroup
 
+MakeSample = Callable[[int, Sequence[float], Sequence[float]], Any]
 Columns = Sequence[NDArray[np.float64]]
 """An array of shape (N,) for each axis."""
 
@@ -51,6 +52,12 @@ class SynchronisationParameters(ParameterGroup):
         0.5, 'A stamp earlier than the last one by more than this is a backward clock jump', 's',
         minimum=1e-3, maximum=1e6,
     )
+    offset: float = parameter(
+        0.0,
+        'Added to the stamps of the joint states: positive where the wrench is stamped too late '
+        '(or the joint states too early), negative the other way; the joint states that a '
+        'negative one delays must come within timeout_s', 's', minimum=-10.0, maximum=10.0,
+    )
     timing_std: float = parameter(
         1e-3,
         'Standard deviation of the time between force and motion that no stamp shows: lag of the '
@@ -61,10 +68,10 @@ class SynchronisationParameters(ParameterGroup):
         1e6, 'A larger force is rejected; set it to the range of the sensor', 'N', minimum=1.0
     )
     maximum_position: float = parameter(
-        1e3, 'A larger position is rejected', 'm', minimum=1e-3
+        1e3, 'A larger position (of an arm: of a joint) is rejected', 'm', minimum=1e-3
     )
     maximum_velocity: float = parameter(
-        1e3, 'A larger velocity is rejected', 'm/s', minimum=1e-3
+        1e3, 'A larger velocity (of an arm: of a joint) is rejected', 'm/s', minimum=1e-3
     )
 
 
@@ -81,6 +88,8 @@ class Synchroniser:
     ----------
     parameters : SynchronisationParameters
         Time limits and ranges.
+    sample : callable
+        Takes stamp, motion and forces and returns the sample; by default those of prismatic axes.
 
     Attributes
     ----------
@@ -93,7 +102,10 @@ class Synchroniser:
 
     """
 
-    def __init__(self, parameters: SynchronisationParameters) -> None:
+    def __init__(
+        self, parameters: SynchronisationParameters, sample: MakeSample | None = None
+    ) -> None:
+        self._sample = sample or _sample
         self.configure(parameters)
         self.rejected: Counter[str] = Counter()
         self.time_jumps = 0
@@ -107,11 +119,19 @@ class Synchroniser:
         """Whether a wrench waits for its joint state."""
         return bool(self._wrenches)
 
+    @property
+    def motion_lag_s(self) -> float:
+        """Newest stamp of a wrench less that of a joint state [s]; NaN before both."""
+        if min(self._last_wrench_ns, self._last_motion_ns) == -(2**63):
+            return nan
+        return (self._last_wrench_ns - self._last_motion_ns) * 1e-9
+
     def configure(self, parameters: SynchronisationParameters) -> None:
         """Set other limits, as for the constructor."""
         self._timeout_ns = int(parameters.timeout_s * 1e9)
         self._gap_ns = int(parameters.maximum_gap_s * 1e9)
         self._jump_ns = int(parameters.time_jump_s * 1e9)
+        self._offset_ns = round(parameters.offset * 1e9)
         self._largest_force = parameters.maximum_force
         self._largest_position = parameters.maximum_position
         self._largest_velocity = parameters.maximum_velocity
@@ -143,7 +163,7 @@ class Synchroniser:
             last = motions[-1]  # the usual case: both stamps are equal
             motions.clear()
             motions.append(last)
-            return (_sample(stamp_ns, last[1], forces),)
+            return (self._sample(stamp_ns, last[1], forces),)
         self._wrenches.append((stamp_ns, forces))
         return self._pair()
 
@@ -164,6 +184,7 @@ class Synchroniser:
             All that this joint state completes.
 
         """
+        stamp_ns += self._offset_ns
         if stamp_ns <= self._last_motion_ns:
             if not self._is_jump('joint', stamp_ns, self._last_motion_ns):
                 return _NOTHING
@@ -181,7 +202,7 @@ class Synchroniser:
             forces = wrenches.popleft()[1]
             self._motions.clear()
             self._motions.append((stamp_ns, motion))
-            return (_sample(stamp_ns, motion, forces),)
+            return (self._sample(stamp_ns, motion, forces),)
         self._motions.append((stamp_ns, motion))
         if wrenches:
             return self._pair()
@@ -213,6 +234,7 @@ class Synchroniser:
         last = max(self._last_wrench_ns, self._last_motion_ns)
         regular = (
             not self._wrenches
+            and not self._offset_ns
             and int(stamps_ns[0]) > last
             and bool((np.diff(stamps_ns) > 0).all())
             and all(bool((np.abs(F) <= self._largest_force).all()) for F in forces)
@@ -252,8 +274,10 @@ class Synchroniser:
         """Distinguish a clock jump from a duplicate or late message, and count the latter."""
         if stamp_ns < last_ns - self._jump_ns:
             return True
-        same = stamp_ns == last_ns
-        self.rejected[f'{kind}_duplicate' if same else f'{kind}_out_of_order'] += 1
+        reason = 'duplicate' if stamp_ns == last_ns else 'out_of_order'
+        if stamp_ns == (self._offset_ns if kind == 'joint' else 0):
+            reason = 'zero_stamp'  # a driver that does not fill header.stamp
+        self.rejected[f'{kind}_{reason}'] += 1
         return False
 
     def _restart(self, stamp_ns: int) -> None:
@@ -287,7 +311,7 @@ class Synchroniser:
             else:
                 motion = self._motion_at(stamp_ns)
                 if motion is not None:
-                    samples.append(_sample(stamp_ns, motion, forces))
+                    samples.append(self._sample(stamp_ns, motion, forces))
             wrenches.popleft()
         return samples
 

@@ -251,12 +251,12 @@ class Diagnosis:
 
     @property
     def pair(self) -> tuple[str, str]:
-        """The models to compare: before and after the correction."""
+        """Return the models to compare: before and after the correction."""
         return pair_of(bool(self.effects))
 
     @property
     def located_channel(self) -> str:
-        """The channel that shows the mismatch: 'motion' or 'force'."""
+        """Return the channel that shows the mismatch: 'motion' or 'force'."""
         in_robot = self.location is not None and self.location.port == 'robot'
         driven = any(one.driven_by_force(self.nominal) for one in self.recordings[:1])
         return 'motion' if in_robot or driven else 'force'

@@ -106,7 +106,7 @@ class Shares:
 
     @cached_property
     def _alone(self) -> list[tuple[float, ...]]:
-        """The values of the model on each part alone."""
+        """Return the values of the model on each part alone."""
         return [values_on(self.recordings, self.best, part).values for part in self.parts]
 
 

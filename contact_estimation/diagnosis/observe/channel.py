@@ -55,7 +55,7 @@ class Channel:
 
     @cached_property
     def counts(self) -> Array:
-        """Samples that count in each block, shape (blocks,)."""
+        """Return the samples that count in each block, shape (blocks,)."""
         return sum_blocks(self.use.astype(float), self.block)
 
     @cached_property
@@ -65,23 +65,23 @@ class Channel:
 
     @cached_property
     def _sum_std(self) -> Array:
-        """Standard deviation of a block's sum, shape (blocks,)."""
+        """Return the standard deviation of a block's sum, shape (blocks,)."""
         counts = np.maximum(self.counts, 1.0)
         return np.hypot(self.noise * np.sqrt(counts), self.discrepancy * counts)
 
     @property
     def error(self) -> float:
-        """Standard deviation of a sample: noise and discrepancy."""
+        """Return the standard deviation of a sample: noise and discrepancy."""
         return float(np.hypot(self.noise, self.discrepancy))
 
     @property
     def mean_error(self) -> float:
-        """Standard deviation of a full block's mean."""
+        """Return the standard deviation of a full block's mean."""
         return float(np.hypot(self.noise / np.sqrt(self.block), self.discrepancy))
 
     @property
     def block_error(self) -> float:
-        """Standard deviation of a full block's mean, times the root of its samples."""
+        """Return the standard deviation of a full block's mean, times the root of its samples."""
         return float(np.hypot(self.noise, self.discrepancy * np.sqrt(self.block)))
 
     @property

@@ -97,7 +97,7 @@ class Model:
 
     @property
     def base_count(self) -> int:
-        """Number of base parameters."""
+        """Return the number of base parameters."""
         return 3 if self.with_inertia else 2
 
     @property
@@ -146,7 +146,7 @@ class Model:
 
     @property
     def coordinates(self) -> Array:
-        """The unknowns of a search: the free values, some as logarithms."""
+        """Return the unknowns of a search: the free values, some as logarithms."""
         return self._of_free(np.array(self.values))
 
     @property

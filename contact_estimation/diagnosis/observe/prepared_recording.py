@@ -132,7 +132,7 @@ class PreparedRecording:
 
     @cached_property
     def force(self) -> Channel:
-        """The force channel: samples with a measured force, none at the edges of drops."""
+        """Return the force channel: samples with a measured force, none at the edges of drops."""
         o = self.observed
         use = self.use & o.measured
         if self.dropped is not None:  # the instant of release within a sample is unknown
@@ -148,7 +148,7 @@ class PreparedRecording:
 
     @cached_property
     def motion(self) -> Channel:
-        """The motion channel: innovations of the position."""
+        """Return the motion channel: innovations of the position."""
         o, use = self.observed, self.use
         if self.dropped is not None:
             use = use.copy()
@@ -174,14 +174,14 @@ class PreparedRecording:
 
     @property
     def residual_count(self) -> int:
-        """Number of residuals that are not empty."""
+        """Return the number of residuals that are not empty."""
         both = self.observed.reference is not None
         channels = (self.force, self.motion) if both else (self.force,)
         return sum(int(np.count_nonzero(channel.filled)) for channel in channels)
 
     @property
     def block_count(self) -> int:
-        """Number of blocks."""
+        """Return the number of blocks."""
         return len(self.observed.t) // self.block
 
     @property

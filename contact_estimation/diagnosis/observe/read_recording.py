@@ -18,11 +18,15 @@ from __future__ import annotations
 
 from os import PathLike
 from pathlib import Path
-from typing import Mapping
+from typing import Any, Mapping
 
 from .signals import Recording, signals_of
+from ...estimation.arm_signals import read_arm_signals
+from ...estimation.parameters import EstimationParameters
+from ...estimation.recorded_arm import arm_parameters
 from ...exceptions import UnknownNameError
 from ...messages import FORCE_OF_AXIS
+from ...parameters.values import build
 from ...recordings import RecordingReader
 from ...recordings.recorded_signals import read_signals
 from ...recordings.source import RecordingSource
@@ -30,7 +34,7 @@ from ...recordings.source import RecordingSource
 
 def read_recording(
     path: str | PathLike[str], *, topics: Mapping[str, str] | None = None, axis: str = 'x',
-    joint: str = '',
+    joint: str = '', parameters: Mapping[str, Any] | None = None,
 ) -> Recording:
     """
     Read the signals of a recording.
@@ -46,6 +50,9 @@ def read_recording(
         Force axis of the wrench.
     joint : str
         Joint of the contact axis; '' if the recording has only one.
+    parameters : mapping, optional
+        Parameters of `estimator_node` by dotted name, of which those of an arm and of the force's
+        sign are used; they take precedence over recorded ones.
 
     Returns
     -------
@@ -63,5 +70,11 @@ def read_recording(
     if axis not in FORCE_OF_AXIS:
         raise UnknownNameError.among('axis', axis, FORCE_OF_AXIS)
     source = RecordingSource.of_topics(topics or {})
-    signals = read_signals(RecordingReader(str(path)), source, axis, joint)
+    reader = RecordingReader(str(path))
+    arm = build(EstimationParameters, arm_parameters(reader, source, parameters or {}))
+    if arm.kinematics.tip:
+        signals = read_arm_signals(reader, source, arm)
+    else:
+        signals = read_signals(reader, source, axis, joint)
+        signals.wrench.values[:] *= arm.force_sign
     return Recording(Path(path).name, signals_of(signals))

@@ -166,7 +166,7 @@ class Evidence:
 
     @cached_property
     def overlap(self) -> Overlap:
-        """The time that all topics cover."""
+        """Return the time that all topics cover."""
         s = self.whole
         topics = {'wrench': s.wrench_t, 'joint_states': s.joint_t}
         if self.model.environment.unilateral and len(s.reference_t) > 1:
@@ -192,7 +192,7 @@ class Evidence:
 
     @cached_property
     def smooth(self) -> Smooth:
-        """The signals."""
+        """Return the signals."""
         rows = [_smooth(part, self.with_reference) for part in self.parts]
         joined = [None if column[0] is None else np.concatenate(column, axis=-1)
                   for column in zip(*rows)]

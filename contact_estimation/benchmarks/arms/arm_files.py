@@ -1,0 +1,137 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The files of one arm: description, recordings of simulated runs, parameters, nominal models."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+import shutil
+from typing import Any, Callable, Mapping
+
+import numpy as np
+import yaml
+
+from .arm_models import Arm, Array, description_of, SENSOR, TIP
+from .arm_recording import FORCE_BIAS, messages, TORQUE_BIAS, write_recording
+from .simulation import ArmSimulation, Run, World
+from ...kinematics.robot_model import RobotModel
+from ...kinematics.tool_load import tool_wrench, ToolParameters
+from ...parameters.file import read_parameter_file
+
+_KNOWN_WORSE = {'stiffness': 1.06, 'damping': 0.8}  # nominal over true
+
+
+class ArmFiles:
+    """
+    A folder with all files of one arm.
+
+    Parameters
+    ----------
+    arm : Arm
+        One of `ARMS`.
+    folder : Path
+        Existing folder.
+
+    Attributes
+    ----------
+    arm : Arm
+        As given.
+    description : Path
+        The URDF.
+
+    """
+
+    def __init__(self, arm: Arm, folder: Path) -> None:
+        self.arm, self._folder = arm, folder
+        self._urdf = description_of(arm)
+        self.description = folder / f'{arm.name}.urdf'
+        self.description.write_text(self._urdf)
+        self._joints = RobotModel(self._urdf, arm.base, TIP).joint_names
+
+    def calibration(self, seed: int) -> Path:
+        """Record 12 poses in free flight."""
+        run = ArmSimulation(self.arm, self._urdf, World()).calibrate(seed)
+        return self._record(run, f'poses_{seed}', seed)
+
+    def touch(self, world: World, seed: int, name: str) -> tuple[Run, Path]:
+        """Press three times and record it."""
+        run = ArmSimulation(self.arm, self._urdf, world).touch(seed)
+        return run, self._record(run, f'{name}_{seed}', seed + 1000)
+
+    def parameters(self, run: Run) -> dict[str, Any]:
+        """Return the parameters of the estimator for a run, without those of the tool."""
+        return {
+            'estimator': 'kalman', 'sample_rate': 1000.0 / self.arm.wrench_period,
+            'kinematics.base': self.arm.base, 'kinematics.tip': TIP,
+            'contact.normal': [float(part) for part in run.normal],
+            'force_sensor.frame': SENSOR, 'environment.location': run.location,
+        }
+
+    def parameter_file(self, name: str, values: dict[str, Any]) -> Path:
+        """Write parameters as a ROS 2 parameter file."""
+        plain = {key: [*value] if isinstance(value, tuple) else value
+                 for key, value in values.items()}
+        path = self._folder / f'{self.arm.name}_{name}.yaml'
+        path.write_text(yaml.safe_dump({'/**': {'ros__parameters': plain}}))
+        return path
+
+    def nominal_model(self, name: str, run: Run, world: World) -> Path:
+        """Write the model that `diagnose` gets: no physics, K_e and B_e known roughly."""
+        environment = {'stiffness': world.K_e * _KNOWN_WORSE['stiffness'],
+                       'damping': world.B_e * _KNOWN_WORSE['damping'], 'location': run.location}
+        model = {'environment': environment, 'robot': run.impedance}
+        path = self._folder / f'{self.arm.name}_{name}.nominal.yaml'
+        path.write_text(yaml.safe_dump({'plant_node': {'ros__parameters': model}}))
+        return path
+
+    def force_along_normal(self, run: Run, tool: Mapping[str, Any]) -> Array:
+        """Return the force along the normal that a sensor without noise gives, (N,) [N]."""
+        model = RobotModel(self._urdf, self.arm.base, SENSOR)
+        axes = np.array([model.pose(q)[0] for q in run.q])
+        wrench = run.wrench + np.array(FORCE_BIAS + TORQUE_BIAS)
+        if tool:
+            own = ToolParameters(*(tool[f'tool.{field}'] for field in (
+                'mass', 'centre', 'force_bias', 'torque_bias')))
+            wrench = wrench - tool_wrench(own, axes)
+        return np.einsum('i,nij,nj->n', run.normal, axes, wrench[:, :3])
+
+    def path(self, name: str) -> Path:
+        """Return the path of a further file of the arm."""
+        return self._folder / f'{self.arm.name}_{name}'
+
+    def _record(self, run: Run, name: str, seed: int) -> Path:
+        shutil.rmtree(self.path(name), ignore_errors=True)  # of an interrupted study
+        stream = messages(self.arm, run, self._joints, self._urdf, seed)
+        return write_recording(self.path(name), stream)
+
+    def kept(self, name: str, make: Callable[[], Any]) -> Any:
+        """Return the results in a JSON file; where there is none, make them and write it."""
+        path = self.path(f'{name}.results.json')
+        if not path.exists():
+            path.write_text(json.dumps(make(), indent=1) + '\n')
+        return json.loads(path.read_text())
+
+
+def world_of(seed: int, friction: float = 0.0) -> World:
+    """Draw a wall: 4000 to 7000 N/m, 60 to 140 N s/m; seed 0 is 5000 N/m, 80 N s/m."""
+    rng = np.random.default_rng(seed)
+    K_e, B_e = rng.uniform(4000.0, 7000.0), rng.uniform(60.0, 140.0)
+    return World(friction=friction) if seed == 0 else World(K_e, B_e, friction=friction)
+
+
+def tool_parameters(path: Path) -> dict[str, Any]:
+    """Read what `calibrate_tool` wrote."""
+    return read_parameter_file(path, 'estimator_node')

@@ -1,0 +1,175 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Tool, stiffness and damping that the library finds on an arm, against the simulation's truth."""
+
+from __future__ import annotations
+
+from contextlib import redirect_stdout
+import io
+import json
+from pathlib import Path
+from typing import Any, Mapping, NamedTuple
+
+import numpy as np
+
+from .arm_files import ArmFiles, tool_parameters
+from .arm_models import TOOL_CENTRE, TOOL_MASS
+from .arm_recording import FORCE_BIAS
+from .simulation import Run, World
+from ...commands.calibrate_tool import main as calibrate_tool
+from ...estimation.replay import RecordingReplay
+from ...estimation.schedule import Moment
+from ...estimators.estimator import Estimate
+from ...exceptions import EstimationError
+from ...recordings import RecordingReader
+from ...recordings.source import RecordingSource
+
+_TARE_S = 2.5  # in free flight, before the first touch
+_CASES = (
+    ('kalman', 'load and inertia'), ('kalman', 'load only'), ('kalman', 'tare only'),
+    ('kalman', 'none'), ('rls', 'load and inertia'), ('rls', 'none'),
+)
+_LOAD = ('tool.mass', 'tool.centre', 'tool.force_bias', 'tool.torque_bias')
+
+
+class Estimated(NamedTuple):
+    """
+    Estimates at the last instant of contact.
+
+    Attributes
+    ----------
+    estimator : str
+        Which one.
+    compensation : str
+        What of the tool was taken out of the force.
+    stiffness, stiffness_std, damping, damping_std, location : float
+        In [N/m], [N s/m] and [m].
+
+    """
+
+    estimator: str
+    compensation: str
+    stiffness: float
+    stiffness_std: float
+    damping: float
+    damping_std: float
+    location: float
+
+
+def calibrated(files: ArmFiles, seed: int) -> dict[str, Any]:
+    """
+    Calibrate the tool from 12 poses.
+
+    Parameters
+    ----------
+    files : ArmFiles
+        Of the arm.
+    seed : int
+        Of the poses.
+
+    Returns
+    -------
+    row : dict
+        Errors of mass, centre and force bias, with the name of the parameter file.
+
+    Raises
+    ------
+    EstimationError
+        If the command fails.
+
+    """
+    output, report = files.path(f'tool_{seed}.yaml'), files.path(f'tool_{seed}.json')
+    with redirect_stdout(io.StringIO()):
+        code = calibrate_tool([
+            str(files.calibration(seed)), '--robot-description', str(files.description),
+            '--output', str(output), '--json', str(report)])
+    if code:
+        raise EstimationError(f'calibrate_tool failed on {files.arm.name}, seed {seed}')
+    found = json.loads(report.read_text())
+    centre = np.subtract(found['centre_m']['value'], TOOL_CENTRE)
+    bias = np.subtract(found['force_bias_n']['value'], FORCE_BIAS)
+    return {
+        'file': output.name, 'mass_error_g': 1e3 * (found['mass_kg']['value'] - TOOL_MASS),
+        'mass_std_g': 1e3 * found['mass_kg']['std'],
+        'centre_error_mm': 1e3 * float(np.abs(centre).max()),
+        'centre_std_mm': 1e3 * max(found['centre_m']['std']),
+        'bias_error_n': float(np.abs(bias).max()),
+    }
+
+
+def estimated(files: ArmFiles, run: Run, recording: Path, tool: Path) -> list[Estimated]:
+    """
+    Estimate with the tool compensated, and with less.
+
+    Parameters
+    ----------
+    files : ArmFiles
+        Of the arm.
+    run : Run
+        Simulation.
+    recording : Path
+        Of the run.
+    tool : Path
+        As calibrated.
+
+    Returns
+    -------
+    rows : list of Estimated
+        With everything that `calibrate_tool` found; its load without inertia; only a tare;
+        nothing. The kalman estimator finds x_e too, which absorbs an offset of the force; rls does
+        not.
+
+    """
+    whole = tool_parameters(tool)
+    load = {name: whole[name] for name in _LOAD}
+    taken_out: dict[str, Mapping[str, Any]] = {
+        'load and inertia': whole, 'load only': load, 'tare only': {}, 'none': {},
+    }
+    return [
+        estimated_with(files, run, recording, estimator, name, taken_out[name])
+        for estimator, name in _CASES
+    ]
+
+
+def estimated_with(
+    files: ArmFiles, run: Run, recording: Path, estimator: str, name: str, tool: Mapping[str, Any]
+) -> Estimated:
+    """Estimate with one estimator and some parameters of the tool; a name of a tare tares."""
+    reader = RecordingReader(recording)
+    chosen = {**files.parameters(run), **tool, 'estimator': estimator}
+    replay = RecordingReplay(reader, RecordingSource(), chosen)
+    if name.startswith('tare'):
+        begin = reader.start_ns or 0
+        replay.session.schedule(Moment(0, begin + round(_TARE_S * 1e9)), replay.session.tare)
+    last: Estimate | None = None
+    for axes in (each for batch in replay.estimates() for each in batch):
+        if axes[0].status.value != 'free':
+            last = axes[0]
+    if last is None:
+        return Estimated(estimator, name, *5 * [float('nan')])
+    return Estimated(estimator, name, last.stiffness, last.stiffness_std, last.damping,
+                     last.damping_std, last.location)
+
+
+def errors(row: Estimated, run: Run, world: World) -> dict[str, Any]:
+    """Return the errors of estimates against the truth."""
+    return {
+        'estimator': row.estimator, 'compensation': row.compensation,
+        'stiffness_error_percent': 100.0 * (row.stiffness / world.K_e - 1.0),
+        'stiffness_std_percent': 100.0 * row.stiffness_std / world.K_e,
+        'damping_error_percent': 100.0 * (row.damping / world.B_e - 1.0),
+        'damping_std_percent': 100.0 * row.damping_std / world.B_e,
+        'location_error_mm': 1e3 * (row.location - run.location),
+    }

@@ -1,0 +1,94 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Whether `diagnose` names what is concealed in the simulation of an arm."""
+
+from __future__ import annotations
+
+from contextlib import redirect_stderr, redirect_stdout
+import io
+import json
+from pathlib import Path
+from typing import Any
+
+from .arm_files import ArmFiles, tool_parameters, world_of
+from ...commands.diagnose import main as diagnose
+from ...exceptions import EstimationError
+
+FRICTION_N = 8.0
+"""Of the joints, as a force along the normal."""
+
+CONCEALED = ('joint friction', 'tool mass')
+_RIGHT_PORT = {'joint friction': 'robot', 'tool mass': 'force_sensor'}
+
+
+def diagnosed(files: ArmFiles, concealed: str, seed: int, tool: Path) -> dict[str, Any]:
+    """
+    Conceal, record and diagnose.
+
+    Parameters
+    ----------
+    files : ArmFiles
+        Of the arm.
+    concealed : str
+        One of `CONCEALED`: dry friction of the joints that the nominal model lacks, or the mass of
+        the tool, which the parameters then give as 0.
+    seed : int
+        Of excitation, noise and wall.
+    tool : Path
+        As calibrated.
+
+    Returns
+    -------
+    row : dict
+        Names and parameters; `right`: whether the first name is one of the port that holds what is
+        concealed, `alone`: whether all names are.
+
+    Raises
+    ------
+    EstimationError
+        If the command fails.
+
+    """
+    name = f'{concealed.replace(" ", "_")}_{seed}'
+    world = world_of(seed, FRICTION_N if concealed == 'joint friction' else 0.0)
+    run, recording = files.touch(world, seed, concealed.replace(' ', '_'))
+    known = tool_parameters(tool)
+    if concealed == 'tool mass':
+        known['tool.mass'] = 0.0
+    parameters = files.parameter_file(name, {**files.parameters(run), **known})
+    report, printed = files.path(f'{name}.json'), io.StringIO()
+    with redirect_stdout(printed), redirect_stderr(printed):
+        code = diagnose([
+            str(recording), '--nominal', str(files.nominal_model(name, run, world)), '--params',
+            str(parameters), '--json', str(report), '--seed', str(seed)])
+    if code:
+        raise EstimationError(f'diagnose failed on {recording}: {printed.getvalue()}')
+    return {'arm': files.arm.name, 'concealed': concealed, 'seed': seed,
+            **_scored(json.loads(report.read_text()), _RIGHT_PORT[concealed])}
+
+
+def _scored(report: dict[str, Any], port: str) -> dict[str, Any]:
+    ports = [effect['port'] for effect in report['effects']]
+    return {
+        'verdict': report['verdict'],
+        'names': [effect['name'] for effect in report['effects']],
+        'parameters': {
+            f'{effect["name"]}.{name}': fitted['value'] for effect in report['effects']
+            for name, fitted in effect['parameters'].items()
+        },
+        'right': bool(ports) and ports[0] == port,
+        'alone': bool(ports) and set(ports) == {port},
+        'stiffness': (report['corrected']['stiffness'] or {}).get('value'),
+    }

@@ -1,0 +1,101 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The estimator node itself on an arm: driver, estimator and recorder as processes over DDS."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+import shutil
+import time
+from typing import Any
+
+from .arm_files import ArmFiles, tool_parameters
+from .contact_study import errors, Estimated
+from .simulation import Run, World
+from ..node_processes import end_node, start_node
+from ...exceptions import EstimationError
+from ...messages import Vector3StampedDecoder
+from ...recordings import RecordingReader
+
+_START_S = 3.0
+_LONGEST_S = 120.0
+_TOPICS = {'stiffness': 'stiffness', 'stiffness_std': 'stiffness_std', 'damping': 'damping',
+           'damping_std': 'damping_std', 'location': 'location'}
+
+
+def live_run(
+    files: ArmFiles, run: Run, recording: Path, tool: Path, world: World
+) -> tuple[dict[str, Any], Path]:
+    """
+    Play a run to the node in real time and record what it publishes.
+
+    Parameters
+    ----------
+    files : ArmFiles
+        Of the arm.
+    run : Run
+        Simulation.
+    recording : Path
+        Of the run.
+    tool : Path
+        As calibrated.
+    world : World
+        Truth.
+
+    Returns
+    -------
+    row : dict
+        Errors of the node's last estimates.
+    recorded : Path
+        Recording of the node and its inputs.
+
+    Raises
+    ------
+    EstimationError
+        If a process ends early.
+
+    """
+    recorded = files.path('live')
+    shutil.rmtree(recorded, ignore_errors=True)  # of an interrupted study
+    given = {**files.parameters(run), **tool_parameters(tool)}
+    parameters = [f'{name}:={_yaml(value)}' for name, value in given.items()]
+    nodes = [
+        start_node('contact_estimation.ros.recorder_node', [f'output:={recorded}']),
+        start_node('contact_estimation.ros.estimator_node', parameters),
+    ]
+    try:
+        time.sleep(_START_S)
+        nodes.append(start_node(f'{__package__}.player_node', [f'recording:={recording}']))
+        if nodes[-1].wait(_LONGEST_S) or any(node.poll() is not None for node in nodes[:2]):
+            raise EstimationError(f'a node ended early: {[node.poll() for node in nodes]}')
+    finally:
+        for node in reversed(nodes):
+            end_node(node)
+    return errors(_last(recorded), run, world), recorded
+
+
+def _yaml(value: Any) -> str:
+    return json.dumps(list(value) if isinstance(value, tuple) else value)
+
+
+def _last(recorded: Path) -> Estimated:
+    """Return the last estimates that the node published."""
+    reader, decoder = RecordingReader(recorded), Vector3StampedDecoder()
+    topics = {f'/estimator_node/{topic}': name for name, topic in _TOPICS.items()}
+    values = dict.fromkeys(_TOPICS, float('nan'))
+    for message in reader.messages(list(topics)):
+        values[topics[message.topic]] = decoder.decode(message.data)[1]
+    return Estimated('kalman', 'load and inertia, on line', **values)

@@ -1,0 +1,232 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+Arms in MuJoCo under an impedance controller of their own, against a wall of spring and damper.
+
+Along the normal the controller realises M_t (xdd - xdd_r) = -B_t (xd - xd_r) - K_t (x - x_r) + F_e
+with M_t the arm's own effective mass at home; it holds the other five coordinates stiffly
+(operational space with force feedback: O. Khatib, IEEE J. Robotics and Automation 3(1), 1987).
+Nothing here uses the kinematics, the plant or the physics of this package.
+
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Callable
+
+import numpy as np
+
+from .arm_models import Arm, Array, mujoco, mujoco_model, TIP
+from .motion import poses, Reference, touches
+
+TIMESTEP = 1e-3
+WALL_DISTANCE = 0.012  # from the home pose [m]
+_TILT = 0.25  # of the normal against the tool's axis [rad]
+_STIFF = 60.0  # bandwidth of the other coordinates [rad/s]
+_JOINT_BANDWIDTH = 25.0  # of the motion through poses [rad/s]
+_WELL_DAMPED = 0.8
+
+
+@dataclass(frozen=True)
+class World:
+    """
+    Wall, target impedance and what is concealed.
+
+    Attributes
+    ----------
+    K_e, B_e : float
+        Of the wall [N/m], [N s/m].
+    K_t : float
+        Stiffness of the target impedance along the normal [N/m].
+    friction : float
+        Dry friction of the joints, as a force along the normal [N].
+
+    """
+
+    K_e: float = 5000.0
+    B_e: float = 80.0
+    K_t: float = 2000.0
+    friction: float = 0.0
+
+
+@dataclass(frozen=True)
+class Run:
+    """
+    Signals of a simulation, one row a time step.
+
+    Attributes
+    ----------
+    q, q_dot : ndarray, shape (N, n)
+        Joints [rad], [rad/s].
+    wrench : ndarray, shape (N, 6)
+        What a wrist sensor measures, without noise and bias, in its own axes [N], [N m].
+    position : ndarray, shape (N,)
+        x of the tip along the normal, from the base's origin [m].
+    force : ndarray, shape (N,)
+        F_e of the wall [N].
+    reference : Reference
+        x_r along the normal, from the base's origin; of the joints in free flight.
+    normal : ndarray, shape (3,)
+        Into the wall.
+    location : float
+        x_e [m].
+    impedance : dict
+        Target impedance: mass, damping, stiffness.
+
+    """
+
+    q: Array
+    q_dot: Array
+    wrench: Array
+    position: Array
+    force: Array
+    reference: Reference
+    normal: Array
+    location: float
+    impedance: dict[str, float]
+
+
+class ArmSimulation:
+    """
+    One arm, its wall and its controller.
+
+    Parameters
+    ----------
+    arm : Arm
+        Home pose.
+    urdf : str
+        As of `description_of`.
+    world : World
+        Wall and concealed physics.
+
+    """
+
+    def __init__(self, arm: Arm, urdf: str, world: World) -> None:
+        self._mj, self._world = mujoco(), world
+        self._model = mujoco_model(urdf, TIMESTEP)
+        self._data = self._mj.MjData(self._model)
+        self._home = np.array(arm.home)
+        self._data.qpos[:] = self._home
+        self._mj.mj_forward(self._model, self._data)
+        self._tip = self._model.site(TIP).id
+        self._R0, self._p0 = self._tip_pose()
+        turned = np.array([np.sin(_TILT), 0.0, np.cos(_TILT)])
+        self.normal = self._R0 @ turned
+        # Rows: the normal and two tangents.
+        self._E = np.vstack([self.normal, np.linalg.svd(self.normal[None])[2][1:]])
+        self.location = float(self.normal @ self._p0) + WALL_DISTANCE
+        J = self._jacobian()
+        mobility = J @ np.linalg.solve(self._mass_matrix(), J.T)
+        self.M_t = 1.0 / float(mobility[0, 0])
+        self.B_t = 2.0 * _WELL_DAMPED * float(np.sqrt(world.K_t * self.M_t))
+        self._model.dof_frictionloss[:] = self._joint_friction(J)
+
+    def touch(self, seed: int) -> Run:
+        """Press three times along the normal; the seed is that of the excitation."""
+        reference = touches(TIMESTEP, seed)
+        reference = reference._replace(x=reference.x + self.location)
+        world = self._world
+        return self._run(reference, self._impedance_torque, world.K_e, world.B_e)
+
+    def calibrate(self, seed: int, count: int = 12) -> Run:
+        """Visit poses, chosen by the seed, with the wall removed."""
+        reference = poses(tuple(self._home), count, TIMESTEP, seed)
+        return self._run(reference, self._joint_torque, K_e=0.0, B_e=0.0)
+
+    def _run(
+        self, reference: Reference, torque: Callable[[Any, Any, Any, float], Array],
+        K_e: float, B_e: float,
+    ) -> Run:
+        mj, model, data = self._mj, self._model, self._data
+        mj.mj_resetData(model, data)
+        data.qpos[:] = self._home
+        rows = []
+        for x_r, v_r, a_r in zip(*reference):
+            mj.mj_step1(model, data)
+            position, pressing = self._wall(K_e, B_e)
+            data.qfrc_applied[:] = torque(x_r, v_r, a_r, pressing)
+            state = data.qpos.copy(), data.qvel.copy()
+            self._press(pressing * self.normal)
+            mj.mj_step2(model, data)
+            rows.append((*state, -data.sensordata, position, pressing))
+        q, q_dot, wrench, x, F_e = [np.array(column, float) for column in zip(*rows)]
+        impedance = {'mass': self.M_t, 'damping': self.B_t, 'stiffness': self._world.K_t}
+        return Run(q, q_dot, wrench, x, F_e, reference, self.normal, self.location, impedance)
+
+    def _wall(self, K_e: float, B_e: float) -> tuple[float, float]:
+        """Return x and F_e."""
+        x = float(self.normal @ self._data.site(TIP).xpos)
+        delta, v = x - self.location, float((self._jacobian() @ self._data.qvel)[0])
+        pressing = K_e * delta + B_e * v
+        return x, -max(pressing, 0.0) if delta > 0.0 else 0.0
+
+    def _press(self, force: Array) -> None:
+        """Apply a force at the tip, beyond the sensor; MuJoCo takes it at the body's centre."""
+        body = self._data.body(TIP)
+        arm = self._data.site(TIP).xpos - body.xipos
+        body.xfrc_applied[:] = np.concatenate([force, np.cross(arm, force)])
+
+    def _impedance_torque(self, x_r: float, v_r: float, a_r: float, F_e: float) -> Array:
+        data, J = self._data, self._jacobian()
+        R, p = self._tip_pose()
+        v = J @ data.qvel
+        turned = 0.5 * sum(np.cross(R[:, k], self._R0[:, k]) for k in range(3))
+        error = np.concatenate([self._E @ (self._p0 - p), self._E @ turned])
+        wanted = _STIFF**2 * error - 2.0 * _STIFF * v
+        x = float(self.normal @ p)
+        K_t = self._world.K_t
+        wanted[0] = a_r + (self.B_t * (v_r - v[0]) + K_t * (x_r - x) + F_e) / self.M_t
+        M = self._mass_matrix()
+        to_joints = np.linalg.solve(M, J.T)  # (n, 6)
+        task = np.linalg.solve(J @ to_joints, wanted - self._jacobian_rate() @ data.qvel)
+        posture = _JOINT_BANDWIDTH**2 * (self._home - data.qpos) - (
+            2.0 * _JOINT_BANDWIDTH * data.qvel)
+        null = posture - to_joints @ np.linalg.solve(J @ to_joints, J @ posture)
+        return np.asarray(J.T @ task - J[0] * F_e + M @ null + data.qfrc_bias)
+
+    def _joint_torque(self, q_r: Array, v_r: Array, a_r: Array, F_e: float) -> Array:
+        data, bandwidth = self._data, _JOINT_BANDWIDTH
+        wanted = a_r + bandwidth**2 * (q_r - data.qpos) + 2.0 * bandwidth * (v_r - data.qvel)
+        return np.asarray(self._mass_matrix() @ wanted + data.qfrc_bias)
+
+    def _joint_friction(self, J: Array) -> Array:
+        """Return equal dry friction of all joints that amounts to a force along the normal."""
+        to_joints = np.linalg.solve(self._mass_matrix(), J.T)
+        motion = to_joints @ np.linalg.solve(J @ to_joints, np.eye(6)[0])  # q_dot for v = 1
+        felt = self.M_t * float(J[0] @ np.linalg.solve(self._mass_matrix(), np.sign(motion)))
+        return np.full(len(motion), self._world.friction / abs(felt))
+
+    def _mass_matrix(self) -> Array:
+        M = np.empty((self._model.nv, self._model.nv))
+        for row, unit in zip(M, np.eye(len(M))):  # mj_fullM differs between MuJoCo 3 and 4
+            self._mj.mj_mulM(self._model, self._data, row, unit)
+        return M
+
+    def _jacobian(self) -> Array:
+        """Return the Jacobian of the tip in the axes of normal and tangents, (6, n)."""
+        J = np.zeros((6, self._model.nv))
+        self._mj.mj_jacSite(self._model, self._data, J[:3], J[3:], self._tip)
+        return np.vstack([self._E @ J[:3], self._E @ J[3:]])
+
+    def _jacobian_rate(self) -> Array:
+        J = np.zeros((6, self._model.nv))
+        point, body = self._data.site(TIP).xpos, self._model.site(TIP).bodyid[0]
+        self._mj.mj_jacDot(self._model, self._data, J[:3], J[3:], point, body)
+        return np.vstack([self._E @ J[:3], self._E @ J[3:]])
+
+    def _tip_pose(self) -> tuple[Array, Array]:
+        site = self._data.site(TIP)
+        return site.xmat.reshape(3, 3).copy(), site.xpos.copy()

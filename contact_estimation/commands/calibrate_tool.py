@@ -1,0 +1,192 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Identify mass, centre of gravity and sensor biases of a tool from a recording in free flight."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+from scipy.spatial.transform import Rotation
+import yaml
+
+from .command_line import add_topic_option, command, different_files, new_file, Parser, source_of
+from ..exceptions import ModelFileError, ParameterRangeError, RecordingError
+from ..kinematics.calibration_recording import BLOCK_S, read_blocks, recorded_frame
+from ..kinematics.parameters import ForceSensorParameters
+from ..kinematics.robot_model import RobotModel
+from ..kinematics.tool_calibration import calibrate_tool, ToolCalibration
+from ..parameters.file import read_parameter_file
+from ..parameters.specification import specifications
+from ..recordings import RecordingReader
+
+
+def make_parser() -> Parser:
+    """Build the command line of `calibrate_tool`."""
+    parser = Parser(
+        prog='calibrate_tool',
+        description='Identify the load of the tool on a force/torque sensor from a recording of '
+        'wrench and joint states: at least 12 poses of the arm in free flight, each held for 2 s, '
+        'that turn the sensor in all directions; or slow motion through them.',
+    )
+    parser.add_argument('recording', metavar='RECORDING', help='an .mcap file or rosbag2 folder')
+    parser.add_argument('--robot-description', required=True, metavar='FILE',
+                        help="URDF of the arm, with the sensor's frame")
+    parser.add_argument('--params', metavar='FILE', help='ROS 2 parameter file of estimator_node: '
+                        'force_sensor.frame (default: that of the wrench) and force_sign')
+    parser.add_argument('--output', required=True, metavar='tool.yaml',
+                        help='ROS 2 parameter file to write, for estimator_node and replay')
+    parser.add_argument('--json', metavar='FILE', help='write values and deviations as JSON')
+    add_topic_option(parser)
+    return parser
+
+
+def run(options: Any) -> int:
+    """
+    Calibrate, write the parameter file and print the tool.
+
+    Parameters
+    ----------
+    options : argparse.Namespace
+        Options of `make_parser`.
+
+    Returns
+    -------
+    code : int
+        0.
+
+    """
+    different_files((options.output, options.json))
+    files = [new_file(path) for path in (options.output, options.json) if path]
+    given = read_parameter_file(options.params, 'estimator_node') if options.params else {}
+    reader, source = RecordingReader(options.recording), source_of(options)
+    frame = str(given.get('force_sensor.frame') or recorded_frame(reader, source))
+    if not frame:
+        raise RecordingError(
+            f'the wrenches of {options.recording} have no frame_id; name the frame of the sensor '
+            'in --params as force_sensor.frame'
+        )
+    urdf = _text(options.robot_description)
+    model = RobotModel(urdf, _root(urdf, options.robot_description), frame)
+    found = calibrate_tool(read_blocks(
+        reader, source, model, _force_sign(given), _mount(given)))
+    files[0].write_text(_parameter_file(found, frame))
+    if options.json:
+        files[1].write_text(json.dumps(_as_json(found), indent=1) + '\n')
+    _print(found, frame, options.output)
+    return 0
+
+
+def _text(path: str) -> str:
+    try:
+        return Path(path).read_text()
+    except (OSError, UnicodeDecodeError) as error:
+        reason = getattr(error, 'strerror', None) or error
+        raise ModelFileError(f'robot description {path} cannot be read: {reason}') from error
+
+
+def _root(urdf: str, path: str) -> str:
+    """Return the link that carries all others; its z axis points up."""
+    try:
+        robot = ElementTree.fromstring(urdf)
+    except ElementTree.ParseError as error:
+        raise ModelFileError(
+            f'robot description {path} must be a URDF, which is XML: {error}; expand xacro first'
+        ) from error
+    children = {child.get('link') for child in robot.iterfind('joint/child')}
+    roots = [link.get('name') or '' for link in robot.iterfind('link')
+             if link.get('name') not in children]
+    if len(roots) != 1:
+        raise ModelFileError(
+            f'robot description {path} must have one root link, got {roots or "none"}'
+        )
+    return roots[0]
+
+
+def _force_sign(given: dict[str, Any]) -> float:
+    sign = given.get('force_sign', 1)
+    if sign not in (1, -1):
+        raise ParameterRangeError(f'force_sign must be 1 or -1, got {sign!r}')
+    return float(sign)
+
+
+def _mount(given: dict[str, Any]) -> Any:
+    """Return the axes of the wrench in those of the sensor's link."""
+    spec = next(s for s in specifications(ForceSensorParameters) if s.name == 'rpy')
+    rpy = spec.check(given.get('force_sensor.rpy', spec.default))
+    return Rotation.from_euler('xyz', rpy).as_matrix()
+
+
+def _parameter_file(found: ToolCalibration, frame: str) -> str:
+    tool = found.tool
+    values = {'mass': round(tool.mass, 6)} | {
+        name: [round(value, 6) for value in getattr(tool, name)]
+        for name in ('centre', 'force_bias', 'torque_bias')
+    }
+    # tool.* is the load of a tool at rest; its inertia along the normal is a known effect.
+    inertia = {'tool_inertia': {'mass': values['mass']}}
+    text = yaml.safe_dump({'/**': {'ros__parameters': {'tool': values, 'physics': inertia}}},
+                          sort_keys=False, default_flow_style=None, width=99)
+    head = [f'Tool on the sensor {frame}, found by calibrate_tool from {found.poses} poses.',
+            f'Standard deviations: mass {found.mass_std:.2g} kg, '
+            f'centre {_listed(found.centre_std)} m,',
+            f'force_bias {_listed(found.force_bias_std)} N, '
+            f'torque_bias {_listed(found.torque_bias_std)} N m']
+    return '\n'.join(f'# {line}' for line in head) + '\n' + text
+
+
+def _as_json(found: ToolCalibration) -> dict[str, Any]:
+    tool = found.tool
+    return {
+        'mass_kg': {'value': tool.mass, 'std': found.mass_std},
+        'centre_m': {'value': list(tool.centre), 'std': found.centre_std.tolist()},
+        'force_bias_n': {'value': list(tool.force_bias), 'std': found.force_bias_std.tolist()},
+        'torque_bias_nm': {'value': list(tool.torque_bias),
+                           'std': found.torque_bias_std.tolist()},
+        'poses': found.poses,
+        'force_rms_n': found.force_rms,
+        'torque_rms_nm': found.torque_rms,
+        'used_s': (found.blocks - found.fast - found.contact) * BLOCK_S,
+        'fast_s': found.fast * BLOCK_S,
+        'contact_s': found.contact * BLOCK_S,
+    }
+
+
+def _print(found: ToolCalibration, frame: str, output: str) -> None:
+    tool = found.tool
+    print(f'tool on {frame} from {found.poses} poses; left out: {found.fast * BLOCK_S:.1f} s of '
+          f'fast motion, {found.contact * BLOCK_S:.1f} s that no weight explains')
+    print(f'  mass         {tool.mass:.4f} +- {found.mass_std:.2g} kg')
+    for name, values, std, unit in (
+        ('centre', tool.centre, found.centre_std, 'm'),
+        ('force_bias', tool.force_bias, found.force_bias_std, 'N'),
+        ('torque_bias', tool.torque_bias, found.torque_bias_std, 'N m'),
+    ):
+        print(f'  {name:<12} {_listed(values, ".4f")} +- {_listed(std)} {unit}')
+    print(f'  residuals between poses: {found.force_rms:.2g} N, {found.torque_rms:.2g} N m')
+    print(f'written to {output}; give it to estimator_node after its own parameter file')
+
+
+def _listed(values: Any, precision: str = '.2g') -> str:
+    return '(' + ', '.join(f'{value:{precision}}' for value in values) + ')'
+
+
+main = command(make_parser, run)
+
+
+if __name__ == '__main__':
+    raise SystemExit(main())

@@ -1,0 +1,136 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The kinematics of the configured arm, once its description is known."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ..exceptions import ModelFileError, ParameterRangeError
+from ..kinematics.contact_kinematics import ContactKinematics, unit_normal
+from ..kinematics.robot_model import RobotModel
+
+if TYPE_CHECKING:
+    from .parameters import EstimationParameters
+
+NO_DESCRIPTION = (
+    'no robot description yet: publish it on robot_description (robot_state_publisher does), or '
+    'set robot_description_file'
+)
+
+
+def check_arm(parameters: EstimationParameters) -> None:
+    """
+    Check parameters of an arm that must be consistent with each other.
+
+    Parameters
+    ----------
+    parameters : EstimationParameters
+        All parameters.
+
+    Raises
+    ------
+    ParameterRangeError
+        If base or normal are missing, or other joints are named.
+
+    """
+    if abs(parameters.force_sign) != 1.0:
+        raise ParameterRangeError(f'force_sign must be 1 or -1, got {parameters.force_sign:g}')
+    kinematics = parameters.kinematics
+    if not kinematics.tip:
+        if parameters.tool.is_on:
+            raise ParameterRangeError(
+                'tool.* needs the orientation of the force sensor, but kinematics.tip is empty; '
+                'set kinematics.base, kinematics.tip and contact.normal'
+            )
+        return
+    if not kinematics.base:
+        raise ParameterRangeError(
+            f'kinematics.base must name a link, since kinematics.tip is {kinematics.tip!r}, got '
+            "an empty text; such as 'base_link'"
+        )
+    unit_normal(parameters.contact)
+    if parameters.joint or parameters.further_axes.named():
+        raise ParameterRangeError(
+            'joint and further_axes.*.joint must be empty for an arm (kinematics.tip is set): '
+            'the joints follow from the robot description, and one axis, contact.normal, is '
+            f'estimated; got joint {parameters.joint!r}'
+        )
+
+
+def kinematics_of(parameters: EstimationParameters, description: str) -> ContactKinematics:
+    """
+    Make the kinematics of an arm.
+
+    Parameters
+    ----------
+    parameters : EstimationParameters
+        With `kinematics.tip`.
+    description : str
+        Text of the URDF.
+
+    Returns
+    -------
+    kinematics : ContactKinematics
+        From base to tip.
+
+    Raises
+    ------
+    ContactEstimationError
+        If Pinocchio is missing, or the description does not fit the parameters.
+
+    """
+    p = parameters
+    model = RobotModel(description, p.kinematics.base, p.kinematics.tip)
+    frame = p.force_sensor.frame or p.frame_id
+    kinematics = ContactKinematics(
+        model, p.contact, p.tool, p.force_sign, p.force_sensor.rpy)
+    if frame:
+        kinematics.use_sensor(frame)
+    return kinematics
+
+
+def described_in_file(parameters: EstimationParameters) -> str:
+    """
+    Return the robot description of the configured file.
+
+    Parameters
+    ----------
+    parameters : EstimationParameters
+        With `robot_description_file`.
+
+    Returns
+    -------
+    description : str
+        '' where no file is configured.
+
+    Raises
+    ------
+    ModelFileError
+        If the file cannot be read.
+
+    """
+    path = parameters.robot_description_file
+    if not path:
+        return ''
+    try:
+        return Path(path).read_text()
+    except (OSError, UnicodeDecodeError) as error:
+        reason = getattr(error, 'strerror', None) or 'it is no text'
+        raise ModelFileError(
+            f'robot_description_file {path} cannot be read: {reason}; give the path of a URDF, '
+            'with xacro expanded'
+        ) from error

@@ -1,0 +1,115 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The contact axis of an arm in a recording, as the diagnosis takes it."""
+
+from __future__ import annotations
+
+from typing import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .arm import described_in_file, kinematics_of
+from .parameters import EstimationParameters
+from .recorded_arm import recorded_description
+from ..exceptions import RecordingError
+from ..kinematics.contact_kinematics import ArmSample, ContactKinematics
+from ..messages import ForceTorqueDecoder, SomeJointsDecoder
+from ..recordings import RecordingReader
+from ..recordings.recorded_signals import read_rows, RecordedSignals, reference_rows, Row, Signal
+from ..recordings.source import RecordingSource
+from ..signals.joint_merging import JointMerger
+
+Array = NDArray[np.float64]
+
+
+def read_arm_signals(
+    reader: RecordingReader, source: RecordingSource, parameters: EstimationParameters
+) -> RecordedSignals:
+    """
+    Read motion, force and reference along the normal of an arm.
+
+    The same `ContactKinematics` as on line gives x at the stamps of the joints, and F_e at the
+    stamps of the wrench, for which the joints are interpolated. A normal given in the tip's frame
+    is that of the instant at which the arm presses most.
+
+    Parameters
+    ----------
+    reader : RecordingReader
+        The recording.
+    source : RecordingSource
+        Its topics.
+    parameters : EstimationParameters
+        With an arm.
+
+    Returns
+    -------
+    signals : RecordedSignals
+        In the base frame.
+
+    Raises
+    ------
+    ContactEstimationError
+        If topics are missing, or the description does not fit.
+
+    """
+    description = described_in_file(parameters) or recorded_description(reader, source)
+    arm = kinematics_of(parameters, description)
+    joints, merger = SomeJointsDecoder(arm.model.joint_names), JointMerger(arm.model.continuous)
+    wrenches = ForceTorqueDecoder()
+    count = 2 * len(arm.model.joint_names)
+    decode: dict[str, Callable[[bytes], Row | None]] = {
+        source.wrench: wrenches.decode,
+        source.joint_states: lambda data: merger.add(*joints.decode(data)),
+        source.reference_trajectory: reference_rows(''),
+    }
+    wrench, motion, reference = read_rows(reader, source, decode, (6, count, 4))
+    if not arm.sensor:
+        arm.use_sensor(wrenches.frame_id)
+    usable, at_wrenches = _interpolated(
+        motion, wrench.stamp_ns, parameters.synchronisation.maximum_gap_s)
+    if not usable.any():
+        raise RecordingError(
+            f'no wrench of {reader.path} has joint states around its stamp; check the clocks of '
+            'both topics'
+        )
+    samples = [ArmSample(0, *pair) for pair in zip(
+        at_wrenches.T.tolist(), wrench.values[:, usable].T.tolist())]
+    _hold_where_pressing_most(arm, samples)
+    force = [arm.contact(sample).force for sample in samples]
+    x = [arm.motion(row)[2:] for row in motion.values.T.tolist()]
+    return RecordedSignals(
+        Signal(wrench.stamp_ns[usable], np.array([force])),
+        Signal(motion.stamp_ns, np.array(x).T), reference, arm.model.base,
+    )
+
+
+def _interpolated(
+    motion: Signal, stamps_ns: NDArray[np.int64], longest_s: float
+) -> tuple[NDArray[np.bool_], Array]:
+    """Return which stamps lie between near joint states, and the motion at these."""
+    after = np.searchsorted(motion.stamp_ns, stamps_ns)
+    inside = np.clip(after, 1, len(motion) - 1) if len(motion) > 1 else np.zeros_like(after)
+    gap_ns = motion.stamp_ns[inside] - motion.stamp_ns[inside - 1]
+    first, last = motion.stamp_ns[0], motion.stamp_ns[-1]
+    usable = (stamps_ns >= first) & (stamps_ns <= last) & (gap_ns <= longest_s * 1e9)
+    t, times = (stamps_ns[usable] - first) * 1e-9, (motion.stamp_ns - first) * 1e-9
+    return usable, np.array([np.interp(t, times, row) for row in motion.values])
+
+
+def _hold_where_pressing_most(arm: ContactKinematics, samples: list[ArmSample]) -> None:
+    pressing = [-arm.contact(sample).force for sample in samples]
+    arm.contact(samples[int(np.argmax(pressing))])
+    arm.held = True

@@ -1,0 +1,154 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Checks of the force: sign, axis, noise, bias, and force where no wall should be."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .check import Check, CLEAR, Evidence, extremes, Forces, loaded_correlation, spread_of
+
+_RELATED = 0.8  # correlation of force and position
+_PULLS_LESS = 3.0  # standard deviations that a one-sided force may reach on the other side
+_STRONGER = 3.0  # than the force of the contact axis
+_NOISY = 10.0  # times the configured noise
+_TARE_DUE = 2.0  # standard deviations of the force noise; the level is a mean over 0.5 s
+
+
+class ForceSign(Check):
+    """F_e is negative while pressing, and +x points into the wall."""
+
+    name = 'force_sign'
+    message = ('force grows to +16 N with penetration, but F_e is negative while pressing; change '
+               'the sign of the wrench')
+    cause = ('The driver publishes the force of the tool on the environment, or the position '
+             'grows away from the wall.')
+    remedy = 'Publish the wrench with the other sign, or the position with +x into the wall.'
+    invalidates = True
+
+    def judge(self, seen: Evidence) -> str | None:
+        """Look for a one-sided force with the wrong slope."""
+        if seen.spread < CLEAR * seen.noise:
+            return None
+        if seen.slope_sign < -_RELATED:
+            return ''
+        if seen.slope_sign < _RELATED:
+            return None
+        low, high = extremes(seen.force)
+        if low > -_PULLS_LESS * seen.noise and not seen.contact.any():
+            return (f'force grows to {high:+.3g} N with penetration, but F_e is negative while '
+                    'pressing; change the sign of the wrench')
+        if high < _PULLS_LESS * seen.noise:
+            return (f'the tool presses with {-low:.3g} N where x is smallest, but +x points into '
+                    'the wall; change the sign of the position')
+        return None
+
+
+class OtherAxis(Check):
+    """The force of a contact acts along the configured axis."""
+
+    name = 'force_axis'
+    message = ('force follows the motion along z (16 N) but not along x (0.9 N); set axis to z, '
+               'or publish the wrench in a frame whose x is the contact normal')
+    cause = '`axis` does not name the component of the wrench along the contact normal.'
+    remedy = 'Set `axis` (and `frame_id`) and start again.'
+    invalidates = True
+
+    def judge(self, seen: Evidence) -> str | None:
+        """Compare the other components with that of the contact axis."""
+        if seen.spread > CLEAR * seen.noise and seen.contact.any():
+            return ''
+        for other in seen.others:
+            if self._follows(other, seen):
+                size = spread_of(other.force)
+                return (f'force follows the motion along {other.axis} ({size:.3g} N) but not '
+                        f'along {seen.axis} ({seen.spread:.3g} N); set axis to {other.axis}, or '
+                        f'publish the wrench in a frame whose {seen.axis} is the contact normal')
+        return None
+
+    @staticmethod
+    def _follows(other: Forces, seen: Evidence) -> bool:
+        if len(other.force) < len(seen.x) // 2 or not len(other.force):
+            return False
+        size = spread_of(other.force)
+        if size < max(CLEAR * seen.noise, _STRONGER * seen.spread):
+            return False
+        return abs(loaded_correlation(other.x, other.force, seen.noise)) > _RELATED
+
+
+class OutsideForce(Check):
+    """No wall presses where no wall is."""
+
+    name = 'force_outside'
+    message = ('the tool presses with 20 N at x = -0.1 m, 100 mm outside the wall; set '
+               'environment.location to the surface, or to nan to take it at first touch')
+    cause = 'The wall is nearer than `environment.location`.'
+    remedy = ('Set `environment.location`, or `nan` to take it at first touch; or call '
+              '`~/set_location` while touching.')
+    invalidates = True
+
+    def judge(self, seen: Evidence) -> str | None:
+        """Look for a pressing force that grows with x before the surface."""
+        if seen.spread < CLEAR * seen.noise:
+            return None
+        if seen.contact.any():
+            return ''
+        pressing = -extremes(seen.force)[0]
+        x = float(np.median(seen.x[seen.force <= -0.5 * pressing])) if pressing > 0.0 else 0.0
+        outside = seen.pipeline.location - x
+        if (seen.slope_sign > -_RELATED or pressing < CLEAR * seen.noise
+                or not outside > seen.pipeline.location_margin):
+            return None
+        return (f'the tool presses with {pressing:.3g} N at x = {x:.4g} m, {1e3 * outside:.3g} mm '
+                'outside the wall; set environment.location to the surface, or to nan to take it '
+                'at first touch')
+
+
+class ForceNoise(Check):
+    """The noise learned in free flight is about the configured one."""
+
+    name = 'force_noise'
+    message = ('force noise of 12 N in free flight, 20 times contact.force_noise; contact may be '
+               'taken for noise: check sign, axis and wall, or correct contact.force_noise')
+    cause = 'A contact that is not recognised is learned as noise; or the sensor is worse.'
+    remedy = 'Check sign, axis and wall location first, then correct `contact.force_noise`.'
+    of_state = True
+
+    def judge(self, seen: Evidence) -> str:
+        """Compare the noise with the configured one."""
+        ratio = seen.pipeline.noise_std / seen.configured_noise
+        if ratio < _NOISY:
+            return ''
+        return (f'force noise of {seen.pipeline.noise_std:.3g} N in free flight, {ratio:.3g} '
+                'times contact.force_noise; contact may be taken for noise: check sign, axis and '
+                'wall, or correct contact.force_noise')
+
+
+class ForceBias(Check):
+    """The sensor reads nothing in free flight."""
+
+    name = 'force_bias'
+    message = 'the sensor reads 3.1 N in free flight; call ~/tare there'
+    cause = 'The force sensor has an offset, or carries the weight of the tool.'
+    remedy = 'Call `~/tare` out of contact.'
+    of_state = True
+
+    def judge(self, seen: Evidence) -> str:
+        """Compare the force of free flight with its noise."""
+        pipeline = seen.pipeline
+        if abs(pipeline.free_flight_level) <= max(_TARE_DUE * pipeline.noise_std, 1e-3):
+            return ''
+        level = -pipeline.free_flight_level
+        return f'the sensor reads {level:.3g} N in free flight; call ~/tare there'

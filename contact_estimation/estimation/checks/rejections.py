@@ -1,0 +1,172 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""What rejected messages say about drivers and parameters."""
+
+from __future__ import annotations
+
+from typing import Callable, Mapping, NamedTuple
+
+
+class Rejection(NamedTuple):
+    """
+    Reasons for which messages are rejected, and the warning that they give.
+
+    Attributes
+    ----------
+    name : str
+        Of the warning.
+    reasons : tuple of str
+        As counted by a session.
+    message : str
+        With {count}, and names of facts in braces.
+    cause, remedy : str
+        For the table of warnings.
+
+    """
+
+    name: str
+    reasons: tuple[str, ...]
+    message: str
+    cause: str
+    remedy: str
+
+
+REJECTIONS = (
+    Rejection(
+        'zero_stamps', ('wrench_zero_stamp', 'joint_zero_stamp'),
+        'rejected {count} messages of {topic}: their stamps are zero; the driver must fill '
+        'header.stamp',
+        'The driver publishes without a stamp, often from a hand-written bridge.',
+        'Fill `header.stamp` with the time of the measurement.'),
+    Rejection(
+        'arm', ('robot_description_missing', 'wrench_frame_unknown', 'joint_lacking'),
+        'rejected {count} messages of the arm: {text}',
+        'The robot description is missing or does not fit the topics.',
+        'Start `robot_state_publisher` or set `robot_description_file`; check '
+        '`kinematics.base`, `kinematics.tip` and `force_sensor.frame`.'),
+    Rejection(
+        'frame', ('wrench_frame_id',),
+        'rejected {count} wrenches of another frame: {text}',
+        'Two sensors publish on one topic, or `frame_id` is wrong.',
+        'Set `frame_id` to the frame of the sensor, and start again.'),
+    Rejection(
+        'joint', ('joint_states_joint_unknown', 'joint_states_joint_ambiguous',
+                  'joint_states_joint_empty'),
+        'rejected {count} joint states: {text}',
+        'The joint is not in `joint_states`, or several are and none was chosen.',
+        'Set `joint`, or remap `joint_states`.'),
+    Rejection(
+        'malformed', ('wrench_malformed', 'joint_states_malformed'),
+        'rejected {count} messages that cannot be read: {text}',
+        'The topic has another type, or another version of it.',
+        'Check the type with `ros2 topic info`.'),
+    Rejection(
+        'joint_gap', ('joint_gap',),
+        'rejected {count} wrenches between joint states further apart than '
+        'synchronisation.maximum_gap_s; publish joint states faster, or raise it',
+        'Joint states are too slow, or get lost.',
+        'Publish them at 100 Hz or more, or raise `synchronisation.maximum_gap_s`.'),
+    Rejection(
+        'joint_missing', ('joint_missing',),
+        'rejected {count} wrenches without a joint state at or after their stamps: {lag}',
+        'The joint states are silent, or their clock is behind that of the wrench.',
+        'Start the driver, remap `joint_states`, synchronise the clocks, or set '
+        '`synchronisation.offset`.'),
+    Rejection(
+        'not_finite', ('wrench_not_finite', 'joint_not_finite'),
+        'rejected {count} messages of {topic} that are NaN or infinite; repair the driver',
+        'The driver publishes NaN where it measures nothing.', 'Repair the driver.'),
+    Rejection(
+        'absurd', ('wrench_absurd', 'joint_absurd'),
+        'rejected {count} messages of {topic} out of range; check their units, or '
+        'synchronisation.maximum_*',
+        'Units are not SI, or the limits are too narrow.',
+        'Publish N and m, or correct `synchronisation.maximum_force` and its siblings.'),
+)
+"""In the order of importance."""
+
+_LEAST_SHARE = 0.02  # of the messages since the last report: less is reported as a count alone
+
+
+class Rejections:
+    """
+    Count what is new, and say the main reason.
+
+    Parameters
+    ----------
+    texts : callable
+        From a reason to the last error text of it, '' without one.
+    lag : callable
+        Describes how far the stamps of the joint states are from those of the wrench.
+
+    """
+
+    def __init__(self, texts: Callable[[str], str], lag: Callable[[], str]) -> None:
+        self._texts, self._lag = texts, lag
+        self._before: dict[str, int] = {}
+        self._processed = 0
+
+    def newly(self, counts: Mapping[str, int], processed: int) -> tuple[str, str]:
+        """
+        Compare with the last call.
+
+        Parameters
+        ----------
+        counts : mapping
+            Rejected messages by reason.
+        processed : int
+            Samples processed.
+
+        Returns
+        -------
+        name, text : str, str
+            Of the warning; '' where nothing was rejected since.
+
+        """
+        new = {k: n - self._before.get(k, 0) for k, n in counts.items()}
+        new = {k: n for k, n in new.items() if n > 0}
+        done, self._processed = processed - self._processed, processed
+        self._before = dict(counts)
+        if not new:
+            return '', ''
+        total = sum(new.values())
+        return self.main_reason(new) if total > _LEAST_SHARE * done else (
+            'rejected', f'rejected {total} messages since the last report')
+
+    def main_reason(self, counts: Mapping[str, int]) -> tuple[str, str]:
+        """
+        Return the most important reason that stands for a good part of the rejections.
+
+        Parameters
+        ----------
+        counts : mapping
+            Rejected messages by reason.
+
+        Returns
+        -------
+        name, text : str, str
+            Of the warning.
+
+        """
+        total = sum(counts.values())
+        for rejection in REJECTIONS:
+            count = sum(counts.get(reason, 0) for reason in rejection.reasons)
+            if count and count >= 0.2 * total:
+                reason = max(rejection.reasons, key=lambda one: counts.get(one, 0))
+                topic = 'wrench' if reason.startswith('wrench') else 'joint_states'
+                return rejection.name, rejection.message.format(
+                    count=count, topic=topic, text=self._texts(reason), lag=self._lag())
+        reason = max(counts, key=lambda one: counts[one])
+        return 'rejected', f'rejected {total} messages, most of them {reason}'

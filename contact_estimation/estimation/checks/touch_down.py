@@ -1,0 +1,246 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Where a contact began: a surface far from its configured location, or one not yet known."""
+
+from __future__ import annotations
+
+from collections import deque
+from math import hypot, inf, sqrt
+from typing import Sequence
+
+import numpy as np
+
+from .check import Array
+from ...signals.contact_sample import ContactSample
+
+_NEW_CONTACT_S = 0.05  # out of contact, after which a contact is a new one
+_LONGEST_S = 0.25  # of the rise of the force that is looked at
+_CLEAR = 20.0  # standard deviations of the noise: the force has risen enough
+_LEAST = 10  # samples
+_APPROACH = 50  # samples before the contact
+_OF_DEPTH = 0.5  # a soft wall is felt only deep inside, but its force grows from x_e on
+_LEAST_MARGIN = 1e-3  # [m]
+_DETECTION_SAMPLES = 4.0
+
+LOCATING = 'locating the surface'
+_NEVER_FREE = 'waiting for free flight: environment.location is nan and is taken at first touch'
+
+
+class TouchDown:
+    """
+    Judge the beginning of every contact, before an estimator learns from it.
+
+    The force of a contact that begins deep inside the wall is followed until it has risen: the
+    line of force over position meets zero at the surface. Until then estimates are withheld; they
+    remain so where the surface is not at its location.
+
+    Attributes
+    ----------
+    text : str
+        The warning; '' without one.
+    found : tuple of (float, float) or None
+        The surface found where its location was unknown, and its standard deviation [m].
+
+    """
+
+    def __init__(self) -> None:
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget all contacts."""
+        self.text = ''
+        self.found: tuple[float, float] | None = None
+        self._free_s = 0.0
+        self._settled = False  # the present contact has been judged
+        self._never_free = True
+        self._approach: deque[tuple[float, ...]] = deque(maxlen=_APPROACH)
+        self._rise: list[tuple[float, ...]] = []
+        self._rise_s = 0.0
+
+    def trust(self) -> None:
+        """Accept the location from now on, as after a change of it, also in contact."""
+        self.text, self.found, self._rise = '', None, []
+        self._settled = True
+
+    def pass_over(
+        self, dts: Sequence[float], contact: Sequence[bool], last_depth: float
+    ) -> bool:
+        """
+        Pass over a run in which nothing is to be judged: nearly every one.
+
+        Parameters
+        ----------
+        dts, contact : sequence of float, bool
+            As of `add`.
+        last_depth : float
+            Of the last sample [m].
+
+        Returns
+        -------
+        passed : bool
+            False where `add` must look at each sample.
+
+        """
+        if self.text or self._rise:
+            return False
+        if True in contact:
+            if not self._settled or False in contact:
+                return False
+            self._free_s = 0.0
+            return True
+        if not last_depth <= 0.0:
+            return False
+        self._leave(sum(dts))
+        self._approach.clear()
+        return True
+
+    def add(
+        self, samples: Sequence[ContactSample], dts: Sequence[float], contact: Sequence[bool],
+        depths: Sequence[float], bias: float, margin: float, noise_variance: float,
+    ) -> list[str] | None:
+        """
+        Follow a run of samples.
+
+        Parameters
+        ----------
+        samples : sequence of ContactSample
+            The run.
+        dts, contact, depths : sequence of float, bool, float
+            Time since the sample before [s], whether in contact, x - x_e [m] (NaN where unknown).
+        bias, margin : float
+            Force bias [N], and how far from its location the surface may be [m].
+        noise_variance : float
+            Of the force [N^2].
+
+        Returns
+        -------
+        reasons : list of str or None
+            Why the estimate is withheld, '' where it is not; None: nowhere.
+
+        """
+        reasons = []
+        for sample, dt, touching, depth in zip(samples, dts, contact, depths):
+            if touching:
+                reasons.append(self._touch(sample, dt, depth, bias, margin, noise_variance))
+            else:
+                self._leave(dt)
+                if not depth <= 0.0:
+                    self._approach.append(_point(sample, bias, dt))
+                reasons.append(self.text)
+        return reasons if any(reasons) else None
+
+    def _leave(self, dt: float) -> None:
+        self._free_s += dt
+        if self._free_s >= _NEW_CONTACT_S:
+            self._never_free = self._settled = False
+            self._rise, self._rise_s = [], 0.0
+
+    def _touch(
+        self, sample: ContactSample, dt: float, depth: float, bias: float, margin: float,
+        noise_variance: float,
+    ) -> str:
+        """Return why the estimate of a sample in contact is withheld."""
+        self._free_s = 0.0
+        if self._settled:
+            return self.text
+        if self._never_free:
+            self._settled = depth == depth
+            return '' if self._settled else _NEVER_FREE
+        _, x, velocity, force = sample
+        if not self._rise:
+            travel = abs(velocity) * dt * _DETECTION_SAMPLES if velocity == velocity else 0.0
+            margin = max(margin, _LEAST_MARGIN) + travel
+            if depth <= margin:
+                self._settled, self.text = True, ''
+                return ''
+        self._rise.append(_point(sample, bias, dt))
+        self._rise_s += dt
+        risen = bias - force > _CLEAR * sqrt(noise_variance) and len(self._rise) >= _LEAST
+        if risen or self._rise_s > _LONGEST_S:
+            self._judge(x, depth, max(margin, _LEAST_MARGIN), sqrt(noise_variance))
+        return self.text or ('' if self._settled else LOCATING)
+
+    def _judge(self, x: float, depth: float, margin: float, noise: float) -> None:
+        """Say where the force began to rise."""
+        approach = np.array(self._approach).reshape(-1, 4)
+        surface, std = surface_of(approach, np.array(self._rise), noise)
+        self._rise, self._rise_s, self._settled = [], 0.0, True
+        if depth != depth:
+            self.found, self.text = (surface, std), ''
+            return
+        location = x - depth
+        inside = surface - location
+        far = inside > margin and inside > _OF_DEPTH * depth
+        self.text = far * (
+            f'contact began {1e3 * inside:.3g} mm inside the wall, at x = {surface:.4g} m; set '
+            f'environment.location to {surface:.4g}, or to nan to take it at first touch')
+
+
+def _point(sample: ContactSample, bias: float, dt: float) -> tuple[float, ...]:
+    return sample[1], bias - sample[3], sample[2], dt
+
+
+def surface_of(approach: Array, rise: Array, noise: float) -> tuple[float, float]:
+    """
+    Return where the force of a touch-down began to rise.
+
+    The wall K (x - x_e) + B v acts beyond x_e alone; the x_e among the positions passed that
+    leaves the least residual is chosen, refined by its K and B.
+
+    Parameters
+    ----------
+    approach, rise : ndarray, shape (N, 4), (M, 4)
+        Position [m], pressing force [N], rate [m/s] (NaN where not measured) and time since the
+        sample before [s], before and after the detection of contact; N may be 0.
+    noise : float
+        Standard deviation of the force [N].
+
+    Returns
+    -------
+    surface, std : float, float
+        x_e and its standard deviation [m].
+
+    """
+    x, force, v, dt = np.concatenate([approach, rise]).T
+    if not np.isfinite(v).all():
+        v = np.gradient(x, np.cumsum(np.maximum(dt, 1e-9)))
+    force = force - (np.mean(approach[:len(approach) // 2, 1]) if len(approach) > 1 else 0.0)
+    last = float(rise[_LEAST // 2, 0])  # later, too little of the rise would remain
+    tried = np.unique(x[(x >= min(x[0], last)) & (x <= last)])
+    best, least, K_best = float(rise[0, 0]), inf, inf
+    for place in (*tried, *_lines(rise)):
+        inside = (x > place).astype(float)
+        table = np.column_stack([inside * (x - place), inside * v])
+        scale = np.sqrt(np.mean(table**2, 0)) + 1e-15
+        theta, *_ = np.linalg.lstsq(table / scale, force, rcond=None)
+        theta = theta / scale
+        if theta[0] <= 0.0:
+            continue
+        if theta[1] < 0.0:
+            theta = np.array([table[:, 0] @ force / max(table[:, 0] @ table[:, 0], 1e-300), 0.0])
+        left = float(np.sum((force - table @ theta)**2))
+        if left < least:
+            best, least, K_best = float(place), left, float(theta[0])
+    passed = float(np.median(np.abs(np.diff(rise[:_LEAST, 0]))))  # in one sample
+    return best, hypot(passed, noise / K_best)
+
+
+def _lines(rise: Array) -> list[float]:
+    """Return the position at which a line through the rise is zero; of a wall felt late."""
+    x, force = rise[:, 0], rise[:, 1]
+    centred = x - np.mean(x)
+    square = float(centred @ centred)
+    slope = float(centred @ force) / square if square > 0.0 else 0.0
+    return [float(np.mean(x) - np.mean(force) / slope)] if slope > 0.0 else []

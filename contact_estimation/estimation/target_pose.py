@@ -1,0 +1,105 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The reference of an arm as a full pose."""
+
+from __future__ import annotations
+
+from typing import NamedTuple, Sequence
+
+from scipy.spatial.transform import Rotation
+
+from .parameters import EstimationParameters
+from .result import Result
+from ..exceptions import ParameterRangeError
+from ..reference.limits import PoseLimits, step_along
+
+
+class TargetPose(NamedTuple):
+    """
+    A pose of the tip in the base frame.
+
+    Attributes
+    ----------
+    stamp_ns : int
+        Instant from which it holds [ns].
+    position : sequence of float
+        Of the tip's origin [m].
+    quaternion : sequence of float
+        x, y, z, w.
+
+    """
+
+    stamp_ns: int
+    position: Sequence[float]
+    quaternion: Sequence[float]
+
+
+def check_target_pose(parameters: EstimationParameters) -> None:
+    """
+    Check that x_r determines a pose.
+
+    Parameters
+    ----------
+    parameters : EstimationParameters
+        All parameters.
+
+    Raises
+    ------
+    ParameterRangeError
+        If only one coordinate of the robot is known, or the normal turns with the tool: x then
+        changes where the tool only turns, and x_r, which does not, would pull the arm.
+
+    """
+    if not parameters.kinematics.tip:
+        raise ParameterRangeError(
+            'publish_target_pose needs the pose of an arm, but kinematics.tip is empty; set '
+            'kinematics.base, kinematics.tip and contact.normal, or let the controller of a '
+            'single axis follow reference_trajectory'
+        )
+    if parameters.contact.normal_frame != 'base':
+        raise ParameterRangeError(
+            'publish_target_pose needs contact.normal_frame base, got '
+            f'{parameters.contact.normal_frame!r}: x_r is a coordinate along a normal that does '
+            'not turn with the tool'
+        )
+
+
+def target_pose(result: Result, limits: PoseLimits) -> TargetPose | None:
+    """
+    Return the measured pose with only the coordinate along the normal replaced by x_r.
+
+    Parameters
+    ----------
+    result : Result
+        Of a sample of an arm.
+    limits : PoseLimits
+        Lead over the measured position, and box.
+
+    Returns
+    -------
+    pose : TargetPose or None
+        None without an arm or a reference, or where the limits allow none.
+
+    """
+    arm, reference = result.arm, result.reference
+    if arm is None or reference is None:
+        return None
+    normal, measured = arm.normal.tolist(), arm.p.tolist()
+    step = step_along(measured, normal, reference.position - result.sample.position, limits)
+    if step is None:
+        return None
+    position = [p + step * n for p, n in zip(measured, normal)]
+    quaternion = Rotation.from_matrix(arm.R).as_quat().tolist()
+    return TargetPose(result.reference_stamp_ns, position, quaternion)

@@ -1,0 +1,284 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Position, velocity and force along the contact normal of an arm, from joints and wrench."""
+
+from __future__ import annotations
+
+from math import nan
+from typing import NamedTuple, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from .robot_model import RobotModel
+from .tool_load import cross_matrix, load_map, STANDARD_GRAVITY, ToolParameters
+from ..exceptions import ParameterRangeError
+from ..signals.contact_detection import ContactParameters
+from ..signals.contact_sample import ContactSample
+
+Array = NDArray[np.float64]
+
+
+class ArmSample(NamedTuple):
+    """
+    Joints and wrench of an arm at one instant.
+
+    Attributes
+    ----------
+    stamp_ns : int
+        Header stamp of the wrench [ns].
+    motion : sequence of float
+        q of the n joints [rad] or [m], then q_dot, NaN where not measured.
+    wrench : sequence of float
+        Force [N] and torque [N m] as measured, in the sensor's frame.
+
+    """
+
+    stamp_ns: int
+    motion: Sequence[float]
+    wrench: Sequence[float]
+
+
+class ArmState(NamedTuple):
+    """
+    What the joints and the wrench of one instant amount to.
+
+    Attributes
+    ----------
+    R, p : ndarray, shapes (3, 3) and (3,)
+        Pose of the tip in the base frame [m].
+    normal : ndarray, shape (3,)
+        Unit vector into the wall, in the base frame.
+    wrench : ndarray, shape (6,)
+        Without the load of the tool, in the sensor's frame [N], [N m].
+
+    """
+
+    R: Array
+    p: Array
+    normal: Array
+    wrench: Array
+
+
+class ContactKinematics:
+    """
+    Map joints and wrench to the contact axis: x = n . p, v = n . J q_dot, F_e = n . R_s f.
+
+    p is the tip's origin, or `contact.point` of the tip, in the base frame; R_s turns the axes of
+    the sensor into those of the base and f is the measured force without the load of the tool. A
+    shift of the wrench's point leaves f as it is. The origin of x is that of the base frame.
+
+    A normal given in the tip's frame follows the tip while `held` is False, and stays as it is in
+    the base frame while `held` is True: in contact, so that x is one coordinate.
+
+    Parameters
+    ----------
+    model : RobotModel
+        From base to tip.
+    contact : ContactParameters
+        Normal and point.
+    tool : ToolParameters
+        Load of the tool on the sensor.
+    force_sign : float
+        -1 where the driver publishes the wrench that the robot applies.
+
+    mount : sequence of float
+        Roll, pitch and yaw of the sensor's axes in its link [rad].
+
+    Attributes
+    ----------
+    model : RobotModel
+        As given.
+    state : ArmState or None
+        Of the last sample.
+    held : bool
+        See above.
+    sensor : str
+        Link in whose axes the wrench is measured, see `use_sensor`; '' before.
+
+    Raises
+    ------
+    ContactEstimationError
+        If a parameter does not fit the model.
+
+    """
+
+    def __init__(
+        self, model: RobotModel, contact: ContactParameters, tool: ToolParameters,
+        force_sign: float = 1.0, mount: Sequence[float] = (0.0, 0.0, 0.0),
+    ) -> None:
+        self.model, self.held, self.sensor = model, False, ''
+        self.state: ArmState | None = None
+        self._own_normal = unit_normal(contact)
+        self._normal = self._own_normal
+        self._wall: Array | None = None
+        self._in_tip = contact.normal_frame == 'tip'
+        self._point = np.array(contact.point) if any(contact.point) else None
+        self.configure(tool)
+        self._sign = force_sign
+        self._mount = Rotation.from_euler('xyz', mount).as_matrix()
+        self._gravity = model.root_axes.T @ np.array([0.0, 0.0, -STANDARD_GRAVITY])
+
+    def configure(self, tool: ToolParameters) -> None:
+        """Set another load of the tool."""
+        self._load, self._bias = load_map(tool)
+        self._weighs = bool(self._load.any())
+
+    def use_sensor(self, frame: str) -> None:
+        """
+        Set the link in whose axes the wrench is measured.
+
+        Parameters
+        ----------
+        frame : str
+            A link of the description.
+
+        Raises
+        ------
+        UnknownNameError, ModelFileError
+            If it is none, or joints outside the chain move it.
+
+        """
+        fixed = self.model.in_tip(frame)
+        self._fixed = None if fixed is None else fixed @ self._mount
+        self.sensor = frame
+
+    def contact(self, sample: ArmSample) -> ContactSample:
+        """
+        Return motion and force along the normal.
+
+        Parameters
+        ----------
+        sample : ArmSample
+            Joints and wrench at one instant.
+
+        Returns
+        -------
+        sample : ContactSample
+            Velocity NaN where that of a joint is not measured.
+
+        """
+        stamp_ns, motion, measured = sample
+        R, p, x, v = self.motion(motion)
+        R_sensor = self.sensor_axes(motion, R)
+        wrench = self._compensated(measured, R_sensor)
+        self._force = R_sensor @ wrench[:3]
+        self.state = ArmState(R, p, self._normal, wrench)
+        return ContactSample(stamp_ns, x, v, float(self._normal @ self._force))
+
+    def components(self, place: int) -> tuple[float, float, float]:
+        """
+        Return the force of the last sample in axes of the wall.
+
+        Parameters
+        ----------
+        place : int
+            Of the component along the normal, 0 to 2.
+
+        Returns
+        -------
+        components : tuple of float
+            That along the normal, and two along the wall [N].
+
+        """
+        if self._wall is None:
+            self._wall = axes_of_wall(self._normal)
+        x, y, z = (self._wall @ self._force).tolist()
+        return ((x, y, z), (z, x, y), (y, z, x))[place]
+
+    def motion(self, motion: Sequence[float]) -> tuple[Array, Array, float, float]:
+        """
+        Return the pose of the tip, and x and v of the contact.
+
+        Parameters
+        ----------
+        motion : sequence of float
+            As of `ArmSample`.
+
+        Returns
+        -------
+        R, p : ndarray, shapes (3, 3) and (3,)
+            Pose of the tip in the base frame [m].
+        x, v : float
+            Position [m] and velocity [m/s] along the normal.
+
+        """
+        count = len(motion) // 2
+        q, q_dot = np.array(motion[:count], float), np.array(motion[count:], float)
+        measured = not np.isnan(q_dot).any()
+        R, p, p_dot, omega = self.model.velocity(q, q_dot if measured else np.zeros(count))
+        if self._in_tip and not self.held:
+            self._normal, self._wall = R @ self._own_normal, None
+        normal, point, rate = self._normal, p, p_dot
+        if self._point is not None:
+            lever = R @ self._point
+            point, rate = p + lever, p_dot + cross_matrix(omega) @ lever
+        return R, p, float(normal @ point), float(normal @ rate) if measured else nan
+
+    def sensor_axes(self, motion: Sequence[float], R: Array) -> Array:
+        """Return R_s, shape (3, 3), from a motion and the tip's axes R that belong to it."""
+        if self._fixed is not None:
+            return R @ self._fixed
+        axes, _ = self.model.pose(motion[:len(motion) // 2], self.sensor)
+        return axes @ self._mount
+
+    def _compensated(self, measured: Sequence[float], R_sensor: Array) -> Array:
+        """Return a wrench without the tool's weight and the zero of the sensor."""
+        wrench = self._sign * np.array(measured, float) - self._bias
+        if self._weighs:
+            wrench -= self._load @ (self._gravity @ R_sensor)
+        return wrench
+
+
+def axes_of_wall(normal: Array) -> Array:
+    """
+    Return axes of which the first is the normal.
+
+    Parameters
+    ----------
+    normal : ndarray, shape (3,)
+        Unit vector.
+
+    Returns
+    -------
+    axes : ndarray, shape (3, 3)
+        Right-handed, one a row; the second is normal to the axis of the base that is most nearly
+        along the wall.
+
+    """
+    along = cross_matrix(normal) @ np.eye(3)[int(np.argmin(np.abs(normal)))]
+    along /= np.linalg.norm(along)
+    return np.array([normal, along, cross_matrix(normal) @ along])
+
+
+def unit_normal(contact: ContactParameters) -> Array:
+    """
+    Return the direction of `contact.normal`, shape (3,).
+
+    Raises
+    ------
+    ParameterRangeError
+        If it has no direction.
+
+    """
+    length = float(np.linalg.norm(contact.normal))
+    if not length > 1e-6:
+        raise ParameterRangeError(
+            'contact.normal must be a direction of three numbers, into the wall, for an arm '
+            f'(kinematics.tip is set), got {list(contact.normal)}; such as [0.0, 0.0, -1.0] for '
+            'a table below, with contact.normal_frame base'
+        )
+    return np.array(contact.normal) / length

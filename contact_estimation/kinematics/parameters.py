@@ -1,0 +1,47 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Parameters of a real arm: its description, its frames, the axes of its force sensor."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ..parameters.specification import parameter, ParameterGroup
+
+
+@dataclass(frozen=True)
+class KinematicsParameters(ParameterGroup):
+    """Links between which the joints of an arm lie; an empty tip: one prismatic axis, no arm."""
+
+    base: str = parameter(
+        '', 'Link in whose frame positions and poses are given', read_only=True
+    )
+    tip: str = parameter(
+        '', 'Link that touches the wall; empty: no arm, the joint itself is the contact axis',
+        read_only=True,
+    )
+
+
+@dataclass(frozen=True)
+class ForceSensorParameters(ParameterGroup):
+    """Axes in which the wrench of an arm is measured."""
+
+    frame: str = parameter(
+        '', "Link of the force sensor; empty: the frame_id of the wrench's header", read_only=True
+    )
+    rpy: tuple[float, ...] = parameter(
+        (0.0, 0.0, 0.0), "Roll, pitch and yaw of the sensor's axes in that link, where the "
+        'robot description lacks its mounting', 'rad', read_only=True,
+    )

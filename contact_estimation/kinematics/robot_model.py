@@ -1,0 +1,295 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Poses and velocities of an arm's frames from its joints, by Pinocchio."""
+
+from __future__ import annotations
+
+from types import ModuleType
+from typing import Any, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..exceptions import MissingPackageError, ModelFileError, UnknownNameError
+
+Array = NDArray[np.float64]
+Pose = tuple[Array, Array]
+"""Axes of a frame as columns of a rotation matrix (3, 3), and its origin (3,) [m]."""
+
+
+class RobotModel:
+    """
+    Kinematics of the chain from a base frame to a tip frame.
+
+    Joints of the description that do not move the tip relative to the base (fingers, a second arm)
+    need not be known and do not appear.
+
+    Parameters
+    ----------
+    urdf : str
+        Robot description (the text of a URDF file).
+    base, tip : str
+        Links; `base` carries the chain.
+
+    Attributes
+    ----------
+    base, tip : str
+        As given.
+    joint_names : tuple of str
+        The n joints between base and tip, in the order of q.
+    continuous : tuple of bool
+        For each joint, whether it turns without limits, so that its position is an angle modulo
+        2 pi.
+    root_axes : ndarray, shape (3, 3)
+        Axes of the base in the root of the description, whose z points up.
+
+    Raises
+    ------
+    MissingPackageError
+        If Pinocchio is not installed.
+    ModelFileError
+        If the text is no URDF, or no joint moves the tip relative to the base.
+    UnknownNameError
+        If a link is not in the description.
+
+    """
+
+    def __init__(self, urdf: str, base: str, tip: str) -> None:
+        self._library = pin = _pinocchio()
+        model = _parsed(pin, urdf)
+        self.base, self.tip = base, tip
+        above_base = _joints_above(model, _frame(model, base))
+        above_tip = _joints_above(model, _frame(model, tip))
+        if above_tip[:len(above_base)] != above_base:
+            wrong = [joint for joint in above_base if joint not in above_tip]
+            raise ModelFileError(
+                f'kinematics.base {base!r} must carry kinematics.tip {tip!r}, but '
+                f'{_names(model, wrong)} moves the base and not the tip; choose a base nearer to '
+                'the root of the description'
+            )
+        chain = above_tip[len(above_base):]
+        if not chain:
+            raise ModelFileError(
+                f'no joint moves kinematics.tip {tip!r} relative to kinematics.base {base!r}; '
+                'choose a tip beyond the joints of the arm'
+            )
+        fixed = [joint for joint in range(1, model.njoints) if joint not in chain]
+        self._full, self._chain = model, frozenset([*above_base, *chain])
+        self._model = pin.buildReducedModel(model, fixed, pin.neutral(model))
+        self._data = self._model.createData()
+        self.joint_names = tuple(self._model.names[1:])
+        joints = self._model.joints[1:]
+        if any(joint.nv != 1 for joint in joints):
+            wide = [name for name, joint in zip(self.joint_names, joints) if joint.nv != 1]
+            raise ModelFileError(
+                f'each joint between {base!r} and {tip!r} must have one degree of freedom, got '
+                f'{wide} with more; choose another base or tip'
+            )
+        self.continuous = tuple(joint.nq == 2 for joint in joints)
+        self._neutral = pin.neutral(self._model) if any(self.continuous) else None
+        self._frames: dict[str, int] = {}
+        self._tip = self._place(tip)
+        self._aligned = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
+        pin.framesForwardKinematics(self._model, self._data, pin.neutral(self._model))
+        base_pose = self._data.oMf[self._place(base)]
+        self.root_axes: Array = base_pose.rotation.copy()
+        self._from_root = self.root_axes.T
+        self._root = base_pose.translation.copy()
+        self._is_root = bool(np.array_equal(base_pose.homogeneous, np.eye(4)))
+
+    def pose(self, q: Sequence[float] | Array, frame: str | None = None) -> Pose:
+        """
+        Return the pose of a frame in the base frame.
+
+        Parameters
+        ----------
+        q : sequence of float or ndarray, shape (n,)
+            Positions of the joints [rad] or [m].
+        frame : str, optional
+            A link; the tip by default.
+
+        Returns
+        -------
+        R : ndarray, shape (3, 3)
+            Its axes as columns: a vector f of the frame is R f in the base frame.
+        p : ndarray, shape (3,)
+            Its origin [m].
+
+        Raises
+        ------
+        UnknownNameError
+            If the link is not in the description.
+        ModelFileError
+            If joints outside the chain move the frame.
+
+        """
+        place = self._tip if frame is None else self._place(frame)
+        self._library.forwardKinematics(self._model, self._data, self._configuration(q))
+        return self._in_base(place)
+
+    def velocity(
+        self, q: Sequence[float] | Array, q_dot: Sequence[float] | Array
+    ) -> tuple[Array, Array, Array, Array]:
+        """
+        Return pose and velocity of the tip in the base frame.
+
+        The velocities are J(q) q_dot with `jacobian`, at the cost of one recursion.
+
+        Parameters
+        ----------
+        q, q_dot : sequence of float or ndarray, shape (n,)
+            Positions and velocities of the joints [rad], [rad/s] or [m], [m/s].
+
+        Returns
+        -------
+        R, p : ndarray, shapes (3, 3) and (3,)
+            As `pose`.
+        p_dot : ndarray, shape (3,)
+            Velocity of the tip's origin [m/s].
+        omega : ndarray, shape (3,)
+            Angular velocity of the tip [rad/s].
+
+        """
+        pin, model, data = self._library, self._model, self._data
+        pin.forwardKinematics(model, data, self._configuration(q), np.asarray(q_dot, float))
+        twist = pin.getFrameVelocity(model, data, self._tip, self._aligned)
+        R, p = self._in_base(self._tip)
+        if self._is_root:
+            return R, p, twist.linear, twist.angular
+        return R, p, self._from_root @ twist.linear, self._from_root @ twist.angular
+
+    def jacobian(self, q: Sequence[float] | Array, frame: str | None = None) -> Array:
+        """
+        Return the Jacobian of a frame's origin in base axes.
+
+        Parameters
+        ----------
+        q : sequence of float or ndarray, shape (n,)
+            Positions of the joints [rad] or [m].
+        frame : str, optional
+            A link; the tip by default.
+
+        Returns
+        -------
+        J : ndarray, shape (6, n)
+            J q_dot is the velocity of the frame's origin [m/s], then its angular velocity
+            [rad/s].
+
+        Raises
+        ------
+        UnknownNameError, ModelFileError
+            As `pose`.
+
+        """
+        place = self._tip if frame is None else self._place(frame)
+        J = self._library.computeFrameJacobian(
+            self._model, self._data, self._configuration(q), place, self._aligned)
+        return np.vstack([self._from_root @ J[:3], self._from_root @ J[3:]])
+
+    def in_tip(self, frame: str) -> Array | None:
+        """
+        Return the axes of a frame that is fixed to the tip.
+
+        Parameters
+        ----------
+        frame : str
+            A link.
+
+        Returns
+        -------
+        R : ndarray, shape (3, 3), or None
+            Its axes in the tip's frame; None where a joint lies between them.
+
+        Raises
+        ------
+        UnknownNameError, ModelFileError
+            As `pose`.
+
+        """
+        other, tip = (self._model.frames[place] for place in (self._place(frame), self._tip))
+        if other.parentJoint != tip.parentJoint:
+            return None
+        R: Array = tip.placement.rotation.T @ other.placement.rotation
+        return R
+
+    def _in_base(self, place: int) -> Pose:
+        pose = self._library.updateFramePlacement(self._model, self._data, place)
+        if self._is_root:
+            return pose.rotation.copy(), pose.translation.copy()
+        return (self._from_root @ pose.rotation,
+                self._from_root @ (pose.translation - self._root))
+
+    def _configuration(self, q: Sequence[float] | Array) -> Array:
+        angles = np.asarray(q, float)
+        if self._neutral is None:
+            return angles
+        # Pinocchio represents an unlimited joint by cosine and sine.
+        return self._library.integrate(self._model, self._neutral, angles)  # type: ignore
+
+    def _place(self, frame: str) -> int:
+        """Return the index of a frame whose pose the chain's joints determine."""
+        if frame not in self._frames:
+            above = _joints_above(self._full, _frame(self._full, frame))
+            unknown = [joint for joint in above if joint not in self._chain]
+            if unknown:
+                raise ModelFileError(
+                    f'frame {frame!r} is moved by {_names(self._full, unknown)}, which do not lie '
+                    f'between {self.base!r} and {self.tip!r}; choose a frame of the arm'
+                )
+            self._frames[frame] = _frame(self._model, frame)
+        return self._frames[frame]
+
+
+def _pinocchio() -> ModuleType:
+    """Import Pinocchio, which is optional."""
+    try:
+        import pinocchio
+    except ImportError as error:
+        raise MissingPackageError(
+            'kinematics of an arm needs Pinocchio, which is not installed; install it with: '
+            "pip install 'contact_estimation[robots]' (PyPI: pin), or on ROS 2 Jazzy with: "
+            'apt install ros-jazzy-pinocchio'
+        ) from error
+    return pinocchio
+
+
+def _parsed(pin: Any, urdf: str) -> Any:
+    try:
+        return pin.buildModelFromXML(urdf)
+    except Exception as error:  # noqa: B902 - the type differs between versions
+        reason = ' '.join(str(error).split()) or type(error).__name__
+        raise ModelFileError(
+            f'robot description ({len(urdf)} characters, beginning {urdf[:40]!r}) must be a URDF '
+            f'that Pinocchio can read: {reason}; xacro files must be expanded first'
+        ) from error
+
+
+def _frame(model: Any, name: str) -> int:
+    """Return the index of a link; a joint of the same name is another frame."""
+    links = {frame.name: number for number, frame in enumerate(model.frames)
+             if 'BODY' in str(frame.type)}
+    if name not in links:
+        raise UnknownNameError.among('link of the robot description', name, links)
+    return links[name]
+
+
+def _joints_above(model: Any, frame: int) -> list[int]:
+    """Return the indices of the joints between root and frame, root first."""
+    joint = model.frames[frame].parentJoint
+    return [int(above) for above in model.supports[joint] if above != 0]
+
+
+def _names(model: Any, joints: Sequence[int]) -> str:
+    return ', '.join(model.names[joint] for joint in joints)

@@ -1,0 +1,249 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+Mass, centre of gravity and biases of a tool from wrenches in free flight.
+
+Blocks of 0.1 s are the data. Those of fast motion, where the kinematics and their clock matter
+more than the weight, are left out beforehand, those that no tool's weight explains (contact) by a
+robust fit. Errors within a pose are alike (noise of the joints, hysteresis, creep), so the blocks
+of one pose count as one datum: the standard deviations come from the differences between poses,
+widened where the residuals of successive poses are correlated (drift).
+
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from .tool_directions import require_directions
+from .tool_load import Array, ToolParameters
+from ..exceptions import EstimationError
+
+_OUTLIER = 6.0  # robust standard deviations
+_MOST_OUTLIERS = 0.35  # of the blocks: beyond, the robust fit itself cannot be trusted
+_SAME_POSE = np.cos(np.radians(10.0))
+_BLOCKS_OF_POSE = 3  # at least
+_SETTLED = 5.0  # blocks, beyond which a longer pose tells little more
+_MOST_MISFIT = 0.2  # of the variation of the forces
+_TORQUE_ARM = 0.1  # ratio of torque to force errors at the start of the fit [m]
+_ROUNDS = 30
+
+
+class CalibrationBlocks(NamedTuple):
+    """
+    Mean wrenches and regressors of blocks of a recording, in the order of time.
+
+    Attributes
+    ----------
+    f : ndarray, shape (N, 3)
+        Weight per mass less the acceleration, in the sensor's frame [m/s^2].
+    Phi : ndarray, shape (N, 6, 10)
+        As of `load_regressor`.
+    wrench : ndarray, shape (N, 6)
+        Mean force [N] and torque [N m].
+    slow : ndarray of bool, shape (N,)
+        Whether the motion is slow enough.
+
+    """
+
+    f: Array
+    Phi: Array
+    wrench: Array
+    slow: np.ndarray
+
+
+@dataclass(frozen=True)
+class ToolCalibration:
+    """
+    A tool with its uncertainty.
+
+    Attributes
+    ----------
+    tool : ToolParameters
+        Mass, centre and biases.
+    mass_std : float
+        Standard deviation of the mass [kg].
+    centre_std, force_bias_std, torque_bias_std : ndarray, shape (3,)
+        Standard deviations [m], [N], [N m].
+    force_rms, torque_rms : float
+        Residuals between poses [N], [N m].
+    poses : int
+        Number of poses used.
+    blocks, fast, contact : int
+        Number of blocks in all, and of those left out for fast motion or contact.
+
+    """
+
+    tool: ToolParameters
+    mass_std: float
+    centre_std: Array
+    force_bias_std: Array
+    torque_bias_std: Array
+    force_rms: float
+    torque_rms: float
+    poses: int
+    blocks: int
+    fast: int
+    contact: int
+
+
+def calibrate_tool(blocks: CalibrationBlocks) -> ToolCalibration:
+    """
+    Fit mass, centre of gravity and biases.
+
+    Parameters
+    ----------
+    blocks : CalibrationBlocks
+        Of poses, or of slow motion, in free flight.
+
+    Returns
+    -------
+    calibration : ToolCalibration
+        Values and standard deviations.
+
+    Raises
+    ------
+    EstimationError
+        If the motion is fast throughout, poses are too few or too much alike, the wrenches are
+        no tool's weight, or the mass is negative.
+
+    """
+    slow = np.flatnonzero(blocks.slow)
+    if len(slow) < 4 * _BLOCKS_OF_POSE:
+        raise EstimationError(
+            f'the arm rests or moves slowly in {len(slow) * 0.1:.1f} s of '
+            f'{len(blocks.slow) * 0.1:.1f} s; record at least 12 poses, each held for 2 s'
+        )
+    require_directions(blocks.f[slow])
+    theta, sigma = _robust_fit(blocks.Phi[slow], blocks.wrench[slow])
+    errors = _size(blocks.wrench[slow] - blocks.Phi[slow] @ theta, sigma)
+    free = slow[errors < _OUTLIER]
+    _require_free_flight(len(free), len(slow))
+    poses = _poses(blocks.f, free)
+    if len(poses) < 4:
+        raise EstimationError(
+            f'the free flight of the recording has {len(poses)} poses of 0.3 s or more, expected '
+            'at least 4, better 12; hold each pose for 2 s'
+        )
+    require_directions(np.array([blocks.f[pose].mean(axis=0) for pose in poses]))
+    theta, P, rms = _fit_between_poses(blocks, poses)
+    _require_tool(blocks.wrench[free], theta, rms)
+    m, c = theta[0], theta[1:4] / theta[0]
+    J = np.column_stack([-c / m, np.eye(3) / m])  # of c = m c / m
+    std = np.sqrt(np.diag(P))
+    return ToolCalibration(
+        ToolParameters(float(m), *(tuple(part.tolist()) for part in (c, theta[4:7], theta[7:]))),
+        float(std[0]), np.sqrt(np.diag(J @ P[:4, :4] @ J.T)), std[4:7], std[7:], *rms,
+        len(poses), len(blocks.slow), len(blocks.slow) - len(slow), len(slow) - len(free),
+    )
+
+
+def _robust_fit(Phi: Array, wrench: Array) -> tuple[Array, Array]:
+    """Minimise the sum of the error's sizes, and not of their squares."""
+    sigma = np.array([1.0, _TORQUE_ARM])
+    weight = np.ones(len(Phi))
+    for _ in range(_ROUNDS):
+        theta = _weighted(Phi, wrench, sigma, weight)[0]
+        errors = wrench - Phi @ theta
+        # The scale of one component, from the median of its magnitude; noise-free data have one.
+        halves = errors.reshape(-1, 2, 3)
+        sigma = np.maximum(1.4826 * np.median(np.abs(halves), axis=(0, 2)), [1e-6, 1e-7])
+        weight = 1.0 / np.maximum(_size(errors, sigma), 1.0)
+    return theta, sigma
+
+
+def _size(errors: Array, sigma: Array) -> Array:
+    """Return the larger of the errors of force and torque, in standard deviations, (N,)."""
+    halves = np.linalg.norm(errors.reshape(-1, 2, 3), axis=2) / sigma / np.sqrt(3.0)
+    return np.asarray(halves.max(axis=1))
+
+
+def _weighted(
+    Phi: Array, wrench: Array, sigma: Array, weight: Array
+) -> tuple[Array, Array]:
+    """Return weighted least squares and the inverse of its normal matrix."""
+    scale = np.sqrt(weight)[:, None] / np.repeat(sigma, 3)  # (N, 6)
+    A = (Phi * scale[..., None]).reshape(-1, Phi.shape[-1])
+    Q, T = np.linalg.qr(A)
+    inverse = np.linalg.inv(T)
+    return inverse @ (Q.T @ (wrench * scale).ravel()), inverse @ inverse.T
+
+
+def _poses(f: Array, free: np.ndarray) -> list[np.ndarray]:
+    """Cut the blocks of free flight where they are interrupted or the gravity has turned."""
+    directions = f / np.linalg.norm(f, axis=1, keepdims=True)
+    poses: list[list[int]] = []
+    for block in free:
+        follows = bool(poses) and poses[-1][-1] == block - 1
+        if follows and directions[poses[-1][0]] @ directions[block] > _SAME_POSE:
+            poses[-1].append(block)
+        else:
+            poses.append([block])
+    return [np.array(pose) for pose in poses if len(pose) >= _BLOCKS_OF_POSE]
+
+
+def _fit_between_poses(
+    blocks: CalibrationBlocks, poses: list[np.ndarray]
+) -> tuple[Array, Array, tuple[float, float]]:
+    """Return the fit to one datum a pose, its covariance and the residuals' rms."""
+    Phi = np.array([blocks.Phi[pose].mean(axis=0) for pose in poses])
+    wrench = np.array([blocks.wrench[pose].mean(axis=0) for pose in poses])
+    counts = np.array([len(pose) for pose in poses], float)
+    weight = (1.0 + _SETTLED / counts.max()) / (1.0 + _SETTLED / counts)
+    sigma = np.array([1.0, _TORQUE_ARM])
+    # Four unknowns enter the forces and six the torques.
+    freedom = np.array([3.0 * len(poses) - 4.0, 3.0 * len(poses) - 6.0])
+    for _ in range(_ROUNDS):
+        theta, P = _weighted(Phi, wrench, sigma, weight)
+        halves = (wrench - Phi @ theta).reshape(-1, 2, 3)
+        squares = np.einsum('g,gij->i', weight, halves**2)
+        sigma = np.maximum(np.sqrt(squares / freedom), [1e-9, 1e-10])
+    rho = _correlation(halves * np.sqrt(weight)[:, None, None] / sigma[:, None])
+    return theta, P * (1.0 + rho) / (1.0 - rho), (float(sigma[0]), float(sigma[1]))
+
+
+def _correlation(residuals: Array) -> float:
+    """Return the correlation of successive poses, 0 where it is negative, at most 0.9."""
+    power = float(np.sum(residuals**2))
+    lagged = float(np.sum(residuals[1:] * residuals[:-1]))
+    return min(max(lagged / power, 0.0), 0.9) if power > 0.0 else 0.0
+
+
+def _require_free_flight(free: int, slow: int) -> None:
+    if slow - free > _MOST_OUTLIERS * slow:
+        raise EstimationError(
+            f'in {100 * (slow - free) / slow:.0f} % of the recording the wrench is not that of a '
+            'tool alone: record free flight, without contact and with no cable pulling, and check '
+            'that the wrench is expressed in force_sensor.frame'
+        )
+
+
+def _require_tool(wrench: Array, theta: Array, rms: tuple[float, float]) -> None:
+    variation = float(np.linalg.norm(np.std(wrench[:, :3], axis=0)))
+    if rms[0] > _MOST_MISFIT * variation:
+        raise EstimationError(
+            f'no weight explains the forces: they vary by {variation:.3g} N and a tool leaves '
+            f'{rms[0]:.3g} N; check force_sensor.frame, the unit of the joints [rad] and that '
+            'both topics are of the same arm'
+        )
+    if theta[0] <= 0.0:
+        raise EstimationError(
+            f'the mass is {theta[0]:.3g} kg, so the weight pulls up: the driver publishes the '
+            'force that the robot applies; set force_sign: -1 (or turn force_sensor.frame) and '
+            'calibrate again'
+        )

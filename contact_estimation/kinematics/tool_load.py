@@ -1,0 +1,193 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+The load of the tool on a force/torque sensor: weight, inertia and the sensor's zero.
+
+A sensor at the wrist measures the wrench that the environment applies to the end-effector (eq. 3)
+and the tool beyond it: with m the mass of the tool and c its centre of gravity in the sensor's
+frame, f = R^T (g - a) the weight per mass less the acceleration a of the sensor's origin, w and
+alpha the angular velocity and acceleration, all in the sensor's frame,
+
+    force  = F_e + m f - A m c + b_F        A = [alpha]x + [w]x [w]x
+    torque = T_e + m c x f     + b_T        about the sensor's origin
+
+R turns the sensor's frame into one whose z points up, and g = (0, 0, -9.80665) m/s^2: a tool hung
+below a resting sensor adds m g downwards. A driver that publishes the wrench that the robot
+applies has the opposite sign and is corrected before. The moments of inertia about the centre
+(I alpha + w x I w) are not modelled: at rest and in slow motion they are negligible.
+
+Without the external wrench this is linear in (m, m c, b_F, b_T), and calibration fits what
+compensation subtracts: both use `load_regressor`.
+
+Source: Kubus, Kroeger, Wahl, *On-line rigid object recognition and pose estimation based on
+inertial parameters*, IROS 2007, eqs. (4) to (8).
+
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..parameters.specification import parameter, ParameterGroup
+
+Array = NDArray[np.float64]
+
+STANDARD_GRAVITY = 9.80665
+"""In [m/s^2]; the mass found absorbs the local deviation of up to 0.3 %."""
+
+_G = np.array([0.0, 0.0, -STANDARD_GRAVITY])
+
+
+@dataclass(frozen=True)
+class ToolParameters(ParameterGroup):
+    """Load of the tool on the force sensor, taken out of the measured wrench."""
+
+    mass: float = parameter(
+        0.0, 'Mass of everything beyond the force sensor, as calibrate_tool finds it', 'kg',
+        minimum=0.0, maximum=1000.0,
+    )
+    centre: tuple[float, ...] = parameter(
+        (0.0, 0.0, 0.0),
+        "Centre of gravity of the tool in the force sensor's frame", 'm'
+    )
+    force_bias: tuple[float, ...] = parameter(
+        (0.0, 0.0, 0.0),
+        'Force that the sensor reads without any load', 'N'
+    )
+    torque_bias: tuple[float, ...] = parameter(
+        (0.0, 0.0, 0.0),
+        'Torque that the sensor reads without any load', 'N m'
+    )
+
+    @property
+    def is_on(self) -> bool:
+        """Whether there is any load to take out."""
+        return self.mass > 0.0 or any(self.force_bias) or any(self.torque_bias)
+
+
+def specific_force(R: Array, acceleration: Array | None = None) -> Array:
+    """
+    Compute f = R^T (g - a): the weight per mass as the sensor feels it.
+
+    Parameters
+    ----------
+    R : ndarray, shape (..., 3, 3)
+        Orientation of the sensor: turns its frame into one whose z points up.
+    acceleration : ndarray, shape (..., 3), optional
+        Of the sensor's origin, in the frame whose z points up [m/s^2]; none by default.
+
+    Returns
+    -------
+    f : ndarray, shape (..., 3)
+        In the sensor's frame [m/s^2].
+
+    """
+    rest = _G if acceleration is None else _G - acceleration
+    return np.einsum('...ji,...j->...i', R, rest)
+
+
+def load_regressor(f: Array, w: Array | None = None, alpha: Array | None = None) -> Array:
+    """
+    Compute the matrix that turns (m, m c, b_F, b_T) into the wrench of the tool.
+
+    Parameters
+    ----------
+    f : ndarray, shape (..., 3)
+        As of `specific_force` [m/s^2].
+    w, alpha : ndarray, shape (..., 3), optional
+        Angular velocity [rad/s] and acceleration [rad/s^2] of the sensor in its own frame; 0 by
+        default.
+
+    Returns
+    -------
+    Phi : ndarray, shape (..., 6, 10)
+        Rows: force and torque; columns: m [kg], m c [kg m], b_F [N], b_T [N m].
+
+    """
+    Phi = np.zeros((*f.shape[:-1], 6, 10))
+    Phi[..., :3, 0] = f
+    if alpha is not None:
+        Phi[..., :3, 1:4] -= cross_matrix(alpha)
+    if w is not None:
+        W = cross_matrix(w)
+        Phi[..., :3, 1:4] -= W @ W
+    Phi[..., 3:, 1:4] = -cross_matrix(f)  # m c x f = -f x m c
+    Phi[..., :, 4:] = np.eye(6)
+    return Phi
+
+
+def load_vector(tool: ToolParameters) -> Array:
+    """Return (m, m c, b_F, b_T), shape (10,), of the parameters."""
+    return np.concatenate((
+        [tool.mass], tool.mass * np.asarray(tool.centre), tool.force_bias, tool.torque_bias
+    ))
+
+
+def load_map(tool: ToolParameters) -> tuple[Array, Array]:
+    """
+    Return the load as an affine function of f, for compensation sample by sample.
+
+    Parameters
+    ----------
+    tool : ToolParameters
+        Of the sensor.
+
+    Returns
+    -------
+    L : ndarray, shape (6, 3)
+        The wrench of the tool without rotation is L f + bias [kg], [kg m].
+    bias : ndarray, shape (6,)
+        Zero of the sensor [N], [N m].
+
+    """
+    theta = load_vector(tool)
+    bias = load_regressor(np.zeros(3)) @ theta
+    return (load_regressor(np.eye(3)) @ theta - bias).T, bias
+
+
+def tool_wrench(
+    tool: ToolParameters, R: Array, acceleration: Array | None = None,
+    w: Array | None = None, alpha: Array | None = None,
+) -> Array:
+    """
+    Compute what a sensor reads that nothing touches.
+
+    Parameters
+    ----------
+    tool : ToolParameters
+        Of the sensor.
+    R, acceleration
+        As in `specific_force`.
+    w, alpha
+        As in `load_regressor`.
+
+    Returns
+    -------
+    wrench : ndarray, shape (..., 6)
+        Force [N] and torque about the sensor's origin [N m], in the sensor's frame. The measured
+        wrench less this one is (F_e, T_e).
+
+    """
+    return load_regressor(specific_force(R, acceleration), w, alpha) @ load_vector(tool)
+
+
+def cross_matrix(v: Array) -> Array:
+    """Return [v]x, shape (..., 3, 3), of vectors of shape (..., 3): [v]x u = v x u."""
+    x, y, z = np.moveaxis(np.asarray(v, np.float64), -1, 0)
+    o = np.zeros_like(x)
+    return np.stack((o, -z, y, z, o, -x, -y, x, o), axis=-1).reshape(*x.shape, 3, 3)

@@ -1,0 +1,85 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Joint states of an arm, which may come in several messages and among other joints."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Sequence
+
+from .cdr import CdrCursor, NS_PER_S, StampedReader
+from ..exceptions import MessageError
+
+
+class SomeJointsDecoder:
+    """
+    Read those of several joints that a sensor_msgs/msg/JointState has.
+
+    Parameters
+    ----------
+    joints : sequence of str
+        Names of the joints.
+
+    """
+
+    def __init__(self, joints: Sequence[str]) -> None:
+        offsets_of = partial(_present_joint_offsets, joints)
+        self._reader = StampedReader('sensor_msgs/msg/JointState', offsets_of)
+
+    def decode(self, raw: bytes) -> tuple[int, tuple[float, ...], tuple[float, ...]]:
+        """
+        Read one message.
+
+        Parameters
+        ----------
+        raw : bytes
+            CDR with its encapsulation header.
+
+        Returns
+        -------
+        stamp_ns, positions, velocities : int, tuple of float, tuple of float
+            Stamp [ns], positions [rad] or [m] and velocities in the order of the joints, NaN for
+            what the message does not have.
+
+        Raises
+        ------
+        MessageError
+            With reason 'malformed', or 'joint_unknown' if the message has none of the joints.
+
+        """
+        values = self._reader.read(raw)
+        return values[0] * NS_PER_S + values[1], values[3::2], values[4::2]
+
+
+def _present_joint_offsets(joints: Sequence[str], cursor: CdrCursor) -> list[int | None]:
+    """Find position and velocity of the joints that a message has."""
+    names = cursor.texts()
+    position, velocity = cursor.doubles(), cursor.doubles()
+    cursor.doubles()  # effort
+    cursor.finish()
+    places = {name: place for place, name in enumerate(names)}
+    if places.keys().isdisjoint(joints):
+        raise MessageError(
+            'joint_unknown',
+            f'none of the joints {", ".join(joints)} is in the message, which has '
+            f'{", ".join(names) or "no joint names"}; check kinematics.base, kinematics.tip and '
+            'the topic',
+        )
+    offsets: list[int | None] = []
+    for joint in joints:
+        place = places.get(joint, len(position))
+        for values in (position, velocity):
+            offsets.append(values[place] if place < len(values) else None)
+    return offsets

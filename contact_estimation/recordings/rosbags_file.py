@@ -1,0 +1,125 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Recordings that only the package rosbags reads: SQLite, and what rosbag2 compresses itself."""
+
+from __future__ import annotations
+
+from contextlib import contextmanager
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Collection, Iterator, Mapping
+
+from .chunk_reader import RecordedMessage
+from .mcap_summary import Summary
+from .topic_names import canonical
+from ..exceptions import MissingPackageError, RecordingError
+
+_BATCH = 1000  # messages
+
+
+class RosbagsFile:
+    """
+    Read a rosbag2 folder or a .db3 file, with the interface of `McapFile`.
+
+    Such recordings are read when complete only, and hold no metadata records.
+
+    Parameters
+    ----------
+    path : Path
+        The folder or file.
+
+    Attributes
+    ----------
+    size, position : int
+        Number of messages, and of those read in the current pass.
+    damaged : int
+        Always 0: damage is an error.
+    summary : Summary
+        Says that the recording is complete.
+
+    Raises
+    ------
+    MissingPackageError
+        If rosbags is not installed.
+    RecordingError
+        If rosbags cannot read the recording.
+
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.position = self.damaged = 0
+        self.summary = Summary(whole=True)
+        with self._opened() as reader:
+            self.size = max(1, int(reader.message_count))
+            self._types = {str(c.topic): str(c.msgtype) for c in reader.connections}
+            self._span = int(reader.start_time), int(reader.end_time) - 1
+            self._empty = reader.message_count == 0
+
+    def batches(self, wanted: Mapping[str, str] | None) -> Iterator[list[RecordedMessage]]:
+        """Read the messages in the order of their log times; see `McapFile.batches`."""
+        self.position = 0
+        with self._opened() as reader:
+            names = {c.id: (c.topic if wanted is None else wanted[canonical(c.topic)])
+                     for c in reader.connections
+                     if wanted is None or canonical(c.topic) in wanted}
+            chosen = [c for c in reader.connections if c.id in names]
+            batch: list[RecordedMessage] = []
+            for connection, log_time_ns, data in reader.messages(chosen) if chosen else ():
+                batch.append(
+                    RecordedMessage(names[connection.id], int(log_time_ns), bytes(data)))
+                if len(batch) == _BATCH:
+                    self.position += len(batch)
+                    yield batch
+                    batch = []
+            if batch:
+                yield batch
+        self.position = self.size
+
+    def topics(self, asked: Collection[str] | None) -> dict[str, str]:
+        """Return the type of each topic."""
+        return dict(self._types)
+
+    def metadata(self) -> dict[str, dict[str, str]]:
+        """Return no records: rosbags does not read any."""
+        return {}
+
+    def time_span(self) -> tuple[int, int] | None:
+        """Return the log times of the first and the last message [ns], None without any."""
+        return None if self._empty else self._span
+
+    @cached_property
+    def _reader_class(self) -> Any:
+        try:
+            from rosbags.rosbag2 import Reader
+        except ImportError as error:
+            raise MissingPackageError.of(
+                'rosbags', f'reading {self.path}, which is SQLite or compressed by rosbag2,'
+            ) from error
+        return Reader
+
+    @contextmanager
+    def _opened(self) -> Iterator[Any]:
+        reader_class = self._reader_class
+        try:
+            with reader_class(self.path) as reader:
+                yield reader
+        except RecordingError:
+            raise
+        except Exception as error:  # of rosbags, apsw and each decompressor
+            raise RecordingError(
+                f'rosbags cannot read recording {self.path}: {" ".join(str(error).split())}; '
+                'check that it was closed properly, or convert it with ros2 bag convert'
+            ) from error

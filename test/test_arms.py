@@ -1,0 +1,77 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Arms simulated in MuJoCo, an independent form of kinematics, sensor load and contact."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from contact_estimation.benchmarks.arms.arm_files import ArmFiles, tool_parameters, world_of
+from contact_estimation.benchmarks.arms.arm_models import (
+    ARMS, description_of, mujoco, mujoco_model, TIP,
+)
+from contact_estimation.benchmarks.arms.contact_study import (
+    calibrated, errors, estimated_with,
+)
+from contact_estimation.exceptions import MissingPackageError
+from contact_estimation.kinematics.robot_model import RobotModel
+import numpy as np
+import pytest
+
+pytest.importorskip('pinocchio')
+
+
+@pytest.fixture(params=ARMS, name='urdf')
+def _urdf(request: pytest.FixtureRequest) -> tuple[str, str]:
+    """Return base and description of an arm; skip where the extra is not installed."""
+    arm = ARMS[request.param]
+    try:
+        mujoco()
+        return arm.base, description_of(arm)
+    except MissingPackageError as error:
+        pytest.skip(str(error))
+
+
+def test_pose_and_jacobian_equal_those_of_mujoco(urdf: tuple[str, str]) -> None:
+    base, text = urdf
+    ours, theirs = RobotModel(text, base, TIP), mujoco_model(text, 1e-3)
+    data, rng = mujoco().MjData(theirs), np.random.default_rng(5)
+    for _ in range(20):
+        q, q_dot = rng.uniform(-2.5, 2.5, theirs.nq), rng.normal(size=theirs.nv)
+        data.qpos[:] = q
+        mujoco().mj_forward(theirs, data)
+        J, site = np.zeros((6, theirs.nv)), data.site(TIP)
+        mujoco().mj_jacSite(theirs, data, J[:3], J[3:], theirs.site(TIP).id)
+        R, p = ours.pose(q)
+        np.testing.assert_allclose(R, site.xmat.reshape(3, 3), atol=1e-9)
+        np.testing.assert_allclose(p, site.xpos, atol=1e-9)
+        np.testing.assert_allclose(ours.jacobian(q), J, atol=1e-9)
+        p_dot, omega = ours.velocity(q, q_dot)[2:]
+        np.testing.assert_allclose(np.concatenate([p_dot, omega]), J @ q_dot, atol=1e-9)
+
+
+@pytest.mark.slow
+def test_tool_and_wall_of_a_simulated_arm_are_found(tmp_path: Path) -> None:
+    try:
+        files = ArmFiles(ARMS['ur5'], tmp_path)
+    except MissingPackageError as error:
+        pytest.skip(str(error))
+    world, tool = world_of(0), calibrated(files, 0)
+    assert abs(tool['mass_error_g']) < 20.0 and tool['centre_error_mm'] < 2.0
+    run, recording = files.touch(world, 0, 'touch')
+    known = tool_parameters(files.path('tool_0.yaml'))
+    found = errors(estimated_with(files, run, recording, 'kalman', 'all', known), run, world)
+    assert abs(found['stiffness_error_percent']) < 2.0
+    assert abs(found['damping_error_percent']) < 10.0

@@ -1,0 +1,141 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""`calibrate_tool` on wrenches of a point mass at a small arm with hand-written kinematics."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+import re
+from typing import Any, Sequence
+
+from contact_estimation.commands.calibrate_tool import main
+from contact_estimation.recordings import RecordingWriter
+from contact_estimation.recordings.definitions import jazzy_typestore
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+import small_arm
+import yaml
+
+pytest.importorskip('pinocchio')
+
+MASS, CENTRE = 1.2, np.array([0.01, -0.02, 0.06])
+FORCE_BIAS, TORQUE_BIAS = np.array([1.0, -2.0, 3.0]), np.array([0.1, 0.2, -0.3])
+POSES = np.random.default_rng(3).uniform(-2.0, 2.0, (12, 3))
+PERIOD_S, HOLD_S = 0.01, 0.8
+
+
+def write(
+    path: Path, poses: Any, sign: float = 1.0,
+    contact: Sequence[int] = (), moved: float = 1.0,
+    rpy: Sequence[float] = (0.0, 0.0, 0.0),
+) -> None:
+    """Record the arm held in poses; in some of them the environment presses with 20 N."""
+    rng, store = np.random.default_rng(1), jazzy_typestore()
+    types, header = store.types, _headers(store)
+    vector = types['geometry_msgs/msg/Vector3']
+    wrench_type, joint_type = 'geometry_msgs/msg/WrenchStamped', 'sensor_msgs/msg/JointState'
+    with RecordingWriter.file(path) as writer:
+        for k in range(int(len(poses) * HOLD_S / PERIOD_S)):
+            stamp, number = int(k * PERIOD_S * 1e9), int(k * PERIOD_S / HOLD_S)
+            q = np.asarray(poses[number])
+            f = small_arm.pose(list(q), 'sensor', 'world')[:3, :3].T @ [0.0, 0.0, -9.80665]
+            f = Rotation.from_euler('xyz', rpy).inv().apply(f)
+            F, T = MASS * f + FORCE_BIAS, np.cross(CENTRE, MASS * f) + TORQUE_BIAS
+            if number in contact:
+                F = F + [0.0, 0.0, -20.0]
+            F, T = sign * (F + rng.normal(0, 0.1, 3)), sign * (T + rng.normal(0, 0.01, 3))
+            wrench = types[wrench_type](header(stamp, 'sensor'), types['geometry_msgs/msg/Wrench'](
+                vector(*F), vector(*T)))
+            empty, order = np.zeros(0), [2, 0, 1]
+            joints = types[joint_type](
+                header(stamp, ''), [small_arm.JOINTS[i] for i in order], moved * q[order],
+                empty, empty)
+            for topic, kind, message in (('/wrench', wrench_type, wrench),
+                                         ('/joint_states', joint_type, joints)):
+                writer.write(topic, kind, bytes(store.serialize_cdr(message, kind)), stamp)
+
+
+def _headers(store: Any) -> Any:
+    types = store.types
+    time, header = types['builtin_interfaces/msg/Time'], types['std_msgs/msg/Header']
+    return lambda stamp, frame: header(time(*divmod(stamp, 10**9)), frame)
+
+
+def calibrate(folder: Path, *more: str) -> int:
+    """Run the command on the recording in a folder."""
+    (folder / 'arm.urdf').write_text(small_arm.urdf())
+    return main([str(folder / 'run.mcap'), '--robot-description', str(folder / 'arm.urdf'),
+                 '--output', str(folder / 'tool.yaml'), '--json', str(folder / 'tool.json'),
+                 *more])
+
+
+def test_tool_is_found_within_its_deviations_and_written_as_parameters(tmp_path: Path) -> None:
+    write(tmp_path / 'run.mcap', POSES)
+    assert calibrate(tmp_path) == 0
+    found = json.loads((tmp_path / 'tool.json').read_text())
+    truths = {'mass_kg': MASS, 'centre_m': CENTRE, 'force_bias_n': FORCE_BIAS,
+              'torque_bias_nm': TORQUE_BIAS}
+    for name, truth in truths.items():
+        value, std = (np.array(found[name][key]) for key in ('value', 'std'))
+        assert np.all(np.abs(value - truth) < 4 * std), name
+    assert found['mass_kg']['std'] < 0.01 and max(found['centre_m']['std']) < 0.001
+    written = yaml.safe_load((tmp_path / 'tool.yaml').read_text())['/**']['ros__parameters']
+    assert written['tool']['mass'] == pytest.approx(found['mass_kg']['value'], abs=1e-6)
+    assert written['physics']['tool_inertia']['mass'] == written['tool']['mass']
+    assert written['tool']['centre'] == pytest.approx(found['centre_m']['value'], abs=1e-6)
+
+
+def test_poses_in_contact_are_left_out(tmp_path: Path) -> None:
+    write(tmp_path / 'run.mcap', POSES, contact=(3, 7, 8))
+    assert calibrate(tmp_path) == 0
+    found = json.loads((tmp_path / 'tool.json').read_text())
+    assert found['contact_s'] == pytest.approx(3 * HOLD_S, abs=0.5)
+    assert found['mass_kg']['value'] == pytest.approx(MASS, abs=0.02)
+
+
+@pytest.mark.parametrize('options, message', [
+    ({'poses': [POSES[0]] * 12}, r'hardly varies .* gravity points along [xyz] and [xyz] of'),
+    ({'poses': [(t, 0.3, 0.0) for t in np.linspace(0, 1, 12)]}, 'does not determine'),
+    ({'poses': POSES, 'contact': range(7)}, 'the wrench is not that of a tool alone'),
+    ({'poses': POSES, 'sign': -1.0}, 'set force_sign: -1'),
+    ({'poses': POSES, 'moved': 57.3}, 'not that of a tool alone|no weight explains'),
+    ({'poses': POSES[:2]}, 'does not determine|at least 4'),
+])
+def test_refusal_says_what_is_wrong(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], options: dict[str, Any], message: str
+) -> None:
+    write(tmp_path / 'run.mcap', **options)
+    assert calibrate(tmp_path) == 1
+    assert re.search(message, capsys.readouterr().err)
+
+
+def test_force_sign_of_the_parameter_file_is_applied(tmp_path: Path) -> None:
+    write(tmp_path / 'run.mcap', POSES, sign=-1.0)
+    (tmp_path / 'params.yaml').write_text(
+        'estimator_node: {ros__parameters: {force_sign: -1}}')
+    assert calibrate(tmp_path, '--params', str(tmp_path / 'params.yaml')) == 0
+    found = json.loads((tmp_path / 'tool.json').read_text())
+    assert found['force_bias_n']['value'] == pytest.approx(FORCE_BIAS, abs=0.1)
+
+
+def test_mounting_of_the_parameter_file_is_applied(tmp_path: Path) -> None:
+    write(tmp_path / 'run.mcap', POSES, rpy=(0.3, -0.5, 1.0))
+    (tmp_path / 'params.yaml').write_text(
+        '/**: {ros__parameters: {force_sensor: {rpy: [0.3, -0.5, 1.0]}}}')
+    assert calibrate(tmp_path, '--params', str(tmp_path / 'params.yaml')) == 0
+    found = json.loads((tmp_path / 'tool.json').read_text())
+    assert found['centre_m']['value'] == pytest.approx(CENTRE, abs=0.001)

@@ -1,0 +1,232 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Each common mistake is named with its remedy, and no confident estimate is given beside it."""
+
+from __future__ import annotations
+
+from math import isnan, nan
+import re
+from typing import Any, Callable, Sequence
+
+from contact_estimation.estimation.checks import CHECKS, REJECTIONS, Rejections
+from contact_estimation.estimation.events import apply_event, EstimationEvent, event_now
+from contact_estimation.estimation.events import LOCATION, set_location
+from contact_estimation.estimation.parameters import EstimationParameters
+from contact_estimation.estimation.result import AxesEstimates
+from contact_estimation.estimation.session import ContactSession
+from contact_estimation.estimators.estimator import EstimateStatus
+from contact_estimation.parameters.values import build
+from contact_estimation.signals.contact_sample import ContactSample
+from core_runs import contact_samples
+import numpy as np
+import pytest
+
+K_E, B_E = 5000.0, 100.0
+HEALTHY = contact_samples(2.0, K_E, B_E, force_noise=0.6, position_noise=1e-6)
+SOFT = contact_samples(1.5, 200.0, 4.0, depth=0.08, amplitude=0.01, force_noise=0.6)
+MILLISECOND = 1_000_000
+Change = Callable[[ContactSample], ContactSample]
+
+
+def at(metres: float) -> Change:
+    return lambda sample: sample._replace(position=sample.position + metres)
+
+
+def fed(
+    samples: Sequence[ContactSample] = HEALTHY, change: Change = lambda sample: sample,
+    wrench_late_ms: int = 0, **parameters: Any,
+) -> tuple[ContactSession, list[AxesEstimates]]:
+    """Pass samples to a new session; double underscores stand for dots."""
+    names = {name.replace('__', '.'): value for name, value in parameters.items()}
+    session = ContactSession(build(EstimationParameters, names), generate_reference=False)
+    results = []
+    for sample in map(change, samples):
+        stamp = sample.stamp_ns + 1000 * MILLISECOND
+        results += session.add_motion(stamp, sample.position, sample.velocity)
+        session.checks.wrenches.append((stamp, sample.force, 0.0, 0.0))
+        results += session.add_wrench(stamp + wrench_late_ms * MILLISECOND, sample.force)
+    return session, [result.estimates for result in results]
+
+
+def headline(session: ContactSession) -> tuple[str, str]:
+    """Return name and text of the first warning."""
+    first = next(iter(session.checks.warnings()), None)
+    return (first.name, first.text) if first else ('', '')
+
+
+MISTAKES: list[tuple[str, str, dict[str, Any]]] = [
+    ('surface', 'contact began 400 mm inside the wall', {'change': at(0.4)}),
+    ('surface', 'contact began 9.9 mm inside the wall', {'change': at(0.01)}),
+    ('surface_line', '400 mm inside the wall', {'change': at(0.4), 'samples': HEALTHY[300:]}),
+    ('force_outside', 'outside the wall; set environment.location', {'change': at(-0.1)}),
+    ('force_sign', 'change the sign of the wrench',
+     {'change': lambda s: s._replace(force=-s.force)}),
+    ('force_sign', 'change the sign of the position',
+     {'change': lambda s: s._replace(position=-s.position, velocity=-s.velocity)}),
+    ('stamp_skew', '10 ms late .*offset to [+]0.010', {'wrench_late_ms': 10}),
+    ('stamp_skew', '5[01] ms late .*offset to [+]0.05', {'wrench_late_ms': 50}),
+    ('stamp_skew', '50 ms early .*offset to -0.05', {'wrench_late_ms': -50}),
+    ('joint_still', 'has not changed since the start',
+     {'change': lambda s: s._replace(position=0.01, velocity=0.0)}),
+]
+
+
+@pytest.mark.parametrize('name, text, options', MISTAKES, ids=[f'{m[0]}-{m[1]}' for m in MISTAKES])
+def test_mistake_is_the_headline_and_its_estimate_is_withheld(
+    name: str, text: str, options: dict[str, Any]
+) -> None:
+    session, estimates = fed(**options)
+    found, said = headline(session)
+    assert found == name
+    assert re.search(text, said), said
+    last = estimates[-1][0]
+    assert isnan(last.stiffness_std) and isnan(last.damping_std)
+    assert last.status is not EstimateStatus.ESTIMATING
+    numbers = re.compile(r'[-+.0-9]+')
+    assert numbers.sub('#', last.reason) == numbers.sub('#', said)
+
+
+def test_one_frequency_cannot_tell_a_wrench_that_is_early_from_a_mass() -> None:
+    session, _ = fed(wrench_late_ms=-10)
+    name, text = headline(session)
+    assert name == 'stamp_skew_or_mass'
+    assert re.search(r'mass of 1\.\d kg .*offset to -0.0(09|10)$', text)
+
+
+def test_force_on_another_axis_is_named() -> None:
+    session = ContactSession(EstimationParameters(), generate_reference=False)
+    for stamp, x, v, F in HEALTHY:
+        session.add_motion(stamp, x, v)
+        session.checks.wrenches.append((stamp, 0.0, 7.0, F))
+        session.add_wrench(stamp, 0.0)
+    name, text = headline(session)
+    assert name == 'force_axis'
+    assert 'along z' in text and 'set axis to z' in text
+
+
+def test_far_wall_is_never_learned_not_even_for_a_sample() -> None:
+    _, estimates = fed(change=at(0.4))
+    assert all(isnan(axes[0].stiffness_std) for axes in estimates)
+    assert {axes[0].stiffness for axes in estimates} == {3000.0}
+
+
+@pytest.mark.parametrize('milliseconds', [-50, -10, 10, 50])
+def test_offset_corrects_the_stamps_either_way(milliseconds: int) -> None:
+    session, estimates = fed(
+        wrench_late_ms=milliseconds, synchronisation__offset=milliseconds * 1e-3)
+    _, expected = fed()
+    assert not session.checks.warnings()
+    assert estimates[-1][0].damping == pytest.approx(B_E, rel=0.05)
+    assert estimates[-1][0].stiffness == pytest.approx(expected[-1][0].stiffness, rel=1e-3)
+
+
+@pytest.mark.parametrize('samples', [HEALTHY, SOFT])
+def test_location_nan_takes_the_surface_at_the_first_touch(samples: list[ContactSample]) -> None:
+    session, estimates = fed(samples, at(0.4), environment__location=nan)
+    last = estimates[-1][0]
+    assert last.location == pytest.approx(0.4, abs=5e-4)
+    K = K_E if samples is HEALTHY else 200.0
+    assert abs(last.stiffness - K) < 3.0 * last.stiffness_std
+    assert all(isnan(axes[0].location) for axes in estimates[:150])
+    assert not {w.name for w in session.checks.warnings()} - {'surface_unchecked'}
+
+
+def test_location_nan_waits_for_free_flight_where_the_node_starts_in_contact() -> None:
+    _, estimates = fed(HEALTHY[300:], environment__location=nan)
+    assert estimates[-1][0].reason.startswith('waiting for free flight')
+
+
+def test_no_force_law_acts_before_the_surface_is_known() -> None:
+    session = ContactSession(build(EstimationParameters, {
+        'environment.location': nan, 'force_reference': 20.0}))
+    for stamp, x, v, F in HEALTHY[:300]:
+        session.add_motion(stamp, x, v)
+        (result,) = session.add_wrench(stamp, F)
+        assert result.reference is not None and np.isfinite(result.reference.position)
+
+
+def test_set_location_ends_the_warning_and_replays_as_an_event() -> None:
+    session, _ = fed(HEALTHY[:400], at(0.4))
+    done, _, changes = set_location(session)
+    x = HEALTHY[399].position + 0.4
+    assert done and changes == {'environment.location': x}
+    event = event_now(session, LOCATION, changes)
+    apply_event(session, EstimationEvent.from_text(event.to_text()))
+    assert session.parameters.environment.location == x
+    assert not session.checks.warnings()
+
+
+def test_warnings_do_not_depend_on_how_samples_are_cut_into_runs() -> None:
+    one_by_one, expected = fed(wrench_late_ms=0, change=at(0.01))
+    session = ContactSession(EstimationParameters(), generate_reference=False)
+    table = np.array([at(0.01)(sample) for sample in HEALTHY])
+    stamps = np.array([s.stamp_ns for s in HEALTHY]) + 1000 * MILLISECOND
+    estimates = session.add_pairs(stamps, [table[:, 3]], [table[:, 1]], [table[:, 2]])
+    assert repr(estimates) == repr(expected)
+    assert session.checks.found == one_by_one.checks.found
+
+
+def test_healthy_samples_give_no_warning() -> None:
+    for samples in (HEALTHY, SOFT, HEALTHY[300:]):
+        names = {warned.name for warned in fed(samples)[0].checks.warnings()}
+        assert not names - {'surface_unchecked'}  # true of SOFT, and of a start in contact
+
+
+def test_slow_joint_states_are_named() -> None:
+    session = ContactSession(EstimationParameters())
+    for k, (stamp, x, v, F) in enumerate(HEALTHY):
+        if k % 10 == 0:
+            session.add_motion(stamp, x, v)
+        session.add_wrench(stamp, F)
+    assert headline(session)[0] == 'joint_rate'
+    assert 'come at 50 Hz' in headline(session)[1]
+
+
+def test_noise_far_above_the_configured_one_is_named() -> None:
+    noise = np.random.default_rng(0).normal(0.0, 1.0, 1000).tolist()
+    free = [ContactSample(2 * k * MILLISECOND, -0.01, 0.0, F) for k, F in enumerate(noise)]
+    session, _ = fed(free, contact__force_noise=0.05)
+    assert headline(session)[0] == 'force_noise'
+
+
+@pytest.mark.parametrize('counts, name, part', [
+    ({'wrench_zero_stamp': 5}, 'zero_stamps', 'header.stamp'),
+    ({'wrench_frame_id': 3, 'joint_missing': 3}, 'frame', 'set frame_id'),
+    ({'joint_states_joint_unknown': 4, 'joint_missing': 9}, 'joint', 'choose one of these'),
+    ({'joint_gap': 4}, 'joint_gap', 'maximum_gap_s'),
+    ({'joint_missing': 4}, 'joint_missing', '3 s behind'),
+    ({'joint_duplicate': 4}, 'rejected', 'joint_duplicate'),
+])
+def test_rejections_say_the_main_reason(counts: dict[str, int], name: str, part: str) -> None:
+    texts = {'wrench_frame_id': 'set frame_id',
+             'joint_states_joint_unknown': 'choose one of these'}
+    rejections = Rejections(lambda reason: texts.get(reason, ''), lambda: '3 s behind')
+    found, text = rejections.newly(counts, 0)
+    assert found == name and part in text
+    assert rejections.newly(counts, 0) == ('', '')
+
+
+def test_zero_stamps_are_counted_as_such() -> None:
+    session = ContactSession(EstimationParameters())
+    for _ in range(3):
+        session.add_wrench(0, 1.0)
+        session.add_motion(0, 1.0, 0.0)
+    assert session.rejected == {'wrench_zero_stamp': 2, 'joint_zero_stamp': 2}
+
+
+def test_every_check_and_rejection_is_documented() -> None:
+    names = [check.name for check in CHECKS] + [rejection.name for rejection in REJECTIONS]
+    assert len(set(names)) == len(names)
+    assert all(check.message and check.cause and check.remedy for check in CHECKS)

@@ -1,0 +1,183 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The node on an arm with revolute joints, over DDS."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, Iterator
+
+from arm_contact import B_E, instants, K_E, NORMAL, PARAMETERS
+from contact_estimation.commands import replay
+from contact_estimation.estimation.events import DESCRIPTION, EstimationEvent
+from contact_estimation.messages import Vector3StampedDecoder
+from contact_estimation.recordings import RecordingReader
+import numpy as np
+import pytest
+from ros_processes import (
+    ESTIMATES, JointState, Listener, node_process, run_module, String, to_stamp, Vector3Stamped,
+    WINDOW, WrenchStamped,
+)
+from small_arm import JOINTS, pose, urdf
+
+pytest.importorskip('pinocchio')
+pytestmark = pytest.mark.slow
+
+NODE = 'estimator_node'
+
+
+class ArmPeer(Listener):
+    """Drivers, robot_state_publisher and user of the node on an arm."""
+
+    def __init__(self) -> None:
+        from contact_estimation.ros.topics import DESCRIPTION_QOS, EVENTS_QOS
+        from geometry_msgs.msg import PoseStamped
+
+        super().__init__()
+        publisher = self.node.create_publisher
+        self.wrenches = publisher(WrenchStamped, 'wrench', 100)
+        self.joints = publisher(JointState, 'joint_states', 100)
+        self.description = publisher(String, 'robot_description', DESCRIPTION_QOS)
+        for name in ESTIMATES:
+            self.listen(name, Vector3Stamped, f'{NODE}/{name}')
+        self.listen('wrench', WrenchStamped, f'{NODE}/compensated_wrench')
+        self.listen('pose', PoseStamped, f'{NODE}/target_pose')
+        self.listen('events', String, f'{NODE}/events', EVENTS_QOS)
+
+    def kinds(self) -> list[str]:
+        """Return the events heard so far."""
+        events = self.heard['events'].values()
+        return [EstimationEvent.from_text(event.data).kind for event in events]
+
+    def meet(self) -> None:
+        """Wait until the node hears this peer, and has the description."""
+        self.spin_until(
+            lambda: self.wrenches.get_subscription_count() > 1
+            and self.joints.get_subscription_count() > 1 and 'start' in self.kinds(),
+            'node and recorder')
+        assert DESCRIPTION not in self.kinds()
+        self.description.publish(String(data=urdf()))
+        self.spin_until(lambda: DESCRIPTION in self.kinds(), 'the event of the description')
+        self.knock(range(10_000))
+
+    def knock(self, numbers: range) -> None:
+        """Publish the first instant again and again, until wrench and pose come back."""
+        stamps = iter(numbers)
+
+        def passed() -> bool:
+            self.send(instants()[0], 1_000_000 + 20_000_000 * next(stamps))
+            return bool(self.heard['wrench'] and self.heard['pose'] and self.heard['damping'])
+
+        self.spin_until(passed, 'the first outputs')
+
+    def send(self, instant: Any, stamp_ns: int) -> None:
+        """Publish one instant, the joints in an order that is not that of the arm."""
+        order = [2, 0, 1]
+        joints = JointState(
+            name=[JOINTS[k] for k in order], position=instant.q[order].tolist(),
+            velocity=instant.q_dot[order].tolist())
+        wrench = WrenchStamped()
+        wrench.header.frame_id = 'sensor'
+        joints.header.stamp = wrench.header.stamp = to_stamp(stamp_ns)
+        force, torque = wrench.wrench.force, wrench.wrench.torque
+        force.x, force.y, force.z, torque.x, torque.y, torque.z = instant.wrench.tolist()
+        self.joints.publish(joints)
+        self.wrenches.publish(wrench)
+
+    def feed(self, begin_ns: int) -> None:
+        """Publish all instants, a window at a time, and wait for what comes for the last."""
+        truth = instants()
+        for first in range(0, len(truth), WINDOW):
+            for instant in truth[first:first + WINDOW]:
+                self.send(instant, begin_ns + instant.contact.stamp_ns)
+            last_ns = begin_ns + instant.contact.stamp_ns
+            self.spin_until(lambda: last_ns in self.heard['damping'], f'the answer to {last_ns}')
+        self.spin_until(lambda: last_ns in self.heard['wrench'], 'the last wrench')
+        self.spin_until(lambda: max(self.heard['pose']) > last_ns, 'the last pose')
+
+
+@pytest.fixture(scope='module')
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp('arm')
+
+
+@pytest.fixture(scope='module')
+def run(folder: Path) -> Iterator[tuple[ArmPeer, int]]:
+    named = {name.replace('.', '__'): value for name, value in PARAMETERS.items()}
+    with node_process(folder, NODE, publish_target_pose=True, **named):
+        peer = ArmPeer()
+        try:
+            begin_ns = 10**15
+            with node_process(folder / 'r', 'recorder_node', output=str(folder / 'bag')):
+                peer.meet()
+                peer.feed(begin_ns)
+            yield peer, begin_ns
+        finally:
+            peer.close()
+
+
+def test_stiffness_and_damping_of_the_wall_are_found(run: tuple[ArmPeer, int]) -> None:
+    peer, begin_ns = run
+    last_ns = begin_ns + instants()[-1].contact.stamp_ns
+    assert peer.heard['stiffness'][last_ns].vector.x == pytest.approx(K_E, rel=0.01)
+    assert peer.heard['damping'][last_ns].vector.x == pytest.approx(B_E, rel=0.05)
+
+
+def test_compensated_wrench_is_that_of_the_contact(run: tuple[ArmPeer, int]) -> None:
+    peer, begin_ns = run
+    instant = instants()[-1]
+    message = peer.heard['wrench'][begin_ns + instant.contact.stamp_ns]
+    force, torque = message.wrench.force, message.wrench.torque
+    in_base = pose(tuple(instant.q), 'sensor')[:3, :3] @ [force.x, force.y, force.z]
+    assert message.header.frame_id == 'sensor'
+    assert NORMAL @ in_base == pytest.approx(instant.contact.force, abs=1e-9)
+    assert [torque.x, torque.y, torque.z] == pytest.approx([0.0, 0.0, 0.0], abs=1e-9)
+
+
+def test_target_is_the_measured_pose_with_the_normal_alone_replaced(
+    run: tuple[ArmPeer, int]
+) -> None:
+    peer, _ = run
+    message = peer.heard['pose'][max(peer.heard['pose'])]
+    T = pose(tuple(instants()[-1].q))
+    position, turn = message.pose.position, message.pose.orientation
+    moved = np.array([position.x, position.y, position.z]) - T[:3, 3]
+    x, y, z, w = turn.x, turn.y, turn.z, turn.w
+    first_column = [1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)]
+    assert message.header.frame_id == 'base_link'
+    np.testing.assert_allclose(first_column, T[:3, 0], atol=1e-9)
+    assert abs(NORMAL @ moved) > 1e-3  # x_r rests where the arm was first, outside of the wall
+    np.testing.assert_allclose(moved, NORMAL * (NORMAL @ moved), atol=1e-9)
+
+
+def test_replay_of_its_recording_returns_what_the_node_published(
+    run: tuple[ArmPeer, int], folder: Path
+) -> None:
+    peer, begin_ns = run
+    assert replay.main([str(folder / 'bag'), '--output', str(folder / 'again.mcap')]) == 0
+    decode = Vector3StampedDecoder().decode
+    messages = RecordingReader(folder / 'again.mcap').messages(['/estimator_node/damping'])
+    again = {stamp: x for stamp, x, _, _ in (decode(message.data) for message in messages)}
+    published = {stamp: m.vector.x for stamp, m in peer.heard['damping'].items()}
+    assert {s: again.get(s) for s in published if s >= begin_ns} == {
+        s: x for s, x in published.items() if s >= begin_ns}
+
+
+def test_target_pose_of_a_single_axis_is_refused(tmp_path: Path) -> None:
+    done = run_module(
+        tmp_path, f'ros.{NODE}', '--ros-args', '-p', 'publish_target_pose:=true')
+    assert done.code == 1
+    assert 'publish_target_pose needs the pose of an arm' in done.stderr
+    assert len(done.stderr.strip().splitlines()) == 1

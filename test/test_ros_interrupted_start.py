@@ -1,0 +1,69 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Ctrl-C ends a node quietly at any moment of its start."""
+
+from __future__ import annotations
+
+from pathlib import Path
+import signal
+import subprocess
+import sys
+
+import pytest
+from ros_processes import environment, ModuleProcess, wait_until
+
+pytestmark = pytest.mark.slow
+
+# Interrupts itself when a module is imported.
+INTERRUPTED = """
+import os, signal, sys
+def hook(event, facts):
+    if event == 'import' and facts[0] == sys.argv[1]:
+        os.kill(os.getpid(), signal.SIGINT)
+from contact_estimation.ros import executables
+sys.addaudithook(hook)
+raise SystemExit(executables.estimator_node([]))
+"""
+
+
+@pytest.mark.parametrize('module', ['rclpy.node', 'std_srvs.srv', 'numpy'])
+def test_interrupt_while_a_node_imports_ends_it_without_a_word(
+    tmp_path: Path, module: str
+) -> None:
+    run = subprocess.run(
+        [sys.executable, '-c', INTERRUPTED, module], env=environment(tmp_path),
+        capture_output=True, text=True, timeout=120.0)
+    assert (run.returncode, run.stdout, run.stderr) == (0, '', '')
+
+
+def test_interrupt_after_the_first_line_of_the_log_ends_a_node(tmp_path: Path) -> None:
+    with ModuleProcess(tmp_path, 'ros.executables', 'estimator_node') as process:
+        log = tmp_path / 'stderr.txt'
+        wait_until(lambda: '[INFO]' in log.read_text(), 'the first line of the log')
+        process.signal(signal.SIGINT)
+        finished = process.end()
+    assert finished.code == 0
+    assert 'Traceback' not in finished.stderr
+    assert 'estimator rls_adaptive' in finished.stderr
+
+
+def test_interrupt_while_a_command_imports_is_one_line(tmp_path: Path) -> None:
+    code = INTERRUPTED.replace('contact_estimation.ros import executables',
+                               'contact_estimation.commands import entry_points')
+    code = code.replace('executables.estimator_node([])', 'entry_points.replay()')
+    run = subprocess.run(
+        [sys.executable, '-c', code, 'numpy'], env=environment(tmp_path), capture_output=True,
+        text=True, timeout=120.0)
+    assert (run.returncode, run.stdout, run.stderr) == (1, '', 'replay: interrupted\n')

@@ -1,0 +1,136 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""What the estimator node says of itself: log, diagnostics, latched status, quality of service."""
+
+from __future__ import annotations
+
+from pathlib import Path
+import signal
+from typing import Any, Iterator
+
+from core_runs import contact_samples
+import pytest
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from ros_processes import (
+    DiagnosticArray,
+    DiagnosticStatus,
+    joint_state,
+    Listener,
+    ModuleProcess,
+    moved,
+    node_process,
+    Peer,
+    String,
+    wait_until,
+    wrench,
+)
+
+pytestmark = pytest.mark.slow
+
+FAR = [sample._replace(position=sample.position + 0.4) for sample in contact_samples(1.0)]
+LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+NAMES = ('--ros-args', '-r', '__ns:=/left', '-r', '__node:=stiffness', '-p',
+         'diagnostics_rate:=10.0')
+
+
+@pytest.fixture
+def peer() -> Iterator[Peer]:
+    peer = Peer()
+    yield peer
+    peer.close()
+
+
+def test_far_wall_is_a_warning_in_log_and_diagnostics_until_set_location(
+    tmp_path: Path, peer: Peer
+) -> None:
+    with node_process(tmp_path, 'estimator_node', diagnostics_rate=10.0) as node:
+        peer.meet()
+        peer.feed(moved(FAR, peer.begin_ns + 10**9))
+        peer.diagnosed(
+            lambda status, _: status.level == DiagnosticStatus.WARN
+            and status.message.startswith('contact began 400 mm inside the wall'), 'a far wall')
+        assert peer.statuses()[-1].startswith('frozen: contact began 400 mm inside the wall')
+        assert peer.trigger('set_location').success
+        assert peer.get(['environment.location']) == {
+            'environment.location': FAR[-1].position}
+        peer.diagnosed(lambda status, _: 'contact began' not in status.message, 'no far wall')
+        late: list[str] = []
+        peer.node.create_subscription(
+            String, 'estimator_node/status', lambda message: late.append(message.data), LATCHED)
+        peer.spin_until(lambda: late, 'the status for a late subscriber')
+        node.signal(signal.SIGINT)
+        log = node.end().stderr
+    assert '[INFO]' in log and 'force from /wrench, motion from /joint_states' in log
+    assert '[WARN]' in log and 'contact began 400 mm inside the wall' in log
+    assert 'changed environment.location' in log
+
+
+def test_node_of_another_name_and_namespace_reads_the_shipped_file(tmp_path: Path) -> None:
+    source = Path(__file__).resolve().parent.parent / 'config' / 'estimator_node.yaml'
+    file = tmp_path / 'estimator.yaml'
+    file.write_text(source.read_text().replace('estimator: rls_adaptive', 'estimator: kalman'))
+    listener = Listener()
+    listener.listen('diagnostics', DiagnosticArray, '/diagnostics')
+    arguments = ('estimator_node', *NAMES, '--params-file', str(file), '-p', 'hardware_id:=ft300')
+    with ModuleProcess(tmp_path / 'log', 'ros.executables', *arguments):
+        heard = listener.heard['diagnostics']
+        listener.spin_until(lambda: heard, 'a report')
+        status = list(heard.values())[-1].status[0]
+        wait_until(lambda: 'estimator kalman' in (tmp_path / 'log/stderr.txt').read_text(),
+                   'the log')
+    listener.close()
+    assert status.name == '/left/stiffness: contact estimation'
+    assert status.hardware_id == 'ft300'
+    assert status.level == DiagnosticStatus.ERROR  # nothing comes
+
+
+def test_quality_of_service_can_be_overridden(tmp_path: Path, peer: Peer) -> None:
+    name = 'qos_overrides./wrench.subscription.reliability'
+    with ModuleProcess(tmp_path, 'ros.executables', 'estimator_node', '--ros-args', '-p',
+                       f'{name}:=reliable'):
+        peer.spin_until(
+            lambda: [info.qos_profile.reliability.name
+                     for info in peer.node.get_subscriptions_info_by_topic('/wrench')]
+            == ['RELIABLE'], 'a reliable subscription')
+
+
+MISFITS: list[tuple[str, dict[str, Any], Any, Any]] = [
+    ('stamps are zero', {}, lambda k: wrench(0, 1.0), lambda k: joint_state(k, 0.0, 0.0)),
+    ("joint 'elbow' is not in the message", {'joint': 'elbow'},
+     lambda k: wrench(k, 1.0), lambda k: joint_state(k, 0.0, 0.0)),
+    ("expected 'tool', got 'base'", {'frame_id': 'tool'},
+     lambda k: wrench(k, 1.0, 'base'), lambda k: joint_state(k, 0.0, 0.0)),
+    ('s behind the wrench', {},
+     lambda k: wrench(k + 3 * 10**9, 1.0), lambda k: joint_state(k, 0.0, 0.0)),
+]
+
+
+@pytest.mark.parametrize('text, parameters, make_wrench, make_joint', MISFITS,
+                         ids=[m[0] for m in MISFITS])
+def test_headline_says_why_no_sample_can_be_used(
+    tmp_path: Path, peer: Peer, text: str, parameters: dict[str, Any], make_wrench: Any,
+    make_joint: Any,
+) -> None:
+    with node_process(tmp_path, 'estimator_node', diagnostics_rate=10.0, **parameters):
+        stamps = iter(range(10**15, 2 * 10**15, 2_000_000))
+
+        def told() -> bool:
+            stamp = next(stamps)
+            peer.joints.publish(make_joint(stamp))
+            peer.wrenches.publish(make_wrench(stamp))
+            return any(text in status.message for message in peer.heard['diagnostics'].values()
+                       for status in message.status)
+
+        peer.spin_until(told, f'a headline with {text}')

@@ -1,0 +1,58 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The target of an arm keeps within its lead and its box."""
+
+from __future__ import annotations
+
+from math import nan, sqrt
+
+from contact_estimation.estimation.parameters import EstimationParameters
+from contact_estimation.estimation.target_pose import check_target_pose
+from contact_estimation.exceptions import ParameterRangeError
+from contact_estimation.parameters.values import build
+from contact_estimation.reference.limits import PoseLimits, step_along
+import pytest
+
+ARM = {'kinematics.base': 'base_link', 'kinematics.tip': 'tool', 'contact.normal': [0, 0, -1]}
+DOWN = (0.0, 0.0, -1.0)
+BOX = PoseLimits(lead=0.05, lower=(-1.0, -1.0, 0.1), upper=(1.0, 1.0, 0.5))
+
+
+@pytest.mark.parametrize('position, step, expected', [
+    ((0.0, 0.0, 0.3), 0.02, 0.02),
+    ((0.0, 0.0, 0.3), 0.20, 0.05),  # the lead
+    ((0.0, 0.0, 0.3), -0.20, -0.05),
+    ((0.0, 0.0, 0.12), 0.04, 0.02),  # the floor of the box
+    ((0.0, 0.0, 0.08), 0.04, -0.02),  # back into it
+    ((0.0, 0.0, 0.0), 0.04, None),  # further out than the lead
+    ((0.0, 1.5, 0.3), 0.01, None),  # beside it
+    ((0.0, 0.0, 0.3), nan, None),
+])
+def test_steps_stay_within_lead_and_box(
+    position: tuple[float, ...], step: float, expected: float | None
+) -> None:
+    assert step_along(position, DOWN, step, BOX) == (
+        None if expected is None else pytest.approx(expected))
+
+
+def test_the_nearest_side_of_the_box_counts_along_an_oblique_normal() -> None:
+    normal = (sqrt(0.5), 0.0, -sqrt(0.5))
+    assert step_along((0.99, 0.0, 0.4), normal, 0.05, BOX) == pytest.approx(0.01 * sqrt(2.0))
+
+
+def test_a_target_along_a_normal_that_turns_with_the_tool_is_refused() -> None:
+    check_target_pose(build(EstimationParameters, ARM))
+    with pytest.raises(ParameterRangeError, match='needs contact.normal_frame base'):
+        check_target_pose(build(EstimationParameters, {**ARM, 'contact.normal_frame': 'tip'}))
