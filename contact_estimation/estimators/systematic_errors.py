@@ -130,7 +130,7 @@ class SystematicErrors:
     def judge(
         self, blocks: Sequence[Window], noise_variance: float, known_variance: float,
         position_noise: float, location_std: float, estimator: OnlineEstimator,
-        new_rows: int = 0,
+        new_rows: int = 0, found_std: float = 0.0,
     ) -> None:
         """
         Compare an estimator with the last window.
@@ -146,11 +146,14 @@ class SystematicErrors:
         position_noise : float
             Standard deviation of the position [m].
         location_std : float
-            Standard deviation of x_e before this window, as configured or found [m].
+            Standard deviation of x_e as configured [m].
         estimator : OnlineEstimator
             The estimator.
         new_rows : int
             Number of rows since the last call; 0: all of the window.
+        found_std : float
+            Standard deviation of a shift of x_e that has been found, which contains what a lag
+            feigns and does not average out; 0: none has been [m].
 
         """
         fits = fit_window(blocks, noise_variance, estimator)
@@ -175,7 +178,7 @@ class SystematicErrors:
         widest = _WIDEST * max(estimator.damping, UNKNOWN_DAMPING_S * estimator.stiffness)
         of_B = min(of_B, widest * widest)  # a tool at rest shows no damping
         K_error = max(K_error, per_shift * per_shift * shift_variance)
-        K_error += of_K + K_lag * K_lag
+        K_error += of_K + K_lag * K_lag + _square(per_shift * found_std)
         (K_factor, B_factor), (K, B) = self._correlations[0], self._now
         self._now = (_Error(max(K_factor, 1.0), K_error, K.share),
                      _Error(max(B_factor, 1.0), B_error + of_B, B.share))
