@@ -215,7 +215,8 @@ class Supervision:
         self.errors.judge(
             self.monitor.sums.blocks, self.noise.variance,
             force_variance + (K * position_noise) * (K * position_noise), position_noise,
-            self.tracker.surface.std, self._estimator, self._judged_rows - self._errors_rows,
+            self._p.environment.location_std, self._estimator,
+            self._judged_rows - self._errors_rows, self.tracker.surface.shift_std,
         )
         self._errors_rows = self._judged_rows
 

@@ -58,11 +58,6 @@ class SurfaceSearch:
         self.shift = self.shift_std = 0.0
         self.touch_down()
 
-    @property
-    def std(self) -> float:
-        """Standard deviation of where the surface is: as found, else as configured [m]."""
-        return self.shift_std or self.prior_std
-
     def touch_down(self) -> None:
         """Start with a new contact; the shift stays."""
         self._found_std = 0.0

@@ -34,7 +34,7 @@ from numpy.typing import NDArray
 from .surface_search import SurfaceSearch
 from ..estimators.estimator import OnlineEstimator, UNKNOWN_DAMPING_S
 from ..estimators.row_sums import RowSums, Window
-from ..estimators.wall_fit import fit_wall, misfit, Wall, WallFit
+from ..estimators.wall_fit import fit_first_contact, misfit, Wall, WallFit
 from ..parameters.specification import parameter, ParameterGroup
 from ..signals.relations import Row
 
@@ -103,8 +103,7 @@ class WallTracker:
         timing_std: float,
     ) -> None:
         self.surface = SurfaceSearch(location_std, timing_std)
-        self._contact_s = self._variance = 0.0
-        self._found = 0.0  # misfit of the rows of the last call of `may_wait`
+        self._contact_s = self._variance = self._found = 0.0
         self._notable = _NOTABLE
         self._since = _JUDGEMENTS  # judgements since the last restart
         self._noises: deque[float] = deque(maxlen=_JUDGEMENTS)
@@ -135,8 +134,9 @@ class WallTracker:
         """
         self._contact_s = 0.0
         self.surface.touch_down()
-        linear = estimator.linearisation() is None
-        if linear and estimator.may_restart:  # the exponent couples depths: it must not be free
+        if estimator.linearisation():  # the exponent couples depths: all of the law or nothing
+            _reopen(estimator, max(self._p.carried_std, _UNKNOWN))
+        elif estimator.may_restart:
             _reopen(estimator, self._p.carried_std)
 
     def may_wait(self, rows: Sequence[Row], estimator: OnlineEstimator) -> bool:
@@ -159,7 +159,7 @@ class WallTracker:
         for y, f_K, f_B, f_c, f_M in rows:
             error = y - K * f_K - B * f_B - c * f_c - M * f_M
             found += error * error
-        before, self._found = self._found, found
+        before, self._found = self._found, found  # of the rows of the last call
         return before + found < _SIGNIFICANT * self._variance
 
     def follow(
@@ -199,7 +199,7 @@ class WallTracker:
         self._since += 1
         elapsed_s, self._contact_s = contact_s - self._contact_s, contact_s
         self._notable += (_NOTABLE - self._notable) * (1.0 - exp(-elapsed_s / _CALMING_S))
-        fit = _fit(window.products, wall, variance)
+        fit = fit_first_contact(window.products, wall, variance)
         linear = estimator.linearisation() is None
         if not linear:
             self.surface.note_explained()  # by the exponent
@@ -210,7 +210,7 @@ class WallTracker:
             self._notable *= _ESCALATION
             sums.keep_recent()
             window, change = sums.window(), Change.WALL
-            fit = _fit(window.products, wall, variance) or fit
+            fit = fit_first_contact(window.products, wall, variance) or fit
         shift = self.surface.look(window, estimator, fit, known)
         if shift != 0.0:
             sums.shift(shift)
@@ -257,7 +257,7 @@ class WallTracker:
         found = misfit(products, wall)
         if found < _SIGNIFICANT * variance:
             return 0.0
-        fit = _fit(products, wall, variance)
+        fit = fit_first_contact(products, wall, variance)
         if fit is None:
             return 0.0
         gain = found - fit.left
@@ -286,16 +286,6 @@ def _wall(estimator: OnlineEstimator) -> Wall:
     """Return the wall that an estimator holds."""
     K, B, _, _, shift, inertia = estimator.current()
     return Wall(K, B, -K * shift, inertia if inertia == inertia else 0.0)
-
-
-def _fit(products: NDArray[np.float64], wall: Wall, variance: float) -> WallFit | None:
-    """Fit a wall whose damping and mass are as uncertain as those of a first contact."""
-    KK = float(products[1, 1])
-    secant = float(products[0, 1]) / KK if KK > 0.0 else 0.0
-    scale = max(wall.stiffness, secant, 1e-9)
-    damping_std = max(wall.damping, UNKNOWN_DAMPING_S * scale)
-    inertia_std = UNKNOWN_DAMPING_S**2 * scale
-    return fit_wall(products, wall, variance / damping_std**2, variance / inertia_std**2)
 
 
 def _spread(stiffness: float, damping: float, share: float) -> tuple[float, float]:

@@ -16,7 +16,7 @@
 
 from __future__ import annotations
 
-from math import inf, isfinite, nan, sqrt
+from math import isfinite, nan, sqrt
 from typing import NamedTuple, Sequence
 
 from .estimator import Frozen, OnlineEstimator, ParameterEstimate, UNKNOWN_DAMPING_S
@@ -42,12 +42,6 @@ def _by_shift(blocks: Sequence[Window]) -> float:
 def _count(blocks: Sequence[Window]) -> float:
     """Return the number of rows."""
     return sum(float(block.products[_LOCATION, _LOCATION]) for block in blocks)
-
-
-def _mean_depth(blocks: Sequence[Window]) -> float:
-    """Return the mean of phi_K [m]."""
-    first = sum(float(block.products[1, _LOCATION]) for block in blocks)
-    return first / max(_count(blocks), 1e-9)
 
 
 def _depth_spread(blocks: Sequence[Window]) -> float:
@@ -96,7 +90,7 @@ class SystematicErrors:
         self.timing_std = timing_std
         self._correlations = [[1.0, 1.0] for _ in range(3)]  # by fit
         self._spread = 0.0
-        self.forget_surface()
+        self._shift = self._information = 0.0
         self._now = _Error(1.0, 0.0, 0.0), _Error(1.0, 0.0, 0.0)
         self.forget_updates()
 
@@ -136,7 +130,7 @@ class SystematicErrors:
     def judge(
         self, blocks: Sequence[Window], noise_variance: float, known_variance: float,
         position_noise: float, location_std: float, estimator: OnlineEstimator,
-        new_rows: int = 0,
+        new_rows: int = 0, found_std: float = 0.0,
     ) -> None:
         """
         Compare an estimator with the last window.
@@ -152,11 +146,14 @@ class SystematicErrors:
         position_noise : float
             Standard deviation of the position [m].
         location_std : float
-            Standard deviation of x_e before this window, as configured or found [m].
+            Standard deviation of x_e as configured [m].
         estimator : OnlineEstimator
             The estimator.
         new_rows : int
             Number of rows since the last call; 0: all of the window.
+        found_std : float
+            Standard deviation of a shift of x_e that has been found, which contains what a lag
+            feigns and does not average out; 0: none has been [m].
 
         """
         fits = fit_window(blocks, noise_variance, estimator)
@@ -169,8 +166,8 @@ class SystematicErrors:
         K_lag = lag * fits.mean.by_acceleration
         self._note_correlations(fits, noise_variance)
         shift_variance = self._shift_variance(
-            fits.located, noise_variance, location_std, lag * _mean_depth(blocks),
-            min((new_rows or inf) / max(_count(blocks), 1.0), 1.0))
+            fits.located, noise_variance, location_std,
+            new_rows / max(_count(blocks), 1.0) or 1.0)
         per_shift = estimator.stiffness * _by_shift(blocks)
         K_error, B_error = self._differences(fits, noise_variance, rate_noise, lag, estimator)
         of_K, of_B = (excess * variance for variance in fits.mean.variances)
@@ -181,7 +178,7 @@ class SystematicErrors:
         widest = _WIDEST * max(estimator.damping, UNKNOWN_DAMPING_S * estimator.stiffness)
         of_B = min(of_B, widest * widest)  # a tool at rest shows no damping
         K_error = max(K_error, per_shift * per_shift * shift_variance)
-        K_error += of_K + K_lag * K_lag
+        K_error += of_K + K_lag * K_lag + _square(per_shift * found_std)
         (K_factor, B_factor), (K, B) = self._correlations[0], self._now
         self._now = (_Error(max(K_factor, 1.0), K_error, K.share),
                      _Error(max(B_factor, 1.0), B_error + of_B, B.share))
@@ -195,34 +192,30 @@ class SystematicErrors:
                     correlation[k] += _SMOOTHING * (fit.scatter[k] / white - correlation[k])
 
     def _shift_variance(
-        self, located: WindowFit | None, noise_variance: float, prior_std: float,
-        lag_times_depth: float, new: float,
+        self, located: WindowFit | None, noise_variance: float, prior_std: float, new: float
     ) -> float:
         """
         Return the mean square of the distance of the surface from where it is supposed [m^2].
 
         That of the posterior: the shift that the contact has shown so far is either too small to
-        be moved to, or not certain. A lag feigns one, since it changes the slope of force over
-        position, and does not average out.
+        be moved to, or not certain. A lag feigns one, which then counts as well.
 
         """
         if located is None or prior_std == 0.0:
             return 0.0
         K, prior = max(located.values[0], 1e-9), prior_std * prior_std
         white = noise_variance * max(self._correlations[2][0], 1.0) * located.offset_variance
-        told = new * K * K / max(white, 1e-300)  # information of the rows not seen before
-        self._shift_information = information = self._shift_information + told
-        share = told / max(information, 1e-300)
-        self._shift += share * (-located.offset / K - self._shift)
-        feigned = lag_times_depth * located.by_acceleration / K
-        self._feigned += share * (feigned - self._feigned)
-        seen = 1.0 / max(information, 1e-300) + _square(self._feigned)
+        told = min(new, 1.0) * K * K / max(white, 1e-300)  # information of rows not seen before
+        self._information += told
+        self._shift += (
+            -located.offset / K - self._shift) * told / max(self._information, 1e-300)
+        seen = 1.0 / max(self._information, 1e-300)
         kept = prior / (prior + seen)
         return _square(kept * self._shift) + kept * seen
 
     def forget_surface(self) -> None:
         """Forget where the contact has shown its surface, as at a new one."""
-        self._shift = self._feigned = self._shift_information = 0.0
+        self._shift = self._information = 0.0
 
     def _differences(
         self, fits: WindowFits, noise_variance: float, rate_noise: float, lag: float,

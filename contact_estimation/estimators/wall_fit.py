@@ -21,6 +21,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from .estimator import UNKNOWN_DAMPING_S
+
 _SMALLEST = 1e-12  # relative square of a column below which it depends on the others
 
 
@@ -127,6 +129,36 @@ def fit_wall(
         wall(c), max(left - gained + o * (fitted - c) ** 2, 0.0), wall(fitted),
         max(left - gained, 0.0), 1.0 / k, 1.0 / BB + share_K * share_K / k, 1.0 / max(o, 1e-30),
     )
+
+
+def fit_first_contact(
+    products: NDArray[np.float64], wall: Wall, noise_variance: float
+) -> WallFit | None:
+    """
+    Fit a wall whose damping and mass are as uncertain as those of a first contact.
+
+    Parameters
+    ----------
+    products : ndarray, shape (5, 5)
+        As for `fit_wall`.
+    wall : Wall
+        Prior of B_e, and the offset.
+    noise_variance : float
+        Of the equation [N^2].
+
+    Returns
+    -------
+    fit : WallFit or None
+        As of `fit_wall`.
+
+    """
+    KK = float(products[1, 1])
+    secant = float(products[0, 1]) / KK if KK > 0.0 else 0.0
+    scale = max(wall.stiffness, secant, 1e-9)
+    damping_std = max(wall.damping, UNKNOWN_DAMPING_S * scale)
+    inertia_std = UNKNOWN_DAMPING_S**2 * scale
+    return fit_wall(
+        products, wall, noise_variance / damping_std**2, noise_variance / inertia_std**2)
 
 
 def misfit(products: NDArray[np.float64], wall: Wall) -> float:
