@@ -114,8 +114,8 @@ def test_every_exec_depend_is_a_known_rosdep_key() -> None:
 def test_package_xml_declares_every_import() -> None:
     files = [*PACKAGE.rglob('*.py'), *(ROOT / 'launch').rglob('*.py')]
     imported = set().union(*(imported_packages(file) for file in files))
-    # padasip is a peer of a benchmark, compared where it is installed.
-    imported -= {'__future__', 'padasip', PACKAGE.name, *sys.stdlib_module_names}
+    # Only benchmarks use these, where they are installed.
+    imported -= {'__future__', 'mujoco', 'padasip', PACKAGE.name, *sys.stdlib_module_names}
     assert imported <= set(ROSDEP_KEYS)
     assert {ROSDEP_KEYS[name] for name in imported} <= exec_depends()
 

@@ -27,6 +27,7 @@ from ..exceptions import RecordingError
 
 _SQLITE = b'SQLite format 3\0'
 
+
 def recording_files(path: Path) -> list[Path]:
     """
     List the files of a recording in the order in which they were written.

@@ -30,6 +30,7 @@ from ..estimation.session import ContactSession
 from ..estimators.estimator import Estimate
 
 _LATENCIES_KEPT = 2000
+_STARTING_S = 5.0  # in which the log does not complain of a sensor that starts after the node
 
 
 class EstimatorDiagnostics:
@@ -66,11 +67,13 @@ class EstimatorDiagnostics:
         self.errors = 0
         self.last_error = ''
         self._latencies_ns: deque[int] = deque(maxlen=_LATENCIES_KEPT)
+        self._arrived = False
         self._last_arrival = time.monotonic()
         self._before = (0, self._last_arrival)
 
     def arrived(self) -> None:
         """Note the arrival of a wrench."""
+        self._arrived = True
         self._last_arrival = time.monotonic()
 
     def published(self, stamp_ns: int) -> None:
@@ -146,8 +149,10 @@ class EstimatorDiagnostics:
         silent = time.monotonic() - self._last_arrival
         self.headline = '', ''
         if silent > self.silence_s:
-            self.headline = 'silence', f'no wrench for {silent:.1f} s; is the sensor running?'
-            return DiagnosticStatus.ERROR, self.headline[1]
+            text = f'no wrench for {silent:.1f} s; is the sensor running?'
+            if self._arrived or silent > _STARTING_S:
+                self.headline = 'silence', text
+            return DiagnosticStatus.ERROR, text
         if warnings:
             self.headline = warnings[0]
             return DiagnosticStatus.WARN, warnings[0][1]

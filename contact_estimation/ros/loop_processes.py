@@ -49,7 +49,7 @@ class LoopProcesses:
         self._processes = {
             name: subprocess.Popen(
                 [sys.executable, '-m', 'contact_estimation.ros.executables', name, '--ros-args',
-                 '--log-level', 'warn', '--params-file', str(parameters)],
+                 '--log-level', 'error', '--params-file', str(parameters)],
                 env=environment, start_new_session=True, stdout=subprocess.DEVNULL,
             )
             for name in ('recorder_node', 'estimator_node', 'plant_node')

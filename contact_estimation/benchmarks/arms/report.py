@@ -23,7 +23,7 @@ import numpy as np
 
 from .arm_files import ArmFiles, tool_parameters
 from .arm_models import mujoco, mujoco_model, SENSOR, TIP
-from .simulation import Run, World
+from .simulation import Run, TIMESTEP, World
 from ...estimation.replay import RecordingReplay
 from ...figures import BLUE, figure_style, GREY, INK, new_figure, ORANGE
 from ...recordings import RecordingReader
@@ -107,18 +107,19 @@ def plot_contact(
     """
     whole = tool_parameters(tool)
     rows = _estimates(files, run, recording, whole)
-    raw = _estimates(files, run, recording, {})
     figure, axes = new_figure((7.0, 5.2), rows=3, sharex=True)
-    force = raw[:, 1], rows[:, 1], np.interp(rows[:, 0], np.arange(len(run.force)) * 1e-3,
-                                             run.force)
-    for values, color, label in zip(force, (GREY, BLUE, INK), (
-            'measured, with the tool', 'compensated', 'true F_e')):
-        axes[0].plot(rows[:, 0], values, color=color, label=label,
-                     linewidth=0.8, linestyle='--' if color == INK else '-')
+    t = np.arange(len(run.force))[::_PER_PLOT] * TIMESTEP
+    for values, color, label in (
+        (files.force_along_normal(run, {}), GREY, 'measured, with the tool'),
+        (files.force_along_normal(run, whole), BLUE, 'compensated'),
+        (run.force, INK, 'true F_e'),
+    ):
+        axes[0].plot(t, values[::_PER_PLOT], color=color, label=label, linewidth=0.8,
+                     linestyle='--' if color == INK else '-')
     axes[0].set(ylabel='force along normal [N]', title=f'{files.arm.name}: three touches')
     axes[0].legend(ncols=3, loc='lower left')
     for axis, column, truth, unit in (
-        (axes[1], 2, world.K_e, 'K_e [N/m]'), (axes[2], 4, world.B_e, 'B_e [N s/m]'),
+        (axes[1], 1, world.K_e, 'K_e [N/m]'), (axes[2], 3, world.B_e, 'B_e [N s/m]'),
     ):
         value, std = rows[:, column], rows[:, column + 1]
         axis.fill_between(rows[:, 0], value - 2 * std, value + 2 * std, color=BLUE, alpha=0.2,
@@ -133,18 +134,14 @@ def plot_contact(
 def _estimates(
     files: ArmFiles, run: Run, recording: Path, tool: Mapping[str, Any]
 ) -> np.ndarray:
-    """Return t, force along the normal, K_hat, its deviation, B_hat and its deviation."""
+    """Return t, K_hat, its deviation, B_hat and its deviation, (N, 5)."""
     replay = RecordingReplay(
         RecordingReader(recording), RecordingSource(), {**files.parameters(run), **tool})
-    rows = []
-    for batch in replay.estimates():
-        for (estimate,) in batch:
-            rows.append((estimate.stamp_ns, 0.0, estimate.stiffness, estimate.stiffness_std,
-                         estimate.damping, estimate.damping_std))
-    values = np.array(rows, float)[::_PER_PLOT]
+    values = np.array([
+        (estimate.stamp_ns, estimate.stiffness, estimate.stiffness_std, estimate.damping,
+         estimate.damping_std) for batch in replay.estimates() for (estimate,) in batch
+    ], float)[::_PER_PLOT]
     values[:, 0] = (values[:, 0] - values[0, 0]) * 1e-9
-    load = files.force_along_normal(run, tool)
-    values[:, 1] = np.interp(values[:, 0], np.arange(len(load)) * 1e-3, load)
     return values
 
 

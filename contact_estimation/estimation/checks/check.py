@@ -122,7 +122,7 @@ class Evidence:
 
     @property
     def configured_noise(self) -> float:
-        """Configured standard deviation of the force [N]."""
+        """Return the configured standard deviation of the force [N]."""
         return self.parameters.contact.force_noise
 
     @cached_property
