@@ -20,7 +20,7 @@ from typing import Any, NamedTuple, Sequence
 
 from contact_estimation.estimators.estimator import Frozen
 from contact_estimation.signals.contact_sample import ContactSample
-from contact_estimation.signals.relations import COLUMNS
+from contact_estimation.signals.relations import COLUMNS, NO_GAIN
 
 FREE = Frozen(False, False)
 
@@ -59,16 +59,17 @@ def judged(
 ) -> Frozen:
     """Let the excitation monitor judge after one row, filled up with zeros."""
     scales = variance, stiffness, damping, location_std
-    monitor.add([(*row, *[0.0] * (COLUMNS - len(row)))])
-    if monitor.until_judgement == 0:
+    due = monitor.sums.wanted == 1
+    monitor.sums.add([(*row, *[0.0] * (COLUMNS - len(row)))], [NO_GAIN])
+    if due:
         monitor.judge(*scales)
+        monitor.sums.close_block()
     return monitor.frozen  # type: ignore[no-any-return]
 
 
 def decided(detector: Any, dt: float, pressing: float, inside: bool) -> bool:
     """Let the contact detector decide on one sample."""
-    detector.decide([dt], [pressing], [inside])
-    return bool(detector.contact)
+    return bool(detector.touches(dt, pressing, inside))
 
 
 def row_of(

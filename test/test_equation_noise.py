@@ -16,19 +16,13 @@
 
 from __future__ import annotations
 
-from math import isnan
-
 from contact_estimation.estimators.equation_noise import EquationNoise, residual_variance
-from contact_estimation.estimators.estimator import (
-    EnvironmentParameters,
-    Frozen,
-    ParameterEstimate,
-)
-from contact_estimation.estimators.excitation_monitor import Window
+from contact_estimation.estimators.estimator import EnvironmentParameters
 from contact_estimation.estimators.indirect_adaptive import (
     IndirectAdaptive,
     IndirectAdaptiveParameters,
 )
+from contact_estimation.estimators.row_sums import Window
 from contact_estimation.signals.butterworth import ButterworthBank
 from core_runs import contact_samples, estimates_of, pipeline_with
 import numpy as np
@@ -99,47 +93,6 @@ def noise_with(position_noise: float) -> EquationNoise:
 
 def test_position_noise_enters_times_the_stiffness() -> None:
     assert noise_with(1e-4).variance == pytest.approx(0.25 + (3000.0 * 1e-4) ** 2)
-
-
-def test_constant_position_error_weighs_on_the_stiffness() -> None:
-    noise, d = noise_with(1e-4), rows_of(500)[:, 1]
-    noise.note_update(Frozen(False, False))
-    fit = np.linalg.lstsq(d[:, None], K * (d + 1e-4), rcond=None)[0][0]
-    claimed = noise.widen(ParameterEstimate(K, B, 0.0, 0.0, 0.0, 0.0))
-    assert claimed.stiffness_std == pytest.approx(fit - K, rel=1e-9)
-
-
-def test_noise_in_the_rate_weighs_on_the_damping_as_least_squares_is_biased() -> None:
-    t = T * np.arange(5000)
-    d, v = 0.01 + 0.002 * np.sin(20.0 * t), 0.04 * np.cos(20.0 * t)
-    noisy = v + 0.02 * np.random.default_rng(5).standard_normal(5000)  # 2e-5 m of position noise
-    rows = np.column_stack([K * d + B * v, d, noisy, np.ones(5000), np.zeros(5000)])
-    biased = np.linalg.lstsq(rows[:, 1:3], rows[:, 0], rcond=None)[0][1]
-    estimator = IndirectAdaptive(IndirectAdaptiveParameters(), EnvironmentParameters(), T)
-    noise = EquationNoise()
-    window = Window(5000.0, 5000.0 * (0.02 / 2e-5) ** 2, rows.T @ rows)
-    noise.judge(window, 0.25, 2e-5, estimator)
-    noise.note_update(Frozen(False, False))
-    claimed = noise.widen(ParameterEstimate(K, biased, 0.0, 0.0, 0.0, 0.0)).damping_std
-    assert claimed == pytest.approx(B - biased, rel=0.1)
-
-
-def test_claim_stays_while_a_parameter_is_held() -> None:
-    noise = noise_with(1e-4)
-    noise.note_update(Frozen(False, False))
-    before = noise.widen(ParameterEstimate(K, B, 1.0, 1.0, 0.0, 0.0))
-    still = np.tile([48.0, 0.001, 0.0, 1.0, 0.0], (500, 1))
-    estimator = IndirectAdaptive(IndirectAdaptiveParameters(), EnvironmentParameters(), T)
-    noise.judge(Window(500.0, 5e8, still.T @ still), 0.25, 1e-4, estimator)
-    noise.note_update(Frozen(True, True))
-    assert noise.widen(ParameterEstimate(K, B, 1.0, 1.0, 0.0, 0.0)) == before
-
-
-def test_nothing_is_claimed_of_what_never_learned() -> None:
-    noise = EquationNoise()
-    noise.note_update(Frozen(False, True))
-    claimed = noise.widen(ParameterEstimate(K, B, 5.0, 5.0, 0.0, 0.0))
-    assert claimed.stiffness_std == 5.0 and isnan(claimed.damping_std)
 
 
 def test_unmodelled_friction_widens_the_claim() -> None:

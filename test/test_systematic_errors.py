@@ -23,12 +23,13 @@ from contact_estimation.estimators.estimator import (
     Frozen,
     ParameterEstimate,
 )
-from contact_estimation.estimators.excitation_monitor import Window
 from contact_estimation.estimators.indirect_adaptive import (
     IndirectAdaptive,
     IndirectAdaptiveParameters,
 )
-from contact_estimation.estimators.systematic_errors import fit_window, SystematicErrors
+from contact_estimation.estimators.row_sums import Window
+from contact_estimation.estimators.systematic_errors import SystematicErrors
+from contact_estimation.estimators.window_fit import fit_window
 from core_runs import contact_samples, estimates_of, pipeline_with
 import numpy as np
 from numpy.typing import NDArray
@@ -71,7 +72,7 @@ def claimed(
     errors.judge(blocks_of(force, d, v), noise_variance, SIGMA**2, 0.0, 0.0, estimator)
     errors.note_update(BOTH)
     now = estimator.current()._replace(stiffness_std=own_std, damping_std=own_std)
-    return errors.widen(now)
+    return errors.widen([now])[0]
 
 
 def noise(count: int = 500, seed: int = 1) -> Array:
@@ -85,8 +86,9 @@ def test_the_fit_of_the_window_is_the_batch_fit() -> None:
     expected = np.linalg.lstsq(phi, force, rcond=None)[0]
     fits = fit_window(blocks_of(force, d, v), SIGMA**2, estimator_at())
     assert fits is not None
-    assert fits[0].values == pytest.approx(tuple(expected), rel=1e-6)
-    assert fits[0].variances == pytest.approx(tuple(np.diag(np.linalg.inv(phi.T @ phi))), rel=1e-6)
+    assert fits.mean.values == pytest.approx(tuple(expected), rel=1e-6)
+    expected = tuple(np.diag(np.linalg.inv(phi.T @ phi)))
+    assert fits.mean.variances == pytest.approx(expected, rel=1e-6)
 
 
 def test_the_scatter_of_the_blocks_is_the_variance_of_repeated_fits() -> None:
@@ -100,7 +102,7 @@ def test_the_scatter_of_the_blocks_is_the_variance_of_repeated_fits() -> None:
         fitted.append(np.linalg.lstsq(phi, force, rcond=None)[0])
         fits = fit_window(blocks_of(force, d, v), SIGMA**2, estimator_at())
         assert fits is not None
-        scatter.append(fits[0].scatter)
+        scatter.append(fits.mean.scatter)
     assert np.mean(scatter, axis=0) == pytest.approx(np.var(fitted, axis=0), rel=0.25)
 
 
@@ -109,8 +111,8 @@ def test_a_trend_of_the_stiffness_is_fitted_to_the_end_of_the_window() -> None:
     rising = K * (1.0 + 0.05 * t)
     fits = fit_window(blocks_of(rising * d + B * v, d, v), SIGMA**2, estimator_at())
     assert fits is not None
-    assert fits[0].values[0] == pytest.approx(np.mean(rising), rel=2e-3)
-    assert fits[1].values[0] == pytest.approx(rising[-25], rel=2e-3)  # middle of the last block
+    assert fits.mean.values[0] == pytest.approx(np.mean(rising), rel=2e-3)
+    assert fits.end.values[0] == pytest.approx(rising[-25], rel=2e-3)  # middle of the last block
 
 
 def test_a_lag_of_the_force_weighs_on_stiffness_and_damping_as_it_biases_them() -> None:
@@ -153,7 +155,7 @@ def test_correlated_residuals_widen_by_their_long_run_variance() -> None:
         blocks = blocks_of(K * d + B * v + slow, d, v)
         errors.judge(blocks, SIGMA**2, SIGMA**2, 0.0, 0.0, estimator_at())
     errors.note_update(BOTH)
-    assert errors.widen(EXACT._replace(damping_std=1.0)).damping_std > 2.0
+    assert errors.widen([EXACT._replace(damping_std=1.0)])[0].damping_std > 2.0
 
 
 def test_a_residual_beyond_the_known_noise_does_not_average_out() -> None:
@@ -176,16 +178,16 @@ def test_errors_of_a_frozen_parameter_stay() -> None:
     blocks = blocks_of(K * d + B * v, d, v)
     errors.judge(blocks, SIGMA**2, SIGMA**2, 0.0, 0.0, estimator_at(2e3, B))
     errors.note_update(BOTH)
-    before = errors.widen(EXACT)
+    before = errors.widen([EXACT])
     blocks = blocks_of(K * d + B * v, d, v)
     errors.judge(blocks, SIGMA**2, SIGMA**2, 0.0, 0.0, estimator_at(K, B))
     errors.note_update(Frozen(True, True))
-    assert errors.widen(EXACT) == before != EXACT
+    assert errors.widen([EXACT]) == before != [EXACT]
 
 
-def test_what_is_not_known_stays_unknown() -> None:
-    got = SystematicErrors(1e-3).widen(EXACT._replace(damping_std=float('nan')))
-    assert isnan(got.damping_std)
+def test_what_was_never_updated_has_no_deviation() -> None:
+    got = SystematicErrors(1e-3).widen([EXACT])[0]
+    assert isnan(got.stiffness_std) and isnan(got.damping_std)
 
 
 def test_rows_at_rest_claim_nothing() -> None:
@@ -194,7 +196,55 @@ def test_rows_at_rest_claim_nothing() -> None:
     blocks = blocks_of(K * at_rest, at_rest, np.zeros(500))
     errors.judge(blocks, SIGMA**2, SIGMA**2, 0.0, 0.0, estimator_at(2e3, B))
     errors.note_update(BOTH)
-    assert errors.widen(EXACT) == EXACT
+    assert errors.widen([EXACT]) == [EXACT]
+
+
+def window_of(rows: Array, rate_noise: float = 0.0) -> Window:
+    """Return the sums over rows (y, d, v, 1, 0)."""
+    return Window(float(len(rows)), rate_noise, rows.T @ rows)
+
+
+def rows_of(d: Array, v: Array) -> Array:
+    return np.column_stack([K * d + B * v, d, v, np.ones_like(d), np.zeros_like(d)])
+
+
+def test_constant_position_error_weighs_on_the_stiffness() -> None:
+    errors, (_, d, v) = SystematicErrors(0.0), motion()
+    errors.judge_position(window_of(rows_of(d, v)), 1e-4, estimator_at())
+    errors.note_update(BOTH)
+    fit = np.linalg.lstsq(d[:, None], K * (d + 1e-4), rcond=None)[0][0]
+    assert errors.widen([EXACT])[0].stiffness_std == pytest.approx(fit - K, rel=1e-9)
+
+
+def test_noise_in_the_rate_weighs_on_the_damping_as_least_squares_is_biased() -> None:
+    _, d, v = motion(5000)
+    noisy = v + 0.02 * np.random.default_rng(5).standard_normal(5000)  # 2e-5 m of position noise
+    rows = rows_of(d, v)
+    rows[:, 2] = noisy
+    biased = np.linalg.lstsq(rows[:, 1:3], rows[:, 0], rcond=None)[0][1]
+    errors = SystematicErrors(0.0)
+    errors.judge_position(window_of(rows, 5000.0 * (0.02 / 2e-5) ** 2), 2e-5, estimator_at())
+    errors.note_update(BOTH)
+    got = errors.widen([EXACT._replace(damping=biased)])[0]
+    assert got.damping_std == pytest.approx(B - biased, rel=0.1)
+
+
+def test_deviation_of_what_is_frozen_stays() -> None:
+    errors, (_, d, v) = SystematicErrors(0.0), motion()
+    errors.judge_position(window_of(rows_of(d, v)), 1e-4, estimator_at())
+    errors.note_update(BOTH)
+    before = errors.widen([EXACT])
+    still = rows_of(np.full(500, 0.001), np.zeros(500))
+    errors.judge_position(window_of(still, 5e8), 1e-4, estimator_at())
+    errors.note_update(Frozen(True, True))
+    assert errors.widen([EXACT]) == before
+
+
+def test_nothing_is_claimed_of_what_never_learned() -> None:
+    errors = SystematicErrors(0.0)
+    errors.note_update(Frozen(False, True))
+    got = errors.widen([EXACT._replace(stiffness_std=5.0)])[0]
+    assert got.stiffness_std == 5.0 and isnan(got.damping_std)
 
 
 @pytest.mark.parametrize('estimator', ['kalman', 'rls', 'indirect_adaptive'])

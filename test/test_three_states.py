@@ -31,7 +31,7 @@ def random_covariance(seed: int) -> tuple[NDArray[np.float64], Covariance]:
     """Draw a positive definite matrix."""
     root = np.random.default_rng(seed).standard_normal((3, 3))
     P = root @ root.T
-    return P, Covariance(*P[UPPER].tolist())
+    return P, tuple(P[UPPER].tolist())
 
 
 @pytest.mark.parametrize('free', list(product([True, False], repeat=3)))

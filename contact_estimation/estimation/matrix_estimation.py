@@ -42,14 +42,17 @@ class MatrixEstimation:
     ----------
     last : MatrixEstimate or None
         The last estimate.
+    runs : bool
+        Whether the parameters name a matrix estimator.
 
     """
 
     def __init__(self, parameters: EstimationParameters) -> None:
         self.last: MatrixEstimate | None = None
+        self.runs = parameters.matrix_estimator in MATRIX_ESTIMATORS
         self._new: deque[MatrixEstimate] = deque(maxlen=_MOST_WAITING)
         self._estimator: Any = None
-        if parameters.matrix_estimator in MATRIX_ESTIMATORS:
+        if self.runs:
             self._estimator = MATRIX_ESTIMATORS[parameters.matrix_estimator](
                 parameters.stiffness_matrix, 1.0 / parameters.sample_rate)
             self._order = [list(parameters.joints).index(axis) for axis in 'xyz']
@@ -78,7 +81,7 @@ class MatrixEstimation:
             Of the same samples.
 
         """
-        if not self._estimator:
+        if not self.runs:
             return
         ordered = [tuple(axes[k] for k in self._order) for axes in run]
         contact = [axes[0].status is not EstimateStatus.FREE for axes in estimates]

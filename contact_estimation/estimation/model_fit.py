@@ -30,7 +30,7 @@ from ..signals.contact_sample import ContactSample
 from ..signals.relations import NoiseGain, Row
 
 _WINDOW_S = 2.0
-_JUDGED_EVERY_S = 0.2
+_JUDGED_EVERY_S = 0.4
 _LEAST_ROWS = 60  # of a judged window
 _SETTLING_S = 0.05  # after touch-down: the sensor's lag smears the step of the force
 _LEAVING_S = 0.02  # before release: with a lag the force outlasts the contact
@@ -38,7 +38,7 @@ _NEW_WALL_S = 0.5  # free for so long, the next contact may be with another wall
 _TOLD = 2.0  # ratio from which a judgement is bad
 _ALL_CLEAR = 1.5
 _CONSECUTIVE = 2  # bad judgements before a mismatch is reported
-_ROW, _RAW, _GAINS = slice(1, 6), slice(6, 9), slice(9, 11)
+_ROW, _RAW, _GAINS, _COLUMNS = slice(1, 6), slice(6, 9), slice(9, 11), 11
 
 
 class ModelFit(NamedTuple):
@@ -92,6 +92,7 @@ class ModelFitMonitor:
         self._block = max(_LEAST_ROWS // 3, round(_JUDGED_EVERY_S / self._T))
         self._blocks = max(3, round(_WINDOW_S / self._T / self._block))
         self._hold = max(1, round(_LEAVING_S / self._T))
+        self._whole = (self._block + self._hold) * _COLUMNS
         self.reset()
 
     def reset(self) -> None:
@@ -103,8 +104,8 @@ class ModelFitMonitor:
     def restart(self) -> None:
         """Start a new window, as after a change of parameters; the last judgement stays."""
         self._past: deque[Array] = deque(maxlen=self._blocks)
-        self._pending: list[tuple[float, ...]] = []
-        self._held: deque[tuple[float, ...]] = deque()
+        self._pending: list[float] = []  # one row after the other
+        self._fresh = 0  # of the last pending rows: dropped where the contact ends with them
         self._contact_s = self._free_s = self._t = 0.0
         self._bad = 0
 
@@ -135,48 +136,76 @@ class ModelFitMonitor:
         dts, _, contact, variances, rows, gains, _ = conditioned
         if not (self._t or any(contact)):
             return [self.now.ratio] * len(samples)
-        ratios = []
-        for sample, dt, touching, variance, row, gain in zip(
-            samples, dts, contact, variances, rows, gains
-        ):
-            if not touching:
-                self._leave(dt)
-            elif self._take(dt, row, sample, gain):
-                self._judge(sample[0], variance, estimator, position_noise)
-            ratios.append(self.now.ratio)
-        return ratios
+        return [
+            self.take(sample, dt, touching, variance, row, gain, estimator, position_noise)
+            for sample, dt, touching, variance, row, gain
+            in zip(samples, dts, contact, variances, rows, gains)
+        ]
+
+    def take(
+        self, sample: ContactSample, dt: float, touching: bool, noise_variance: float,
+        row: Row | None, gain: NoiseGain, estimator: OnlineEstimator, position_noise: float,
+    ) -> float:
+        """
+        Take one sample, as `add` does many.
+
+        Parameters
+        ----------
+        sample : ContactSample
+            The sample.
+        dt, touching, noise_variance, row, gain
+            Of `Conditioned`.
+        estimator, position_noise
+            As for `add`.
+
+        Returns
+        -------
+        ratio : float
+            `ModelFit.ratio` after it.
+
+        """
+        if not touching:
+            self._leave(dt)
+        elif self._collect(dt, row, sample, gain):
+            self._judge(sample[0], noise_variance, estimator, position_noise)
+        return self.now[0]
 
     def _leave(self, dt: float) -> None:
         """Note a sample out of contact."""
         self._contact_s = 0.0
         if not self._t:
             return
-        self._held.clear()
+        if self._fresh:
+            del self._pending[-self._fresh * _COLUMNS:]
+            self._fresh = 0
         self._t += dt
         self._free_s += dt
         if self._free_s > _NEW_WALL_S:
             self.restart()
 
-    def _take(self, dt: float, row: Row | None, sample: ContactSample, gain: NoiseGain) -> bool:
-        """Take a sample in contact; return whether it completes a block."""
+    def _collect(self, dt: float, row: Row | None, sample: ContactSample, gain: NoiseGain) -> bool:
+        """Collect a sample in contact; return whether it completes a block."""
         self._free_s = 0.0
-        self._t += dt
-        self._contact_s += dt
-        if not row or self._contact_s <= _SETTLING_S:
+        self._t = t = self._t + dt
+        if self._contact_s <= _SETTLING_S:
+            self._contact_s += dt
+        if self._contact_s <= _SETTLING_S or not row:
             return False
-        _, position, velocity, force = sample
-        self._held.append((self._t, *row, force, position, velocity, *gain))
-        if len(self._held) <= self._hold:
+        pending = self._pending
+        pending += (t, *row, sample[3], sample[1], sample[2], *gain)
+        if self._fresh < self._hold:
+            self._fresh += 1
             return False
-        self._pending.append(self._held.popleft())
-        return len(self._pending) == self._block
+        return len(pending) >= self._whole
 
     def _judge(
         self, stamp_ns: int, noise_variance: float, estimator: OnlineEstimator,
         position_noise: float,
     ) -> None:
-        self._past.append(np.array(self._pending))
-        self._pending = []
+        count = self._block * _COLUMNS
+        table = np.array(self._pending[:count]).reshape(-1, _COLUMNS)
+        del self._pending[:count]
+        self._past.append(table)
         if len(self._past) * self._block < _LEAST_ROWS:
             return
         window = self._window(estimator, position_noise)
@@ -195,7 +224,6 @@ class ModelFitMonitor:
     def _window(self, estimator: OnlineEstimator, position_noise: float) -> Window:
         """Return the window with the columns of the estimator."""
         table = np.concatenate(self._past)
-        rows = table[:, _ROW]
         rows = table[:, _ROW]
         return Window(
             table[:, 0], rows, estimator.columns_of(rows), table[:, _RAW], table[:, _GAINS],

@@ -16,17 +16,16 @@
 
 from __future__ import annotations
 
-from itertools import repeat
 import math
 from math import nan
-from typing import Iterable, Sequence
+from typing import Sequence
 
 from .checks.touch_down import TouchDown
 from .model_fit import ModelFitMonitor
 from .parameters import EstimationParameters
 from .supervised_estimator import SupervisedEstimator
-from .wall_tracking import REACH
-from ..estimators.estimator import Estimate, EstimateStatus, OnlineEstimator
+from .surface_search import REACH
+from ..estimators.estimator import Estimate, EstimateStatus, OnlineEstimator, ParameterEstimate
 from ..estimators.excitation_monitor import ExcitationMonitor
 from ..physics import effects_that_are_on
 from ..physics.compensation import Compensation
@@ -70,7 +69,7 @@ class EstimationPipeline:
             p.contact, p.conditioning, p.sample_rate, self.estimator.relation
         )
         self._compensate()
-        self._set_location()
+        self._note_parameters(p.environment.location)
 
     # -- parameters -------------------------------------------------------------------------
 
@@ -102,11 +101,10 @@ class EstimationPipeline:
             )
         if repr(parameters.physics) != repr(old.physics):  # NaN is not equal to itself
             self._compensate()
-        if repr(parameters.environment.location) != repr(old.environment.location):
-            self._set_location()
+        moved = repr(parameters.environment.location) != repr(old.environment.location)
+        self._note_parameters(self._location if not moved else parameters.environment.location)
+        if moved:
             self.touch_down.trust()
-        else:
-            self._set_margin()
         self._conditioner.detector.configure(parameters.contact)
         if parameters.sample_rate != old.sample_rate:
             self.model_fit = ModelFitMonitor(parameters.sample_rate)
@@ -119,11 +117,11 @@ class EstimationPipeline:
         )
         self._conditioner.compensation = compensation if compensation.acts else None
 
-    def _set_location(self) -> None:
-        self._conditioner.location = self.parameters.environment.location
-        self._set_margin()
-
-    def _set_margin(self) -> None:
+    def _note_parameters(self, location: float) -> None:
+        p = self.parameters
+        self._location, self._position_noise = location, p.contact.position_noise
+        self._observes = self.estimator.follows_reference
+        self._conditioner.location = self._location
         # Where x_e is estimated too, its prior bounds how far outside contact is possible.
         environment = self.parameters.environment
         self._conditioner.location_margin = max(
@@ -131,7 +129,7 @@ class EstimationPipeline:
 
     def _take_location(self, location: float, std: float) -> None:
         """Use the surface that the first touch has shown, from the next sample on."""
-        self._conditioner.location = location
+        self._location = self._conditioner.location = location
         self._conditioner.configure(  # its filters hold rows of an unknown depth
             self.parameters.conditioning, self.parameters.sample_rate, self.estimator.relation)
         self._supervised.take_location(std)
@@ -144,7 +142,7 @@ class EstimationPipeline:
         self._supervised.reset()
         self._conditioner.detector.reset()
         self._conditioner.restart()
-        self._set_location()
+        self._note_parameters(self.parameters.environment.location)
         self.touch_down.reset()
         self.invalid = ''
         self.model_fit.reset()
@@ -266,32 +264,25 @@ class EstimationPipeline:
             One a sample.
 
         """
-        unknown = self.location != self.location
-        if unknown and len(samples) > 1:  # it may be taken at any of them
-            return [estimate for sample in samples
-                    for estimate in self.process((sample,), reference)]
+        if len(samples) == 1:
+            return [self._process_one(samples[0], reference)]
+        if self._location != self._location:  # it may be taken at any of them
+            return [self._process_one(sample, reference) for sample in samples]
         conditioned = self._conditioner.process(samples)
         withheld = self._withheld(samples, conditioned)
         if withheld:
             rows = [None if reason else row for reason, row in zip(withheld, conditioned.rows)]
             conditioned = conditioned._replace(rows=rows)
-        if reference.position == reference.position:
-            self._observe(samples, conditioned, reference)
+        if self._observes:
+            for sample, dt, v in zip(samples, conditioned.dts, conditioned.velocities):
+                self._observe(sample, dt, v, reference)
         states = self._supervised.process(conditioned)
         fits = self.model_fit.add(
-            samples, conditioned, self.estimator, self.parameters.contact.position_noise
-        )
-        location = self.location + self._supervised.shift
-        surfaces: Iterable[float] = repeat(location)
-        if conditioned.shifts:
-            surfaces = [location + shift for shift in conditioned.shifts]
+            samples, conditioned, self._supervised.estimator, self._position_noise)
         estimates = [
-            Estimate(sample[0], K, B, K_std, B_std, surface + shift, M, status, reason, fit)
-            for sample, surface, ((K, B, K_std, B_std, shift, M), status, reason), fit
-            in zip(samples, surfaces, states, fits)
+            self._estimate(sample[0], *state, moved, fit) for sample, state, moved, fit
+            in zip(samples, states, conditioned.shifts, fits)
         ]
-        if self.touch_down.found is not None:
-            self._take_location(*self.touch_down.found)
         if not withheld:
             return estimates
         return [_without_deviations(estimate, reason) if reason else estimate
@@ -301,30 +292,56 @@ class EstimationPipeline:
         self, samples: Sequence[ContactSample], conditioned: Conditioned
     ) -> list[str] | None:
         """Return why the estimate of each sample is withheld; None: none is."""
-        dts, contact = conditioned.dts, conditioned.contact
-        surface = self.location
+        dts, contact, surface = conditioned.dts, conditioned.contact, self._location
         if not self.invalid and self.touch_down.pass_over(
                 dts, contact, samples[-1][1] - surface):
             return None
-        depths = [sample[1] - surface for sample in samples]
-        if conditioned.shifts:
-            depths = [depth - shift for depth, shift in zip(depths, conditioned.shifts)]
+        depths = [sample[1] - surface - moved
+                  for sample, moved in zip(samples, conditioned.shifts)]
         reasons = self.touch_down.add(
-            samples, dts, contact, depths, self.bias, self.location_margin,
+            samples, dts, contact, depths, self._conditioner.bias, self.location_margin,
             conditioned.variances[0],
         )
-        if self.invalid:
-            return [self.invalid] * len(samples)
-        return reasons
+        return [self.invalid] * len(samples) if self.invalid else reasons
+
+    def _process_one(self, sample: ContactSample, reference: Reference) -> Estimate:
+        """Process a sample as it comes, live, without lists in between."""
+        dt, v, touching, variance, row, gain, moved = self._conditioner.take(sample)
+        if self._observes:
+            self._observe(sample, dt, v, reference)
+        reason = self.invalid or self.touch_down.text
+        if reason or not self.touch_down.pass_over(
+                (dt,), (touching,), sample[1] - self._location):
+            reasons = self.touch_down.add(
+                (sample,), (dt,), (touching,), (sample[1] - self._location - moved,),
+                self._conditioner.bias, self.location_margin, variance)
+            reason = self.invalid or (reasons[0] if reasons else '')
+            if reason:
+                row = None
+        supervised = self._supervised
+        state = supervised.take(dt, touching, variance, row, gain)
+        fit = self.model_fit.take(
+            sample, dt, touching, variance, row, gain, supervised.estimator,
+            self._position_noise)
+        estimate = self._estimate(sample[0], *state, moved, fit)
+        if self.touch_down.found is not None:
+            self._take_location(*self.touch_down.found)
+        return _without_deviations(estimate, reason) if reason else estimate
+
+    def _estimate(
+        self, stamp_ns: int, estimate: ParameterEstimate, status: EstimateStatus, reason: str,
+        moved: float, fit: float,
+    ) -> Estimate:
+        K, B, K_std, B_std, shift, M = estimate
+        location = self._location + self._supervised.shift + moved + shift
+        return Estimate(stamp_ns, K, B, K_std, B_std, location, M, status, reason, fit)
 
     def _observe(
-        self, samples: Sequence[ContactSample], conditioned: Conditioned, reference: Reference
+        self, sample: ContactSample, dt: float, velocity: float, reference: Reference
     ) -> None:
-        if not self.estimator.follows_reference:
-            return
-        observe, bias = self.estimator.observe, self._conditioner.bias
-        for sample, dt, velocity in zip(samples, conditioned.dts, conditioned.velocities):
-            observe(dt, sample.position, velocity, sample.force - bias, reference)
+        if reference.position == reference.position:
+            self.estimator.observe(
+                dt, sample.position, velocity, sample.force - self._conditioner.bias, reference)
 
 
 def _without_deviations(estimate: Estimate, reason: str) -> Estimate:

@@ -28,6 +28,7 @@ from ..signals.contact_sample import ContactSample
 
 _MAX_SETPOINTS = 100_000  # that no sample has reached yet; older ones are dropped beyond
 _BEFORE_ANY = -(2**63)
+_FREE = EstimateStatus.FREE  # an enumeration takes long to look up
 
 
 class ReferenceStream:
@@ -47,6 +48,7 @@ class ReferenceStream:
         self._rejected = rejected
         self._generator = ReferenceGenerator(parameters.reference_law, parameters.reference)
         self._setpoints: deque[tuple[int, Desired]] = deque(maxlen=_MAX_SETPOINTS)
+        self._resting = Desired(nan, 0.0, 0.0, nan)
         self.configure(parameters)
         self.restart()
 
@@ -68,6 +70,7 @@ class ReferenceStream:
         self._takes_location = isnan(parameters.environment.location)
         self._timeout_s = parameters.synchronisation.timeout_s
         self._default_force = parameters.force_reference
+        self._resting = Desired(self._resting.position, 0.0, 0.0, self._default_force)
         self._robot = parameters.robot
         self.period_ns = round(1e9 / parameters.sample_rate)
 
@@ -75,7 +78,7 @@ class ReferenceStream:
         """Start afresh with the next sample, as after a backward clock jump."""
         self._generator.reset()
         self._start_ns = self._last_ns = _BEFORE_ANY
-        self._resting_position = nan
+        self._resting = Desired(nan, 0.0, 0.0, self._default_force)  # until the first sample
 
     def add(self, stamp_ns: int, desired: Desired) -> None:
         """
@@ -120,25 +123,25 @@ class ReferenceStream:
             x_r with derivatives.
 
         """
-        stamp_ns, period = sample.stamp_ns, self.period_ns * 1e-9
-        if self._start_ns == _BEFORE_ANY:
+        stamp_ns, position, _, _ = sample
+        elapsed, last_ns, self._last_ns = self.period_ns * 1e-9, self._last_ns, stamp_ns
+        if last_ns == _BEFORE_ANY:
             self._start_ns = stamp_ns
-            self._generator.start(sample.position)
-        # After a gap the robot still is where the last reference left it.
-        elapsed = period
-        if self._last_ns != _BEFORE_ANY:
-            elapsed = min((stamp_ns - self._last_ns) * 1e-9, 2.0 * period)
-        self._last_ns = stamp_ns
+            self._generator.start(position)
+            self._resting = Desired(position, 0.0, 0.0, self._default_force)
+        else:  # after a gap the robot still is where the last reference left it
+            elapsed = min((stamp_ns - last_ns) * 1e-9, 2.0 * elapsed)
         target_ns = stamp_ns + self.period_ns
-        located = not isnan(estimate.location)  # no force law without x_e
-        contact = located and estimate.status is not EstimateStatus.FREE
+        desired = self._setpoint_at(target_ns) if self._setpoints else self._resting
+        _, K_hat, _, _, _, location, _, status, _, _ = estimate
+        located = location == location  # no force law without x_e
         deepest = self._deepest
         if self._takes_location and located:
-            deepest = estimate.location + self._maximum_depth
+            deepest = location + self._maximum_depth
         return self._generator.step(
-            (target_ns - self._start_ns) * 1e-9, elapsed,
-            self._setpoint_at(target_ns, sample.position), contact,
-            estimate.location, seen_by_the_robot(estimate.stiffness, self._robot),
+            (target_ns - self._start_ns) * 1e-9, elapsed, desired,
+            located and status is not _FREE, location,
+            seen_by_the_robot(K_hat, self._robot) if self._robot.compliance else K_hat,
             deepest,
         )
 
@@ -147,7 +150,7 @@ class ReferenceStream:
         """Whether a limit keeps the last reference away from what it should be."""
         return self._generator.limited
 
-    def _setpoint_at(self, stamp_ns: int, position: float) -> Desired:
+    def _setpoint_at(self, stamp_ns: int) -> Desired:
         """
         Return the newest setpoint at an instant; before any, the position of the first sample.
 
@@ -159,8 +162,7 @@ class ReferenceStream:
             setpoints.popleft()  # superseded; by stamps, so that a latency never loses one
         if setpoints and setpoints[0][0] <= stamp_ns:
             stamp, desired = setpoints[0]
-            old = (stamp_ns - stamp) * 1e-9 > self._timeout_s
-            return desired._replace(velocity=0.0, acceleration=0.0) if old else desired
-        if self._resting_position != self._resting_position:
-            self._resting_position = position
-        return Desired(self._resting_position, 0.0, 0.0, self._default_force)
+            if (stamp_ns - stamp) * 1e-9 <= self._timeout_s:
+                return desired
+            return Desired(desired.position, 0.0, 0.0, desired.force)
+        return self._resting

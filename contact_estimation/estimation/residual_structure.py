@@ -116,12 +116,14 @@ def fit(
         Size and values.
 
     """
-    K, B = least_squares(window.rows[:, 1:3], window.rows[:, 0]).tolist()
+    plain = window.rows[:, :3]
+    products = plain.T @ plain
+    K, B = _solved(products[1:, 1:], products[1:, 0], len(plain)).tolist()
     left = _residual(window, abs(K), abs(B))
     variance = _noise_variance(window, K, B, noise_variance, sample_period_s)
-    share, rate = window.gains.mean(axis=0).tolist()
+    share, rate = (window.gains.sum(axis=0) / len(plain)).tolist()
     noise = share * variance + position_noise**2 * (K * K + B * B * rate)
-    structure = max(float(np.mean(left**2)) - noise, 0.0)
+    structure = max(float(left @ left) / len(left) - noise, 0.0)
     return Residual(sqrt(1.0 + structure / variance), left)
 
 
@@ -135,23 +137,25 @@ def _residual(window: Window, K: float, B: float) -> Array:
     in the residual.
 
     """
-    y, tau, own = window.rows[:, 0], SLOWEST_SENSOR_S, window.fitted.shape[1]
+    tau, own = SLOWEST_SENSOR_S, window.fitted.shape[1]
     off = 2.0 * K * window.location_std
-    allowed = [
-        # The true B_e is at most B + K tau. A force that is early makes the mass positive.
-        (window.acceleration, -(B + K * tau) * tau, K * tau**2 + B * EARLIEST_FORCE_S),
-        (window.rows[:, 3], -off, off),
-    ]
+    # The true B_e is at most B + K tau. A force that is early makes the mass positive.
+    limits = {own + 1: (-(B + K * tau) * tau, K * tau**2 + B * EARLIEST_FORCE_S),
+              own + 2: (-off, off)}
+    y, columns = window.rows[:, 0], np.empty((len(window.t), own + 3))
+    columns[:, 0], columns[:, 1:own + 1] = y, window.fitted
+    columns[:, own + 1], columns[:, own + 2] = window.acceleration, window.rows[:, 3]
+    products = columns.T @ columns
+    b, theta, fitted = products[:, 0].copy(), np.zeros(own + 3), list(range(1, own + 3))
     while True:
-        columns = np.column_stack([window.fitted, *(column for column, _, _ in allowed)])
-        theta = least_squares(columns, y)
-        within = [min(max(value, low), high)
-                  for value, (_, low, high) in zip(theta[own:], allowed)]
-        over = [k for k, value in enumerate(within) if value != theta[own + k]]
+        theta[fitted] = _solved(products[fitted][:, fitted], b[fitted], len(y))
+        over = [k for k in fitted if k in limits and not limits[k][0] <= theta[k] <= limits[k][1]]
         if not over:
-            return np.asarray(y - columns @ theta)
-        for k in reversed(over):
-            y = y - within[k] * allowed.pop(k)[0]
+            return np.asarray(y - columns[:, 1:] @ theta[1:])
+        for k in over:
+            theta[k] = min(max(theta[k], limits[k][0]), limits[k][1])
+            b -= theta[k] * products[:, k]
+            fitted.remove(k)
 
 
 def least_squares(columns: Array, y: Array) -> Array:
@@ -171,14 +175,18 @@ def least_squares(columns: Array, y: Array) -> Array:
         Coefficients.
 
     """
-    products = columns.T @ columns  # (M, M)
-    if not (np.isfinite(products).all() and np.isfinite(y).all()):
-        return np.zeros(len(products))
-    scale = np.sqrt(products.diagonal() / len(y))
+    return _solved(columns.T @ columns, columns.T @ y, len(y))
+
+
+def _solved(products: Array, b: Array, count: int) -> Array:
+    """Solve normal equations of a number of rows; see `least_squares`."""
+    if not np.isfinite(products @ b).all():
+        return np.zeros(len(b))
+    scale = np.sqrt(products.diagonal() / count)
     scale[scale < _SMALLEST] = np.inf
-    values, vectors = np.linalg.eigh(products / np.outer(scale, scale))
-    inverse = np.divide(1.0, values, out=np.zeros_like(values), where=values > 1e-10 * values[-1])
-    theta: Array = vectors @ (inverse * (vectors.T @ (columns.T @ y / scale))) / scale
+    values, vectors = np.linalg.eigh(products / (scale[:, None] * scale))
+    values[values <= 1e-10 * values[-1]] = np.inf
+    theta: Array = vectors @ (vectors.T @ (b / scale) / values) / scale
     return theta
 
 
@@ -194,7 +202,8 @@ def _noise_variance(
 
     """
     wide_band = _wide_band_variance(window, K, B, sample_period_s)
-    force = float(np.mean(window.rows[:, 0] ** 2))
+    y = window.rows[:, 0]
+    force = float(y @ y) / len(y)
     return max(
         wide_band, min(in_free_flight, _COLOURED * wide_band), _EXACT**2 * force, _SMALLEST**2)
 

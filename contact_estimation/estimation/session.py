@@ -206,12 +206,13 @@ class ContactSession:
 
     def _process(self, samples: Sequence[AxesSample]) -> list[Result]:
         results: list[Result] = []
+        schedule = self._schedule
         for axes in samples:
             if self._synchroniser.jumped:
                 self._restart_time()
-            if self._schedule.actions or self._schedule.references:
+            if schedule.references or schedule.actions:
                 self._apply_due(axes[0].stamp_ns)
-            (estimates,) = self._estimate((axes,))
+            estimates = self._estimate((axes,))[0]
             reference_stamp_ns, reference = self.last_stamp_ns + self.stream.period_ns, None
             if self._generates:
                 reference = self.stream.step(axes[0], estimates[0])
@@ -223,14 +224,14 @@ class ContactSession:
     def _estimate(self, run: Sequence[AxesSample]) -> list[AxesEstimates]:
         """Estimate from samples between which no change takes effect."""
         self.last_stamp_ns, self.last_position, *_ = run[-1][0]
-        estimates: list[AxesEstimates] = []
-        for part in self.checks.parts(run):
-            columns = map(
-                EstimationPipeline.process, self._pipelines, zip(*part), self._followed)
-            done = list(zip(*columns))
-            self.checks.add(part, done)
+        checks, estimates = self.checks, []
+        for part in checks.parts(run):
+            done: list[AxesEstimates] = list(zip(*map(
+                EstimationPipeline.process, self._pipelines, zip(*part), self._followed)))
+            checks.add(part, done)
             estimates += done
-        self.matrix.process(run, estimates)
+        if self.matrix.runs:
+            self.matrix.process(run, estimates)
         return estimates
 
     def _apply_due(self, stamp_ns: int) -> None:

@@ -25,15 +25,18 @@ from __future__ import annotations
 from collections import deque
 from dataclasses import dataclass
 from enum import IntEnum
-from math import exp, hypot, inf, sqrt
+from math import exp, inf, sqrt
+from typing import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .surface_search import SurfaceSearch
 from ..estimators.estimator import OnlineEstimator, UNKNOWN_DAMPING_S
-from ..estimators.excitation_monitor import ExcitationMonitor, Window
+from ..estimators.row_sums import RowSums, Window
 from ..estimators.wall_fit import fit_wall, misfit, Wall, WallFit
 from ..parameters.specification import parameter, ParameterGroup
+from ..signals.relations import Row
 
 _SIGNIFICANT = 50.0  # gain of a fit over the noise variance; chi-squared of two: below 1e-10
 _EXPLAINS = 0.5  # of the misfit must be gone with the new fit: a spike is no new wall
@@ -44,21 +47,11 @@ _FOREIGN_NOTABLE = 0.15  # for another law than eq. (3)
 _DIFFERENT, _DIFFERENT_STD = 0.02, 5.0  # of the stiffness of the window: share, deviations
 _ESCALATION, _CALMING_S = 2.0, 1.0  # of the above after each, for laws other than eq. (3)
 _JUDGEMENTS = 5  # before which a change cannot have entered the noise
-_LOCATION_SIGNIFICANT = 5.0  # standard deviations of the shift
-_LOCATION_RELEVANT = 0.003  # of K_e
-_LAGS = 2.0  # standard deviations of the timing that may feign a shift
-_CHECKED = 0.02  # standard deviation of K_e by the location below which it is certain
-_UNCHECKED_S = 1.0  # of a contact, after which a location not certain is reported
-_SHARPER = 0.6  # standard deviation of a shift, relative to the last one, that refines it
+_SETTLED = 10  # judgements without a restart, after which most may wait
 _LARGEST = 1e24  # sum of squares; larger ones come from impossible parameters
-_LEAST_FREEDOM = 2.0  # of a fit with an offset
 _DETERMINED = 0.2  # relative deviation below which a fit determines B_e
 _UNKNOWN = 2.0  # share of a value that says nothing
 _WIDER = 2.0  # than a change that the estimator has to follow
-
-
-REACH = 3.0
-"""How far from its configured location a wall is looked for [standard deviations]."""
 
 
 @dataclass(frozen=True)
@@ -100,11 +93,8 @@ class WallTracker:
 
     Attributes
     ----------
-    shift : float
-        Estimated location less the configured one [m], estimated from the offset of the force
-        against position.
-    shift_std : float
-        Its standard deviation [m]; 0 while no shift has been found.
+    surface : SurfaceSearch
+        Where the surface has been found.
 
     """
 
@@ -112,9 +102,9 @@ class WallTracker:
         self, parameters: TrackingParameters, location_std: float, position_noise: float,
         timing_std: float,
     ) -> None:
-        self.shift = self.shift_std = self._found_std = 0.0
-        self._contact_s = 0.0
-        self._checked = False  # the location, in this contact
+        self.surface = SurfaceSearch(location_std, timing_std)
+        self._contact_s = self._variance = 0.0
+        self._found = 0.0  # misfit of the rows of the last call of `may_wait`
         self._notable = _NOTABLE
         self._since = _JUDGEMENTS  # judgements since the last restart
         self._noises: deque[float] = deque(maxlen=_JUDGEMENTS)
@@ -125,18 +115,13 @@ class WallTracker:
         timing_std: float,
     ) -> None:
         """Set new parameters while running; see the constructor."""
-        self._p, self._location_std = parameters, location_std
-        self._position_noise, self._timing_std = position_noise, timing_std
-
-    def doubt_location(self, std: float) -> None:
-        """Refine the location as soon as a contact shows it better than a standard deviation."""
-        self.shift_std = self._found_std = std
+        self._p, self._position_noise = parameters, position_noise
+        self.surface.prior_std, self.surface.timing_std = location_std, timing_std
 
     @property
     def location_unchecked(self) -> bool:
         """Whether a contact of some length has not shown where its surface is."""
-        return (self._p.restarts and self._location_std > 0.0 and not self._checked
-                and self._contact_s > _UNCHECKED_S)
+        return self._p.restarts and self.surface.is_unchecked(self._contact_s)
 
     def touch_down(self, estimator: OnlineEstimator) -> None:
         """
@@ -148,29 +133,52 @@ class WallTracker:
             Reopened.
 
         """
-        self._found_std = self._contact_s = 0.0
-        self._checked = False
+        self._contact_s = 0.0
+        self.surface.touch_down()
         linear = estimator.linearisation() is None
         if linear and estimator.may_restart:  # the exponent couples depths: it must not be free
             _reopen(estimator, self._p.carried_std)
 
+    def may_wait(self, rows: Sequence[Row], estimator: OnlineEstimator) -> bool:
+        """
+        Return whether nothing calls for a judgement of the estimate now.
+
+        Parameters
+        ----------
+        rows : sequence of row
+            Those since the last call.
+        estimator : OnlineEstimator
+            The estimator.
+
+        """
+        if not (self._p.restarts and estimator.may_restart):
+            return True
+        if self._since < _SETTLED:
+            return False
+        (K, B, c, M), found = _wall(estimator), 0.0
+        for y, f_K, f_B, f_c, f_M in rows:
+            error = y - K * f_K - B * f_B - c * f_c - M * f_M
+            found += error * error
+        before, self._found = self._found, found
+        return before + found < _SIGNIFICANT * self._variance
+
     def follow(
-        self, monitor: ExcitationMonitor, estimator: OnlineEstimator, noise_variance: float,
-        force_variance: float, elapsed_s: float,
+        self, sums: RowSums, estimator: OnlineEstimator, noise_variance: float,
+        force_variance: float, contact_s: float,
     ) -> Change:
         """
         Compare the last rows with the estimate.
 
         Parameters
         ----------
-        monitor : ExcitationMonitor
-            Holds the rows.
+        sums : RowSums
+            Of the rows.
         estimator : OnlineEstimator
             Is reopened where they contradict it.
         noise_variance, force_variance : float
             Of the equation and of the force [N^2].
-        elapsed_s : float
-            Contact since the last call [s].
+        contact_s : float
+            Duration of the contact [s].
 
         Returns
         -------
@@ -180,34 +188,35 @@ class WallTracker:
         """
         if not (self._p.restarts and estimator.may_restart):
             return Change.NONE
-        window, wall = monitor.window(), _wall(estimator)
+        window, wall = sums.window(), _wall(estimator)
         if not window.products.max() < _LARGEST:
             return Change.NONE
         known = force_variance + self._position_variance(window, wall)
         # The noise as it was before a change could enter it.
         variance = max(known, self._noises[0] if self._noises else noise_variance, 1e-18)
+        self._variance = variance
         self._noises.append(noise_variance)
         self._since += 1
-        self._contact_s += elapsed_s
+        elapsed_s, self._contact_s = contact_s - self._contact_s, contact_s
         self._notable += (_NOTABLE - self._notable) * (1.0 - exp(-elapsed_s / _CALMING_S))
         fit = _fit(window.products, wall, variance)
         linear = estimator.linearisation() is None
-        self._checked |= not linear  # the exponent explains an offset
-        if fit is None or not (linear or monitor.completed):  # other laws bend at touch-down
+        if not linear:
+            self.surface.note_explained()  # by the exponent
+        if fit is None or not (linear or sums.completed):  # other laws bend at touch-down
             return Change.NONE
         change = Change.NONE
-        if self._gain(monitor, fit.offset_wall, variance) > self._notable:
+        if self._gain(sums, fit.offset_wall, variance) > self._notable:
             self._notable *= _ESCALATION
-            monitor.keep_recent()
-            window, change = monitor.window(), Change.WALL
+            sums.keep_recent()
+            window, change = sums.window(), Change.WALL
             fit = _fit(window.products, wall, variance) or fit
-        shift = self._shift_of(window, estimator, fit, known)
+        shift = self.surface.look(window, estimator, fit, known)
         if shift != 0.0:
-            self.shift += shift
-            monitor.shift(shift)
+            sums.shift(shift)
             self._restart(estimator, fit.offset_wall, fit, known)
             return Change.LOCATION
-        share = self._gain(monitor, wall, variance)
+        share = self._gain(sums, wall, variance)
         settled = self._since >= _JUDGEMENTS  # before, the estimator may be about to follow
         notable = _NOTABLE
         if not linear:  # an uncertain one follows on its own
@@ -242,9 +251,9 @@ class WallTracker:
         return self._position_noise**2 * (K * K + B * B * rate)
 
     @staticmethod
-    def _gain(monitor: ExcitationMonitor, wall: Wall, variance: float) -> float:
+    def _gain(sums: RowSums, wall: Wall, variance: float) -> float:
         """Return the relative misfit of the last rows that another wall explains; 0: none."""
-        products = monitor.recent().products
+        products = sums.recent().products
         found = misfit(products, wall)
         if found < _SIGNIFICANT * variance:
             return 0.0
@@ -254,48 +263,7 @@ class WallTracker:
         gain = found - fit.left
         if gain < _SIGNIFICANT * variance or gain < _EXPLAINS * found:
             return 0.0
-        return sqrt(gain / float(products[3, 3])) / _force(products, monitor.window().products)
-
-    def _shift_of(
-        self, window: Window, estimator: OnlineEstimator, fit: WallFit, known: float
-    ) -> float:
-        """Return how far the line of force against position meets 0 from the surface; 0: near."""
-        wall, freedom = fit.offset_wall, window.effective_samples - 3.0
-        if (self._location_std == 0.0 or wall.stiffness <= 0.0 or freedom < _LEAST_FREEDOM
-                or estimator.linearisation()):
-            return 0.0
-        shift = -wall.offset / wall.stiffness
-        variance = max(known, fit.offset_left / freedom)
-        std = sqrt(variance * fit.offset_variance) / wall.stiffness
-        own = _LOCATION_SIGNIFICANT * (estimator.location_std or 0.0)
-        refines = std < _SHARPER * self._found_std
-        moved = window.shifted(shift).products
-        per_shift = abs(float(moved[1, 3])) / max(float(moved[1, 1]), 1e-30)  # of K_e [1/m]
-        effect = abs(shift) * per_shift
-        self._checked |= std * per_shift < _CHECKED
-        apparent = _LAGS * self._apparent_shift(window.products, wall)
-        found = (fit.left - fit.offset_left > _EXPLAINS * fit.left
-                 and abs(shift) > max(_LOCATION_SIGNIFICANT * std, own) + apparent)
-        if (not (found or refines) or effect < _LOCATION_RELEVANT
-                or abs(self.shift + shift) > REACH * self._location_std):
-            return 0.0
-        self._found_std, self.shift_std = std, hypot(std, apparent / _LAGS)
-        return shift
-
-    def _apparent_shift(self, products: NDArray[np.float64], wall: Wall) -> float:
-        """
-        Return the shift that a lag of the force feigns [m].
-
-        A lag tau adds -B tau a, and by parts sum of d a = -sum of v v: the line of force against
-        position appears steeper. No shift appears where the mass is fitted.
-
-        """
-        KK, Kc, cc = (float(products[i, j]) for i, j in ((1, 1), (1, 3), (3, 3)))
-        spread = KK - Kc * Kc / cc if cc > 0.0 else 0.0
-        if products[4, 4] > 0.0 or spread <= 0.0:
-            return 0.0
-        by_lag = max(wall.damping, 0.0) * float(products[2, 2]) / spread  # of K
-        return self._timing_std * by_lag * Kc / cc / wall.stiffness
+        return sqrt(gain / float(products[3, 3])) / _force(products, sums.window().products)
 
 
 def _force(*windows: NDArray[np.float64]) -> float:

@@ -16,16 +16,13 @@
 
 from __future__ import annotations
 
-from math import nan, sqrt
-
 import numpy as np
 from numpy.typing import NDArray
 
-from .estimator import Frozen, OnlineEstimator, ParameterEstimate
-from .excitation_monitor import Window
+from .estimator import OnlineEstimator
+from .row_sums import Window
 
 _LEAST_SAMPLES = 20.0  # degrees of freedom below which the residual is not used
-_LEAST_SIGNAL = 0.1  # of the noise: keeps the bias finite where there is noise alone
 _SMALLEST = 1e-12  # relative variance below which a column depends on the others
 
 
@@ -73,7 +70,7 @@ def residual_variance(
 
 class EquationNoise:
     """
-    Present noise of the equation, and the systematic errors of the estimates.
+    Present noise of the equation.
 
     The force noise in free flight and the position noise, which a stiff wall turns into force,
     are known; the residual of the window shows the rest. The residual alone is not sufficient: a
@@ -86,39 +83,22 @@ class EquationNoise:
     prior_variance : float
         Of the force noise as configured [N^2].
 
+    Attributes
+    ----------
+    variance : float
+        Of the equation, as white noise before the filter [N^2].
+
     """
 
     def __init__(self, prior_variance: float = 0.0) -> None:
         self.variance = self._prior_variance = prior_variance
-        self._shares = 0.0, 0.0  # of the window: of K_hat by an offset, of B_hat by rate noise
-        self._offset_share = self._rate_share = 0.0  # of what has been learned
-        self.forget_updates()
-
-    def forget_updates(self) -> None:
-        """Note that a new estimator has started: no parameter has been updated yet."""
-        self._stiffness_updated = self._damping_updated = False
-
-    def note_update(self, frozen: Frozen) -> None:
-        """
-        Note which parameters are being updated.
-
-        Parameters
-        ----------
-        frozen : Frozen
-            Parameters that are not updated.
-
-        """
-        if not frozen.stiffness:
-            self._stiffness_updated, self._offset_share = True, self._shares[0]
-        if not frozen.damping:
-            self._damping_updated, self._rate_share = True, self._shares[1]
 
     def judge(
         self, window: Window, force_variance: float, position_noise: float,
         estimator: OnlineEstimator,
     ) -> None:
         """
-        Estimate the noise and the systematic errors from the rows of the window.
+        Estimate the noise from the rows of the window.
 
         Parameters
         ----------
@@ -132,45 +112,9 @@ class EquationNoise:
             The estimator that fits the equation.
 
         """
-        effective_samples, rate_noise, products = window
-        K, with_location = estimator.stiffness, bool(estimator.location_std)
-        residual = residual_variance(products, effective_samples, with_location)
+        residual = residual_variance(
+            window.products, window.effective_samples, bool(estimator.location_std))
         if residual is None:
             residual = self._prior_variance
-        self.variance = max(force_variance + (K * position_noise) ** 2, residual)
-        # d K_hat / K_hat of a reading that is off by position_noise throughout the window
-        # (quantisation at rest); where the location is estimated, this is part of its prior.
-        KK, Kc = float(products[1, 1]), float(products[1, 3])
-        offset_share = 0.0 if with_location or KK <= 0.0 else position_noise * Kc / KK
-        rate_share = 0.0
-        if estimator.biased_by_position_noise and KK > 0.0:
-            # Errors in variables: least squares divides by the power of signal and noise.
-            power = float(products[2, 2] - products[1, 2] ** 2 / KK)
-            noise = position_noise**2 * rate_noise
-            rate_share = noise / max(power - noise, _LEAST_SIGNAL * noise, 1e-30)
-        self._shares = offset_share, rate_share
-
-    def widen(self, estimate: ParameterEstimate) -> ParameterEstimate:
-        """
-        Return an estimate with systematic errors added to its standard deviations.
-
-        Parameters
-        ----------
-        estimate : ParameterEstimate
-            With the standard deviations of white equation noise.
-
-        Returns
-        -------
-        widened : ParameterEstimate
-            Includes a constant position error and the bias by noise of the differentiated
-            position; NaN for a parameter not updated yet, which still is the initial value.
-
-        """
-        K, B, K_std, B_std, shift, inertia = estimate
-        offset, bias = self._offset_share * K, self._rate_share * B
-        return ParameterEstimate(
-            K, B,
-            sqrt(K_std * K_std + offset * offset) if self._stiffness_updated else nan,
-            sqrt(B_std * B_std + bias * bias) if self._damping_updated else nan,
-            shift, inertia,
-        )
+        known = force_variance + (estimator.stiffness * position_noise) ** 2
+        self.variance = max(known, residual)

@@ -107,7 +107,7 @@ class HuntCrossley(OnlineEstimator):
             step = log(tuning.reference_depth / self._depth_0)
             (a, n, r), (aa, an, ar, nn, nr, rr) = self._x, self._P
             self._x = a + step * n, n, r
-            self._P = Covariance(
+            self._P = (
                 aa + step * (2.0 * an + step * nn), an + step * nn, ar + step * nr, nn, nr, rr
             )
             self._log_depth -= step
@@ -133,13 +133,13 @@ class HuntCrossley(OnlineEstimator):
         force = stiffness * exp(ln_d) * p.reference_depth
         self.stiffness, self.damping = stiffness, damping
         self._x = log(force) - n * ln_d, n, damping / force
-        n_std = sqrt(max(self._P.bb, 0.0))
+        n_std = sqrt(max(self._P[3], 0.0))
         share, r_std = stiffness_std / stiffness, damping_std / force
         if share > 1.0:  # nothing is known: the law of another wall may differ by a factor
             share, n_std, r_std = p.log_stiffness_std, p.exponent_std, p.dissipation_std
             self._seen_s = 0.0
         nn = n_std * n_std  # ln K at the mean penetration is independent of n
-        self._P = Covariance(
+        self._P = (
             share * share + ln_d * ln_d * nn, -ln_d * nn, 0.0, nn, 0.0, r_std * r_std
         )
         self._std = self._spread()
@@ -195,7 +195,7 @@ class HuntCrossley(OnlineEstimator):
     def _walk(self, dt: float, free: tuple[bool, bool, bool]) -> None:
         aa, an, ar, nn, nr, rr = self._P
         step = self._p.relative_walk**2 * dt
-        self._P = Covariance(
+        self._P = (
             aa + step * free[0], an, ar, nn + step * free[1], nr,
             rr + step * free[2] * max(self._x[2], 1.0) ** 2,
         )
@@ -248,7 +248,7 @@ class HuntCrossley(OnlineEstimator):
         ln_0, P = log(self._p.reference_depth), self._P
         K = exp(a - n * ln_0)
         return Law(
-            K, n, r * K, K * _std(P, 1.0, -ln_0, 0.0), sqrt(max(P.bb, 0.0)),
+            K, n, r * K, K * _std(P, 1.0, -ln_0, 0.0), sqrt(max(P[3], 0.0)),
             K * _std(P, r, -r * ln_0, 1.0),
         )
 
@@ -264,6 +264,7 @@ class HuntCrossley(OnlineEstimator):
 
 def _std(P: Covariance, a: float, b: float, c: float) -> float:
     """Return the standard deviation of the combination a x_0 + b x_1 + c x_2."""
-    variance = (a * (a * P.aa + 2.0 * (b * P.ab + c * P.ac))
-                + b * (b * P.bb + 2.0 * c * P.bc) + c * c * P.cc)
+    aa, ab, ac, bb, bc, cc = P
+    variance = (a * (a * aa + 2.0 * (b * ab + c * ac)) + b * (b * bb + 2.0 * c * bc)
+                + c * c * cc)
     return sqrt(variance) if variance > 0.0 else 0.0

@@ -112,18 +112,19 @@ class InstrumentalVariable(OnlineEstimator):
     def _add(self, row: Row, instrument: Row, frozen: Frozen) -> None:
         y, f_K, f_B = row[0], row[1], row[2]
         z_K, z_B, keep = instrument[1], instrument[2], self._keep
-        g_K, g_B = 1.0 if frozen.stiffness else keep, 1.0 if frozen.damping else keep
+        K_frozen, B_frozen = frozen
+        g_K, g_B = 1.0 if K_frozen else keep, 1.0 if B_frozen else keep
         KK, KB, BB = self._Z
         KK, KB, BB = g_K * g_K * KK, g_K * g_B * KB, g_B * g_B * BB
-        if not frozen.stiffness:
+        if not K_frozen:
             a, b, c = self._of_K
             self._of_K = keep * a + z_K * f_K, keep * b + z_K * f_B, keep * c + z_K * y
             KK += z_K * z_K
-        if not frozen.damping:
+        if not B_frozen:
             a, b, c = self._of_B
             self._of_B = keep * a + z_B * f_K, keep * b + z_B * f_B, keep * c + z_B * y
             BB += z_B * z_B
-            if not frozen.stiffness:
+            if not K_frozen:
                 KB += z_K * z_B
         self._Z = KK, KB, BB
 
@@ -151,7 +152,7 @@ class InstrumentalVariable(OnlineEstimator):
 
     def _solve_both(self, variance: float) -> bool:
         (K_0, B_0), (K_std, B_std) = self._start, self._prior_std
-        r_K, r_B = variance / K_std**2, variance / B_std**2
+        r_K, r_B = variance / (K_std * K_std), variance / (B_std * B_std)
         (a, b, y_K), (c, d, y_B) = self._of_K, self._of_B
         a, d, y_K, y_B = a + r_K, d + r_B, y_K + r_K * K_0, y_B + r_B * B_0
         determinant = a * d - b * c
@@ -160,9 +161,9 @@ class InstrumentalVariable(OnlineEstimator):
         K, B = (d * y_K - b * y_B) / determinant, (a * y_B - c * y_K) / determinant
         KK, KB, BB = self._Z
         KK, BB = KK + r_K, BB + r_B
-        scale = sqrt(variance) / determinant
-        std_K = scale * sqrt(max(d * d * KK - 2.0 * d * b * KB + b * b * BB, 0.0))
-        std_B = scale * sqrt(max(c * c * KK - 2.0 * a * c * KB + a * a * BB, 0.0))
+        scale, KB = sqrt(variance) / determinant, 2.0 * KB
+        std_K = scale * sqrt(max(d * (d * KK - b * KB) + b * b * BB, 0.0))
+        std_B = scale * sqrt(max(c * (c * KK - a * KB) + a * a * BB, 0.0))
         if B < 0.0 or std_K > _LARGEST_RELATIVE_STD * K or std_B > self._largest_std(B):
             return False
         self.stiffness, self.damping = self.within_limits(K, B)

@@ -101,30 +101,38 @@ class Kalman(OnlineEstimator):
     ) -> list[ParameterEstimate]:
         """Predict and correct for each row; see `OnlineEstimator.update`."""
         estimates = []
-        resting_speed = self._p.resting_speed
-        free = (not frozen.stiffness, not frozen.damping,
-                not frozen.stiffness and self._p.location_std > 0.0)
+        resting_speed, locates = self._p.resting_speed, self._p.location_std > 0.0
+        free = (not frozen.stiffness, not frozen.damping, not frozen.stiffness and locates)
         variance = max(noise_variance, 1e-18)
+        K_low, K_high, B_high = self.environment.limits
         for dt, row in rows:
-            if abs(row[2]) >= resting_speed:
-                self._walk(dt, free)
+            y, f_K, f_B, f_c = row[:4]
+            if abs(f_B) >= resting_speed:
                 K, B, f = x = self._x
-                H = row[1], row[2], -row[3]
-                error = row[0] - K * H[0] - B * H[1] - f * H[2]
-                self._x, self._P, _ = correct(x, self._P, H, error, variance, free)
-                self._keep_within_limits()
+                error = y - K * f_K - B * f_B + f * f_c
+                x, self._P, _ = correct(
+                    x, self._walked(dt, free), (f_K, f_B, -f_c), error, variance, free)
+                self._x = x
+                if locates or not (K_low <= x[0] <= K_high and 0.0 <= x[1] <= B_high):
+                    self._keep_within_limits()
+                else:
+                    self.stiffness, self.damping, _ = x
             estimates.append(self.current())
         return estimates
 
-    def _walk(self, dt: float, free: tuple[bool, bool, bool]) -> None:
+    def _walked(self, dt: float, free: tuple[bool, bool, bool]) -> Covariance:
+        """Return the covariance after the random walk over a time."""
         p, (aa, ab, ac, bb, bc, cc), K = self._p, self._P, self.stiffness
         if free[0]:
-            aa += (p.relative_walk * K) ** 2 * dt
+            step = p.relative_walk * K
+            aa += step * step * dt
         if free[1]:
-            bb += (p.relative_walk * max(self.damping, self.environment.initial_damping)) ** 2 * dt
+            B, least = self.damping, self.environment.initial_damping
+            step = p.relative_walk * (B if B > least else least)
+            bb += step * step * dt
         if free[2]:
             cc += (p.location_walk * K) ** 2 * dt
-        self._P = Covariance(aa, ab, ac, bb, bc, cc)
+        return aa, ab, ac, bb, bc, cc
 
     def _keep_within_limits(self) -> None:
         """Project onto the limits along the covariance, which moves the other states too."""

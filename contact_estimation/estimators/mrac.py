@@ -30,6 +30,7 @@ from ..parameters.specification import group, parameter, ParameterGroup
 from ..reference.setpoints import Reference
 
 Matrix = tuple[float, float, float, float]  # 2 x 2 by rows: numpy is slow on so few numbers
+Symmetric = tuple[float, float, float]
 _GAP_PERIODS = 2.5
 """Sample periods without a sample after which the model restarts at the arm."""
 
@@ -102,11 +103,13 @@ class ModelReferenceAdaptive(OnlineEstimator):
         """Restart; the estimates of the arm stay. See `OnlineEstimator.start_from`."""
         self.stiffness, self.damping = stiffness, damping
         self._seen_s = 0.0
-        self._R: Matrix = (0.0, 0.0, 0.0, 0.0)
+        # Upper triangles of symmetric matrices.
+        self._R: Symmetric = (0.0, 0.0, 0.0)
         self._Q = 0.0, 0.0
         # Covariances: of theta_hat, of theta_hat with the noise in Q, and of that noise.
-        self._P: Matrix = (stiffness**2, 0.0, 0.0, max(damping**2, (1e-2 * stiffness) ** 2))
-        self._C = self._N = self._R
+        self._P: Symmetric = (stiffness**2, 0.0, max(damping**2, (1e-2 * stiffness) ** 2))
+        self._N = self._R
+        self._C: Matrix = (0.0, 0.0, 0.0, 0.0)
 
     def update(
         self, rows: Sequence[TimedRow], noise_variance: float, frozen: Frozen
@@ -119,7 +122,7 @@ class ModelReferenceAdaptive(OnlineEstimator):
             keep = self._remember(dt, row[0], row[1], row[2], noise_variance)
             S = self._step_matrix(dt, *gains)
             (s_KK, s_KB, s_BK, s_BB), (q_K, q_B) = S, self._Q
-            r_KK, r_KB, _, r_BB = self._R
+            r_KK, r_KB, r_BB = self._R
             K, B = self.stiffness, self.damping
             e_K, e_B = r_KK * K + r_KB * B - q_K, r_KB * K + r_BB * B - q_B
             self.stiffness, self.damping = self.within_limits(
@@ -136,30 +139,46 @@ class ModelReferenceAdaptive(OnlineEstimator):
         self._seen_s = min(self._seen_s + dt, max(self._p.memory_s, dt))
         share = dt / self._seen_s if self._seen_s > 0.0 else 1.0
         keep, y = 1.0 - share, share * F
-        outer = f_K * f_K, f_K * f_B, f_B * f_K, f_B * f_B
-        self._R = _sum(_scaled(keep, self._R), _scaled(share, outer))
+        KK, KB, BB = f_K * f_K, f_K * f_B, f_B * f_B
+        a, b, d = self._R
+        self._R = keep * a + share * KK, keep * b + share * KB, keep * d + share * BB
         self._Q = keep * self._Q[0] + y * f_K, keep * self._Q[1] + y * f_B
-        self._N = _sum(
-            _scaled(keep * keep, self._N), _scaled(share * share * noise_variance, outer)
-        )
+        a, b, d = self._N
+        kept, new = keep * keep, share * share * noise_variance
+        self._N = kept * a + new * KK, kept * b + new * KB, kept * d + new * BB
         return keep
 
     def _step_matrix(self, dt: float, gain_K: float, gain_B: float) -> Matrix:
         """Compute (1 / dt + Gamma^-1 R)^-1 Gamma^-1: implicit Euler, stable at any gain."""
         g_K, g_B = dt * gain_K, dt * gain_B
-        r_KK, r_KB, r_BK, r_BB = self._R
-        a, b, c, d = 1.0 + g_K * r_KK, g_K * r_KB, g_B * r_BK, 1.0 + g_B * r_BB
+        r_KK, r_KB, r_BB = self._R
+        a, b, c, d = 1.0 + g_K * r_KK, g_K * r_KB, g_B * r_KB, 1.0 + g_B * r_BB
         scale = 1.0 / (a * d - b * c)
         return scale * d * g_K, -scale * b * g_B, -scale * c * g_K, scale * a * g_B
 
     def _spread(self, S: Matrix, keep: float) -> None:
-        """Pass the covariances through theta <- (I - S R) theta + S Q."""
-        a, b, c, d = _product(S, self._R)
-        A = 1.0 - a, -b, -c, 1.0 - d
-        C = _scaled(keep, self._C)
-        self._C = _sum(_product(A, C), _product(S, self._N))
-        inner = _sum(_product(self._P, _transposed(A)), _product(C, _transposed(S)))
-        self._P = _sum(_product(A, inner), _product(S, _transposed(self._C)))
+        """
+        Pass the covariances through theta <- A theta + S Q, A = I - S R.
+
+        With C = cov(theta, Q) kept from the last sample and N = cov(Q): C <- A C + S N and
+        P <- A P A^T + A C S^T + S C^T A^T + S N S^T.
+
+        """
+        (s, t, u, v), (r, q, w), (n, o, m) = S, self._R, self._N
+        a, b, c, d = 1.0 - s * r - t * q, -s * q - t * w, -u * r - v * q, 1.0 - u * q - v * w
+        e, f, g, h = self._C
+        e, f, g, h = keep * e, keep * f, keep * g, keep * h
+        # A C, then with S N
+        i, j, k, z = a * e + b * g, a * f + b * h, c * e + d * g, c * f + d * h
+        i, j = i + s * n + t * o, j + s * o + t * m
+        k, z = k + u * n + v * o, z + u * o + v * m
+        self._C = i, j, k, z
+        p, x, y = self._P
+        # P A^T + C S^T, then A times it, with S times the new C^T
+        aa, ab = p * a + x * b + e * s + f * t, p * c + x * d + e * u + f * v
+        ba, bb = x * a + y * b + g * s + h * t, x * c + y * d + g * u + h * v
+        self._P = (a * aa + b * ba + s * i + t * j, a * ab + b * bb + s * k + t * z,
+                   c * ab + d * bb + u * k + v * z)
 
     @property
     def limitation(self) -> str:
@@ -172,22 +191,7 @@ class ModelReferenceAdaptive(OnlineEstimator):
 
     def current(self) -> ParameterEstimate:
         """Return the present estimate; see `OnlineEstimator.current`."""
-        K_std, B_std = sqrt(max(self._P[0], 0.0)), sqrt(max(self._P[3], 0.0))
-        return ParameterEstimate(self.stiffness, self.damping, K_std, B_std, 0.0, nan)
-
-
-def _sum(a: Matrix, b: Matrix) -> Matrix:
-    return a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3]
-
-
-def _scaled(factor: float, a: Matrix) -> Matrix:
-    return factor * a[0], factor * a[1], factor * a[2], factor * a[3]
-
-
-def _transposed(a: Matrix) -> Matrix:
-    return a[0], a[2], a[1], a[3]
-
-
-def _product(a: Matrix, b: Matrix) -> Matrix:
-    return (a[0] * b[0] + a[1] * b[2], a[0] * b[1] + a[1] * b[3],
-            a[2] * b[0] + a[3] * b[2], a[2] * b[1] + a[3] * b[3])
+        K_variance, _, B_variance = self._P
+        return ParameterEstimate(
+            self.stiffness, self.damping, sqrt(max(K_variance, 0.0)),
+            sqrt(max(B_variance, 0.0)), 0.0, nan)

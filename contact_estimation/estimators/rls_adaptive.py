@@ -21,7 +21,7 @@ from math import exp, nan, sqrt
 from typing import Sequence
 
 from .estimator import Frozen, OnlineEstimator, ParameterEstimate, TimedRow
-from .three_states import constrain, correct, Covariance, diagonal, State
+from .three_states import constrain, correct, diagonal, State
 from ..parameters.specification import parameter, ParameterGroup
 from ..signals.relations import Row, TustinRelation
 
@@ -114,8 +114,8 @@ class AdaptiveLeastSquares(OnlineEstimator):
 
     def _update(self, row: Row, variance: float, free: Free) -> None:
         K, B, M = self._x
-        H = row[1], row[2], row[4]
-        error = row[0] - K * H[0] - B * H[1] - M * H[2]
+        H = f_K, f_B, f_M = row[1], row[2], row[4]
+        error = row[0] - K * f_K - B * f_B - M * f_M
         self._x, self._P, expected = correct(self._x, self._P, H, error, variance, free)
         self._keep_within_limits()
         surprise = error * error / (expected * self._p.memory_samples)
@@ -125,12 +125,13 @@ class AdaptiveLeastSquares(OnlineEstimator):
         """Scale P on both sides with factors >= 1, which keeps it positive definite."""
         KK, KB, KM, BB, BM, MM = self._P
         share, growth = self._p.maximum_relative_std, 1.0 / sqrt(factor)
-        known_K = KK < (share * self.stiffness) ** 2
-        known_B = BB < (share * max(self.damping, self.environment.initial_damping)) ** 2
+        limit_K = share * self.stiffness
+        limit_B = share * max(self.damping, self.environment.initial_damping)
+        known_K, known_B = KK < limit_K * limit_K, BB < limit_B * limit_B
         g_K = growth if free[0] and known_K else 1.0
         g_B = growth if free[1] and known_B else 1.0
         g_M = growth if free[2] and known_K and known_B else 1.0
-        self._P = Covariance(
+        self._P = (
             KK * g_K * g_K, KB * g_K * g_B, KM * g_K * g_M, BB * g_B * g_B, BM * g_B * g_M,
             MM * g_M * g_M,
         )
@@ -139,10 +140,12 @@ class AdaptiveLeastSquares(OnlineEstimator):
         """Project onto a limit along the covariance, so that the others move consistently."""
         K_low, K_high, B_high = self.environment.limits
         K, B, _ = self._x
-        if not (K_low <= K <= K_high and 0.0 <= B <= B_high):
+        if K_low <= K <= K_high and 0.0 <= B <= B_high:
+            self.stiffness, self.damping = K, B
+        else:
             x = constrain(self._x, self._P, (0.0, 1.0, 0.0), 0.0, B_high)
             self._x = K, B, _ = constrain(x, self._P, (1.0, 0.0, 0.0), K_low, K_high)
-        self.stiffness, self.damping = self.within_limits(K, B)
+            self.stiffness, self.damping = self.within_limits(K, B)
 
     def current(self) -> ParameterEstimate:
         """Return the present estimate; see `OnlineEstimator.current`."""

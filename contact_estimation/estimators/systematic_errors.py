@@ -16,172 +16,38 @@
 
 from __future__ import annotations
 
-from math import isfinite, nan, sqrt
+from math import inf, isfinite, nan, sqrt
 from typing import NamedTuple, Sequence
 
-import numpy as np
-
 from .estimator import Frozen, OnlineEstimator, ParameterEstimate, UNKNOWN_DAMPING_S
-from .excitation_monitor import Window
-from ..signals.relations import TustinRelation
+from .row_sums import Window
+from .window_fit import fit_window, WindowFit, WindowFits
 
-_LEAST_BLOCKS = 2  # beyond the fitted parameters, for the scatter of the blocks
+_LOCATION = 3  # column of a row
 _SMOOTHING = 0.2  # per judgement, of the correlation: ten blocks determine it poorly
 _FADING = 0.97  # per judgement, of the spread of depths from which B was learned
 _AGREES = 3.0  # standard deviations by which estimate and window may differ
 _EXPLAINED = 2.0  # times the known noise: a larger residual is an error of the model
 _ABSORBED = 2.0  # of such an error in a regressor, relative to what is left: friction in a sine
 _WIDEST = 10.0  # standard deviation of a B_e of which nothing is known, relative to its prior
-_RIDGE = 1e-10  # relative; keeps the fit finite without motion
-_LOCATION, _MASS = 3, 4  # columns of a row
-_TREND = 5  # column of K_e times time, behind them
-_SMALLEST = 1e-24  # power of a column relative to that of phi_B, in SI units
-
-
-class WindowFit(NamedTuple):
-    """
-    Least squares over the window.
-
-    Attributes
-    ----------
-    values : tuple of float
-        K [N/m] and B [N s/m].
-    variances : tuple of float
-        Of both, for white noise of variance 1 before the filter.
-    scatter : tuple of float
-        Of both, from the scatter of the blocks: right for correlated residuals too. NaN where
-        there are too few blocks.
-    by_acceleration : float
-        Change of K for a force m a that is not fitted, per m.
-
-    """
-
-    values: tuple[float, float]
-    variances: tuple[float, float]
-    scatter: tuple[float, float]
-    by_acceleration: float
-
-
-class _Sums:
-    """
-    Products of the rows of each block, with a column phi_K t for a trend of K_e.
-
-    Parameters
-    ----------
-    blocks : sequence of Window
-        The blocks of the window, the last one the newest.
-
-    """
-
-    def __init__(self, blocks: Sequence[Window]) -> None:
-        count = len(blocks)
-        raw = np.array([block.products for block in blocks])  # (n, 5, 5)
-        time = np.arange(1.0 - count, 1.0) / count  # 0 at the end of the window
-        products = np.empty((count, _TREND + 1, _TREND + 1))
-        products[:, :_TREND, :_TREND] = raw
-        products[:, _TREND, :_TREND] = products[:, :_TREND, _TREND] = time[:, None] * raw[:, 1]
-        products[:, _TREND, _TREND] = time * time * raw[:, 1, 1]
-        total = products.sum(axis=0)
-        self.powers: list[float] = total.diagonal().tolist()
-        self.scale = np.array([1.0, *(1.0 / sqrt(p) if p > _SMALLEST else 0.0
-                                      for p in self.powers[1:])])
-        both = self.scale * self.scale[:, None]
-        self._blocks, self._total = products * both, total * both
-
-    def fit(
-        self, fitted: list[int], location_information: float, by_parts: bool
-    ) -> WindowFit:
-        """
-        Fit columns, with the covariance of correlated residuals.
-
-        With s_b = sum of phi r over block b, the covariance is A^-1 (sum s_b s_b^T) A^-1,
-        A = sum phi phi^T (cluster-robust; Liang and Zeger 1986): no assumption about the
-        residuals within a block.
-
-        Parameters
-        ----------
-        fitted : sequence of int
-            Columns, those of K and B first.
-        location_information : float
-            Of the prior, on the column of the location.
-        by_parts : bool
-            Whether the window holds no acceleration.
-
-        Returns
-        -------
-        fit : WindowFit
-            With K at the end of the window where its trend is fitted.
-
-        """
-        A = self._total[fitted][:, fitted]
-        A.flat[::len(fitted) + 1] += _RIDGE
-        if _LOCATION in fitted:
-            index = fitted.index(_LOCATION)
-            A[index, index] += location_information * self.scale[_LOCATION] ** 2
-        inverse = np.linalg.inv(A)
-        theta = inverse @ self._total[fitted, 0]  # in units of the scales
-        weights = np.zeros(_TREND + 1)
-        weights[0], weights[fitted] = 1.0, -theta
-        scores = (self._blocks @ weights)[:, fitted]  # (n, p)
-        freedom = len(scores) - len(fitted)
-        correction = len(scores) / freedom if freedom >= _LEAST_BLOCKS else nan
-        K_spread, B_spread = ((inverse[:2] @ scores.T) ** 2).sum(axis=1).tolist()
-        K_scale, B_scale = self.scale[1:3].tolist()
-        K_power, B_power = K_scale * K_scale, B_scale * B_scale
-        K_left, B_left = float(inverse[0, 0]) * K_power, float(inverse[1, 1]) * B_power
-        # sum of d a = -sum of v v, by parts, where no mass is fitted
-        lacking = -self.powers[2] * K_left if by_parts else 0.0
-        return WindowFit(
-            (float(theta[0]) * K_scale, float(theta[1]) * B_scale), (K_left, B_left),
-            (K_spread * K_power * correction, B_spread * B_power * correction), lacking,
-        )
-
-
-def fit_window(
-    blocks: Sequence[Window], noise_variance: float, estimator: OnlineEstimator
-) -> tuple[WindowFit, ...]:
-    """
-    Fit the window as the estimator does, with a trend of K_e, and with the location.
-
-    Parameters
-    ----------
-    blocks : sequence of Window
-        The blocks of the window.
-    noise_variance : float
-        Of the equation, which weighs the prior of the location [N^2].
-    estimator : OnlineEstimator
-        Whose parameters are fitted.
-
-    Returns
-    -------
-    fits : tuple of WindowFit
-        As the estimator; at the end of the window; with x_e free, unless the estimator does so.
-        The first alone where the blocks are too few, none where the window holds no motion.
-
-    """
-    sums = _Sums(blocks)
-    if sums.powers[1] <= _SMALLEST or sums.powers[2] <= _SMALLEST:
-        return ()
-    location_std = estimator.location_std
-    has_mass = sums.powers[_MASS] > _SMALLEST
-    fitted = [1, 2, *([_LOCATION] if location_std else []), *([_MASS] if has_mass else [])]
-    information = 0.0
-    if location_std:
-        information = noise_variance / _square(estimator.stiffness * location_std)
-    by_parts = not issubclass(estimator.relation, TustinRelation)
-    mean = sums.fit(fitted, information, by_parts)
-    if len(blocks) < len(fitted) + 1 + _LEAST_BLOCKS:
-        return (mean,)
-    end = sums.fit([*fitted, _TREND], information, by_parts)
-    if location_std:
-        return mean, end
-    return mean, end, sums.fit([*fitted, _LOCATION], 0.0, by_parts)
+_LEAST_SIGNAL = 0.1  # of the noise: keeps the bias finite where there is noise alone
 
 
 def _by_shift(blocks: Sequence[Window]) -> float:
     """Return the relative change of K_hat per shift of the surface [1/m]."""
     first, power = (sum(float(block.products[1, k]) for block in blocks) for k in (_LOCATION, 1))
     return first / power if power > 0.0 else 0.0
+
+
+def _count(blocks: Sequence[Window]) -> float:
+    """Return the number of rows."""
+    return sum(float(block.products[_LOCATION, _LOCATION]) for block in blocks)
+
+
+def _mean_depth(blocks: Sequence[Window]) -> float:
+    """Return the mean of phi_K [m]."""
+    first = sum(float(block.products[1, _LOCATION]) for block in blocks)
+    return first / max(_count(blocks), 1e-9)
 
 
 def _depth_spread(blocks: Sequence[Window]) -> float:
@@ -191,17 +57,23 @@ def _depth_spread(blocks: Sequence[Window]) -> float:
     return sqrt(max(power * count / (first * first) - 1.0, 0.0)) if first > 0.0 else 0.0
 
 
-class _Shares(NamedTuple):
-    """Of one parameter: factor of its variance, and variance beside it."""
+class _Error(NamedTuple):
+    """Of one parameter: factor of its variance, variance beside it, and share of its value."""
 
     factor: float
     variance: float
+    share: float
+
+
+_NEVER_UPDATED = _Error(1.0, 0.0, nan)
 
 
 class SystematicErrors:
     """
     Add to the deviations of any estimator what its own covariance does not contain.
 
+    - A constant error of the position, as by quantisation at rest, is a share of K_hat. Noise of
+      the differentiated position biases the B_hat of least squares by a share of it.
     - A lag of the force that is not compensated acts as damping -K tau, and as mass -B tau, which
       moves K where no mass is fitted. Its standard deviation is `timing_std`.
     - Correlated residuals: the variance from the scatter of the blocks of the window, relative to
@@ -224,11 +96,47 @@ class SystematicErrors:
         self.timing_std = timing_std
         self._correlations = [[1.0, 1.0] for _ in range(3)]  # by fit
         self._spread = 0.0
-        self._now = self._learned = _Shares(1.0, 0.0), _Shares(1.0, 0.0)
+        self.forget_surface()
+        self._now = _Error(1.0, 0.0, 0.0), _Error(1.0, 0.0, 0.0)
+        self.forget_updates()
+
+    def forget_updates(self) -> None:
+        """Note that neither parameter has been updated, as after a switch of the estimator."""
+        self._learned = _NEVER_UPDATED, _NEVER_UPDATED
+        self._noted: Frozen | None = None  # what `_learned` holds the present errors of
+
+    def judge_position(
+        self, window: Window, position_noise: float, estimator: OnlineEstimator
+    ) -> None:
+        """
+        Find the shares of K_hat and B_hat by which an error of the position moves them.
+
+        Parameters
+        ----------
+        window : Window
+            Of the excitation monitor.
+        position_noise : float
+            Standard deviation of the position [m], quantisation included.
+        estimator : OnlineEstimator
+            The estimator.
+
+        """
+        (_, KK, KB, Kc, _), (_, _, BB, _, _) = window.products[1:3].tolist()
+        offset = bias = 0.0
+        if KK > 0.0:
+            if not estimator.location_std:  # else it is part of the prior of the location
+                offset = position_noise * Kc / KK
+            if estimator.biased_by_position_noise:
+                # Errors in variables: least squares divides by the power of signal and noise.
+                noise = position_noise**2 * window.rate_noise
+                bias = noise / max(BB - KB * KB / KK - noise, _LEAST_SIGNAL * noise, 1e-30)
+        K, B = self._now
+        self._now, self._noted = (K._replace(share=offset), B._replace(share=bias)), None
 
     def judge(
         self, blocks: Sequence[Window], noise_variance: float, known_variance: float,
         position_noise: float, location_std: float, estimator: OnlineEstimator,
+        new_rows: int = 0,
     ) -> None:
         """
         Compare an estimator with the last window.
@@ -244,50 +152,89 @@ class SystematicErrors:
         position_noise : float
             Standard deviation of the position [m].
         location_std : float
-            Standard deviation of x_e, where it has been found from this contact [m].
+            Standard deviation of x_e before this window, as configured or found [m].
         estimator : OnlineEstimator
             The estimator.
+        new_rows : int
+            Number of rows since the last call; 0: all of the window.
 
         """
         fits = fit_window(blocks, noise_variance, estimator)
-        if not fits:
+        if fits is None:
             return
         excess = max(noise_variance - _EXPLAINED**2 * known_variance, 0.0)
         excess *= _ABSORBED**2 * sum(block.effective_samples for block in blocks)
         rate_noise = position_noise**2 * sum(block.rate_noise for block in blocks)
         lag = estimator.damping * self.timing_std
-        K_lag = lag * fits[0].by_acceleration
+        K_lag = lag * fits.mean.by_acceleration
         self._note_correlations(fits, noise_variance)
-        moved = estimator.stiffness * location_std * _by_shift(blocks)
+        shift_variance = self._shift_variance(
+            fits.located, noise_variance, location_std, lag * _mean_depth(blocks),
+            min((new_rows or inf) / max(_count(blocks), 1.0), 1.0))
+        per_shift = estimator.stiffness * _by_shift(blocks)
         K_error, B_error = self._differences(fits, noise_variance, rate_noise, lag, estimator)
-        of_K, of_B = (excess * variance for variance in fits[0].variances)
+        of_K, of_B = (excess * variance for variance in fits.mean.variances)
         B_error += UNKNOWN_DAMPING_S**2 * K_error  # B was fitted beside a wrong K
         if not estimator.fits_linear_damping:
             self._spread = max(_depth_spread(blocks), _FADING * self._spread)
             B_error += _square(estimator.damping * self._spread)
         widest = _WIDEST * max(estimator.damping, UNKNOWN_DAMPING_S * estimator.stiffness)
         of_B = min(of_B, widest * widest)  # a tool at rest shows no damping
-        K_error += of_K + K_lag * K_lag + moved * moved
-        K_correlation, B_correlation = self._correlations[0]
-        self._now = (_Shares(max(K_correlation, 1.0), K_error),
-                     _Shares(max(B_correlation, 1.0), B_error + of_B))
+        K_error = max(K_error, per_shift * per_shift * shift_variance)
+        K_error += of_K + K_lag * K_lag
+        (K_factor, B_factor), (K, B) = self._correlations[0], self._now
+        self._now = (_Error(max(K_factor, 1.0), K_error, K.share),
+                     _Error(max(B_factor, 1.0), B_error + of_B, B.share))
+        self._noted = None
 
-    def _note_correlations(self, fits: Sequence[WindowFit], noise_variance: float) -> None:
+    def _note_correlations(self, fits: WindowFits, noise_variance: float) -> None:
         for fit, correlation in zip(fits, self._correlations):
             for k in (0, 1):
-                if isfinite(fit.scatter[k]):
+                if fit is not None and isfinite(fit.scatter[k]):
                     white = max(noise_variance * fit.variances[k], 1e-300)
                     correlation[k] += _SMOOTHING * (fit.scatter[k] / white - correlation[k])
 
+    def _shift_variance(
+        self, located: WindowFit | None, noise_variance: float, prior_std: float,
+        lag_times_depth: float, new: float,
+    ) -> float:
+        """
+        Return the mean square of the distance of the surface from where it is supposed [m^2].
+
+        That of the posterior: the shift that the contact has shown so far is either too small to
+        be moved to, or not certain. A lag feigns one, since it changes the slope of force over
+        position, and does not average out.
+
+        """
+        if located is None or prior_std == 0.0:
+            return 0.0
+        K, prior = max(located.values[0], 1e-9), prior_std * prior_std
+        white = noise_variance * max(self._correlations[2][0], 1.0) * located.offset_variance
+        told = new * K * K / max(white, 1e-300)  # information of the rows not seen before
+        self._shift_information = information = self._shift_information + told
+        share = told / max(information, 1e-300)
+        self._shift += share * (-located.offset / K - self._shift)
+        feigned = lag_times_depth * located.by_acceleration / K
+        self._feigned += share * (feigned - self._feigned)
+        seen = 1.0 / max(information, 1e-300) + _square(self._feigned)
+        kept = prior / (prior + seen)
+        return _square(kept * self._shift) + kept * seen
+
+    def forget_surface(self) -> None:
+        """Forget where the contact has shown its surface, as at a new one."""
+        self._shift = self._feigned = self._shift_information = 0.0
+
     def _differences(
-        self, fits: Sequence[WindowFit], noise_variance: float, rate_noise: float, lag: float,
+        self, fits: WindowFits, noise_variance: float, rate_noise: float, lag: float,
         estimator: OnlineEstimator,
     ) -> tuple[float, float]:
         """Return the squares of what K_hat and B_hat differ from the window beyond chance."""
         K, B = estimator.stiffness, estimator.damping
         of_K, of_B = 0.0, 0.0
-        first = min(1, len(fits) - 1)
-        for fit, correlation in zip(fits[first:], self._correlations[first:]):
+        compared = [fits.mean, None, None] if fits.end is None else [None, fits.end, fits.located]
+        for fit, correlation in zip(compared, self._correlations):
+            if fit is None:
+                continue
             white_K, white_B = (noise_variance * max(c, 1.0) * variance
                                 for c, variance in zip(correlation, fit.variances))
             share = min(rate_noise * fit.variances[1], 0.5)  # of the power of phi_B
@@ -309,32 +256,39 @@ class SystematicErrors:
             Parameters that are not updated.
 
         """
+        if frozen is self._noted:
+            return
         K, B = self._learned
         self._learned = (K if frozen.stiffness else self._now[0],
                          B if frozen.damping else self._now[1])
+        self._noted = frozen
 
-    def widen(self, estimate: ParameterEstimate) -> ParameterEstimate:
+    def widen(self, estimates: Sequence[ParameterEstimate]) -> list[ParameterEstimate]:
         """
-        Return an estimate with these errors added to its standard deviations.
+        Return estimates with these errors added to their standard deviations.
 
         Parameters
         ----------
-        estimate : ParameterEstimate
-            With the standard deviations of the estimator.
+        estimates : sequence of ParameterEstimate
+            With the standard deviations of the estimator, for white noise of the equation.
 
         Returns
         -------
-        widened : ParameterEstimate
-            NaN stays NaN.
+        widened : list of ParameterEstimate
+            NaN stays NaN, and is the deviation of what never was updated: an initial value.
 
         """
-        K, B, K_std, B_std, shift, inertia = estimate
-        of_K, of_B = self._learned
-        lag = K * self.timing_std
-        return ParameterEstimate(
-            K, B, sqrt(K_std * K_std * of_K.factor + of_K.variance),
-            sqrt(B_std * B_std * of_B.factor + of_B.variance + lag * lag), shift, inertia,
-        )
+        (K_factor, K_error, K_share), (B_factor, B_error, B_share) = self._learned
+        timing = self.timing_std
+        widened = []
+        for K, B, K_std, B_std, shift, inertia in estimates:
+            K_more, B_more, lag = K_share * K, B_share * B, K * timing
+            widened.append(ParameterEstimate(
+                K, B, sqrt((K_std * K_std + K_more * K_more) * K_factor + K_error),
+                sqrt((B_std * B_std + B_more * B_more) * B_factor + B_error + lag * lag),
+                shift, inertia,
+            ))
+        return widened
 
 
 def _square(value: float) -> float:

@@ -20,20 +20,9 @@ Array operations on three by three matrices take ten times as long.
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 State = tuple[float, float, float]
-
-
-class Covariance(NamedTuple):
-    """Upper triangle of a symmetric matrix of the states (a, b, c)."""
-
-    aa: float
-    ab: float
-    ac: float
-    bb: float
-    bc: float
-    cc: float
+Covariance = tuple[float, float, float, float, float, float]
+"""Upper triangle (aa, ab, ac, bb, bc, cc) of a symmetric matrix of the states (a, b, c)."""
 
 
 def diagonal(a: float, b: float, c: float) -> Covariance:
@@ -46,7 +35,7 @@ def diagonal(a: float, b: float, c: float) -> Covariance:
         Standard deviations.
 
     """
-    return Covariance(a * a, 0.0, 0.0, b * b, 0.0, c * c)
+    return a * a, 0.0, 0.0, b * b, 0.0, c * c
 
 
 def correct(
@@ -107,7 +96,7 @@ def correct(
         ac -= g_a * p_c
     if free_b or free_c:
         bc -= g_b * p_c
-    return (a, b, c), Covariance(aa, ab, ac, bb, bc, cc), expected
+    return (a, b, c), (aa, ab, ac, bb, bc, cc), expected
 
 
 def constrain(

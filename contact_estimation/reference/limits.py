@@ -52,17 +52,20 @@ def limited(
         With the force of the target.
 
     """
-    if not isfinite(target.position):
-        return Reference(last.position, 0.0, 0.0, target.force)
     position, velocity, acceleration, force = target
+    if not isfinite(position):
+        return Reference(last.position, 0.0, 0.0, force)
     if position > deepest:
         position, velocity, acceleration = deepest, 0.0, 0.0
-    step, most = position - last.position, speed * max(dt, 0.0)
+    before = last.position
+    step, most = position - before, speed * dt if dt > 0.0 else 0.0
     if abs(step) > most:
-        position = last.position + copysign(most, step)
+        position = before + copysign(most, step)
         velocity, acceleration = copysign(speed, step), 0.0
-    return Reference(
-        position, *_rates(position, velocity, acceleration, period, speed, deepest), force)
+    if velocity != 0.0 or acceleration != 0.0:
+        velocity, acceleration = _rates(
+            position, velocity, acceleration, period, speed, deepest)
+    return Reference(position, velocity, acceleration, force)
 
 
 def _rates(

@@ -166,30 +166,30 @@ class ReferenceGenerator:
             Finite, continuous in position, within the limits.
 
         """
-        F_r_dot, F_r_ddot = self._differentiate(t, desired.force)
-        compliance = LAWS[self._law]
-        active = compliance is not None and contact and isfinite(desired.force)
-        if active and compliance is not None:
-            C = compliance(max(K_hat, self._p.stiffness_floor), self._p.robot_stiffness)
-            target = Reference(x_e + desired.force * C, F_r_dot * C, F_r_ddot * C)
+        position, velocity, acceleration, force = desired
+        F_r_dot, F_r_ddot = self._differentiate(t, force)
+        compliance = LAWS[self._law] if contact and isfinite(force) else None
+        if compliance is not None:
+            mode, C = self._law, compliance(
+                max(K_hat, self._p.stiffness_floor), self._p.robot_stiffness)
+            target = Reference(x_e + force * C, F_r_dot * C, F_r_ddot * C, force)
         else:
-            target = Reference(desired.position, desired.velocity, desired.acceleration)
-        self._switch(self._law if active else 'pass_through', dt, target)
-        force = desired.force if active else 0.0
-        wanted = self._fade(dt, target)._replace(force=force)
+            mode, target = 'pass_through', Reference(position, velocity, acceleration)
+        if mode != self._mode:
+            self._switch(mode, dt, target)
+        wanted = self._fade(dt, target) if self._offset else target
         last = self._last or wanted
         if not isfinite(last.position):
             last = Reference(0.0, 0.0, 0.0)
-        self._last = limited(
-            last, wanted, dt, self._period_s, self._p.maximum_velocity, deepest
-        )
-        self.limited = self._last.position != wanted.position
-        return self._last
+        new = limited(last, wanted, dt, self._period_s, self._p.maximum_velocity, deepest)
+        self._last, self.limited = new, new.position != wanted.position
+        return new
 
     def _differentiate(self, t: float, F_r: float) -> tuple[float, float]:
         past = self._forces
         if not isfinite(F_r):
-            past.clear()
+            if past:
+                past.clear()
             return 0.0, 0.0
         if past and t <= past[-1][0]:
             past.clear()
@@ -205,7 +205,7 @@ class ReferenceGenerator:
         return slope + 0.5 * curvature * (t0 - t1), curvature
 
     def _switch(self, mode: str, dt: float, target: Reference) -> None:
-        if mode != self._mode and self._mode is not None and self._last is not None:
+        if self._mode is not None and self._last is not None:
             # Extrapolate the old reference by its velocity, so that the rate is continuous too.
             expected = self._last.position + dt * self._last.velocity
             offset = expected - target.position
@@ -213,8 +213,6 @@ class ReferenceGenerator:
         self._mode = mode
 
     def _fade(self, dt: float, target: Reference) -> Reference:
-        if self._offset == 0.0:
-            return target
         duration = self._p.fade_s
         s = self._faded_s / duration
         self._faded_s += dt
@@ -225,7 +223,7 @@ class ReferenceGenerator:
         return Reference(
             target.position + o * (1.0 - s * s * (3.0 - 2.0 * s)),
             target.velocity - o * 6.0 * s * (1.0 - s) / duration,
-            target.acceleration - o * (6.0 - 12.0 * s) / duration**2,
+            target.acceleration - o * (6.0 - 12.0 * s) / duration**2, target.force,
         )
 
 

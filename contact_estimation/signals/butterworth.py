@@ -90,7 +90,7 @@ class ButterworthBank:
         response = lfilter(b, [1.0, self._a1, self._a2], impulse)
         return float(response @ response)
 
-    def process(self, rows: Sequence[Row]) -> Sequence[Row]:
+    def process(self, rows: Sequence[Row]) -> list[Row]:
         """
         Filter rows, one after the other.
 
@@ -101,13 +101,22 @@ class ButterworthBank:
 
         Returns
         -------
-        filtered : sequence of sequence of float
+        filtered : list of sequence of float
             In the same order.
 
         """
         if self._passes:
-            return rows
+            return list(rows)
         b0, a1, a2, s1, s2 = self._b0, self._a1, self._a2, self._s1, self._s2
+        if len(rows) == 1:  # live, samples come one by one
+            row = []
+            for i, x in enumerate(rows[0]):
+                x *= b0
+                y = x + s1[i]
+                s1[i] = x + x - a1 * y + s2[i]
+                s2[i] = x - a2 * y
+                row.append(y)
+            return [row]
         columns = []
         for i, column in enumerate(zip(*rows)):  # transposed direct form II, channel by channel
             p, q, filtered = s1[i], s2[i], []

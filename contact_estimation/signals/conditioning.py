@@ -24,11 +24,11 @@ from __future__ import annotations
 
 from collections import deque
 from dataclasses import dataclass
-from math import nan, sqrt
+from math import nan
 from typing import Iterable, NamedTuple, Sequence
 
 from .butterworth import ButterworthBank
-from .compensated_sample import CompensatedSample, SampleCompensation
+from .compensated_sample import SampleCompensation
 from .contact_detection import ContactDetector, ContactParameters
 from .contact_sample import ContactSample
 from .outlier_gate import OutlierGate
@@ -76,8 +76,8 @@ class Conditioned(NamedTuple):
         relation does not hold, or not yet.
     gains : list of NoiseGain
         How white noise enters the row.
-    shifts : sequence of float
-        Known displacement of the surface [m]; empty: none.
+    shifts : list of float
+        Known displacement of the surface [m].
 
     """
 
@@ -87,7 +87,7 @@ class Conditioned(NamedTuple):
     variances: list[float]
     rows: list[Row | None]
     gains: list[NoiseGain]
-    shifts: Sequence[float] = ()
+    shifts: list[float]
 
 
 class Conditioner:
@@ -205,72 +205,64 @@ class Conditioner:
             One entry a sample.
 
         """
-        dts, deltas, velocities, pressings = self._motion(samples)
-        known: list[CompensatedSample] = []
-        shifts: list[float] = []
+        columns = [list(column) for column in zip(*map(self.take, samples))]
+        return Conditioned(*columns)
+
+    def take(
+        self, sample: ContactSample
+    ) -> tuple[float, float, bool, float, Row | None, NoiseGain, float]:
+        """
+        Condition one sample.
+
+        Parameters
+        ----------
+        sample : ContactSample
+            The next one.
+
+        Returns
+        -------
+        entries : tuple
+            One of each column of `Conditioned`.
+
+        """
+        stamp_ns, position, velocity, force = sample
+        dt = self._elapsed(stamp_ns)
+        if velocity != velocity:
+            velocity = self._difference(dt, position)
+        self._last_position = position
+        delta, pressing, known = position - self.location, self.bias - force, None
+        shift = 0.0
         if self.compensation:
-            known = self._compensated(self.compensation, samples, deltas, pressings)
-            shifts = [delta - now.depth for delta, now in zip(deltas, known)]
-            deltas, pressings = [now.depth for now in known], [now.pressing for now in known]
-        surface = -self.location_margin
-        inside = [not delta <= surface for delta in deltas]  # anywhere while x_e is unknown
-        contact, variances = self.detector.decide(dts, pressings, inside)
-        has_row = contact
+            known = self.compensation.take(
+                stamp_ns, delta, sample[2], force, pressing)
+            shift, delta, pressing = delta - known.depth, known.depth, known.pressing
+        detector = self.detector
+        inside = not delta <= -self.location_margin  # anywhere while x_e is unknown
+        touching = detector.touches(dt, pressing, inside)
+        variance = detector.noise_variance
+        if not touching or known and not known.usable:
+            self._leave(pressing, inside)
+            return dt, velocity, touching, variance, None, NO_GAIN, shift
+        if self._free:
+            self._free.clear()
+        std = detector.noise_std
         if known:
-            has_row = [touching and now.usable for touching, now in zip(contact, known)]
-        rows: list[Row | None] = []
-        gains: list[NoiseGain] = []
-        for begin, end in stretches(has_row):
-            stretch = slice(begin, end)
-            if not has_row[begin]:
-                new = self._leave(pressings[stretch], inside[stretch])
-            elif known:
-                new = self._rows.compensated(
-                    dts[stretch], self._without_outliers(known[stretch], variances[begin]))
-            else:
-                forces = self.gate.replace(
-                    deltas[stretch], pressings[stretch], _noise_of(variances[begin]))
-                new = self._rows.in_contact(
-                    dts[stretch], samples[stretch], deltas[stretch], forces
-                )
-            rows += new[0]
-            gains += new[1]
-            if has_row[begin]:
-                self._free.clear()
-        return Conditioned(dts, velocities, contact, variances, rows, gains, shifts)
+            rest = self.gate.replace(known.travel, known.rest, std)
+            row, gain = self._rows.compensated(dt, known._replace(rest=rest))
+        else:
+            row, gain = self._rows.in_contact(
+                dt, delta, sample[2], self.gate.replace(delta, pressing, std))
+        return dt, velocity, touching, variance, row, gain, shift
 
-    def _without_outliers(
-        self, samples: Sequence[CompensatedSample], noise_variance: float
-    ) -> list[CompensatedSample]:
-        rests = self.gate.replace(
-            [now.travel for now in samples], [now.rest for now in samples],
-            _noise_of(noise_variance),
-        )
-        return [now._replace(rest=rest) for now, rest in zip(samples, rests)]
-
-    def _motion(
-        self, samples: Sequence[ContactSample]
-    ) -> tuple[list[float], list[float], list[float], list[float]]:
-        if self._last_ns < 0:
-            self._last_ns = samples[0][0]
-        location, bias, last, longest = self.location, self.bias, self._last_ns, 1.5 * self._T
-        dts, deltas, velocities, pressings = [], [], [], []
+    def _elapsed(self, stamp_ns: int) -> float:
+        """Return the time since the last sample, and count the missing ones."""
+        last_ns, self._last_ns = self._last_ns, stamp_ns
+        dt = (stamp_ns - last_ns) * 1e-9 if last_ns >= 0 else 0.0
+        if dt > 1.5 * self._T:
+            self.missing += round(dt / self._T) - 1
         mean = self.sample_period_s
-        for stamp_ns, position, velocity, force in samples:
-            dt = (stamp_ns - last) * 1e-9
-            last = stamp_ns
-            if dt > longest:
-                self.missing += round(dt / self._T) - 1
-            dts.append(dt)
-            mean += _PERIOD_GAIN * (dt - mean) if mean else dt
-            deltas.append(position - location)
-            velocities.append(
-                velocity if velocity == velocity else self._difference(dt, position)
-            )
-            pressings.append(bias - force)
-            self._last_position = position
-        self._last_ns, self.sample_period_s = last, mean
-        return dts, deltas, velocities, pressings
+        self.sample_period_s = mean + _PERIOD_GAIN * (dt - mean) if mean else dt
+        return dt
 
     def _difference(self, dt: float, position: float) -> float:
         """Estimate a velocity for all but the relation, which differentiates on its own."""
@@ -278,28 +270,12 @@ class Conditioner:
         raw = (position - last) / dt if dt > 0.0 and last == last else 0.0
         return self._velocity_filter.process(((raw,),))[0][0]
 
-    @staticmethod
-    def _compensated(
-        compensation: SampleCompensation, samples: Sequence[ContactSample],
-        deltas: list[float], pressings: list[float],
-    ) -> list[CompensatedSample]:
-        return [
-            compensation.take(stamp_ns, delta, velocity, force, pressing) for
-            (stamp_ns, _, velocity, force), delta, pressing in zip(samples, deltas, pressings)
-        ]
-
-    def _leave(
-        self, pressings: list[float], inside: list[bool]
-    ) -> tuple[Sequence[Row | None], list[NoiseGain]]:
-        """Keep the forces of free flight, for a tare; they have no rows."""
-        self._free.extend([p for p, may in zip(pressings, inside) if not may])
-        self._rows.leave(len(inside))
+    def _leave(self, pressing: float, inside: bool) -> None:
+        """Keep the force of free flight, for a tare."""
+        if not inside:
+            self._free.append(pressing)
+        self._rows.leave()
         self.gate.leave()
-        return [None] * len(inside), [NO_GAIN] * len(inside)
-
-
-def _noise_of(variance: float) -> float:
-    return sqrt(max(variance, 1e-18))
 
 
 def stretches(flags: Sequence[bool]) -> Iterable[tuple[int, int]]:

@@ -18,7 +18,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import sqrt
-from typing import Sequence
 
 from ..parameters.specification import parameter, ParameterGroup
 
@@ -70,6 +69,15 @@ class ContactDetector:
     parameters : ContactParameters
         Thresholds.
 
+    Attributes
+    ----------
+    contact : bool
+        Whether the last sample was in contact.
+    level : float
+        Mean pressing force in free flight [N].
+    noise_variance, noise_std : float
+        Of the force noise [N^2], [N]; the latter > 0.
+
     """
 
     def __init__(self, parameters: ContactParameters) -> None:
@@ -80,7 +88,7 @@ class ContactDetector:
         """Reset contact, free-flight level and noise."""
         self.contact = False
         self.level = 0.0
-        self._variance = self._p.force_noise**2
+        self.noise_variance = self._p.force_noise**2
         self._above = 0
         self._set_thresholds()
 
@@ -95,67 +103,44 @@ class ContactDetector:
 
         """
         if parameters.force_noise != self._p.force_noise:
-            self._variance = parameters.force_noise**2
+            self.noise_variance = parameters.force_noise**2
         self._p = parameters
         self._set_thresholds()
 
-    @property
-    def noise_variance(self) -> float:
-        """Variance of the force noise [N^2]."""
-        return self._variance
-
-    def decide(
-        self, dts: Sequence[float], pressings: Sequence[float], inside: Sequence[bool]
-    ) -> tuple[list[bool], list[float]]:
+    def touches(self, dt: float, pressing: float, inside: bool) -> bool:
         """
-        Detect contact in samples, one after the other.
+        Detect contact in one sample.
 
         Parameters
         ----------
-        dts : sequence of float
-            Time from each sample's predecessor [s].
-        pressings : sequence of float
+        dt : float
+            Time since the last sample [s].
+        pressing : float
             -F_e, measured [N].
-        inside : sequence of bool
+        inside : bool
             Whether the tool can be inside the wall: delta > 0 within the uncertainty of x_e.
 
-        Returns
-        -------
-        contact : list of bool
-            Of each sample.
-        variances : list of float
-            Of the force noise, as known at each sample [N^2].
-
         """
-        p, contact, level, above = self._p, self.contact, self.level, self._above
-        on, off, variance = self._on, self._off, self._variance
-        flags, variances = [], []
-        for dt, pressing, may in zip(dts, pressings, inside):
-            measured = pressing - level
-            if contact:
-                contact = may and measured > off
-            elif may and measured > on:
-                above += 1  # a touch not yet confirmed is excluded from the statistics
-                contact = above >= p.samples
-            else:
-                above = 0
-                level = self._learn(dt, measured)
-                on, off, variance = self._on, self._off, self._variance
-            flags.append(contact)
-            variances.append(variance)
-        self.contact, self._above = contact, above
-        return flags, variances
+        measured = pressing - self.level
+        if self.contact:
+            self.contact = inside and measured > self._off
+        elif inside and measured > self._on:
+            self._above += 1  # a touch not yet confirmed is excluded from the statistics
+            self.contact = self._above >= self._p.samples
+        else:
+            self._above = 0
+            self._learn(dt, measured)
+        return self.contact
 
-    def _learn(self, dt: float, measured: float) -> float:
-        limit = _OUTLIER * self._sigma
+    def _learn(self, dt: float, measured: float) -> None:
+        limit = _OUTLIER * self.noise_std
         deviation = max(-limit, min(limit, measured))
         gain = min(dt / _SETTLING_S, 0.1)
         self.level += gain * deviation
-        self._variance += gain * (deviation * deviation - self._variance)
+        self.noise_variance += gain * (deviation * deviation - self.noise_variance)
         self._set_thresholds()
-        return self.level
 
     def _set_thresholds(self) -> None:
-        self._sigma = sqrt(max(self._variance, 1e-18))
-        self._on = max(self._p.on_ratio * self._sigma, self._p.minimum_force)
-        self._off = min(self._p.off_ratio * self._sigma, self._on)
+        self.noise_std = sqrt(max(self.noise_variance, 1e-18))
+        self._on = max(self._p.on_ratio * self.noise_std, self._p.minimum_force)
+        self._off = min(self._p.off_ratio * self.noise_std, self._on)

@@ -17,14 +17,13 @@
 from __future__ import annotations
 
 from math import exp, sqrt
-from typing import Sequence
-
 _MEMORY = 0.9  # of the line per sample
 _STIFFEST = 1e6  # standard deviation of the slope of a new line [N/m]
 _BEND = 0.2  # of the force, by which damping may bend the line at a reversal
 _SUPPORT = 10  # samples in agreement, below which the line may be wrong: touch-down bends it
 _SCALE_RATE = 0.05  # of the logarithm of the noise per sample
 _WITHIN = 0.683  # share of Gaussian noise within one standard deviation
+_LARGER, _SMALLER = exp(_SCALE_RATE * _WITHIN), exp(_SCALE_RATE * (_WITHIN - 1.0))
 
 
 class OutlierGate:
@@ -54,11 +53,11 @@ class OutlierGate:
         self.count = 0
         self._scale = 0.0
         self.configure(threshold, samples)
-        self.leave()
 
     def configure(self, threshold: float, samples: int) -> None:
         """Set other thresholds; see the constructor."""
         self._threshold, self._samples = threshold, samples
+        self.leave()
 
     def leave(self) -> None:
         """Forget the line, as out of contact; the noise stays."""
@@ -67,46 +66,40 @@ class OutlierGate:
         self._run = 0  # outliers in a row, negative below the line
         self._support = 0  # samples that agree with the line
 
-    def replace(
-        self, deltas: Sequence[float], forces: Sequence[float], noise_std: float
-    ) -> list[float]:
+    def replace(self, d: float, y: float, noise_std: float) -> float:
         """
-        Replace the outliers among the forces of consecutive samples in contact.
+        Replace the force of the next sample in contact where it is an outlier.
 
         Parameters
         ----------
-        deltas : sequence of float
+        d : float
             Penetration [m].
-        forces : sequence of float
-            Pressing forces [N].
+        y : float
+            Pressing force [N].
         noise_std : float
             Standard deviation of the force noise, > 0 [N].
 
         Returns
         -------
-        replaced : list of float
-            The line instead of outliers [N].
+        replaced : float
+            The line instead of an outlier [N].
 
         """
-        if self._threshold == 0.0:
-            return list(forces)
-        return [self._replaced(d, y, noise_std) for d, y in zip(deltas, forces)]
-
-    def _replaced(self, d: float, y: float, noise_std: float) -> float:
         if self._line is None:
-            self._start(d, y, noise_std)
+            if self._threshold:
+                self._start(d, y, noise_std)
             return y
         depth, level, slope = self._line
         x = d - depth
         cc, ck, kk = self._P
         cc, ck = cc + x * (2.0 * ck + x * kk), ck + x * kk  # at this depth
         predicted = level + slope * x
-        error, scale = y - predicted, max(self._scale, noise_std)
+        error = y - predicted
+        size, scale = abs(error), max(self._scale, noise_std)
         width = scale * sqrt(1.0 + cc)
-        self._scale = scale * exp(
-            _SCALE_RATE * (_WITHIN if abs(error) > width else _WITHIN - 1.0))
-        bound = self._threshold * width + _BEND * max(abs(predicted), abs(level))
-        if abs(error) > bound:
+        self._scale = scale * (_LARGER if size > width else _SMALLER)
+        bound = self._threshold * width
+        if size > bound and size > bound + _BEND * max(abs(predicted), abs(level)):
             if self._support < _SUPPORT or self._believes(error):
                 self._start(d, y, noise_std)
                 return y
@@ -118,7 +111,8 @@ class OutlierGate:
         s = _MEMORY + cc
         self._line = d, predicted + cc / s * error, slope + ck / s * error
         cc, ck, kk = cc / s, ck / s, (kk - ck * ck / s) / _MEMORY
-        widest = (_STIFFEST / scale) ** 2
+        widest = _STIFFEST / scale
+        widest *= widest
         if kk > widest:
             ck, kk = ck * sqrt(widest / kk), widest
         self._P = cc, ck, kk

@@ -28,7 +28,6 @@ from typing import ClassVar, NamedTuple, Sequence
 
 from .butterworth import ButterworthBank
 from .compensated_sample import CompensatedSample
-from .contact_sample import ContactSample
 
 Row = Sequence[float]
 COLUMNS = 5
@@ -226,63 +225,49 @@ class GatedRows:
         self._relation, *self._columns = (self._relation_class(self._T) for _ in range(3))
 
     def in_contact(
-        self, dts: Sequence[float], samples: Sequence[ContactSample], deltas: Sequence[float],
-        pressings: Sequence[float],
-    ) -> tuple[Sequence[Row | None], list[NoiseGain]]:
+        self, dt: float, delta: float, velocity: float, pressing: float
+    ) -> tuple[Row | None, NoiseGain]:
         """
-        Return the filtered rows of a stretch of contact.
+        Return the filtered row of a sample in contact.
 
         Parameters
         ----------
-        dts, deltas, pressings : sequence of float
-            Of each sample as for `Relation.row`.
-        samples : sequence of ContactSample
-            The samples.
+        dt, delta, velocity, pressing : float
+            As for `Relation.row`.
 
         Returns
         -------
-        rows, gains : sequence of row or None, list of NoiseGain
-            One a sample, and how noise enters it.
+        row, gain : row or None, NoiseGain
+            The row, and how noise enters it.
 
         """
-        relation, rows, gains = self._relation, [], []
-        row_of, gain_of = relation.row, self._gains
-        for dt, delta, sample, pressing in zip(dts, deltas, samples, pressings):
-            rows.append(row_of(dt, delta, sample[2], pressing))
-            gains.append(gain_of[relation.weighting])
-        return self._filtered(rows), gains
+        row = self._relation.row(dt, delta, velocity, pressing)
+        return self._filtered(row), self._gains[self._relation.weighting]
 
-    def compensated(
-        self, dts: Sequence[float], samples: Sequence[CompensatedSample]
-    ) -> tuple[Sequence[Row | None], list[NoiseGain]]:
-        """Return rows as `in_contact`, columns of K_e and x_e weighted over time as the force."""
-        rows: list[Row | None] = []
-        gains: list[NoiseGain] = []
-        relation, gain_of = self._relation, self._gains
-        stiffness, constant = self._columns
-        for dt, now in zip(dts, samples):
-            travel, v = now.travel, now.velocity
-            row = relation.row(dt, travel, v, now.rest)
-            K = stiffness.row(dt, travel, v, now.stiffness_column)
-            c = constant.row(dt, travel, v, now.constant_column)
-            rows.append((row[0], K[0], row[2], c[0], row[4]) if row and K and c else None)
-            gains.append(gain_of[relation.weighting])
-        return self._filtered(rows), gains
+    def compensated(self, dt: float, now: CompensatedSample) -> tuple[Row | None, NoiseGain]:
+        """Return a row as `in_contact`, columns of K_e and x_e weighted over time as the force."""
+        relation, (stiffness, constant) = self._relation, self._columns
+        travel, v = now.travel, now.velocity
+        row = relation.row(dt, travel, v, now.rest)
+        K = stiffness.row(dt, travel, v, now.stiffness_column)
+        c = constant.row(dt, travel, v, now.constant_column)
+        if row and K and c:
+            row = row[0], K[0], row[2], c[0], row[4]
+        else:
+            row = None
+        return self._filtered(row), self._gains[relation.weighting]
 
-    def _filtered(self, rows: list[Row | None]) -> Sequence[Row | None]:
+    def _filtered(self, row: Row | None) -> Row | None:
         self._tail_left = self._tail
-        filtered = self._filter.process([row or _ZEROS for row in rows])
-        if None in rows:  # the relation waits for consecutive samples
-            return [new if row else None for row, new in zip(rows, filtered)]
-        return filtered
+        filtered = self._filter.process((row or _ZEROS,))[0]
+        return filtered if row else None  # the relation may wait for consecutive samples
 
-    def leave(self, count: int) -> None:
-        """Filter the zeros of samples out of contact, until the filter's response has decayed."""
+    def leave(self) -> None:
+        """Filter the zeros of a sample out of contact, until the response has decayed."""
         for relation in (self._relation, *self._columns):
             relation.leave()
         if self._tail_left:
-            zeros = min(self._tail_left, count)
-            self._filter.process([_ZEROS] * zeros)
-            self._tail_left -= zeros
+            self._filter.process((_ZEROS,))
+            self._tail_left -= 1
             if not self._tail_left:
                 self._filter.reset()

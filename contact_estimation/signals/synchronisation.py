@@ -129,6 +129,7 @@ class Synchroniser:
         self._largest_force = parameters.maximum_force
         self._largest_position = parameters.maximum_position
         self._largest_velocity = parameters.maximum_velocity
+        self._surely_valid = min(parameters.maximum_position, parameters.maximum_velocity)
 
     def add_wrench(self, stamp_ns: int, forces: Sequence[float]) -> Sequence[AxesSample]:
         """
@@ -183,15 +184,13 @@ class Synchroniser:
                 return _NOTHING
             self._motions.clear()
         self._last_motion_ns = stamp_ns
-        infinite = False  # an infinite velocity counts as not measured
-        for position, velocity in zip(motion, motion[len(motion) // 2:]):
-            speed = abs(velocity)
-            if not abs(position) <= self._largest_position or self._largest_velocity < speed < inf:
-                self._reject('joint', position)
-                return _NOTHING
-            infinite |= speed == inf
-        if infinite:
-            motion = tuple([nan if abs(value) == inf else value for value in motion])
+        for value in motion:
+            if not abs(value) <= self._surely_valid:  # also true for NaN
+                checked = self._checked(motion)
+                if checked is None:
+                    return _NOTHING
+                motion = checked
+                break
         wrenches = self._wrenches
         if len(wrenches) == 1 and wrenches[0][0] == stamp_ns:
             forces = wrenches.popleft()[1]
@@ -248,6 +247,18 @@ class Synchroniser:
         positions_now, velocities_now, _ = zip(*(sample[1:] for sample in samples[-1]))
         self._motions.append((stamps[-1], positions_now + velocities_now))
         return samples
+
+    def _checked(self, motion: Sequence[float]) -> Sequence[float] | None:
+        """Return a motion with NaN for an infinite velocity; None where it is rejected."""
+        infinite = False  # an infinite velocity counts as not measured
+        for position, velocity in zip(motion, motion[len(motion) // 2:]):
+            speed = abs(velocity)
+            if not abs(position) <= self._largest_position or self._largest_velocity < speed < inf:
+                self._reject('joint', position)
+                return None
+            infinite |= speed == inf
+        return tuple([nan if abs(value) == inf else value for value in motion]) if infinite else (
+            motion)
 
     def _reject(self, kind: str, value: float) -> None:
         """Count a message by the first of its values that is no measurement."""
