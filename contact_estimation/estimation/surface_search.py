@@ -60,7 +60,7 @@ class SurfaceSearch:
 
     @property
     def std(self) -> float:
-        """Return the standard deviation of where the surface is: as found, else as configured [m]."""
+        """Return the deviation of where the surface is: as found, else as configured [m]."""
         return self.shift_std or self.prior_std
 
     def touch_down(self) -> None:
