@@ -103,7 +103,7 @@ class Supervision:
         if estimator is not self._estimator:
             self._estimator, self.errors = estimator, SystematicErrors(timing_std)
         self.errors.timing_std = timing_std
-        if parameters.environment.location != old.environment.location:
+        if repr(parameters.environment.location) != repr(old.environment.location):  # or NaN
             self._start_contacts()
         self.tracker.configure(
             parameters.tracking, parameters.environment.location_std,

@@ -98,12 +98,12 @@ class RowSums:
 
     @property
     def wanted(self) -> int:
-        """Number of rows that complete the present chunk."""
+        """Return the number of rows that complete the present chunk."""
         return min(self._chunk - self._count % self._chunk, self._block - self._count)
 
     @property
     def left(self) -> int:
-        """Number of rows that complete the present block."""
+        """Return the number of rows that complete the present block."""
         return self._block - self._count
 
     @property
@@ -143,7 +143,7 @@ class RowSums:
 
     @property
     def blocks(self) -> Sequence[Window]:
-        """The blocks of the window, the last one possibly not complete."""
+        """Return the blocks of the window, the last one possibly not complete."""
         return [*self._past, _sum(self._chunks)] if self._chunks else list(self._past)
 
     def window(self) -> Window:

@@ -170,7 +170,9 @@ class TouchDown:
         risen = bias - force > _CLEAR * sqrt(noise_variance) and len(self._rise) >= _LEAST
         if risen or self._rise_s > _LONGEST_S:
             self._judge(x, depth, max(margin, _LEAST_MARGIN), sqrt(noise_variance))
-        return self.text or ('' if self._settled else LOCATING)
+        # The depth of the sample that completes the rise is not known yet.
+        known = self._settled and self.found is None
+        return self.text or ('' if known else LOCATING)
 
     def _judge(self, x: float, depth: float, margin: float, noise: float) -> None:
         """Say where the force began to rise."""
