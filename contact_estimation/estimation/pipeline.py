@@ -132,7 +132,7 @@ class EstimationPipeline:
 
     def _take_location(self, location: float, std: float) -> None:
         """Use the surface that the first touch has shown, from the next sample on."""
-        self._location = self._conditioner.location = location
+        self._conditioner.location = location
         self._conditioner.configure(  # its filters hold rows of an unknown depth
             self.parameters.conditioning, self.parameters.sample_rate, self.estimator.relation)
         self._supervised.take_location(std)
@@ -145,7 +145,7 @@ class EstimationPipeline:
         self._supervised.reset()
         self._conditioner.detector.reset()
         self._conditioner.restart()
-        self._note_parameters(self.parameters.environment.location)
+        self._set_location()
         self.touch_down.reset()
         self.invalid = ''
         self.model_fit.reset()
@@ -319,15 +319,6 @@ class EstimationPipeline:
             row = None
         if self._observes:
             self._observe(sample, dt, v, reference)
-        reason = self.invalid or self.touch_down.text
-        if reason or not self.touch_down.pass_over(
-                (dt,), (touching,), sample[1] - self._location):
-            reasons = self.touch_down.add(
-                (sample,), (dt,), (touching,), (sample[1] - self._location - moved,),
-                self._conditioner.bias, self.location_margin, variance)
-            reason = self.invalid or (reasons[0] if reasons else '')
-            if reason:
-                row = None
         supervised = self._supervised
         state = supervised.take(dt, touching, variance, row, gain)
         fit = self.model_fit.take(

@@ -102,10 +102,6 @@ class SupervisedEstimator:
             self.estimator.configure(getattr(parameters.tuning, parameters.estimator))
         self._supervision.configure(parameters, self.estimator)
 
-    def take_location(self, std: float) -> None:
-        """Use another location of the surface, with its standard deviation [m]."""
-        self._supervision.take_location(std)
-
     def reset(self) -> None:
         """Reset the estimate to its initial values, and excitation and noise with it."""
         self.estimator.reset()

@@ -219,7 +219,7 @@ def surface_of(approach: Array, rise: Array, noise: float) -> tuple[float, float
     if not np.isfinite(v).all():
         v = np.gradient(x, np.cumsum(np.maximum(dt, 1e-9)))
     force = force - (np.mean(approach[:len(approach) // 2, 1]) if len(approach) > 1 else 0.0)
-    last = float(rise[min(_LEAST // 2, len(rise) - 1), 0])  # later, too little of the rise would remain
+    last = float(rise[min(_LEAST // 2, len(rise) - 1), 0])  # later, too little would remain
     tried = np.unique(x[(x >= min(x[0], last)) & (x <= last)])
     best, least, K_best = float(rise[0, 0]), inf, inf
     for place in (*tried, *_lines(rise)):
