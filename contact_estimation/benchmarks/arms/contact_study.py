@@ -19,6 +19,7 @@ from __future__ import annotations
 from contextlib import redirect_stdout
 import io
 import json
+from math import nan
 from pathlib import Path
 from typing import Any, Mapping, NamedTuple
 
@@ -31,7 +32,7 @@ from .simulation import Run, World
 from ...commands.calibrate_tool import main as calibrate_tool
 from ...estimation.replay import RecordingReplay
 from ...estimation.schedule import Moment
-from ...estimators.estimator import Estimate
+from ...estimators.estimator import Estimate, EstimateStatus
 from ...exceptions import EstimationError
 from ...recordings import RecordingReader
 from ...recordings.source import RecordingSource
@@ -46,7 +47,7 @@ _LOAD = ('tool.mass', 'tool.centre', 'tool.force_bias', 'tool.torque_bias')
 
 class Estimated(NamedTuple):
     """
-    Estimates at the last instant of contact.
+    Estimates at the last instant at which they were updated.
 
     Attributes
     ----------
@@ -56,6 +57,8 @@ class Estimated(NamedTuple):
         What of the tool was taken out of the force.
     stiffness, stiffness_std, damping, damping_std, location : float
         In [N/m], [N s/m] and [m].
+    withheld : str
+        Why they were not updated at the end of the last contact; '' where they were.
 
     """
 
@@ -66,6 +69,7 @@ class Estimated(NamedTuple):
     damping: float
     damping_std: float
     location: float
+    withheld: str = ''
 
 
 def calibrated(files: ArmFiles, seed: int) -> dict[str, Any]:
@@ -154,13 +158,16 @@ def estimated_with(
         begin = reader.start_ns or 0
         replay.session.schedule(Moment(0, begin + round(_TARE_S * 1e9)), replay.session.tare)
     last: Estimate | None = None
+    withheld = ''
     for axes in (each for batch in replay.estimates() for each in batch):
-        if axes[0].status.value != 'free':
-            last = axes[0]
+        if axes[0].status is EstimateStatus.ESTIMATING:
+            last, withheld = axes[0], ''
+        elif axes[0].status is EstimateStatus.FROZEN:
+            withheld = axes[0].reason
     if last is None:
-        return Estimated(estimator, name, *5 * [float('nan')])
+        return Estimated(estimator, name, nan, nan, nan, nan, nan, withheld)
     return Estimated(estimator, name, last.stiffness, last.stiffness_std, last.damping,
-                     last.damping_std, last.location)
+                     last.damping_std, last.location, withheld)
 
 
 def errors(row: Estimated, run: Run, world: World) -> dict[str, Any]:
@@ -172,4 +179,5 @@ def errors(row: Estimated, run: Run, world: World) -> dict[str, Any]:
         'damping_error_percent': 100.0 * (row.damping / world.B_e - 1.0),
         'damping_std_percent': 100.0 * row.damping_std / world.B_e,
         'location_error_mm': 1e3 * (row.location - run.location),
+        'withheld': row.withheld,
     }

@@ -97,5 +97,9 @@ def _last(recorded: Path) -> Estimated:
     topics = {f'/estimator_node/{topic}': name for name, topic in _TOPICS.items()}
     values = dict.fromkeys(_TOPICS, float('nan'))
     for message in reader.messages(list(topics)):
-        values[topics[message.topic]] = decoder.decode(message.data)[1]
-    return Estimated('kalman', 'load and inertia, on line', **values)
+        value = decoder.decode(message.data)[1]
+        if value == value:
+            values[topics[message.topic]] = value
+    return Estimated(
+        'kalman', 'load and inertia, on line', values['stiffness'], values['stiffness_std'],
+        values['damping'], values['damping_std'], values['location'])

@@ -27,11 +27,13 @@ from math import log, sqrt
 from typing import NamedTuple
 
 import numpy as np
+from scipy.signal import savgol_filter
 
 from .check import Array, Check, Evidence
 
 _LONGEST_S = 0.1
 _COARSE = np.linspace(-0.1, 0.1, 21)
+_SMOOTHED_S = 0.04  # of the acceleration
 _FINE = np.linspace(-0.01, 0.01, 21)
 _COARSE[10] = 0.0
 _MOST_SAMPLES = 300
@@ -171,7 +173,9 @@ def skew_of(seen: Evidence) -> Skew | None:
     if len(chosen) < _LEAST_CONTACT:
         return None
     chosen = chosen[::-(-len(chosen) // _MOST_SAMPLES)]
-    t, x, v, y = seen.t[chosen], seen.x[chosen], seen.rate[chosen], -seen.force[chosen]
+    t, x, v = seen.t[chosen], seen.x[chosen], seen.rate[chosen]
+    acceleration = _acceleration(seen)[chosen]
+    y = -seen.force[chosen] - _known_mass(seen) * acceleration
     floor = max(seen.pipeline.noise_std, 1e-9)**2 * len(y)
     coarse = _residuals(y, t, seen, _COARSE)
     none, best = float(coarse[len(_COARSE) // 2]), float(_COARSE[np.argmin(coarse)])
@@ -182,7 +186,7 @@ def skew_of(seen: Evidence) -> Skew | None:
     fine = best + _FINE
     near = _residuals(y, t, seen, fine)
     best, least = float(fine[np.argmin(near)]), max(float(near.min()), 1e-3 * floor)
-    mass, with_mass = _mass(y, x, v, np.gradient(seen.rate, seen.t)[chosen])
+    mass, with_mass = _mass(y, x, v, acceleration)
 
     def over(other: float) -> float:
         return len(y) * log(max(other, least) / least)
@@ -191,6 +195,24 @@ def skew_of(seen: Evidence) -> Skew | None:
         best, over(none), over(with_mass), over(_left_with_physics(y, x, v)), mass,
         (none - least) / max(none - floor, 1e-3 * floor), over(float(near[[0, -1]].min())),
     )
+
+
+def _acceleration(seen: Evidence) -> Array:
+    """Return the acceleration, smoothed: noise of it would make a mass look like a lag."""
+    window = min(2 * round(0.5 * _SMOOTHED_S / _period(seen.t)) + 1, (len(seen.t) - 1) | 1)
+    if window < 5:
+        return np.gradient(seen.rate, seen.t)
+    return np.asarray(savgol_filter(seen.rate, window, 2, deriv=1, delta=_period(seen.t)))
+
+
+def _period(t: Array) -> float:
+    return float(np.median(np.diff(t)))
+
+
+def _known_mass(seen: Evidence) -> float:
+    """Return the mass of the tool beyond the sensor, whose inertia is compensated [kg]."""
+    mass = float(seen.parameters.physics.tool_inertia.mass)
+    return mass if mass == mass else 0.0
 
 
 def _residuals(y: Array, t: Array, seen: Evidence, lags: Array) -> Array:
