@@ -42,6 +42,7 @@ setup(
     package_data={
         package_name: ['py.typed'],
         package_name + '.diagnosis.report.page': ['templates/*'],
+        package_name + '.fleet.page': ['templates/*'],
     },
     data_files=[
         ('share/ament_index/resource_index/packages', ['resource/' + package_name]),
@@ -57,6 +58,7 @@ setup(
             'recorder_node = contact_estimation.ros.recorder_node:main',
             'loop = contact_estimation.commands.entry_points:loop',
             'diagnose = contact_estimation.commands.entry_points:diagnose',
+            'fleet = contact_estimation.commands.entry_points:fleet',
             'replay = contact_estimation.commands.entry_points:replay',
             'reproduce = contact_estimation.commands.entry_points:reproduce',
             'simulate = contact_estimation.commands.entry_points:simulate',
@@ -82,6 +84,12 @@ setup(
             'numpydoc>=1.7',
             'sphinx>=7.3',
         ],
+        'fleet': [
+            'distributed>=2023.12',
+            'matplotlib>=3.6',
+            'pyarrow>=14.0',
+            'rosbags>=0.11',
+        ],
         # The Jazzy line on PyPI; on a machine with /opt/ros leave this extra out.
         'ros': [
             'ros-jazzy-rclpy[fastrtps]==7.1.6',
@@ -99,6 +107,7 @@ setup(
         ],
         # The linters are those of ament_flake8, ament_pep257 and ament_mypy.
         'test': [
+            'distributed>=2023.12',
             'flake8>=6.0',
             'flake8-blind-except',
             'flake8-builtins',
@@ -114,6 +123,7 @@ setup(
             'pydocstyle>=6.3',
             'pytest>=7.4',
             'pytest-xdist>=3.7',
+            'pyarrow>=14.0',
             'rosbags>=0.11',
             'setuptools',
             'types-PyYAML',

@@ -40,6 +40,7 @@ def _entry_point(name: str) -> Callable[[], int]:
 blind_trials = _entry_point('blind_trials')
 demonstrate = _entry_point('demonstrate')
 diagnose = _entry_point('diagnose')
+fleet = _entry_point('fleet')
 loop = _entry_point('loop')
 replay = _entry_point('replay')
 reproduce = _entry_point('reproduce')

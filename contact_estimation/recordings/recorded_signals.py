@@ -78,7 +78,8 @@ class RecordedSignals:
 
 
 def read_signals(
-    reader: RecordingReader, source: RecordingSource, axis: str = 'x', joint: str = ''
+    reader: RecordingReader, source: RecordingSource, axis: str = 'x', joint: str = '',
+    most_samples: int | None = None,
 ) -> RecordedSignals:
     """
     Read wrench, joint and reference of the contact axis.
@@ -93,6 +94,8 @@ def read_signals(
         Axis of the force: 'x', 'y' or 'z'.
     joint : str
         Name of the joint; '' is the only joint of the message.
+    most_samples : int, optional
+        Number of wrenches after which reading stops, a bound of the memory; all by default.
 
     Returns
     -------
@@ -123,6 +126,8 @@ def read_signals(
             continue
         stamps[topic].append(stamp_ns)
         rows[topic].extend(values)
+        if len(stamps[source.wrench]) == most_samples:
+            break
     wrench, joints, reference = (
         _stacked(stamps[name], rows[name], width) for name, width in zip(decode, (1, 2, 4))
     )

@@ -30,7 +30,7 @@ from ...recordings.source import RecordingSource
 
 def read_recording(
     path: str | PathLike[str], *, topics: Mapping[str, str] | None = None, axis: str = 'x',
-    joint: str = '',
+    joint: str = '', most_samples: int | None = None,
 ) -> Recording:
     """
     Read the signals of a recording.
@@ -46,6 +46,8 @@ def read_recording(
         Force axis of the wrench.
     joint : str
         Joint of the contact axis; '' if the recording has only one.
+    most_samples : int, optional
+        Number of wrenches after which reading stops, a bound of the memory; all by default.
 
     Returns
     -------
@@ -63,5 +65,5 @@ def read_recording(
     if axis not in FORCE_OF_AXIS:
         raise UnknownNameError.among('axis', axis, FORCE_OF_AXIS)
     source = RecordingSource.of_topics(topics or {})
-    signals = read_signals(RecordingReader(str(path)), source, axis, joint)
+    signals = read_signals(RecordingReader(str(path)), source, axis, joint, most_samples)
     return Recording(Path(path).name, signals_of(signals))
