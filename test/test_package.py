@@ -113,8 +113,10 @@ def test_every_exec_depend_is_a_known_rosdep_key() -> None:
 def test_package_xml_declares_every_import() -> None:
     files = [*PACKAGE.rglob('*.py'), *(ROOT / 'launch').rglob('*.py')]
     imported = set().union(*(imported_packages(file) for file in files))
-    # padasip is a peer of a benchmark, compared where it is installed.
-    imported -= {'__future__', 'padasip', PACKAGE.name, *sys.stdlib_module_names}
+    # padasip is a peer of a benchmark, compared where it is installed; the other two are the
+    # extra `fleet`, which pip installs.
+    imported -= {'__future__', 'padasip', 'distributed', 'pyarrow', PACKAGE.name,
+                 *sys.stdlib_module_names}
     assert imported <= set(ROSDEP_KEYS)
     assert {ROSDEP_KEYS[name] for name in imported} <= exec_depends()
 

@@ -34,7 +34,6 @@ from ..exceptions import FleetError, ParameterRangeError
 
 _GROUPS = '(robot_[a-z])/'
 _LEAST_RECORDINGS = 12
-_DASK = 'from distributed.cli.dask_{0} import main; main()'
 _START_S = 60.0
 
 
@@ -129,30 +128,36 @@ def _finished(folder: Path) -> dict[str, int]:
 
 
 def _on_cluster(folder: Path) -> float:
-    with _started('scheduler', ['--port', '0', '--no-dashboard'], folder) as address:
-        with _started('worker', [address, '--nthreads', '1', '--no-dashboard'], folder), \
-                _started('worker', [address, '--nthreads', '1', '--no-dashboard'], folder):
+    """Run on workers whose working directory is not that of the client."""
+    with _started('scheduler', ['--port', '0', '--no-dashboard'], folder / 'scheduler') as address:
+        options = [address, '--nthreads', '1', '--no-dashboard']
+        with _started('worker', options, folder / 'worker_1'), \
+                _started('worker', options, folder / 'worker_2'):
             return _timed(folder, 'cluster', '--scheduler', address)
 
 
 @contextmanager
 def _started(what: str, options: Sequence[str], folder: Path) -> Iterator[str]:
-    """Start a process of Dask as `dask scheduler` and `dask worker` do; yield its address."""
-    arguments = [sys.executable, '-c', _DASK.format(what), *options]
-    process = subprocess.Popen(arguments, cwd=folder, stderr=subprocess.PIPE, text=True)
+    """Start `dask scheduler` or `dask worker` in a folder of its own; yield its address."""
+    folder.mkdir()
+    with open(folder / 'log.txt', 'w') as log:
+        process = subprocess.Popen([sys.executable, '-m', 'dask', what, *options], cwd=folder,
+                                   stderr=log, stdout=log)
     try:
-        yield _address(process)
+        yield _address(process, folder / 'log.txt')
     finally:
         process.terminate()
-        process.communicate(timeout=_START_S)
+        process.wait(_START_S)
 
 
-def _address(process: 'subprocess.Popen[str]') -> str:
-    for line in process.stderr or ():
-        found = re.search(r'tcp://[^\s\']+', line)
+def _address(process: 'subprocess.Popen[bytes]', log: Path) -> str:
+    end = time.monotonic() + _START_S
+    while process.poll() is None and time.monotonic() < end:
+        found = re.search(r'tcp://[^\s\']+:[1-9][0-9]*', log.read_text())
         if found:
             return found[0]
-    raise FleetError('a process of Dask must print its address, but it ended; run it by hand')
+        time.sleep(0.1)
+    raise FleetError(f'a process of Dask must write its address to {log}, but none came; read it')
 
 
 main = command(make_parser, run)

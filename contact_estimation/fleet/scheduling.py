@@ -161,10 +161,10 @@ def require_distributed() -> Any:
 @contextmanager
 def _local_client(jobs: int) -> Iterator[Any]:
     distributed = require_distributed()
-    # Processes of one thread: Python runs one thread at a time. No web page, so no port.
+    # Processes of one thread: Python runs one thread at a time.
     with distributed.LocalCluster(
-        n_workers=jobs, threads_per_worker=1, processes=True, dashboard_address=None,
-        silence_logs=logging.CRITICAL,
+        n_workers=jobs, threads_per_worker=1, processes=True, host='127.0.0.1',
+        dashboard_address='127.0.0.1:0', silence_logs=logging.CRITICAL,
     ) as cluster, distributed.Client(cluster) as client:
         yield client
 

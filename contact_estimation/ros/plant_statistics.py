@@ -80,7 +80,8 @@ class PlantStatistics:
         -------
         summary : dict
             samples_sent, samples_lost, samples_late (more than two periods), rate_hz, latency_ms
-            {p50, p99, max}, references_unusable, last_contact_stamp_ns (null without contact), begin_stamp_ns.
+            {p50, p99, max}, references_unusable, last_contact_stamp_ns (null without contact),
+            begin_stamp_ns.
 
         """
         count = len(self._sent)
