@@ -16,8 +16,9 @@
 Sphinx extension: write the pages that follow from the code.
 
 `generated/effects_<port>.md` has one section per entry of EFFECTS, `generated/tuning.md` one
-table per entry of ESTIMATORS, `generated/foreign_laws.md` one row per law of blind trials: a new
-entry appears without an edit here.
+table per entry of ESTIMATORS, `generated/foreign_laws.md` one row per law of blind trials,
+`generated/fleet_columns.md` one per column of the fleet's table: a new entry appears without an
+edit here.
 
 """
 
@@ -29,6 +30,7 @@ import sys
 from typing import Any, Iterable
 
 import contact_estimation as ce
+from contact_estimation.fleet.columns import COLUMNS
 from contact_estimation.foreign_laws import ALL_LAWS
 from contact_estimation.parameters.specification import specifications
 from effect_plots import plot_effect
@@ -60,6 +62,7 @@ def write_pages(app: Any) -> None:
         _write(folder / f'effects_{port}.md', effects_page(port, folder))
     _write(folder / 'tuning.md', tuning_page())
     _write(folder / 'foreign_laws.md', laws_page())
+    _write(folder / 'fleet_columns.md', columns_page())
 
 
 def effects_page(port: str, folder: Path) -> str:
@@ -101,6 +104,14 @@ def laws_page() -> str:
         '# Laws of the literature', '`blind_trials --foreign` draws from the laws that a family '
         'of effects describes, `--unknown` from the others. Each file of '
         '`contact_estimation/foreign_laws` gives equation and source.', _table(head, rows)])
+
+
+def columns_page() -> str:
+    """Return the page with a row for every column of the fleet's table."""
+    rows = [(f'`{column.name}`', column.kind, column.unit, column.meaning) for column in COLUMNS]
+    return '\n\n'.join([
+        '# Columns of the table', 'Of `table.parquet`, which [](../fleet.md) describes.',
+        _table(('column', 'type', 'unit', 'meaning'), rows)])
 
 
 def parameter_table(group: Any) -> str:

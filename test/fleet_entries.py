@@ -46,7 +46,9 @@ def report(stiffness: float | None = 4800.0, names: Sequence[str] = ()) -> dict[
     }
 
 
-def outcome(report: dict[str, Any] | None, start_ns: int | None = 0, **more: Any) -> dict[str, Any]:
+def outcome(
+    report: dict[str, Any] | None, start_ns: int | None = 0, **more: Any
+) -> dict[str, Any]:
     """Return the outcome of a worker."""
     return {'version': '1', 'start_ns': start_ns, 'duration_s': 8.0, 'episodes': [],
             'diagnosed_s': 8.0, 'report': report, 'error': '', **more}

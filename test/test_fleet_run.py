@@ -18,9 +18,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Iterator, Mapping
+from typing import Any, Iterator, Mapping
 
 from contact_estimation.commands import fleet as command_module
+from contact_estimation.fleet.changes import changes
 from contact_estimation.fleet.columns import COLUMNS
 from contact_estimation.fleet.discovery import find_recordings
 from contact_estimation.fleet.fingerprint import Settings
@@ -46,7 +47,7 @@ class InThisProcess:
     done: list[str] = field(default_factory=list)
 
     def answers(self, calls: Mapping[str, Call]) -> Iterator[tuple[str, Answer]]:
-        for key, call in reversed(calls.items()):
+        for key, call in reversed(list(calls.items())):
             if len(call.arguments) > 1:  # not a hash
                 if len(self.done) == self.stop_after:
                     raise KeyboardInterrupt
@@ -71,7 +72,7 @@ def recordings(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def run(recordings: Path, folder: Path, workers: InThisProcess) -> Fleet:
     found = find_recordings([str(recordings)])
     return run_fleet(found, SETTINGS, workers, folder, most_pooled=0, with_pages=False,
-                     progress=lambda fraction, text: None)  # type: ignore[arg-type]
+                     progress=lambda fraction, text: None)
 
 
 @pytest.fixture(scope='module')
@@ -154,14 +155,14 @@ def test_table_has_explicit_types_and_units() -> None:
 
 def made_up() -> Fleet:
     """Return a fleet with something in every section, and a name to be escaped."""
-    entries = archive(**{'<robot>': [report(4800.0, ['coulomb_friction'] * (k > 7))
-                                     for k in range(14)],
-                         'worn': [report(4800.0 - 12.0 * k) for k in range(12)] + [None]})
+    groups: dict[str, list[dict[str, Any] | None]] = {
+        '<robot>': [report(4800.0, ['coulomb_friction'] * (k > 7)) for k in range(14)],
+        'worn': [*(report(4800.0 - 12.0 * k) for k in range(12)), None],
+    }
+    entries = archive(**groups)
     pool = Pool('worn', entries[:3], None)
     pooled = PooledResult(pool, outcome(report()), '', [outcome(report())] * 2 + [
         outcome(None, error='no contact')])
-    from contact_estimation.fleet.changes import changes
-
     return Fleet(entries, [pooled], changes(entries), 0, 27, SETTINGS)
 
 

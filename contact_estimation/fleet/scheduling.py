@@ -19,7 +19,7 @@ from __future__ import annotations
 from contextlib import contextmanager
 import logging
 import os
-from typing import Any, Callable, Iterator, Mapping, NamedTuple
+from typing import Any, Callable, Iterator, Mapping, NamedTuple, Protocol
 
 from .fingerprint import installed_version
 from ..exceptions import FleetError, MissingPackageError
@@ -42,7 +42,14 @@ class Answer(NamedTuple):
     error: BaseException | None
 
 
-class Workers:
+class Workers(Protocol):
+    """What runs calls, here or elsewhere."""
+
+    def answers(self, calls: Mapping[str, Call]) -> Iterator[tuple[str, Answer]]:
+        """Run calls and yield the answer of each by its key, in any order."""
+
+
+class DaskWorkers:
     """
     The workers of a Dask client.
 
@@ -129,11 +136,11 @@ def workers(scheduler: str | None, jobs: int | None) -> Iterator[Workers]:
     """
     if scheduler is None:
         with _local_client(jobs or os.cpu_count() or 1) as client:
-            yield Workers(client, _IN_FLIGHT * (jobs or os.cpu_count() or 1))
+            yield DaskWorkers(client, _IN_FLIGHT * (jobs or os.cpu_count() or 1))
     else:
         with _remote_client(scheduler) as client:
             threads = sum(client.nthreads().values())
-            yield Workers(client, jobs or _IN_FLIGHT * threads)
+            yield DaskWorkers(client, jobs or _IN_FLIGHT * threads)
 
 
 def require_distributed() -> Any:

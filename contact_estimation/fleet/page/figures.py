@@ -97,7 +97,7 @@ def plot_names(entries: Sequence[Entry]) -> Any:
     """
     rows = sorted({(entry.group, family) for entry in entries for family in entry.families})
     groups = list(dict.fromkeys(group for group, _ in rows))
-    figure, axis = new_figure((9.0, 1.1 + 0.26 * len(rows)))
+    figure, axis = new_figure((7.0, 1.0 + 0.3 * len(rows)))
     for place, (group, family) in enumerate(rows):
         members = [entry.number for entry in entries if entry.group == group]
         named = [entry.number for entry in entries
