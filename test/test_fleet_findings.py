@@ -82,6 +82,11 @@ def test_change_is_found_at_the_first_recording_with_the_name() -> None:
     assert change.earliest == change.latest == 13
 
 
+def test_a_broken_recording_may_be_the_first_after_a_change() -> None:
+    change, = changes(archive(c=[*FRICTION[:12], None, *FRICTION[13:]]))
+    assert (change.earliest, change.number, change.latest) == (13, 14, 14)
+
+
 def test_a_name_at_random_times_is_no_change() -> None:
     named = np.random.default_rng(3).random(40) < 0.4
     entries = archive(a=[report(4800.0, ['force_bias'] if one else []) for one in named])

@@ -69,7 +69,7 @@ def write_archive(folder: Path, count: int, seconds: float) -> Path:
     for robot in ROBOTS:
         (folder / robot).mkdir(parents=True, exist_ok=True)
     for number in range(1, count + 1):
-        robot = ROBOTS[number % len(ROBOTS)]
+        robot = ROBOTS[(number - 1) % len(ROBOTS)]
         path = folder / robot / f'run_{number:03d}.mcap'
         if number in broken:
             broken[number](path)
@@ -99,7 +99,7 @@ def world(robot: str, number: int, count: int) -> PlantParameters:
         Its seed is the number.
 
     """
-    uses = number // len(ROBOTS)
+    uses = (number - 1) // len(ROBOTS)
     stiffness = 4800.0 * ((1.0 - WEAR) ** uses if robot == WORN else 1.0)
     rubs = robot == RUBBING and number >= FRICTION_AT * count
     physics = build(PhysicsParameters, {'coulomb_friction.F_c': 6.0} if rubs else {})

@@ -129,8 +129,9 @@ def _change(
     gain = _gains(named[None])[0]
     best = int(np.argmax(gain)) + 1
     near = np.flatnonzero(gain >= gain.max() - _NEAR) + 1
-    first, earliest, latest = (
-        members.index(known[int(index)]) + 1 for index in (best, near[0], near[-1]))
+    first, before_earliest, latest = (
+        members.index(known[int(index)]) + 1 for index in (best, near[0] - 1, near[-1]))
+    earliest = before_earliest + 1  # a recording without a diagnosis may be the first
     return Change(group, family, known[best], first, earliest, latest,
                   (int(named[:best].sum()), best),
                   (int(named[best:].sum()), len(named) - best), chance)
