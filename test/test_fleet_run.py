@@ -80,6 +80,7 @@ def whole(recordings: Path, tmp_path_factory: pytest.TempPathFactory) -> Fleet:
     return run(recordings, tmp_path_factory.mktemp('whole'), InThisProcess())
 
 
+@pytest.mark.slow
 def test_rows_hold_verdict_names_estimates_and_origin(whole: Fleet) -> None:
     rows = [row for entry in whole.entries for row in rows_of(entry, SETTINGS.model_sha256)]
     rubbing = [row for row in rows if row['recording'].endswith('run_2.mcap')]
@@ -91,6 +92,7 @@ def test_rows_hold_verdict_names_estimates_and_origin(whole: Fleet) -> None:
         assert set(row) <= {column.name for column in COLUMNS}
 
 
+@pytest.mark.slow
 def test_a_broken_recording_is_a_row_with_its_error(whole: Fleet) -> None:
     broken = whole.entries[-1]
     row, = rows_of(broken, SETTINGS.model_sha256)
