@@ -47,6 +47,10 @@ def test_recordings_of_equal_stamps_are_numbered_by_name() -> None:
 def test_a_broken_recording_keeps_its_place_by_name() -> None:
     entries = archive(a=[report(), None, report()])
     assert [entry.name[-6] for entry in entries] == ['0', '1', '2']
+    entries = in_time([*group_of('a', [report(), None, report()])[::-1],
+                       *group_of('b', [report(), None, None, report()])])
+    assert [entry.name[:1] + entry.name[-6] for entry in entries] == [
+        'a0', 'b0', 'a1', 'b1', 'b2', 'a2', 'b3']
 
 
 def test_trend_is_the_median_of_all_slopes_in_pairs() -> None:
@@ -105,6 +109,15 @@ def test_only_the_group_that_is_different_differs() -> None:
     entries = archive(a=STEADY, b=STEADY[::-1], c=softer, d=FRICTION)
     found = [(one.group, one.what) for one in differences(entries)]
     assert found == [('c', 'stiffness'), ('d', 'friction')]
+
+
+def test_what_single_recordings_do_not_resolve_is_no_trend_and_no_difference() -> None:
+    # Deviations are 1.0: a step of 0.5 between groups and a drift of 0.5 in all are within them.
+    level = [report(4800.0 + 1e-4 * k) for k in range(20)]
+    drifting = [report(4800.5 + 0.5 * k / 19.0) for k in range(20)]
+    entries = archive(a=level, b=drifting)
+    assert not any(one.significant for one in trends(entries))
+    assert differences(entries) == []
 
 
 def test_holm_multiplies_by_the_number_of_tests_left() -> None:

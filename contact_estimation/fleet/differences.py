@@ -20,11 +20,12 @@ from itertools import combinations
 from typing import Callable, NamedTuple, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.stats import fisher_exact, mannwhitneyu
 
 from .changes import holm
 from .entry import Entry
-from .trends import by_group, QUANTITIES
+from .trends import by_group, is_resolved, QUANTITIES
 
 _LEVEL = 0.05
 _LEAST = 4  # recordings of a group: the least with which a pair can differ at all
@@ -76,7 +77,8 @@ def differences(entries: Sequence[Entry]) -> list[Difference]:
     Find the groups that differ from more than half of the other groups.
 
     Each pair of groups is tested for K_e and B_e (Mann-Whitney) and for each family of effects
-    (Fisher's exact test); all tests together are corrected by Holm's method.
+    (Fisher's exact test); all tests together are corrected by Holm's method. Medians that single
+    recordings do not resolve do not differ.
 
     Parameters
     ----------
@@ -108,7 +110,9 @@ def _pairs(groups: Members, first: str, second: str, families: Sequence[str]) ->
     for quantity in QUANTITIES:
         values = [_values(members, quantity) for members in (a, b)]
         if min(map(len, values)) >= _LEAST:
-            chance = float(mannwhitneyu(*values).pvalue)
+            between = float(np.median(values[0]) - np.median(values[1]))
+            resolved = is_resolved(between, _stds([*a, *b], quantity))
+            chance = float(mannwhitneyu(*values).pvalue) if resolved else 1.0
             pairs.append(_Pair(quantity, (first, second), chance))
     for family in families:
         counts = [[hits, len(members) - hits] for members in (a, b)
@@ -134,6 +138,11 @@ def _difference(
 
 def _values(members: Sequence[Entry], quantity: str) -> list[float]:
     return [value[0] for entry in members if (value := entry.corrected(quantity)) is not None]
+
+
+def _stds(members: Sequence[Entry], quantity: str) -> NDArray[np.float64]:
+    return np.array([value[1] for entry in members
+                     if (value := entry.corrected(quantity)) is not None])
 
 
 def _named(members: Sequence[Entry], family: str) -> int:

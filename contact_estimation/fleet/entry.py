@@ -17,7 +17,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any, Iterable
+from typing import Any, Iterable, Sequence
 
 from .discovery import FoundRecording, natural_order
 from .one_recording import Outcome
@@ -113,20 +113,27 @@ def in_time(entries: Iterable[Entry]) -> list[Entry]:
     -------
     entries : list of Entry
         Numbered from 1. Equal stamps, such as those of simulations, which start at 0, are ordered
-        by name; a recording without a stamp follows the one before it by name.
+        by name; a recording without a stamp stands in the middle between its neighbours by name
+        in its group.
 
     """
-    placed: list[tuple[int, int, Entry]] = []
-    start_ns, group = -1, ''
-    for place, entry in enumerate(sorted(entries, key=_by_name)):
-        own = entry.outcome['start_ns']
-        if own is not None or entry.group != group:
-            start_ns = -1 if own is None else own
-        group = entry.group
-        placed.append((start_ns, place, entry))
-    placed.sort(key=lambda one: one[:2])
-    return [replace(entry, number=number) for number, (_, _, entry) in enumerate(placed, 1)]
+    named = sorted(entries, key=_by_name)
+    order = sorted(range(len(named)), key=lambda place: (_start(named, place), place))
+    return [replace(named[place], number=number) for number, place in enumerate(order, 1)]
 
 
 def _by_name(entry: Entry) -> tuple[str, list[tuple[int, str]]]:
     return entry.group, natural_order(entry.name)
+
+
+def _start(named: Sequence[Entry], place: int) -> float:
+    """Return the first stamp [ns], or that between the neighbours of the group that have one."""
+    own: int | None = named[place].outcome['start_ns']
+    if own is not None:
+        return own
+    sides = (range(place - 1, -1, -1), range(place + 1, len(named)))
+    stamps = [next((named[k].outcome['start_ns'] for k in side
+                    if named[k].group == named[place].group
+                    and named[k].outcome['start_ns'] is not None), None) for side in sides]
+    known = [stamp for stamp in stamps if stamp is not None]
+    return sum(known) / len(known) if known else -1.0

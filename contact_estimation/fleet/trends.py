@@ -29,6 +29,7 @@ Array = NDArray[np.float64]
 QUANTITIES = {'stiffness': ('K_e', 'N/m'), 'damping': ('B_e', 'N s/m')}
 _LEAST = 6  # recordings: fewer have no 95 % interval of Sen's kind worth the name
 _LEVEL = 0.95
+_RESOLVED = 2.0  # standard deviations of one recording: less may be the model's own error
 _DAY_NS = 86_400e9
 
 
@@ -53,7 +54,8 @@ class Trend(NamedTuple):
     per_day : float
         Median slope per day; NaN where the stamps do not tell days.
     significant : bool
-        Whether the interval at a level corrected for the number of trends (Bonferroni) excludes 0.
+        Whether the interval at a level corrected for the number of trends (Bonferroni) excludes
+        0, and the change over all recordings is resolved.
 
     """
 
@@ -109,6 +111,27 @@ def trends(entries: Sequence[Entry]) -> list[Trend]:
     return [trend for trend in found if trend is not None]
 
 
+def is_resolved(change: float, stds: Array) -> bool:
+    """
+    Return whether a change is more than what single recordings leave open.
+
+    Parameters
+    ----------
+    change : float
+        Of a parameter.
+    stds : ndarray
+        Its standard deviation in each recording. These include errors of the model, which many
+        recordings share, so that their number does not reduce them.
+
+    Returns
+    -------
+    resolved : bool
+        Whether it is over two of their median.
+
+    """
+    return abs(change) > _RESOLVED * float(np.median(stds))
+
+
 def by_group(entries: Sequence[Entry]) -> dict[str, list[Entry]]:
     """
     Sort recordings into their groups.
@@ -140,7 +163,9 @@ def _trend(group: str, quantity: str, members: Sequence[Entry], count: int) -> T
     if len(known) >= _LEAST:
         slope, intercept, low, high = theilslopes(values, numbers, _LEVEL)
         _, _, *corrected = theilslopes(values, numbers, 1.0 - (1.0 - _LEVEL) / count)
-        significant = bool(corrected[0] > 0.0 or corrected[1] < 0.0)
+        change = abs(slope) * (numbers[-1] - numbers[0])
+        significant = bool((corrected[0] > 0.0 or corrected[1] < 0.0)
+                           and is_resolved(change, stds))
         if len(set(starts.tolist())) == len(starts):
             per_day = theilslopes(values, (starts - starts[0]) / _DAY_NS)[0]
     return Trend(group, quantity, numbers, values, stds, float(slope), float(low), float(high),

@@ -19,10 +19,10 @@ from __future__ import annotations
 from collections import Counter
 from typing import Any
 
-from .wording import words
+from .wording import signed_percent, words
 from ..differences import differences
 from ..run import Fleet
-from ..trends import QUANTITIES, trends
+from ..trends import QUANTITIES, Trend, trends
 
 
 def prepare(fleet: Fleet) -> dict[str, Any]:
@@ -35,12 +35,7 @@ def prepare(fleet: Fleet) -> dict[str, Any]:
         f'{change.entry.name})'
         for change in fleet.changes
     ]
-    findings += [
-        f'{trend.group}: {QUANTITIES[trend.quantity][0]} changes by '
-        f'{trend.percent(trend.slope):+.3f} % per recording (95 % interval '
-        f'{trend.percent(trend.low):+.3f} to {trend.percent(trend.high):+.3f})'
-        for trend in trends(fleet.entries) if trend.significant
-    ]
+    findings += [_of_trend(trend) for trend in trends(fleet.entries) if trend.significant]
     findings += [
         f'{group} differs from the other groups in {", ".join(what)}'
         for group, what in _different(fleet).items()
@@ -51,6 +46,13 @@ def prepare(fleet: Fleet) -> dict[str, Any]:
         'verdicts': verdicts.most_common(), 'findings': findings,
         'version': fleet.settings.version,
     }
+
+
+def _of_trend(trend: Trend) -> str:
+    slope, low, high = (signed_percent(trend.percent(value))
+                        for value in (trend.slope, trend.low, trend.high))
+    return (f'{trend.group}: {QUANTITIES[trend.quantity][0]} changes by {slope} % per recording '
+            f'(95 % interval {low} to {high})')
 
 
 def _rises(before: tuple[int, int], after: tuple[int, int]) -> bool:

@@ -20,6 +20,7 @@ from math import isfinite
 from typing import Any
 
 from .figures import plot_trend
+from .wording import signed_percent
 from ..run import Fleet
 from ..trends import QUANTITIES, Trend, trends
 
@@ -42,13 +43,12 @@ def prepare(fleet: Fleet) -> dict[str, Any] | None:
 
 def _row(trend: Trend) -> dict[str, Any]:
     symbol, unit = QUANTITIES[trend.quantity]
-    known = isfinite(trend.slope)
+    slope, low, high, per_day = (
+        signed_percent(trend.percent(value)) if isfinite(value) else ''
+        for value in (trend.slope, trend.low, trend.high, trend.per_day))
     return {
         'group': trend.group, 'symbol': f'{symbol} [{unit}]', 'count': len(trend.values),
         'first': trend.intercept + trend.slope * float(trend.numbers[0]),
-        'slope': f'{trend.percent(trend.slope):+.3f}' if known else '',
-        'interval': (f'{trend.percent(trend.low):+.3f} to {trend.percent(trend.high):+.3f}'
-                     if known else ''),
-        'per_day': f'{trend.percent(trend.per_day):+.3f}' if isfinite(trend.per_day) else '',
+        'slope': slope, 'interval': f'{low} to {high}' if slope else '', 'per_day': per_day,
         'significant': trend.significant,
     }

@@ -49,6 +49,12 @@ def start_of(entry: Entry) -> str:
     return datetime.fromtimestamp(start_ns // 10**9, timezone.utc).strftime('%Y-%m-%d %H:%M')
 
 
+def signed_percent(value: float) -> str:
+    """Return a percentage with its sign to three decimals, without one where these are zeros."""
+    text = f'{value:+.3f}'
+    return '0.000' if float(text) == 0.0 else text
+
+
 def probability(chance: float) -> str:
     """Return a p-value in words."""
     return 'p < 0.0001' if chance < 1e-4 else f'p = {chance:.2g}'
