@@ -42,6 +42,7 @@ setup(
     package_data={
         package_name: ['py.typed'],
         package_name + '.diagnosis.report.page': ['templates/*'],
+        package_name + '.fleet.page': ['templates/*'],
     },
     data_files=[
         ('share/ament_index/resource_index/packages', ['resource/' + package_name]),
@@ -58,6 +59,7 @@ setup(
             'recorder_node = contact_estimation.ros.executables:recorder_node',
             'loop = contact_estimation.commands.entry_points:loop',
             'diagnose = contact_estimation.commands.entry_points:diagnose',
+            'fleet = contact_estimation.commands.entry_points:fleet',
             'replay = contact_estimation.commands.entry_points:replay',
             'reproduce = contact_estimation.commands.entry_points:reproduce',
             'simulate = contact_estimation.commands.entry_points:simulate',
@@ -87,6 +89,12 @@ setup(
         'arms': ['example-robot-data', 'mujoco>=3.2', 'pin>=3.0'],
         # Kinematics of arms. The wheels need numpy 2; with ROS 2 Jazzy use ros-jazzy-pinocchio.
         'robots': ['pin>=3.0'],
+        'fleet': [
+            'distributed>=2023.12',
+            'matplotlib>=3.6',
+            'pyarrow>=14.0',
+            'rosbags>=0.11',
+        ],
         # The Jazzy line on PyPI; on a machine with /opt/ros leave this extra out.
         'ros': [
             'ros-jazzy-rclpy[fastrtps]==7.1.6',
@@ -104,6 +112,7 @@ setup(
         ],
         # The linters are those of ament_flake8, ament_pep257 and ament_mypy.
         'test': [
+            'distributed>=2023.12',
             'flake8>=6.0',
             'flake8-blind-except',
             'flake8-builtins',
@@ -119,6 +128,7 @@ setup(
             'pydocstyle>=6.3',
             'pytest>=7.4',
             'pytest-xdist>=3.7',
+            'pyarrow>=14.0',
             'rosbags>=0.11',
             'setuptools',
             'types-PyYAML',

@@ -103,6 +103,10 @@ class ModelFileError(ContactEstimationError):
     """A model, parameter or experiment file is invalid."""
 
 
+class FleetError(ContactEstimationError):
+    """The workers of a fleet do not answer, or differ from each other."""
+
+
 class MissingPackageError(ContactEstimationError, ImportError):
     """An optional Python package that this command needs is not installed."""
 

@@ -16,6 +16,7 @@
 
 from __future__ import annotations
 
+from base64 import b64encode
 from contextlib import contextmanager
 import io
 from typing import Any, Iterator
@@ -114,6 +115,24 @@ def as_png(figure: Any) -> bytes:
     with figure_style():
         figure.savefig(stream, format='png')
     return stream.getvalue()
+
+
+def as_data_uri(figure: Any) -> str:
+    """
+    Render a figure for an HTML page.
+
+    Parameters
+    ----------
+    figure : matplotlib.figure.Figure
+        Any.
+
+    Returns
+    -------
+    uri : str
+        A PNG file as the address of a picture.
+
+    """
+    return 'data:image/png;base64,' + b64encode(as_png(figure)).decode('ascii')
 
 
 def require_matplotlib() -> Any:

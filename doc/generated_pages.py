@@ -17,8 +17,8 @@ Sphinx extension: write the pages that follow from the code.
 
 `generated/effects_<port>.md` has one section per entry of EFFECTS, `generated/tuning.md` one
 table per entry of ESTIMATORS, `generated/foreign_laws.md` one row per law of blind trials,
-`generated/warnings.md` one per entry of CHECKS and REJECTIONS: a new entry appears without an edit
-here.
+`generated/warnings.md` one per entry of CHECKS and REJECTIONS, `generated/fleet_columns.md` one per
+column of the fleet's table: a new entry appears without an edit here.
 
 """
 
@@ -31,6 +31,7 @@ from typing import Any, Iterable
 
 import contact_estimation as ce
 from contact_estimation.estimation.checks import CHECKS, REJECTIONS
+from contact_estimation.fleet.columns import COLUMNS
 from contact_estimation.foreign_laws import ALL_LAWS
 from contact_estimation.parameters.specification import specifications
 from effect_plots import plot_effect
@@ -63,6 +64,7 @@ def write_pages(app: Any) -> None:
     _write(folder / 'tuning.md', tuning_page())
     _write(folder / 'foreign_laws.md', laws_page())
     _write(folder / 'warnings.md', warnings_page())
+    _write(folder / 'fleet_columns.md', columns_page())
 
 
 def effects_page(port: str, folder: Path) -> str:
@@ -147,6 +149,14 @@ def warnings_page() -> str:
         '## Rejected messages\n\nMessages that cannot be used are counted by reason in '
         '`/diagnostics`. Where they keep the node from estimating, the headline says why.',
         _table(head[:4], rejected), LIMITS])
+
+
+def columns_page() -> str:
+    """Return the page with a row for every column of the fleet's table."""
+    rows = [(f'`{column.name}`', column.kind, column.unit, column.meaning) for column in COLUMNS]
+    return '\n\n'.join([
+        '# Columns of the table', 'Of `table.parquet`, which [](../fleet.md) describes.',
+        _table(('column', 'type', 'unit', 'meaning'), rows)])
 
 
 def parameter_table(group: Any) -> str:

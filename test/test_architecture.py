@@ -29,7 +29,8 @@ LAYERS = [
     'foreign_laws', 'physics', 'reference', 'estimators', 'estimation', 'plant',
     'several_points', 'reproduction',
     'diagnosis.observe', 'diagnosis.fit', 'diagnosis.conclude', 'diagnosis.report',
-    'diagnosis.report.page', 'blind_trials', 'ros', 'commands', 'benchmarks',
+    'diagnosis.report.page', 'blind_trials',
+    'fleet', 'fleet.page', 'ros', 'commands', 'benchmarks',
 ]
 
 

@@ -31,8 +31,8 @@ from ros_processes import descendants, Finished, ModuleProcess, run_module, wait
 
 KEYS = [
     'estimator', 'law', 'stiffness', 'damping', 'stiffness_error_percent',
-    'damping_error_percent', 'mean_force_n', 'desired_force_n', 'model_fit', 'model_fit_worst',
-    'rate_hz', 'samples_sent', 'samples_lost', 'latency_ms',
+    'damping_error_percent', 'mean_force_n', 'desired_force_n', 'eq20_force_n', 'model_fit',
+    'model_fit_worst', 'rate_hz', 'samples_sent', 'samples_lost', 'latency_ms', 'disturbed',
 ]
 EXPERIMENT = """
 start: -0.005

@@ -27,7 +27,7 @@ from contact_estimation.ros.loop_configuration import (
 )
 from contact_estimation.ros.loop_figure import plot_run
 from contact_estimation.ros.loop_run import RecordedRun
-from contact_estimation.ros.loop_summary import summarise
+from contact_estimation.ros.loop_summary import disturbances, gap_explained, summarise
 import numpy as np
 import pytest
 
@@ -74,6 +74,45 @@ def test_summary_of_a_run_without_contact_has_no_estimates() -> None:
     summary = summarise(run, configuration)
     assert summary['stiffness'] is None and summary['damping_error_percent'] is None
     assert summary['samples_sent'] is None and summary['latency_ms'] is None
+
+
+def test_eq20_force_is_that_of_both_springs_at_rest() -> None:
+    configuration = configure('sine')
+    K_t, K_e = configuration.plant.robot.stiffness, configuration.plant.environment.stiffness
+    run = run_of(configuration)
+    run.series['stiffness'][:, 1] = 1.01 * K_e
+    # Unknowns F and x: F = K_t (x_r - x), eq. (1), and F = K_e x, eq. (3).
+    x_r = 50.0 / (1.01 * K_e)
+    force, _ = np.linalg.solve([[1.0, K_t], [1.0, -K_e]], [K_t * x_r, 0.0])
+    assert summarise(run, configuration)['eq20_force_n'] == pytest.approx(force)
+
+
+@pytest.mark.parametrize('mean, law, explained', [
+    (25.0, 25.5, True), (25.0, 30.0, False), (49.8, 49.8, False), (25.0, None, False),
+])
+def test_eq20_explains_a_gap_that_it_predicts(
+    mean: float, law: float | None, explained: bool
+) -> None:
+    summary = {'mean_force_n': mean, 'desired_force_n': 50.0, 'eq20_force_n': law}
+    assert gap_explained(summary) == explained
+
+
+def test_lost_samples_and_latency_over_two_cycles_disturb_a_run() -> None:
+    measured = {'samples_sent': 500, 'samples_lost': 3, 'samples_late': 7,
+                'latency_ms': {'max': 5.1}}
+    lost, late = disturbances(measured, 500.0)
+    assert lost == '3 of 500 samples lost'
+    assert late == 'latency of 7 samples over two cycles (4 ms), up to 5.1 ms'
+    assert disturbances({**measured, 'samples_lost': 0}, 200.0) == []
+
+
+def test_figure_carries_the_note_and_the_warning() -> None:
+    pytest.importorskip('matplotlib')
+    configuration = configure('sine')
+    wall = configuration.plant.environment
+    figure = plot_run(run_of(configuration), 'a title', wall, 'eq. (20) alone', 'disturbed')
+    assert figure.axes[0].get_xlabel() == 'eq. (20) alone'
+    assert figure.axes[0].get_title(loc='left') == 'disturbed'
 
 
 def test_figure_shows_signals_estimates_and_true_values() -> None:

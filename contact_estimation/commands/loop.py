@@ -34,9 +34,9 @@ from ..ros.loop_configuration import configure, LoopConfiguration, write_paramet
 from ..ros.loop_figure import plot_run
 from ..ros.loop_processes import LoopProcesses
 from ..ros.loop_run import read_run
-from ..ros.loop_summary import summarise
+from ..ros.loop_summary import gap_explained, summarise
 
-_EQ20_NOTE = ' (eq. 20 alone reaches about half; see reference_law series or force tracking)'
+_EQ20_NOTE = 'eq. (20) alone: {law:.1f} N; see reference_law series or force tracking'
 
 
 def make_parser() -> Parser:
@@ -120,7 +120,8 @@ def _write_summary(
     data = read_run(recording, plant_summary)
     summary = summarise(data, configuration)
     (output / 'summary.json').write_text(json.dumps(summary, indent=1) + '\n')
-    figure = plot_run(data, _title(summary), configuration.plant.environment)
+    figure = plot_run(data, _title(summary), configuration.plant.environment,
+                      _gap_note(summary), _warning(summary))
     (output / 'summary.png').write_bytes(as_png(figure))
     print(_as_text(summary))
     print(f'wrote summary.png, summary.json and recording/ in {output}')
@@ -139,14 +140,27 @@ def _title(summary: Mapping[str, Any]) -> str:
 def _as_text(summary: Mapping[str, Any]) -> str:
     latency = ', '.join(f'{name} {_number(value, ".2f")}'
                         for name, value in (summary['latency_ms'] or {}).items())
-    note = _EQ20_NOTE if summary['law'] == 'eq20' and summary['mean_force_n'] else ''
-    return '\n'.join((
+    note = _gap_note(summary)
+    lines = [
         _title(summary),
         f'mean force {_number(summary["mean_force_n"], ".2f")} N over the hold, desired '
-        f'{_number(summary["desired_force_n"], ".2f")} N{note}',
+        f'{_number(summary["desired_force_n"], ".2f")} N{note and f" ({note})"}',
         f'{summary["samples_sent"]} samples at {_number(summary["rate_hz"], ".1f")} Hz, '
         f'{summary["samples_lost"]} dropped, latency [ms]: {latency or "none"}',
-    ))
+    ]
+    if summary['disturbed']:
+        lines.append(_warning(summary))
+    return '\n'.join(lines)
+
+
+def _gap_note(summary: Mapping[str, Any]) -> str:
+    """Return why the force is not the desired one, where the law explains it."""
+    return _EQ20_NOTE.format(law=summary['eq20_force_n']) if gap_explained(summary) else ''
+
+
+def _warning(summary: Mapping[str, Any]) -> str:
+    reasons = '; '.join(summary['disturbed'])
+    return f'disturbed run: {reasons}' if reasons else ''
 
 
 def _number(value: float | None, form: str = '.1f') -> str:

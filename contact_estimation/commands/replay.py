@@ -27,6 +27,7 @@ from typing import Any, Protocol, Sequence
 import numpy as np
 
 from .command_line import add_source_options, command, different_files, new_file, Parser, source_of
+from .picture import picture_trace, write_picture
 from .progress import Progress
 from ..estimation.estimate_files import CsvEstimates, McapEstimates, stamp_text
 from ..estimation.model_fit import ModelFitMonitor
@@ -68,6 +69,8 @@ def make_parser() -> Parser:
     parser.add_argument('--output', help='write the estimates as MCAP')
     parser.add_argument('--csv', help='write the estimates as CSV')
     parser.add_argument('--json', help='write a summary as JSON')
+    parser.add_argument('--picture', metavar='FILE.png',
+                        help='plot force, motion and the estimates with their bands')
     add_source_options(parser)
     parser.add_argument(
         '--further', action='append', default=[], metavar='AXIS:=JOINT',
@@ -94,9 +97,10 @@ def run(options: Any) -> int:
     # Millions of small tuples and no cycles: garbage collection would take a fifth of the time.
     gc.disable()
     begin = time.perf_counter()
-    different_files((options.csv, options.json, options.output))
+    different_files((options.csv, options.json, options.output, options.picture))
     if options.json:
         new_file(options.json)
+    trace = picture_trace(options.picture)
     reader = RecordingReader(options.recording)
     replay = RecordingReplay(reader, source_of(options), _chosen(options))
     progress = Progress('replay')
@@ -106,7 +110,7 @@ def run(options: Any) -> int:
     samples = 0
     seen: set[EstimateStatus] = set()
     with ExitStack() as stack:
-        files = _open_files(options, axes, stack)
+        files = [*_open_files(options, axes, stack), *filter(None, (trace,))]
         for estimates in replay.estimates():
             if not estimates:
                 continue
@@ -151,6 +155,9 @@ def run(options: Any) -> int:
         }
     if options.json:
         new_file(options.json).write_text(json.dumps(summary, indent=1) + '\n')
+    if trace is not None:
+        write_picture(options.picture, reader, source_of(options), replay.session.parameters,
+                      trace)
     _print(summary)
     return 0
 

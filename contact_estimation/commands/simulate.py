@@ -21,7 +21,10 @@ from typing import Any
 
 import numpy as np
 
-from .command_line import add_source_options, command, Parser, source_of
+from .command_line import add_source_options, command, different_files, Parser, source_of
+from .picture import picture_trace, write_picture
+from ..estimation.estimate_trace import EstimateTrace
+from ..estimation.replay import RecordingReplay
 from ..exceptions import ParameterRangeError, RecordingError
 from ..plant.between_samples import BETWEEN
 from ..plant.model_file import read_model
@@ -31,6 +34,7 @@ from ..plant.simulation import simulate_command, simulate_experiment, simulate_f
 from ..plant.simulation_file import write_simulation
 from ..recordings import RecordingReader
 from ..recordings.recorded_signals import read_signals, RecordedSignals
+from ..recordings.source import RecordingSource
 from ..reference.experiments import experiment_named, EXPERIMENTS
 
 
@@ -59,6 +63,8 @@ def make_parser() -> Parser:
         help='interpolation of a recorded force that drives an attached wall (default: '
         'straight); `diagnose` reports which one the data support',
     )
+    parser.add_argument('--picture', metavar='FILE.png',
+                        help='plot force, motion and what `replay` estimates from them')
     add_source_options(parser)
     return parser
 
@@ -79,6 +85,8 @@ def run(options: Any) -> int:
 
     """
     output = _new_recording(options.output)
+    different_files((options.output, options.picture))
+    trace = picture_trace(options.picture)
     if options.seed is not None and options.seed < 0:
         raise ParameterRangeError(f'--seed must be >= 0, got {options.seed}')
     model = read_model(options.model, options.seed)
@@ -92,6 +100,8 @@ def run(options: Any) -> int:
         simulation = simulate_experiment(model, experiment_named(options.experiment))
     joint = options.joint or PlantNodeParameters().joint
     write_simulation(output, simulation, options.axis or 'x', joint, frame_id)
+    if trace is not None:
+        _write_picture(options, model, joint, trace)
     seconds = (simulation.stamp_ns[-1] - simulation.stamp_ns[0]) * 1e-9
     print(f'{len(simulation.stamp_ns)} samples, {seconds:.1f} s, maximum pressing force '
           f'{max(0.0, -float(np.min(simulation.measured[0]))):.4g} N; wrote {output}')
@@ -131,6 +141,21 @@ def _simulate_like(
         raise RecordingError(f'{recording} must have at least 2 wrenches, got {len(wrench)}')
     return simulate_force(
         model, wrench.stamp_ns, wrench.values[0], _start(signals), options.between)
+
+
+def _write_picture(
+    options: Any, model: PlantParameters, joint: str, trace: EstimateTrace
+) -> None:
+    """Replay what was written, and plot it with the estimates beside the true values."""
+    reader, source, wall = RecordingReader(options.output), RecordingSource(), model.environment
+    parameters = {'axis': options.axis or 'x', 'joint': joint, 'sample_rate': model.sample_rate,
+                  'environment.location': wall.location}
+    replay = RecordingReplay(reader, source, parameters)
+    if wall.unilateral:  # an attached wall has no contacts to estimate in
+        for estimates in replay.estimates():
+            trace.write(estimates)
+    true = {'stiffness': wall.stiffness, 'damping': wall.damping}
+    write_picture(options.picture, reader, source, replay.session.parameters, trace, true)
 
 
 def _start(signals: RecordedSignals) -> tuple[float, float]:

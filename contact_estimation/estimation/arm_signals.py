@@ -36,7 +36,8 @@ Array = NDArray[np.float64]
 
 
 def read_arm_signals(
-    reader: RecordingReader, source: RecordingSource, parameters: EstimationParameters
+    reader: RecordingReader, source: RecordingSource, parameters: EstimationParameters,
+    most_samples: int | None = None,
 ) -> RecordedSignals:
     """
     Read motion, force and reference along the normal of an arm.
@@ -53,6 +54,8 @@ def read_arm_signals(
         Its topics.
     parameters : EstimationParameters
         With an arm.
+    most_samples : int, optional
+        Number of wrenches after which reading stops; all by default.
 
     Returns
     -------
@@ -75,7 +78,8 @@ def read_arm_signals(
         source.joint_states: lambda data: merger.add(*joints.decode(data)),
         source.reference_trajectory: reference_rows(''),
     }
-    wrench, motion, reference = read_rows(reader, source, decode, (6, count, 4))
+    wrench, motion, reference = read_rows(
+        reader, source, decode, (6, count, 4), most_samples)
     if not arm.sensor:
         arm.use_sensor(wrenches.frame_id)
     usable, at_wrenches = _interpolated(

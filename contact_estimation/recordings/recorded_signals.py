@@ -78,7 +78,8 @@ class RecordedSignals:
 
 
 def read_signals(
-    reader: RecordingReader, source: RecordingSource, axis: str = 'x', joint: str = ''
+    reader: RecordingReader, source: RecordingSource, axis: str = 'x', joint: str = '',
+    most_samples: int | None = None,
 ) -> RecordedSignals:
     """
     Read wrench, joint and reference of the contact axis.
@@ -93,6 +94,8 @@ def read_signals(
         Axis of the force: 'x', 'y' or 'z'.
     joint : str
         Name of the joint; '' is the only joint of the message.
+    most_samples : int, optional
+        Number of wrenches after which reading stops, a bound of the memory; all by default.
 
     Returns
     -------
@@ -107,13 +110,14 @@ def read_signals(
     """
     wrenches = WrenchDecoder()
     wrench, joints, reference = read_rows(
-        reader, source, _decoders(wrenches, source, axis, joint), (1, 2, 4))
+        reader, source, _decoders(wrenches, source, axis, joint), (1, 2, 4), most_samples)
     return RecordedSignals(wrench, joints, reference, wrenches.frame_id)
 
 
 def read_rows(
     reader: RecordingReader, source: RecordingSource,
     decode: Mapping[str, Callable[[bytes], Row | None]], widths: Sequence[int],
+    most_samples: int | None = None,
 ) -> list[Signal]:
     """
     Read wrench, joints and reference.
@@ -129,6 +133,8 @@ def read_rows(
         and returns stamp and values; None where it completes no sample.
     widths : sequence of int
         Number of values of each.
+    most_samples : int, optional
+        Number of wrenches after which reading stops; all by default.
 
     Returns
     -------
@@ -158,6 +164,8 @@ def read_rows(
         if row is not None:
             stamps[topic].append(row[0])
             rows[topic].extend(row[1])
+        if len(stamps[source.wrench]) == most_samples:
+            break
     signals = [stacked(stamps[name], rows[name], width) for name, width in zip(decode, widths)]
     for name, signal in zip(asked[:2], signals):
         if not len(signal):

@@ -79,8 +79,9 @@ class PlantStatistics:
         Returns
         -------
         summary : dict
-            samples_sent, samples_lost, rate_hz, latency_ms {p50, p99, max},
-            references_unusable, last_contact_stamp_ns (null without contact), begin_stamp_ns.
+            samples_sent, samples_lost, samples_late (more than two periods), rate_hz, latency_ms
+            {p50, p99, max}, references_unusable, last_contact_stamp_ns (null without contact),
+            begin_stamp_ns.
 
         """
         count = len(self._sent)
@@ -89,6 +90,7 @@ class PlantStatistics:
         return {
             'samples_sent': count,
             'samples_lost': count - len(self._delays),
+            'samples_late': sum(d > 2 * self._period_ns for d in self._delays.values()),
             'rate_hz': (count - 1) / spent if spent > 0.0 else None,
             'latency_ms': percentiles([d * 1e-6 for d in self._delays.values()]),
             'references_unusable': self.unusable,

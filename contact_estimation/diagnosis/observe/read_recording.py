@@ -35,6 +35,7 @@ from ...recordings.source import RecordingSource
 def read_recording(
     path: str | PathLike[str], *, topics: Mapping[str, str] | None = None, axis: str = 'x',
     joint: str = '', parameters: Mapping[str, Any] | None = None,
+    most_samples: int | None = None,
 ) -> Recording:
     """
     Read the signals of a recording.
@@ -53,6 +54,8 @@ def read_recording(
     parameters : mapping, optional
         Parameters of `estimator_node` by dotted name, of which those of an arm and of the force's
         sign are used; they take precedence over recorded ones.
+    most_samples : int, optional
+        Number of wrenches after which reading stops, a bound of the memory; all by default.
 
     Returns
     -------
@@ -73,8 +76,8 @@ def read_recording(
     reader = RecordingReader(str(path))
     arm = build(EstimationParameters, arm_parameters(reader, source, parameters or {}))
     if arm.kinematics.tip:
-        signals = read_arm_signals(reader, source, arm)
+        signals = read_arm_signals(reader, source, arm, most_samples)
     else:
-        signals = read_signals(reader, source, axis, joint)
+        signals = read_signals(reader, source, axis, joint, most_samples)
         signals.wrench.values[:] *= arm.force_sign
     return Recording(Path(path).name, signals_of(signals))

@@ -22,7 +22,6 @@ name.
 
 from __future__ import annotations
 
-from base64 import b64encode
 from typing import Any, Callable, Mapping
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
@@ -43,7 +42,7 @@ from .inputs import Inputs
 from ..number_format import plain, with_std
 from ..wording import headline, meaning, place_of, PORTS, share_of
 from ...conclude.result import Diagnosis
-from ....figures import as_png
+from ....figures import as_data_uri
 
 SECTIONS: Mapping[str, Callable[[Inputs], Mapping[str, Any] | None]] = {
     'summary': summary.prepare,
@@ -101,12 +100,7 @@ def _environment() -> Environment:
         trim_blocks=True, lstrip_blocks=True, keep_trailing_newline=True,
     )
     environment.filters.update(
-        as_image=_as_image, meaning=meaning, place=place_of, plain=plain,
+        as_image=as_data_uri, meaning=meaning, place=place_of, plain=plain,
         port=PORTS.__getitem__, share=share_of, with_std=with_std,
     )
     return environment
-
-
-def _as_image(figure: Any) -> str:
-    """Return a figure as the data URI of a PNG file."""
-    return 'data:image/png;base64,' + b64encode(as_png(figure)).decode('ascii')

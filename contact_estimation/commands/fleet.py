@@ -1,0 +1,149 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""`fleet`: replay and diagnose an archive of recordings; one table, one page."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from .command_line import add_source_options, command, Parser, topics_of
+from .progress import Progress
+from ..exceptions import ParameterRangeError, RecordingError
+from ..figures import require_matplotlib
+from ..fleet.discovery import find_recordings
+from ..fleet.fingerprint import Settings
+from ..fleet.finished import write_whole
+from ..fleet.page.builder import as_html
+from ..fleet.run import Fleet, run_fleet
+from ..fleet.scheduling import require_distributed, workers
+from ..fleet.table import as_parquet, require_pyarrow
+from ..physics import effects_that_are_on
+from ..plant.model_file import read_model
+
+_LEAST = {'jobs': 1, 'seed': 0, 'pooled': 0, 'most_samples': 1000}
+
+
+def make_parser() -> Parser:
+    """Build the command line of `fleet`."""
+    parser = Parser(
+        prog='fleet',
+        description='Replay and diagnose every recording of an archive in parallel, and write '
+        'table.parquet, a row for each recording and contact, and index.html: which physics are '
+        'missing where and since when, wear, and robots that differ from the rest. A recording '
+        'that cannot be used is a row with its error. An interrupted run resumes: what is done '
+        'with the same recording, model, options and version is not done again.',
+    )
+    parser.add_argument('paths', metavar='PATH', nargs='+',
+                        help='.mcap files, rosbag2 folders, folders of both, or quoted patterns')
+    parser.add_argument('--nominal', metavar='MODEL.yaml', required=True,
+                        help='model file of the simulation (section plant_node)')
+    parser.add_argument('--output', metavar='DIR', required=True,
+                        help='folder of table, page and finished results')
+    parser.add_argument('--group-by', metavar='PATTERN',
+                        help='regular expression, searched for in each path; its group in '
+                        "parentheses names the robot, such as '(robot_[a-z]+)/' (default: all "
+                        'recordings are one group)')
+    parser.add_argument('--scheduler', metavar='ADDRESS',
+                        help='Dask scheduler whose workers to use, such as tcp://host:8786 '
+                        '(default: processes on this machine)')
+    parser.add_argument('--jobs', type=int, metavar='N',
+                        help='processes on this machine (default: one for each processor); with '
+                        '--scheduler, recordings at a time')
+    parser.add_argument('--pooled', type=int, default=4, metavar='N',
+                        help='recordings of each group that are also diagnosed together, spread '
+                        'over time, each predicted by the others; 0: none (4)')
+    parser.add_argument('--no-pages', action='store_true',
+                        help='write no page for each recording, which takes a fifth of the time')
+    parser.add_argument('--most-samples', type=int, default=1_000_000, metavar='N',
+                        help='wrenches of a recording that are diagnosed, from its start: a '
+                        "bound of a worker's memory (1000000)")
+    parser.add_argument('--seed', type=int, default=0, help='seed of the bootstraps (0)')
+    add_source_options(parser)
+    return parser
+
+
+def run(options: Any) -> int:
+    """
+    Work through the archive, write table and page and print a summary.
+
+    Parameters
+    ----------
+    options : argparse.Namespace
+        Of `make_parser`.
+
+    Returns
+    -------
+    code : int
+        0, also where recordings could not be used: they are rows with their error.
+
+    """
+    for name, least in _LEAST.items():
+        value = getattr(options, name)
+        if value is not None and value < least:
+            option = name.replace('_', '-')
+            raise ParameterRangeError(f'--{option} must be >= {least}, got {value}')
+    for require in (require_matplotlib, require_distributed, require_pyarrow):
+        require()  # before the first recording, not after the last
+    settings = _settings(options)
+    found = find_recordings(options.paths, options.group_by)
+    folder = _output(options.output)
+    progress = Progress('fleet')
+    with workers(options.scheduler, options.jobs) as started:
+        fleet = run_fleet(found, settings, started, folder, most_pooled=options.pooled,
+                          with_pages=not options.no_pages, progress=progress.show)
+    progress.done()
+    write_whole(folder / 'table.parquet', as_parquet(fleet.entries, settings.model_sha256))
+    write_whole(folder / 'index.html', as_html(fleet).encode('utf-8'))
+    _print(fleet, folder)
+    return 0
+
+
+def _settings(options: Any) -> Settings:
+    model = read_model(options.nominal)
+    named = [effect.name for effect in effects_that_are_on(model.physics)]
+    if named:
+        raise ParameterRangeError(
+            f'the nominal model must have no physics, got {", ".join(named)}; remove it: the '
+            'diagnosis names the physics that a model without any lacks')
+    return Settings.of(
+        model, topics=topics_of(options), axis=options.axis or 'x', joint=options.joint or '',
+        seed=options.seed, most_samples=options.most_samples)
+
+
+def _output(path: str) -> Path:
+    """Create the folder of a run, or continue in it."""
+    folder = Path(path)
+    if folder.exists() and not folder.is_dir():
+        raise RecordingError(f'--output {path} is a file; choose a folder')
+    if (folder / 'metadata.yaml').exists():
+        raise RecordingError(f'--output {path} is a recording; choose another folder')
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder
+
+
+def _print(fleet: Fleet, folder: Path) -> None:
+    groups = len({entry.group for entry in fleet.entries})
+    print(f'{len(fleet.entries)} recordings in {groups} '
+          f'{"group" if groups == 1 else "groups"}, {fleet.done} finished before, '
+          f'{len(fleet.failed)} with an error')
+    print(f'wrote table.parquet and index.html in {folder}')
+
+
+main = command(make_parser, run)
+
+
+if __name__ == '__main__':
+    raise SystemExit(main())

@@ -1,0 +1,88 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""`--picture`: force, motion and the estimates of a recording as a PNG file."""
+
+from __future__ import annotations
+
+from typing import Mapping
+
+from .command_line import new_file
+from ..estimation.contact_figure import plot_contact, signal_series
+from ..estimation.estimate_trace import EstimateTrace
+from ..estimation.parameters import EstimationParameters
+from ..figures import as_png, require_matplotlib
+from ..recordings import RecordingReader
+from ..recordings.recorded_signals import read_signals
+from ..recordings.source import RecordingSource
+
+
+def picture_trace(path: str | None) -> EstimateTrace | None:
+    """
+    Return what collects the estimates for a picture.
+
+    Parameters
+    ----------
+    path : str or None
+        PNG file to write; None for no picture.
+
+    Returns
+    -------
+    trace : EstimateTrace or None
+        Empty.
+
+    Raises
+    ------
+    MissingPackageError
+        If matplotlib is not installed.
+    RecordingError
+        If the file cannot be written.
+
+    """
+    if path is None:
+        return None
+    require_matplotlib()
+    new_file(path)
+    return EstimateTrace()
+
+
+def write_picture(
+    path: str, reader: RecordingReader, source: RecordingSource,
+    parameters: EstimationParameters, trace: EstimateTrace,
+    true: Mapping[str, float] | None = None,
+) -> None:
+    """
+    Write the picture of a recording.
+
+    Parameters
+    ----------
+    path : str
+        PNG file.
+    reader : RecordingReader
+        The recording, whose signals are read once more.
+    source : RecordingSource
+        Topics.
+    parameters : EstimationParameters
+        Those of the replay: axis, joint and the estimator's name.
+    trace : EstimateTrace
+        Estimates.
+    true : mapping of str to float, optional
+        True stiffness and damping, where they are known.
+
+    """
+    signals = read_signals(reader, source, parameters.axis, parameters.joint)
+    series = {**signal_series(signals), **trace.series(int(signals.wrench.stamp_ns[0]))}
+    estimator = f', {parameters.estimator}' if 'stiffness' in series else ''
+    figure = plot_contact(series, reader.path.name + estimator, true)
+    new_file(path).write_bytes(as_png(figure))

@@ -1,0 +1,78 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The estimates of a recording of any length, thinned for a picture."""
+
+from __future__ import annotations
+
+from typing import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .result import AxesEstimates
+from ..estimators.stiffness_matrix import MatrixEstimate
+
+ESTIMATES = ('stiffness', 'damping', 'stiffness_std', 'damping_std')
+_MOST = 20_000  # points kept: more than a picture shows
+
+
+class EstimateTrace:
+    """Collect estimates of the contact axis; long recordings are thinned evenly."""
+
+    def __init__(self) -> None:
+        self._rows: list[tuple[float, ...]] = []
+        self._count, self._stride = 0, 1
+
+    def write(self, estimates: Sequence[AxesEstimates]) -> None:
+        """
+        Take the estimates of consecutive samples.
+
+        Parameters
+        ----------
+        estimates : sequence of AxesEstimates
+            In order.
+
+        """
+        for contact, *_ in estimates[-self._count % self._stride::self._stride]:
+            values = (getattr(contact, name) for name in ESTIMATES)
+            self._rows.append((contact.stamp_ns, *values))
+        self._count += len(estimates)
+        while len(self._rows) > _MOST:
+            self._rows, self._stride = self._rows[::2], 2 * self._stride
+
+    def write_matrices(self, estimates: Sequence[MatrixEstimate]) -> None:
+        """Leave out estimates of coupled axes."""
+
+    def series(self, begin_ns: int) -> dict[str, NDArray[np.float64]]:
+        """
+        Return the estimates over time.
+
+        Parameters
+        ----------
+        begin_ns : int
+            Stamp of time 0 [ns].
+
+        Returns
+        -------
+        series : dict of str to ndarray, shape (N, 2)
+            Time [s] and value of each of `ESTIMATES`; empty without any estimate.
+
+        """
+        if not self._rows:
+            return {}
+        stamps = np.array([row[0] for row in self._rows], np.int64)
+        t = (stamps - begin_ns) * 1e-9
+        return {name: np.column_stack((t, [row[place] for row in self._rows]))
+                for place, name in enumerate(ESTIMATES, 1)}

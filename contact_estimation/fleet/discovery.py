@@ -1,0 +1,164 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The recordings of an archive, with a group each: files, folders, patterns, rosbag2 folders."""
+
+from __future__ import annotations
+
+from glob import glob, has_magic
+import os
+from pathlib import Path
+import re
+from typing import Iterator, NamedTuple, Sequence
+
+from ..exceptions import ParameterRangeError, RecordingError
+
+ONE_GROUP = 'all'
+"""Name of the only group without a pattern."""
+
+_SUFFIXES = ('.mcap', '.db3')
+_BAG = 'metadata.yaml'
+
+
+class FoundRecording(NamedTuple):
+    """
+    A recording of the archive.
+
+    Attributes
+    ----------
+    name : str
+        Its path as found, below the path that was given.
+    path : str
+        Absolute: workers have a working directory of their own.
+    group : str
+        The robot, wall or day that it belongs to.
+
+    """
+
+    name: str
+    path: str
+    group: str
+
+
+def find_recordings(paths: Sequence[str], group_by: str | None = None) -> list[FoundRecording]:
+    """
+    Find the recordings at the given paths.
+
+    Parameters
+    ----------
+    paths : sequence of str
+        `.mcap` files, rosbag2 folders, folders of both (searched with their subfolders), or
+        patterns such as `archive/**/*.mcap`.
+    group_by : str, optional
+        Regular expression, searched for in the path as found; its groups, joined by '/', name
+        the recording's group.
+
+    Returns
+    -------
+    found : list of FoundRecording
+        Each once, in natural order of their names: run_10 follows run_9.
+
+    Raises
+    ------
+    RecordingError
+        If a path does not exist, or holds no recording.
+    ParameterRangeError
+        If `group_by` is no regular expression with a group, or does not match a path.
+
+    """
+    pattern = None if group_by is None else _compiled(group_by)
+    found: dict[str, FoundRecording] = {}
+    for given in paths:
+        for path in _below(given):
+            absolute = os.path.abspath(path)
+            if absolute not in found:
+                name = path.as_posix()
+                found[absolute] = FoundRecording(name, absolute, _group(name, pattern))
+    return sorted(found.values(), key=lambda one: natural_order(one.name))
+
+
+def natural_order(name: str) -> list[tuple[int, str]]:
+    """
+    Return a key that sorts run_10 after run_9.
+
+    Parameters
+    ----------
+    name : str
+        Such as a path.
+
+    Returns
+    -------
+    key : list of (int, str)
+        Numbers as numbers, other parts as text.
+
+    """
+    return [(int(part), '') if part.isdecimal() else (-1, part)
+            for part in re.split(r'([0-9]+)', name)]
+
+
+def _compiled(group_by: str) -> re.Pattern[str]:
+    try:
+        pattern = re.compile(group_by)
+    except re.error as error:
+        raise ParameterRangeError(
+            f'--group-by must be a regular expression, got {group_by!r}: {error}; example: '
+            "'(robot_[a-z]+)/'") from error
+    if not pattern.groups:
+        raise ParameterRangeError(
+            f'--group-by must have a group in parentheses, got {group_by!r}; put the part of the '
+            "path that names the robot in parentheses, such as '(robot_[a-z]+)/'")
+    return pattern
+
+
+def _group(name: str, pattern: re.Pattern[str] | None) -> str:
+    if pattern is None:
+        return ONE_GROUP
+    match = pattern.search(name)
+    parts = [part for part in match.groups() if part] if match else []
+    if not parts:
+        raise ParameterRangeError(
+            f'--group-by {pattern.pattern!r} must match every path, but not {name}; extend the '
+            'pattern or give fewer recordings')
+    return '/'.join(parts)
+
+
+def _below(given: str) -> Iterator[Path]:
+    """Yield the recordings that a path, or a pattern that is no path, stands for."""
+    if os.path.exists(given):
+        recordings = list(_recordings_at(Path(given)))
+    elif has_magic(given):
+        matches = sorted(glob(given, recursive=True), key=natural_order)
+        recordings = [one for match in matches for one in _recordings_at(Path(match), True)]
+    else:
+        raise RecordingError(
+            f'{given} does not exist; give recordings, folders of recordings or a pattern')
+    if not recordings:
+        raise RecordingError(
+            f'no recording at {given}: expected {" or ".join(_SUFFIXES)} files or rosbag2 '
+            'folders; give the folder that holds them')
+    yield from recordings
+
+
+def _recordings_at(path: Path, of_pattern: bool = False) -> Iterator[Path]:
+    """Yield a file as it is, and the recordings of a folder; a rosbag2 folder is one of them."""
+    if not path.is_dir():
+        if path.suffix in _SUFFIXES or not of_pattern:  # a file that is named is meant
+            yield path
+    elif (path / _BAG).exists():
+        yield path
+    else:
+        for entry in sorted(path.iterdir(), key=lambda one: natural_order(one.name)):
+            hidden = entry.name.startswith('.')
+            if not hidden and (entry.is_dir() or entry.suffix in _SUFFIXES):
+                yield from _recordings_at(entry)

@@ -1,0 +1,139 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""A recording of the fleet with its results, and the order of recordings in time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any, Iterable, Sequence
+
+from .discovery import FoundRecording, natural_order
+from .one_recording import Outcome
+
+
+@dataclass(frozen=True)
+class Entry:
+    """
+    A recording and its results.
+
+    Attributes
+    ----------
+    name : str
+        Path as found.
+    path : str
+        Absolute path.
+    group : str
+        Robot, wall or day.
+    sha256 : str
+        Of its content; '' if that could not be read.
+    outcome : dict
+        Results of a worker.
+    page : str
+        Page of its diagnosis, relative to the folder of the run; '' if there is none.
+    number : int
+        Place in time, from 1.
+
+    """
+
+    name: str
+    path: str
+    group: str
+    sha256: str
+    outcome: Outcome
+    page: str = ''
+    number: int = 0
+
+    @classmethod
+    def of(cls, found: FoundRecording, sha256: str, outcome: Outcome, page: str) -> 'Entry':
+        """Return the entry of a found recording, without its number."""
+        return cls(found.name, found.path, found.group, sha256, outcome, page)
+
+    @property
+    def report(self) -> dict[str, Any] | None:
+        """The diagnosis; None if there is none, or if the recording was refused by a check."""
+        report: dict[str, Any] | None = self.outcome['report']
+        refused = report is not None and report['fit']['noise_floor_n'] is None
+        return None if refused else report
+
+    @property
+    def families(self) -> list[str]:
+        """Families of the named effects, strongest first."""
+        return list(dict.fromkeys(effect['family'] for effect in self.effects))
+
+    @property
+    def effects(self) -> list[dict[str, Any]]:
+        """The named effects."""
+        return list(self.report['effects']) if self.report else []
+
+    def corrected(self, name: str) -> tuple[float, float] | None:
+        """
+        Return a fitted parameter of the wall.
+
+        Parameters
+        ----------
+        name : str
+            'stiffness' or 'damping'.
+
+        Returns
+        -------
+        value, std : float
+            Of the corrected model; None where an effect replaces the parameter.
+
+        """
+        if self.report is None:
+            return None
+        found = self.report['corrected'][name]
+        if found['value'] is None or found['std'] is None:
+            return None
+        return found['value'], found['std']
+
+
+def in_time(entries: Iterable[Entry]) -> list[Entry]:
+    """
+    Sort recordings by their first stamps, and number them.
+
+    Parameters
+    ----------
+    entries : iterable of Entry
+        In any order.
+
+    Returns
+    -------
+    entries : list of Entry
+        Numbered from 1. Equal stamps, such as those of simulations, which start at 0, are ordered
+        by name; a recording without a stamp stands in the middle between its neighbours by name
+        in its group.
+
+    """
+    named = sorted(entries, key=_by_name)
+    order = sorted(range(len(named)), key=lambda place: (_start(named, place), place))
+    return [replace(named[place], number=number) for number, place in enumerate(order, 1)]
+
+
+def _by_name(entry: Entry) -> tuple[str, list[tuple[int, str]]]:
+    return entry.group, natural_order(entry.name)
+
+
+def _start(named: Sequence[Entry], place: int) -> float:
+    """Return the first stamp [ns], or that between the neighbours of the group that have one."""
+    own: int | None = named[place].outcome['start_ns']
+    if own is not None:
+        return own
+    sides = (range(place - 1, -1, -1), range(place + 1, len(named)))
+    stamps = [next((named[k].outcome['start_ns'] for k in side
+                    if named[k].group == named[place].group
+                    and named[k].outcome['start_ns'] is not None), None) for side in sides]
+    known = [stamp for stamp in stamps if stamp is not None]
+    return sum(known) / len(known) if known else -1.0

@@ -1,0 +1,138 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The estimates of a recording at the end of each contact, from a replay in bounded memory."""
+
+from __future__ import annotations
+
+from math import isfinite
+from typing import Any, Iterable, Mapping
+
+from ..estimation.replay import RecordingReplay
+from ..estimators.estimator import Estimate, EstimateStatus
+from ..exceptions import RecordingError
+from ..recordings import RecordingReader
+from ..recordings.estimation_metadata import from_metadata
+from ..recordings.source import RecordingSource
+
+_LEAST_CONTACT_S = 0.2  # as in the diagnosis
+_VALUES = ('stiffness', 'stiffness_std', 'damping', 'damping_std', 'model_fit')
+
+
+class Episodes:
+    """
+    Collect the contacts of a stream of estimates.
+
+    Attributes
+    ----------
+    first_ns, last_ns : int or None
+        Stamps of the first and last sample [ns].
+
+    """
+
+    def __init__(self) -> None:
+        self.first_ns: int | None = None
+        self.last_ns: int | None = None
+        self._begin_ns = 0
+        self._last: Estimate | None = None
+        self._found: list[dict[str, Any]] = []
+
+    def add(self, estimates: Iterable[Estimate]) -> None:
+        """
+        Take consecutive estimates.
+
+        Parameters
+        ----------
+        estimates : iterable of Estimate
+            Of the contact axis, in order.
+
+        """
+        for estimate in estimates:
+            if self.first_ns is None:
+                self.first_ns = estimate.stamp_ns
+            self.last_ns = estimate.stamp_ns
+            if estimate.status is EstimateStatus.FREE:
+                self._finish()
+            else:
+                if self._last is None:
+                    self._begin_ns = estimate.stamp_ns
+                self._last = estimate
+
+    def found(self) -> list[dict[str, Any]]:
+        """
+        Return the contacts.
+
+        Returns
+        -------
+        episodes : list of dict
+            Number from 1, begin and end [s] since the first sample, status and estimates at
+            the end; None for what is not estimated. Contacts under 0.2 s are left out.
+
+        """
+        self._finish()
+        return self._found
+
+    def _finish(self) -> None:
+        last, self._last = self._last, None
+        if last is None or self.first_ns is None:
+            return
+        begin, end = ((stamp - self.first_ns) * 1e-9 for stamp in (self._begin_ns, last.stamp_ns))
+        if end - begin >= _LEAST_CONTACT_S:
+            values = {name: float(getattr(last, name)) for name in _VALUES}
+            self._found.append({
+                'episode': len(self._found) + 1, 'begin_s': begin, 'end_s': end,
+                'status': last.status.value,
+                **{name: value if isfinite(value) else None for name, value in values.items()},
+            })
+
+
+def replay_episodes(
+    path: str, topics: Mapping[str, str], chosen: Mapping[str, Any]
+) -> Episodes:
+    """
+    Replay a recording.
+
+    Parameters
+    ----------
+    path : str
+        File or rosbag2 folder.
+    topics : mapping of str to str
+        As in `read_recording`.
+    chosen : mapping of str to value
+        Parameters of the estimator that the recording does not hold; where it holds those of
+        the node, they are used instead.
+
+    Returns
+    -------
+    episodes : Episodes
+        Of the whole recording.
+
+    Raises
+    ------
+    ContactEstimationError
+        If the recording has no usable sample, or a parameter is not valid.
+
+    """
+    reader = RecordingReader(path)
+    recorded = from_metadata(reader.metadata())
+    chosen = {name: value for name, value in chosen.items() if name not in recorded}
+    replay = RecordingReplay(reader, RecordingSource.of_topics(topics), chosen)
+    episodes = Episodes()
+    for estimates in replay.estimates():
+        episodes.add(of_axes[0] for of_axes in estimates)
+    if episodes.first_ns is None:
+        raise RecordingError(
+            f'no usable sample in {path}: expected wrenches with joint states at or around '
+            'their stamps, got none; check topics, joint and stamps')
+    return episodes

@@ -1,0 +1,163 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""What identifies a result: content of the recording, model, version and options."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, field
+import hashlib
+from importlib.metadata import PackageNotFoundError, version
+import json
+from pathlib import Path
+from typing import Any, Mapping
+
+from ..parameters.values import build, flatten
+from ..plant.plant_parameters import PlantParameters
+
+_BLOCK = 1 << 20
+
+
+def installed_version() -> str:
+    """
+    Return the version of this package.
+
+    Returns
+    -------
+    version : str
+        'unknown' where it runs without being installed.
+
+    """
+    try:
+        return version('contact_estimation')
+    except PackageNotFoundError:
+        return 'unknown'
+
+
+@dataclass(frozen=True)
+class Settings:
+    """
+    What a worker needs besides a recording: plain data, equal on every machine.
+
+    Attributes
+    ----------
+    model : mapping of str to value
+        All parameters of the nominal model, by dotted name.
+    topics : mapping of str to str
+        As in `read_recording`.
+    axis, joint : str
+        Contact axis of the force, and its joint; '' for the only joint.
+    seed : int
+        Of the bootstraps.
+    most_samples : int
+        Wrenches of a recording that are diagnosed, from its start.
+    version : str
+        Of this package.
+
+    """
+
+    model: Mapping[str, Any]
+    topics: Mapping[str, str] = field(default_factory=dict)
+    axis: str = 'x'
+    joint: str = ''
+    seed: int = 0
+    most_samples: int = 1_000_000
+    version: str = field(default_factory=installed_version)
+
+    @classmethod
+    def of(cls, model: PlantParameters, **options: Any) -> 'Settings':
+        """
+        Return the settings for a model.
+
+        Parameters
+        ----------
+        model : PlantParameters
+            The nominal model.
+        **options
+            Further attributes.
+
+        Returns
+        -------
+        settings : Settings
+            Their model is a copy.
+
+        """
+        return cls(dict(flatten(model)), **options)
+
+    @property
+    def nominal(self) -> PlantParameters:
+        """The nominal model."""
+        return build(PlantParameters, dict(self.model))
+
+    @property
+    def model_sha256(self) -> str:
+        """Hash of the nominal model's parameters; its comments do not count."""
+        return _hash_of(dict(self.model))
+
+    def key(self, task: str, *recordings: str) -> str:
+        """
+        Return what identifies a result.
+
+        Parameters
+        ----------
+        task : str
+            Such as 'recording'.
+        *recordings : str
+            Hashes of the recordings.
+
+        Returns
+        -------
+        key : str
+            Differs as soon as recording, model, version or an option does.
+
+        """
+        return _hash_of([task, recordings, asdict(self)])
+
+
+def _hash_of(data: Any) -> str:
+    return hashlib.sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()
+
+
+def recording_sha256(path: str) -> str:
+    """
+    Return the hash of a recording, read block by block.
+
+    Parameters
+    ----------
+    path : str
+        File or rosbag2 folder.
+
+    Returns
+    -------
+    sha256 : str
+        Of the content of the file; of a folder, of its files' names and contents.
+
+    Raises
+    ------
+    OSError
+        If it cannot be read.
+
+    """
+    if not Path(path).is_dir():
+        return _file_sha256(Path(path))
+    files = sorted(file for file in Path(path).rglob('*') if file.is_file())
+    return _hash_of([(file.relative_to(path).as_posix(), _file_sha256(file)) for file in files])
+
+
+def _file_sha256(file: Path) -> str:
+    digest = hashlib.sha256()
+    with open(file, 'rb') as stream:
+        while block := stream.read(_BLOCK):
+            digest.update(block)
+    return digest.hexdigest()

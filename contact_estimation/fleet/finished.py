@@ -1,0 +1,128 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Results that are finished, as files: an interrupted run goes on where it stopped."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+
+from .one_recording import Outcome, Result
+
+_RESULTS, _PAGES = 'finished', 'recordings'
+
+
+class Finished:
+    """
+    The finished results in the folder of a run.
+
+    Parameters
+    ----------
+    folder : Path
+        Of the run; subfolders are created in it.
+
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        for name in (_RESULTS, _PAGES):
+            (folder / name).mkdir(parents=True, exist_ok=True)
+
+    def get(self, key: str, with_page: bool) -> Outcome | None:
+        """
+        Return a finished result.
+
+        Parameters
+        ----------
+        key : str
+            Of `Settings.key`.
+        with_page : bool
+            Whether a diagnosis without its page counts as unfinished.
+
+        Returns
+        -------
+        outcome : dict or None
+            None if there is none.
+
+        """
+        try:
+            outcome: Outcome = json.loads(self._file(key).read_text(encoding='utf-8'))
+        except (FileNotFoundError, ValueError):
+            return None
+        lacks_page = with_page and outcome['report'] is not None and not self.page(key)
+        return None if lacks_page else outcome
+
+    def keep(self, key: str, result: Result) -> None:
+        """
+        Write a result; what is killed meanwhile leaves no half of it.
+
+        Parameters
+        ----------
+        key : str
+            Of `Settings.key`.
+        result : Result
+            Of a worker.
+
+        """
+        if result.page:
+            write_whole(self._folder / _PAGES / _page_name(key), result.page.encode('utf-8'))
+        text = json.dumps(result.outcome, allow_nan=False)
+        write_whole(self._file(key), text.encode('utf-8'))
+
+    def page(self, key: str) -> str:
+        """
+        Return the path of a diagnosis's page.
+
+        Parameters
+        ----------
+        key : str
+            Of `Settings.key`.
+
+        Returns
+        -------
+        path : str
+            Relative to the folder of the run; '' if there is none.
+
+        """
+        path = f'{_PAGES}/{_page_name(key)}'
+        return path if (self._folder / path).exists() else ''
+
+    def _file(self, key: str) -> Path:
+        return self._folder / _RESULTS / f'{key}.json'
+
+
+def _page_name(key: str) -> str:
+    return f'{key[:16]}.html'
+
+
+def write_whole(file: Path, data: bytes) -> None:
+    """
+    Write a file whole or not at all.
+
+    Parameters
+    ----------
+    file : Path
+        Replaced if it exists.
+    data : bytes
+        Its content.
+
+    """
+    partial = file.with_name(file.name + '.partial')
+    with open(partial, 'wb') as stream:
+        stream.write(data)
+        stream.flush()
+        os.fsync(stream.fileno())
+    os.replace(partial, file)

@@ -1,0 +1,164 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""What a worker does: replay and diagnose one recording, or several together."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, Callable, NamedTuple, Sequence
+
+import numpy as np
+
+from .episodes import replay_episodes
+from .fingerprint import Settings
+from ..diagnosis.conclude.diagnose import diagnose
+from ..diagnosis.conclude.next_experiment import choose
+from ..diagnosis.conclude.result import Diagnosis
+from ..diagnosis.observe.read_recording import read_recording
+from ..diagnosis.observe.signals import Recording
+from ..diagnosis.report.json_report import as_dict
+from ..diagnosis.report.page.builder import as_html
+from ..exceptions import ContactEstimationError, MissingPackageError
+from ..recordings import RecordingReader
+
+Outcome = dict[str, Any]
+"""Plain data: version, start_ns, duration_s, episodes, diagnosed_s, report and error."""
+
+
+class Result(NamedTuple):
+    """
+    What a worker returns.
+
+    Attributes
+    ----------
+    outcome : dict
+        Ready for JSON.
+    page : str
+        The diagnosis as HTML; '' without.
+
+    """
+
+    outcome: Outcome
+    page: str
+
+
+def process(path: str, settings: Settings, with_page: bool) -> Result:
+    """
+    Replay and diagnose a recording.
+
+    Parameters
+    ----------
+    path : str
+        File or rosbag2 folder, absolute.
+    settings : Settings
+        Model and options.
+    with_page : bool
+        Whether to write the diagnosis as a page, too.
+
+    Returns
+    -------
+    result : Result
+        `error` is '' unless a step failed; the results of the other steps are kept.
+
+    """
+    outcome: Outcome = {
+        'version': settings.version, 'start_ns': None, 'duration_s': None, 'episodes': [],
+        'diagnosed_s': None, 'report': None, 'error': '',
+    }
+    page = ''
+    errors: list[str] = []
+
+    def attempt(step: Callable[[], Any]) -> Any:
+        try:
+            return step()
+        except MissingPackageError:
+            raise  # of the worker, not of the recording
+        except ContactEstimationError as error:
+            errors.append(str(error).replace(path, Path(path).name))
+        return None
+
+    attempt(lambda: outcome.update(start_ns=RecordingReader(path).start_ns))
+    recording = attempt(lambda: _read(path, settings))
+    if recording is not None:
+        attempt(lambda: outcome.update(_replayed(path, recording, settings)))
+        outcome['diagnosed_s'] = float(np.ptp(recording.signals.wrench_t))
+        diagnosis = attempt(lambda: _diagnosed([recording], settings))
+        if diagnosis is not None:
+            outcome['report'] = as_dict(diagnosis)
+            page = as_html(diagnosis, recording.name) if with_page else ''
+    outcome['error'] = '; '.join(dict.fromkeys(errors))
+    return Result(outcome, page)
+
+
+def process_pooled(
+    paths: Sequence[str], held_out: Sequence[str], settings: Settings, with_page: bool
+) -> Result:
+    """
+    Diagnose several recordings together: one law for all of them.
+
+    Parameters
+    ----------
+    paths, held_out : sequence of str
+        Recordings to fit, and those to test on.
+    settings : Settings
+        Model and options.
+    with_page : bool
+        Whether to write the diagnosis as a page, too.
+
+    Returns
+    -------
+    result : Result
+        Its outcome has `version`, `report` and `error` alone.
+
+    """
+    try:
+        fitted, tested = ([_read(path, settings) for path in some] for some in (paths, held_out))
+        diagnosis = _diagnosed(fitted, settings, tested)
+    except MissingPackageError:
+        raise
+    except ContactEstimationError as error:
+        return Result({'version': settings.version, 'report': None, 'error': str(error)}, '')
+    title = ', '.join(Path(path).name for path in paths)
+    page = as_html(diagnosis, title) if with_page else ''
+    return Result({'version': settings.version, 'report': as_dict(diagnosis), 'error': ''}, page)
+
+
+def _read(path: str, settings: Settings) -> Recording:
+    return read_recording(path, topics=settings.topics, axis=settings.axis,
+                          joint=settings.joint, most_samples=settings.most_samples)
+
+
+def _replayed(path: str, recording: Recording, settings: Settings) -> Outcome:
+    """Replay with the model's wall and the recording's rate, unless the node's are recorded."""
+    chosen: dict[str, Any] = {
+        'environment.location': settings.nominal.environment.location,
+        'sample_rate': float(1.0 / np.median(np.diff(recording.signals.wrench_t))),
+        'axis': settings.axis,
+    }
+    if settings.joint:
+        chosen['joint'] = settings.joint
+    episodes = replay_episodes(path, settings.topics, chosen)
+    first, last = episodes.first_ns or 0, episodes.last_ns or 0
+    return {'start_ns': first, 'duration_s': (last - first) * 1e-9, 'episodes': episodes.found()}
+
+
+def _diagnosed(
+    recordings: Sequence[Recording], settings: Settings, held_out: Sequence[Recording] = ()
+) -> Diagnosis:
+    diagnosis = diagnose(
+        recordings, settings.nominal, held_out=held_out, seed=settings.seed)
+    proposal = choose(diagnosis)
+    return diagnosis if proposal is None else replace(diagnosis, next_experiment=proposal.text)

@@ -1,0 +1,113 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Figures of the fleet's page."""
+
+from __future__ import annotations
+
+from typing import Any, Sequence
+
+import numpy as np
+
+from .wording import words
+from ..entry import Entry
+from ..trends import QUANTITIES, Trend
+from ...figures import BLUE, figure_style, INK, MUTED, new_figure, ORANGE
+
+_OUTSIDE = 6.0  # interquartile ranges around the quartiles: values beyond are not shown
+
+
+@figure_style()
+def plot_trend(trend: Trend, named: Sequence[bool]) -> Any:
+    """
+    Plot a quantity over the recordings of a group, with its trend.
+
+    Parameters
+    ----------
+    trend : Trend
+        Values and line.
+    named : sequence of bool
+        Whether an effect is named, for each recording of the group.
+
+    Returns
+    -------
+    figure : matplotlib.figure.Figure
+        One panel.
+
+    """
+    symbol, unit = QUANTITIES[trend.quantity]
+    figure, axis = new_figure((5.6, 3.0))
+    with_name = np.array(named)[trend.numbers - 1]
+    for mask, colour, label in ((~with_name, BLUE, 'nothing named'),
+                                (with_name, ORANGE, 'effect named')):
+        if mask.any():
+            axis.errorbar(trend.numbers[mask], trend.values[mask], 2.0 * trend.stds[mask],
+                          fmt='o', markersize=3.0, linewidth=0.8, color=colour, label=label)
+    if np.isfinite(trend.slope):
+        x = trend.numbers[[0, -1]]
+        axis.plot(x, trend.intercept + trend.slope * x, color=INK, linewidth=1.2,
+                  linestyle='-' if trend.significant else ':', label='trend')
+    axis.set_ylim(*_limits(trend))
+    axis.set_title(f'{trend.group}: {symbol} [{unit}]')
+    axis.set_xlabel('recording of the group')
+    axis.xaxis.get_major_locator().set_params(integer=True)
+    axis.legend(loc='best', ncols=3)
+    return figure
+
+
+def _limits(trend: Trend) -> tuple[float, float]:
+    """Return limits that show all values but extreme outliers, and at least 2 % of the median."""
+    low, middle, high = np.percentile(trend.values, (25, 50, 75))
+    reach = _OUTSIDE * max(high - low, 0.002 * abs(middle), 1e-12)
+    kept = (trend.values > low - reach) & (trend.values < high + reach)
+    ends = np.concatenate((trend.values[kept] - 2.0 * trend.stds[kept],
+                           trend.values[kept] + 2.0 * trend.stds[kept]))
+    ends = ends[np.isfinite(ends)]
+    centre, half = 0.5 * (ends.min() + ends.max()), 0.6 * (ends.max() - ends.min())
+    half = max(half, 0.01 * abs(middle), 1e-12)
+    return float(centre - half), float(centre + 1.15 * half)  # room for the legend
+
+
+@figure_style()
+def plot_names(entries: Sequence[Entry]) -> Any:
+    """
+    Plot which families are named in which recording.
+
+    Parameters
+    ----------
+    entries : sequence of Entry
+        All recordings.
+
+    Returns
+    -------
+    figure : matplotlib.figure.Figure
+        A row for each group and family.
+
+    """
+    rows = sorted({(entry.group, family) for entry in entries for family in entry.families})
+    groups = list(dict.fromkeys(group for group, _ in rows))
+    figure, axis = new_figure((7.0, 1.0 + 0.3 * len(rows)))
+    for place, (group, family) in enumerate(rows):
+        members = [entry.number for entry in entries if entry.group == group]
+        named = [entry.number for entry in entries
+                 if entry.group == group and family in entry.families]
+        axis.plot(members, [place] * len(members), '|', color=MUTED, markersize=3.0, alpha=0.6)
+        axis.plot(named, [place] * len(named), '|', markersize=9.0, markeredgewidth=1.6,
+                  color=(BLUE, ORANGE)[groups.index(group) % 2])
+    axis.set_yticks(range(len(rows)), [f'{group}: {words(family)}' for group, family in rows])
+    axis.set_ylim(len(rows) - 0.4, -0.6)
+    axis.set_xlim(0.0, max(entry.number for entry in entries) + 1.0)
+    axis.set_xlabel('recording, in order of time')
+    axis.grid(False)
+    return figure

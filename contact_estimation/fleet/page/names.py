@@ -1,0 +1,49 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Which names occur where: effects by group."""
+
+from __future__ import annotations
+
+from typing import Any, Sequence
+
+from .wording import start_of, words
+from ..entry import Entry
+from ..run import Fleet
+from ..trends import by_group
+
+
+def prepare(fleet: Fleet) -> dict[str, Any] | None:
+    """Return the counts of each name in each group; None where nothing is named."""
+    groups = by_group(fleet.entries)
+    names = sorted({effect['name'] for entry in fleet.entries for effect in entry.effects})
+    if not names:
+        return None
+    return {
+        'names': [words(name) for name in names],
+        'rows': [{'group': group,
+                  'diagnosed': sum(entry.report is not None for entry in members),
+                  'cells': [_cell(members, name) for name in names]}
+                 for group, members in groups.items()],
+    }
+
+
+def _cell(members: Sequence[Entry], name: str) -> dict[str, Any] | None:
+    """Return how often a name occurs, and where first."""
+    named = [(number, entry) for number, entry in enumerate(members, 1)
+             if any(effect['name'] == name for effect in entry.effects)]
+    if not named:
+        return None
+    number, first = named[0]
+    return {'count': len(named), 'number': number, 'entry': first, 'start': start_of(first)}

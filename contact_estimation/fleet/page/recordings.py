@@ -1,0 +1,41 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""All recordings, by group, with links to their own pages."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from .wording import start_of, words
+from ..entry import Entry
+from ..run import Fleet
+from ..trends import by_group
+
+
+def prepare(fleet: Fleet) -> dict[str, Any]:
+    """Return the recordings of each group."""
+    groups = by_group(fleet.entries)
+    return {'groups': [(group, [_row(entry) for entry in members])
+                       for group, members in groups.items()]}
+
+
+def _row(entry: Entry) -> dict[str, Any]:
+    report = entry.outcome['report']
+    return {
+        'entry': entry, 'start': start_of(entry),
+        'verdict': words(report['verdict']) if report else 'error',
+        'names': ', '.join(words(effect['name']) for effect in entry.effects),
+        'stiffness': entry.corrected('stiffness'), 'damping': entry.corrected('damping'),
+    }

@@ -1,0 +1,67 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""What was looked at and what stands out, in a few sentences."""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import Any
+
+from .wording import signed_percent, words
+from ..differences import differences
+from ..run import Fleet
+from ..trends import QUANTITIES, Trend, trends
+
+
+def prepare(fleet: Fleet) -> dict[str, Any]:
+    """Return counts and findings."""
+    verdicts = Counter(words(entry.report['verdict']) for entry in fleet.entries if entry.report)
+    findings = [
+        f'{change.group}: {words(change.family)} '
+        f'{"appears" if _rises(change.before, change.after) else "disappears"} from recording '
+        f'{change.number} of the group on (number {change.entry.number} of all, '
+        f'{change.entry.name})'
+        for change in fleet.changes
+    ]
+    findings += [_of_trend(trend) for trend in trends(fleet.entries) if trend.significant]
+    findings += [
+        f'{group} differs from the other groups in {", ".join(what)}'
+        for group, what in _different(fleet).items()
+    ]
+    return {
+        'recordings': len(fleet.entries), 'failed': len(fleet.failed),
+        'groups': len({entry.group for entry in fleet.entries}),
+        'verdicts': verdicts.most_common(), 'findings': findings,
+        'version': fleet.settings.version,
+    }
+
+
+def _of_trend(trend: Trend) -> str:
+    slope, low, high = (signed_percent(trend.percent(value))
+                        for value in (trend.slope, trend.low, trend.high))
+    return (f'{trend.group}: {QUANTITIES[trend.quantity][0]} changes by {slope} % per recording '
+            f'(95 % interval {low} to {high})')
+
+
+def _rises(before: tuple[int, int], after: tuple[int, int]) -> bool:
+    return before[0] * after[1] < after[0] * before[1]
+
+
+def _different(fleet: Fleet) -> dict[str, list[str]]:
+    found: dict[str, list[str]] = {}
+    for one in differences(fleet.entries):
+        what = QUANTITIES[one.what][0] if one.is_quantity else words(one.what)
+        found.setdefault(one.group, []).append(what)
+    return found

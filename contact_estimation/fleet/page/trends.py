@@ -1,0 +1,54 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""K_e and B_e of each group over its recordings, with their trends."""
+
+from __future__ import annotations
+
+from math import isfinite
+from typing import Any
+
+from .figures import plot_trend
+from .wording import signed_percent
+from ..run import Fleet
+from ..trends import QUANTITIES, Trend, trends
+
+
+def prepare(fleet: Fleet) -> dict[str, Any] | None:
+    """Return a row and a figure for each group and quantity; None without any value."""
+    found = trends(fleet.entries)
+    if not found:
+        return None
+    named = {entry.group: [] for entry in fleet.entries}  # type: dict[str, list[bool]]
+    for entry in fleet.entries:
+        named[entry.group].append(bool(entry.families))
+    return {
+        'rows': [_row(trend) for trend in found],
+        'figures': [(f'{QUANTITIES[trend.quantity][0]} of {trend.group} over its recordings',
+                     plot_trend(trend, named[trend.group])) for trend in found],
+        'per_day': any(isfinite(trend.per_day) for trend in found),
+    }
+
+
+def _row(trend: Trend) -> dict[str, Any]:
+    symbol, unit = QUANTITIES[trend.quantity]
+    slope, low, high, per_day = (
+        signed_percent(trend.percent(value)) if isfinite(value) else ''
+        for value in (trend.slope, trend.low, trend.high, trend.per_day))
+    return {
+        'group': trend.group, 'symbol': f'{symbol} [{unit}]', 'count': len(trend.values),
+        'first': trend.intercept + trend.slope * float(trend.numbers[0]),
+        'slope': slope, 'interval': f'{low} to {high}' if slope else '', 'per_day': per_day,
+        'significant': trend.significant,
+    }

@@ -1,0 +1,60 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Words shared by the sections."""
+
+from __future__ import annotations
+
+from datetime import datetime, timezone
+
+from ..entry import Entry
+
+_YEAR_NS = 31_557_600 * 10**9
+
+
+def words(name: str) -> str:
+    """Return a name of the library as words: 'coulomb friction'."""
+    return name.replace('_', ' ')
+
+
+def start_of(entry: Entry) -> str:
+    """
+    Return when a recording began.
+
+    Parameters
+    ----------
+    entry : Entry
+        The recording.
+
+    Returns
+    -------
+    text : str
+        UTC; '' where its stamps do not count from 1970, as those of simulations.
+
+    """
+    start_ns = entry.outcome['start_ns']
+    if start_ns is None or start_ns < _YEAR_NS:
+        return ''
+    return datetime.fromtimestamp(start_ns // 10**9, timezone.utc).strftime('%Y-%m-%d %H:%M')
+
+
+def signed_percent(value: float) -> str:
+    """Return a percentage with its sign to three decimals, without one where these are zeros."""
+    text = f'{value:+.3f}'
+    return '0.000' if float(text) == 0.0 else text
+
+
+def probability(chance: float) -> str:
+    """Return a p-value in words."""
+    return 'p < 0.0001' if chance < 1e-4 else f'p = {chance:.2g}'

@@ -1,0 +1,137 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""One law for a group: several recordings together, each predicted by the others."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple, Sequence
+
+import numpy as np
+
+from .changes import Change
+from .entry import Entry
+from .fingerprint import Settings
+from .one_recording import Outcome, process_pooled
+from .scheduling import Call
+from .trends import by_group
+
+_LEAST = 3  # recordings: two to fit and one to leave out
+
+
+class Pool(NamedTuple):
+    """
+    Recordings of a group that are diagnosed together.
+
+    Attributes
+    ----------
+    group : str
+        Their group.
+    members : list of Entry
+        Spread evenly over time, since the last change of what is named.
+    since : Change or None
+        That change.
+
+    """
+
+    group: str
+    members: list[Entry]
+    since: Change | None
+
+
+class PooledResult(NamedTuple):
+    """
+    The pooled diagnosis of a group.
+
+    Attributes
+    ----------
+    pool : Pool
+        What was diagnosed.
+    whole : dict
+        Outcome with all members.
+    page : str
+        Its page, relative to the folder of the run; '' without.
+    left_out : list of dict
+        Outcome of the others, tested on each member.
+
+    """
+
+    pool: Pool
+    whole: Outcome
+    page: str
+    left_out: list[Outcome]
+
+
+def pools(entries: Sequence[Entry], found: Sequence[Change], most: int) -> list[Pool]:
+    """
+    Choose the recordings of each group that are diagnosed together.
+
+    Parameters
+    ----------
+    entries : sequence of Entry
+        Numbered in time.
+    found : sequence of Change
+        What changes in time.
+    most : int
+        Number of recordings of a group.
+
+    Returns
+    -------
+    pools : list of Pool
+        Without groups of fewer than 3 diagnosed recordings.
+
+    """
+    chosen = []
+    for group, members in by_group(entries).items():
+        latest = max((change for change in found if change.group == group),
+                     key=lambda change: change.number, default=None)
+        since = members[latest.number - 1:] if latest else members
+        # One recording once: a copy of the same content proves nothing.
+        known = list({one.sha256: one for one in since if one.report is not None}.values())
+        if min(len(known), most) >= _LEAST:
+            places = np.linspace(0, len(known) - 1, min(most, len(known))).round().astype(int)
+            chosen.append(Pool(group, [known[place] for place in places], latest))
+    return chosen
+
+
+def pooled_calls(pool: Pool, settings: Settings, with_page: bool) -> dict[str, Call]:
+    """
+    Return the diagnoses of a pool: the whole, then without each member in turn.
+
+    Parameters
+    ----------
+    pool : Pool
+        Of `pools`.
+    settings : Settings
+        Model and options.
+    with_page : bool
+        Whether to write a page of the whole.
+
+    Returns
+    -------
+    calls : dict of str to Call
+        By the key of the result, in that order.
+
+    """
+    members = pool.members
+    whole = settings.key('pooled', *(one.sha256 for one in members))
+    calls = {whole: Call(process_pooled, ([one.path for one in members], [], settings,
+                                          with_page))}
+    for left_out in members:
+        others = [one for one in members if one is not left_out]
+        key = settings.key('left out', left_out.sha256, *(one.sha256 for one in others))
+        arguments: tuple[Any, ...] = (
+            [one.path for one in others], [left_out.path], settings, False)
+        calls[key] = Call(process_pooled, arguments)
+    return calls

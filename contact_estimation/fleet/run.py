@@ -1,0 +1,186 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""One run over an archive: what is not finished yet is done, then table and page are written."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Callable, Iterator, Mapping, NamedTuple, Sequence
+
+from .changes import Change, changes
+from .discovery import FoundRecording
+from .entry import Entry, in_time
+from .fingerprint import recording_sha256, Settings
+from .finished import Finished
+from .one_recording import Outcome, process, Result
+from .pooling import pooled_calls, PooledResult, pools
+from .scheduling import Answer, Call, Workers
+from .trends import by_group
+
+Progress = Callable[[float, str], None]
+
+
+@dataclass(frozen=True)
+class Fleet:
+    """
+    The results of a run.
+
+    Attributes
+    ----------
+    entries : list of Entry
+        By group, and in time within each: the order of the table.
+    pooled : list of PooledResult
+        One for each group of enough recordings.
+    changes : list of Change
+        What is named from some recording on.
+    done, redone : int
+        Recordings whose results were there already, and those that were worked on.
+    settings : Settings
+        Of all of them.
+
+    """
+
+    entries: list[Entry]
+    pooled: list[PooledResult]
+    changes: list[Change]
+    done: int
+    redone: int
+    settings: Settings
+
+    @property
+    def failed(self) -> list[Entry]:
+        """The recordings with an error."""
+        return [entry for entry in self.entries if entry.outcome['error']]
+
+
+class _Count(NamedTuple):
+    there: int
+    new: int
+
+
+def run_fleet(
+    found: Sequence[FoundRecording], settings: Settings, workers: Workers, folder: Path, *,
+    most_pooled: int, with_pages: bool, progress: Progress,
+) -> Fleet:
+    """
+    Replay and diagnose the recordings of an archive.
+
+    Parameters
+    ----------
+    found : sequence of FoundRecording
+        Of `find_recordings`.
+    settings : Settings
+        Model and options.
+    workers : Workers
+        What runs the tasks.
+    folder : Path
+        Of the run: holds the finished results and the pages of the recordings.
+    most_pooled : int
+        Recordings of a group that are diagnosed together; 0 for none.
+    with_pages : bool
+        Whether to write the page of each diagnosis.
+    progress : callable
+        Called with the completed fraction and a text.
+
+    Returns
+    -------
+    fleet : Fleet
+        The same for the same recordings, whatever the workers.
+
+    """
+    finished = Finished(folder)
+    hashes, unreadable = _hashes(found, workers)
+    keys = {one.path: settings.key('recording', hashes[one.path])
+            for one in found if one.path in hashes}
+    calls = {keys[path]: Call(process, (path, settings, with_pages)) for path in keys}
+    outcomes, count = _finish(calls, finished, workers, with_pages, progress)
+    outcomes.update({one.path: _nothing(settings, unreadable[one.path])
+                     for one in found if one.path in unreadable})
+    entries = in_time(
+        Entry.of(one, hashes.get(one.path, ''), outcomes[keys.get(one.path, one.path)],
+                 finished.page(keys[one.path]) if one.path in keys and with_pages else '')
+        for one in found)
+    found_changes = changes(entries, settings.seed)
+    pooled = list(_pooled(entries, found_changes, most_pooled, settings, workers, finished,
+                          with_pages, progress))
+    ordered = [entry for members in by_group(entries).values() for entry in members]
+    return Fleet(ordered, pooled, found_changes, count.there, count.new, settings)
+
+
+def _hashes(
+    found: Sequence[FoundRecording], workers: Workers
+) -> tuple[dict[str, str], dict[str, str]]:
+    """Return the hash of each recording, and the error where it cannot be read."""
+    calls = {one.path: Call(recording_sha256, (one.path,)) for one in found}
+    hashes, errors = {}, {}
+    for path, answer in workers.answers(calls):
+        if answer.error is None:
+            hashes[path] = answer.value
+        else:
+            errors[path] = _in_words(answer.error)
+    return hashes, errors
+
+
+def _finish(
+    calls: Mapping[str, Call], finished: Finished, workers: Workers, with_pages: bool,
+    progress: Progress,
+) -> tuple[dict[str, Outcome], _Count]:
+    """Return the outcome of each call, from a file or else from a worker."""
+    outcomes = {key: outcome for key in calls
+                if (outcome := finished.get(key, with_pages)) is not None}
+    missing = {key: call for key, call in calls.items() if key not in outcomes}
+    there = len(outcomes)
+    for key, answer in workers.answers(missing):
+        outcomes[key] = _kept(key, answer, missing[key], finished)
+        progress(len(outcomes) / len(calls), f'{len(outcomes)} of {len(calls)}')
+    return outcomes, _Count(there, len(missing))
+
+
+def _kept(key: str, answer: Answer, call: Call, finished: Finished) -> Outcome:
+    """Keep a result, also one that says why a recording is unusable; not a worker's failure."""
+    if answer.error is not None:
+        settings = next(one for one in call.arguments if isinstance(one, Settings))
+        return _nothing(settings, _in_words(answer.error))
+    result: Result = answer.value
+    finished.keep(key, result)
+    return result.outcome
+
+
+def _pooled(
+    entries: Sequence[Entry], found: Sequence[Change], most: int, settings: Settings,
+    workers: Workers, finished: Finished, with_pages: bool, progress: Progress,
+) -> Iterator[PooledResult]:
+    chosen = pools(entries, found, most)
+    calls = [pooled_calls(pool, settings, with_pages) for pool in chosen]
+    everything = {key: call for of_pool in calls for key, call in of_pool.items()}
+    # Only the whole has a page; a part without one is finished.
+    outcomes, _ = _finish(everything, finished, workers, False, progress)
+    for pool, of_pool in zip(chosen, calls):
+        whole, *others = of_pool
+        page = finished.page(whole) if with_pages else ''
+        yield PooledResult(pool, outcomes[whole], page, [outcomes[key] for key in others])
+
+
+def _nothing(settings: Settings, error: str) -> Outcome:
+    return {'version': settings.version, 'start_ns': None, 'duration_s': None, 'episodes': [],
+            'diagnosed_s': None, 'report': None, 'error': error}
+
+
+def _in_words(error: BaseException) -> str:
+    """Return an unexpected error of a worker as one line."""
+    if isinstance(error, OSError) and error.strerror:
+        return f'{error.strerror}: {error.filename}'
+    return ' '.join(f'{type(error).__name__}: {error}'.split())

@@ -1,0 +1,205 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Tasks on the workers of Dask: those of this machine, or of an existing scheduler."""
+
+from __future__ import annotations
+
+from contextlib import contextmanager
+import logging
+import os
+from typing import Any, Callable, Iterator, Mapping, NamedTuple, Protocol
+
+from .fingerprint import installed_version
+from ..exceptions import FleetError, MissingPackageError
+
+_PATIENCE_S = 30.0  # until a scheduler and its first worker answer
+_IN_FLIGHT = 2  # tasks submitted for each thread: one runs, one waits
+
+
+class Call(NamedTuple):
+    """A function of a module, and its arguments: what a worker can import and run."""
+
+    function: Callable[..., Any]
+    arguments: tuple[Any, ...]
+
+
+class Answer(NamedTuple):
+    """The value of a call, or the error that ended it."""
+
+    value: Any
+    error: BaseException | None
+
+
+class Workers(Protocol):
+    """What runs calls, here or elsewhere."""
+
+    def answers(self, calls: Mapping[str, Call]) -> Iterator[tuple[str, Answer]]:
+        """Run calls and yield the answer of each by its key, in any order."""
+
+
+class DaskWorkers:
+    """
+    The workers of a Dask client.
+
+    Parameters
+    ----------
+    client : distributed.Client
+        Connected.
+    in_flight : int
+        Number of tasks that are submitted at a time: what bounds the memory of this process.
+
+    """
+
+    def __init__(self, client: Any, in_flight: int) -> None:
+        self._client, self._in_flight = client, in_flight
+
+    def answers(self, calls: Mapping[str, Call]) -> Iterator[tuple[str, Answer]]:
+        """
+        Run calls.
+
+        Parameters
+        ----------
+        calls : mapping of str to Call
+            Started in this order.
+
+        Yields
+        ------
+        key : str
+            Of the call that has ended; in the order in which they end.
+        answer : Answer
+            A worker that dies repeatedly with the same call ends that call alone.
+
+        """
+        from distributed import as_completed
+
+        waiting = iter(calls.items())
+        keys: dict[str, str] = {}
+
+        def submit() -> Any:
+            for key, call in waiting:
+                future = self._client.submit(call.function, *call.arguments, pure=False)
+                keys[future.key] = key
+                return future
+            return None
+
+        first = [submit() for _ in range(min(self._in_flight, len(calls)))]
+        running = as_completed(first)
+        first.clear()
+        for future in running:
+            error = future.exception()
+            answer = Answer(None if error else future.result(), error)
+            key = keys.pop(future.key)
+            future.release()
+            following = submit()
+            if following is not None:
+                running.add(following)
+            yield key, answer
+
+
+@contextmanager
+def workers(scheduler: str | None, jobs: int | None) -> Iterator[Workers]:
+    """
+    Start workers on this machine, or connect to those of a scheduler.
+
+    Parameters
+    ----------
+    scheduler : str or None
+        Address such as 'tcp://host:8786'; None for a process for each job on this machine.
+    jobs : int or None
+        Number of processes, by default one for each processor; with a scheduler the number of
+        tasks at a time, by default twice that of the workers' threads.
+
+    Yields
+    ------
+    workers : Workers
+        Until the end of the block.
+
+    Raises
+    ------
+    MissingPackageError
+        If Dask is not installed.
+    FleetError
+        If no worker answers, or one has another version of this package.
+
+    """
+    if scheduler is None:
+        with _local_client(jobs or os.cpu_count() or 1) as client:
+            yield DaskWorkers(client, _IN_FLIGHT * (jobs or os.cpu_count() or 1))
+    else:
+        with _remote_client(scheduler) as client:
+            threads = sum(client.nthreads().values())
+            yield DaskWorkers(client, jobs or _IN_FLIGHT * threads)
+
+
+def require_distributed() -> Any:
+    """
+    Import Dask.
+
+    Returns
+    -------
+    distributed : module
+        As installed.
+
+    Raises
+    ------
+    MissingPackageError
+        If it is not installed.
+
+    """
+    try:
+        import distributed
+    except ImportError as error:
+        raise MissingPackageError.of('distributed', 'fleet') from error
+    return distributed
+
+
+@contextmanager
+def _local_client(jobs: int) -> Iterator[Any]:
+    distributed = require_distributed()
+    # Processes of one thread: Python runs one thread at a time.
+    with distributed.LocalCluster(
+        n_workers=jobs, threads_per_worker=1, processes=True, host='127.0.0.1',
+        dashboard_address='127.0.0.1:0', silence_logs=logging.CRITICAL,
+    ) as cluster, distributed.Client(cluster) as client:
+        yield client
+
+
+@contextmanager
+def _remote_client(address: str) -> Iterator[Any]:
+    distributed = require_distributed()
+    try:
+        client = distributed.Client(address, timeout=_PATIENCE_S)
+    except (OSError, ValueError) as error:  # its time-out is an OSError
+        raise FleetError(
+            f'no Dask scheduler answers at {address}: {error}; start one with `dask scheduler`, '
+            'and give the address that it prints') from error
+    with client:
+        try:
+            client.wait_for_workers(1, timeout=_PATIENCE_S)
+        except TimeoutError as error:
+            raise FleetError(
+                f'the Dask scheduler at {address} has no worker; start some with '
+                f'`dask worker {address}`') from error
+        _require_same_version(client)
+        yield client
+
+
+def _require_same_version(client: Any) -> None:
+    own = installed_version()
+    for worker, version in client.run(installed_version, on_error='return').items():
+        if version != own:
+            raise FleetError(
+                f'the Dask worker {worker} must have contact_estimation {own} installed, as '
+                f'here, got {version}; install the same version for all workers')

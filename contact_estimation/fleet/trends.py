@@ -1,0 +1,172 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Wear and drift: the trend of K_e and B_e over the recordings of a group."""
+
+from __future__ import annotations
+
+from typing import NamedTuple, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import theilslopes
+
+from .entry import Entry
+
+Array = NDArray[np.float64]
+
+QUANTITIES = {'stiffness': ('K_e', 'N/m'), 'damping': ('B_e', 'N s/m')}
+_LEAST = 6  # recordings: fewer have no 95 % interval of Sen's kind worth the name
+_LEVEL = 0.95
+_RESOLVED = 2.0  # standard deviations of one recording: less may be the model's own error
+_DAY_NS = 86_400e9
+
+
+class Trend(NamedTuple):
+    """
+    The trend of a quantity in a group.
+
+    Attributes
+    ----------
+    group, quantity : str
+        The latter a key of `QUANTITIES`.
+    numbers : ndarray of int, shape (N,)
+        Recording in the group, from 1.
+    values, stds : ndarray, shape (N,)
+        Of the corrected models.
+    slope : float
+        Median slope per recording (Theil-Sen); NaN with too few recordings.
+    low, high : float
+        Its 95 % interval (Sen 1968).
+    intercept : float
+        Of the line, at number 0.
+    per_day : float
+        Median slope per day; NaN where the stamps do not tell days.
+    significant : bool
+        Whether the interval at a level corrected for the number of trends (Bonferroni) excludes
+        0, and the change over all recordings is resolved.
+
+    """
+
+    group: str
+    quantity: str
+    numbers: NDArray[np.int64]
+    values: Array
+    stds: Array
+    slope: float
+    low: float
+    high: float
+    intercept: float
+    per_day: float
+    significant: bool
+
+    def percent(self, slope: float) -> float:
+        """
+        Convert a slope.
+
+        Parameters
+        ----------
+        slope : float
+            One of `slope`, `low`, `high`, `per_day`.
+
+        Returns
+        -------
+        percent : float
+            Of the line's value at the first recording.
+
+        """
+        return 100.0 * slope / abs(self.intercept + self.slope * float(self.numbers[0]))
+
+
+def trends(entries: Sequence[Entry]) -> list[Trend]:
+    """
+    Fit the trends of all groups.
+
+    Parameters
+    ----------
+    entries : sequence of Entry
+        Numbered in time.
+
+    Returns
+    -------
+    trends : list of Trend
+        By group, then quantity; without groups that have no value of it.
+
+    """
+    groups = by_group(entries)
+    count = len(groups) * len(QUANTITIES)
+    found = [_trend(group, quantity, members, count)
+             for group, members in groups.items() for quantity in QUANTITIES]
+    return [trend for trend in found if trend is not None]
+
+
+def is_resolved(change: float, stds: Array) -> bool:
+    """
+    Return whether a change is more than what single recordings leave open.
+
+    Parameters
+    ----------
+    change : float
+        Of a parameter.
+    stds : ndarray
+        Its standard deviation in each recording. These include errors of the model, which many
+        recordings share, so that their number does not reduce them.
+
+    Returns
+    -------
+    resolved : bool
+        Whether it is over two of their median.
+
+    """
+    return abs(change) > _RESOLVED * float(np.median(stds))
+
+
+def by_group(entries: Sequence[Entry]) -> dict[str, list[Entry]]:
+    """
+    Sort recordings into their groups.
+
+    Parameters
+    ----------
+    entries : sequence of Entry
+        Numbered in time.
+
+    Returns
+    -------
+    groups : dict of str to list of Entry
+        In the order of the groups' names, each in time.
+
+    """
+    return {group: [entry for entry in entries if entry.group == group]
+            for group in sorted({entry.group for entry in entries})}
+
+
+def _trend(group: str, quantity: str, members: Sequence[Entry], count: int) -> Trend | None:
+    known = [(number, entry.outcome['start_ns'], *value)
+             for number, entry in enumerate(members, 1)
+             if (value := entry.corrected(quantity)) is not None]
+    if not known:
+        return None
+    numbers, starts, values, stds = (np.array(column) for column in zip(*known))
+    slope = low = high = intercept = per_day = np.nan
+    significant = False
+    if len(known) >= _LEAST:
+        slope, intercept, low, high = theilslopes(values, numbers, _LEVEL)
+        _, _, *corrected = theilslopes(values, numbers, 1.0 - (1.0 - _LEVEL) / count)
+        change = abs(slope) * (numbers[-1] - numbers[0])
+        significant = bool((corrected[0] > 0.0 or corrected[1] < 0.0)
+                           and is_resolved(change, stds))
+        if len(set(starts.tolist())) == len(starts):
+            per_day = theilslopes(values, (starts - starts[0]) / _DAY_NS)[0]
+    return Trend(group, quantity, numbers, values, stds, float(slope), float(low), float(high),
+                 float(intercept), float(per_day), significant)

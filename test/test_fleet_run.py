@@ -1,0 +1,226 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""A run over an archive: rows, errors, resuming, the table and its page."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Iterator, Mapping
+
+from contact_estimation.commands import fleet as command_module
+from contact_estimation.fleet.changes import changes
+from contact_estimation.fleet.columns import COLUMNS
+from contact_estimation.fleet.discovery import find_recordings
+from contact_estimation.fleet.fingerprint import Settings
+from contact_estimation.fleet.one_recording import Result
+from contact_estimation.fleet.page.builder import as_html, SECTIONS
+from contact_estimation.fleet.pooling import Pool, PooledResult
+from contact_estimation.fleet.run import Fleet, run_fleet
+from contact_estimation.fleet.scheduling import Answer, Call
+from contact_estimation.fleet.table import as_parquet, rows_of
+from diagnosed_worlds import BEGIN_NS, nominal, recorded, write_model, write_recording
+from fleet_entries import archive, outcome, report
+import pytest
+from run_commands import Command
+
+SETTINGS = Settings.of(nominal())
+
+
+@dataclass
+class InThisProcess:
+    """Workers that run calls here, last call first, and may stop early as if killed."""
+
+    stop_after: int = 10**6
+    done: list[str] = field(default_factory=list)
+
+    def answers(self, calls: Mapping[str, Call]) -> Iterator[tuple[str, Answer]]:
+        for key, call in reversed(list(calls.items())):
+            if len(call.arguments) > 1:  # not a hash
+                if len(self.done) == self.stop_after:
+                    raise KeyboardInterrupt
+                self.done.append(key)
+            try:
+                yield key, Answer(call.function(*call.arguments), None)
+            except ValueError as error:
+                yield key, Answer(None, error)
+
+
+@pytest.fixture(scope='module')
+def recordings(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Write two good recordings, a copy, and a broken one."""
+    folder = tmp_path_factory.mktemp('archive')
+    write_recording(folder / 'run_1.mcap', recorded())
+    write_recording(folder / 'run_2.mcap', recorded(physics__coulomb_friction__F_c=2.0))
+    (folder / 'run_3.mcap').write_bytes((folder / 'run_1.mcap').read_bytes())
+    (folder / 'run_4.mcap').write_bytes(b'')
+    return folder
+
+
+def run(recordings: Path, folder: Path, workers: InThisProcess) -> Fleet:
+    found = find_recordings([str(recordings)])
+    return run_fleet(found, SETTINGS, workers, folder, most_pooled=0, with_pages=False,
+                     progress=lambda fraction, text: None)
+
+
+@pytest.fixture(scope='module')
+def whole(recordings: Path, tmp_path_factory: pytest.TempPathFactory) -> Fleet:
+    return run(recordings, tmp_path_factory.mktemp('whole'), InThisProcess())
+
+
+@pytest.mark.slow
+def test_rows_hold_verdict_names_estimates_and_origin(whole: Fleet) -> None:
+    rows = [row for entry in whole.entries for row in rows_of(entry, SETTINGS.model_sha256)]
+    rubbing = [row for row in rows if row['recording'].endswith('run_2.mcap')]
+    assert [row['episode'] for row in rubbing] == [1, 2]
+    for row in rubbing:
+        assert (row['verdict'], row['families']) == ('physics_missing', ['friction'])
+        assert row['corrected_stiffness'] == pytest.approx(5000.0, rel=0.01)
+        assert row['start'] == BEGIN_NS and row['error'] == ''
+        assert set(row) <= {column.name for column in COLUMNS}
+
+
+@pytest.mark.slow
+def test_a_broken_recording_is_a_row_with_its_error(whole: Fleet) -> None:
+    broken = whole.entries[-1]
+    row, = rows_of(broken, SETTINGS.model_sha256)
+    assert (row['episode'], row['start']) == (0, None)
+    assert row['error'].startswith('recording run_4.mcap is empty')
+    assert whole.failed == [broken]
+
+
+@pytest.fixture
+def quickly(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Replace the work on a recording by a result made up from its size."""
+    def pretend(path: str, *arguments: object) -> Result:
+        return Result(outcome(report(4800.0 + Path(path).stat().st_size)), '')
+
+    monkeypatch.setattr('contact_estimation.fleet.run.process', pretend)
+
+
+def test_equal_recordings_are_diagnosed_once(
+    recordings: Path, tmp_path: Path, quickly: None
+) -> None:
+    workers = InThisProcess()
+    assert len(run(recordings, tmp_path, workers).entries) == 4
+    assert len(workers.done) == 3
+
+
+def test_an_interrupted_run_resumes_to_the_same_table(
+    recordings: Path, tmp_path: Path, quickly: None
+) -> None:
+    pytest.importorskip('pyarrow')
+    first, second = InThisProcess(stop_after=2), InThisProcess()
+    with pytest.raises(KeyboardInterrupt):
+        run(recordings, tmp_path / 'a', first)
+    fleets = [run(recordings, tmp_path / 'a', second),
+              run(recordings, tmp_path / 'b', InThisProcess())]
+    assert (len(first.done), len(second.done)) == (2, 1)
+    assert not set(first.done) & set(second.done)
+    assert len({as_parquet(fleet.entries, 'model') for fleet in fleets}) == 1
+
+
+def test_an_unexpected_error_of_a_worker_is_a_row_and_not_kept(
+    recordings: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*arguments: object) -> None:
+        raise ValueError('a bug')
+
+    monkeypatch.setattr('contact_estimation.fleet.run.process', fail)
+    assert {entry.outcome['error'] for entry in run(recordings, tmp_path, InThisProcess()).entries
+            } == {'ValueError: a bug'}
+    assert list((tmp_path / 'finished').iterdir()) == []
+
+
+def test_table_has_explicit_types_and_units() -> None:
+    parquet = pytest.importorskip('pyarrow.parquet')
+    pyarrow = pytest.importorskip('pyarrow')
+    entries = archive(a=[report(4800.0, ['coulomb_friction']), None])
+    schema = parquet.read_schema(pyarrow.BufferReader(as_parquet(entries, 'model')))
+    assert schema.names == [column.name for column in COLUMNS]
+    assert schema.field('stiffness').metadata[b'unit'] == b'N/m'
+    assert str(schema.field('start').type) == 'timestamp[ns, tz=UTC]'
+    assert str(schema.field('names').type).startswith('list<')
+
+
+def made_up() -> Fleet:
+    """Return a fleet with something in every section, and a name to be escaped."""
+    groups: dict[str, list[dict[str, Any] | None]] = {
+        '<robot>': [report(4800.0, ['coulomb_friction'] * (k > 7)) for k in range(14)],
+        'worn': [*(report(4800.0 - 12.0 * k) for k in range(12)), None],
+    }
+    entries = archive(**groups)
+    pool = Pool('worn', entries[:3], None)
+    pooled = PooledResult(pool, outcome(report()), '', [outcome(report())] * 2 + [
+        outcome(None, error='no contact')])
+    return Fleet(entries, [pooled], changes(entries), 0, 27, SETTINGS)
+
+
+def test_page_says_what_changes_wears_and_differs() -> None:
+    pytest.importorskip('matplotlib')
+    page = as_html(made_up())
+    assert page.count('<section>') == len(SECTIONS) - 1  # the summary is the header
+    assert '&lt;robot&gt;: friction appears from recording 9 of the group on' in page
+    assert 'worn: K_e changes by -0.250 % per recording' in page
+    assert '<robot>' not in page and '<script' not in page
+    assert 'no contact' in page and 'broken' in page
+
+
+@pytest.mark.parametrize('options, text', [
+    (['--jobs', '0'], '--jobs must be >= 1, got 0'),
+    (['--group-by', 'run'], 'must have a group in parentheses'),
+])
+def test_wrong_options_are_refused_in_one_line(
+    options: list[str], text: str, recordings: Path, tmp_path: Path,
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    for package in ('distributed', 'pyarrow', 'matplotlib'):
+        pytest.importorskip(package)
+    model = write_model(tmp_path / 'model.yaml')
+    fleet = Command('fleet', command_module.main, capfd)
+    assert text in fleet.refusal(recordings, '--nominal', model, '--output', tmp_path / 'out',
+                                 *options)
+
+
+@pytest.mark.slow
+def test_dask_gives_the_same_table_as_this_process(
+    recordings: Path, tmp_path: Path, whole: Fleet, capfd: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    for package in ('distributed', 'pyarrow', 'matplotlib'):
+        pytest.importorskip(package)
+    model = write_model(tmp_path / 'model.yaml')
+    fleet = Command('fleet', command_module.main, capfd)
+    ended = fleet(recordings, '--nominal', model, '--output', tmp_path / 'out', '--jobs', '2',
+                  '--no-pages', '--pooled', '0')
+    assert ended.code == 0, ended
+    assert ended.out.startswith('4 recordings in 1 group, 0 finished before, 1 with an error')
+    assert (tmp_path / 'out/table.parquet').read_bytes() == as_parquet(
+        whole.entries, SETTINGS.model_sha256)
+
+
+@pytest.mark.slow
+def test_a_scheduler_that_does_not_answer_is_named(
+    recordings: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    pytest.importorskip('distributed')
+    pytest.importorskip('pyarrow')
+    monkeypatch.setattr('contact_estimation.fleet.scheduling._PATIENCE_S', 0.5)
+    model = write_model(tmp_path / 'model.yaml')
+    fleet = Command('fleet', command_module.main, capfd)
+    message = fleet.refusal(recordings, '--nominal', model, '--output', tmp_path / 'out',
+                            '--scheduler', 'tcp://127.0.0.1:9')
+    assert 'no Dask scheduler answers at tcp://127.0.0.1:9' in message

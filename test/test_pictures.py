@@ -1,0 +1,85 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""`--picture` of replay and simulate: a picture of force, motion and estimates."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from contact_estimation.commands import replay, simulate
+from contact_estimation.estimation.contact_figure import plot_contact
+from contact_estimation.estimation.estimate_trace import EstimateTrace
+from contact_estimation.estimators.estimator import Estimate, EstimateStatus
+import numpy as np
+import pytest
+from run_commands import Command
+
+PNG = b'\x89PNG\r\n'
+SHORT = """
+start: -0.01
+segments:
+- {duration: 0.4, position: 0.008}
+- {duration: 0.3, position: -0.01}
+"""
+
+
+def estimates(count: int, first: int = 0) -> list[tuple[Estimate, ...]]:
+    """Return estimates whose stiffness is their number."""
+    return [(Estimate(k, float(k), 2.0, 3.0, 4.0, 0.0, 0.0, EstimateStatus.ESTIMATING, ''),)
+            for k in range(first, first + count)]
+
+
+def test_simulate_and_replay_write_a_picture(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    pytest.importorskip('matplotlib')
+    (tmp_path / 'model.yaml').write_text(
+        'plant_node: {ros__parameters: {environment: {stiffness: 4800.0}}}')
+    (tmp_path / 'short.yaml').write_text(SHORT)
+    recording = tmp_path / 'a.mcap'
+    simulated = Command('simulate', simulate.main, capfd)(
+        '--model', tmp_path / 'model.yaml', '--experiment', tmp_path / 'short.yaml',
+        '--output', recording, '--picture', tmp_path / 'a.png')
+    replayed = Command('replay', replay.main, capfd)(recording, '--picture', tmp_path / 'b.png')
+    assert (simulated.code, replayed.code) == (0, 0)
+    assert (tmp_path / 'a.png').read_bytes().startswith(PNG)
+    assert (tmp_path / 'b.png').read_bytes().startswith(PNG)
+
+
+def test_a_picture_never_replaces_a_recording(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    recording = tmp_path / 'a.mcap'
+    recording.write_bytes(b'\x89MCAP0\r\n')
+    message = Command('replay', replay.main, capfd).refusal(recording, '--picture', recording)
+    assert 'recordings are never overwritten' in message
+    assert recording.read_bytes() == b'\x89MCAP0\r\n'
+
+
+def test_a_long_trace_is_thinned_evenly(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr('contact_estimation.estimation.estimate_trace._MOST', 10)
+    trace = EstimateTrace()
+    for first in range(0, 100, 7):
+        trace.write(estimates(7, first))
+    kept = trace.series(0)['stiffness'][:, 1]
+    assert 5 <= len(kept) <= 10
+    assert set(np.diff(kept)) == {16.0} and kept[0] == 0.0
+
+
+def test_figure_without_estimates_has_force_and_motion_alone() -> None:
+    pytest.importorskip('matplotlib')
+    series = {name: np.array([[0.0, 1.0], [1.0, 2.0]]) for name in ('force', 'position')}
+    figure = plot_contact(series, 'a title')
+    assert [axis.get_ylabel() for axis in figure.axes] == ['pressing force [N]', 'position [mm]']
