@@ -47,9 +47,11 @@ from .presliding_friction import PreslidingFriction
 from .quadratic_damping import QuadraticDamping
 from .reflected_inertia import ReflectedInertia
 from .robot_friction import RobotFriction
+from .settling_bias import SettlingBias
 from .stiffness_drift import StiffnessDrift
 from .stribeck_friction import StribeckFriction
 from .tool_inertia import ToolInertia
+from .unloading_hysteresis import UnloadingHysteresis
 from .viscoelastic_relaxation import ViscoelasticRelaxation
 from ..parameters.specification import group, ParameterGroup
 
@@ -67,6 +69,7 @@ EFFECTS: dict[str, type[Effect]] = {
     'viscoelastic_relaxation': ViscoelasticRelaxation,
     'fractional_relaxation': FractionalRelaxation,
     'bouc_wen_hysteresis': BoucWenHysteresis,
+    'unloading_hysteresis': UnloadingHysteresis,
     'contact_offset': ContactOffset,
     'moving_environment': MovingEnvironment,
     'adhesion': Adhesion,
@@ -80,6 +83,7 @@ EFFECTS: dict[str, type[Effect]] = {
     'force_delay': ForceDelay,
     'force_bias': ForceBias,
     'force_drift': ForceDrift,
+    'settling_bias': SettlingBias,
     'force_saturation': ForceSaturation,
     'robot_friction': RobotFriction,
     'impedance_mismatch': ImpedanceMismatch,

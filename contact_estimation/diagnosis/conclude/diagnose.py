@@ -30,7 +30,7 @@ from ..fit.fitting import cost_of, Fit, fit
 from ..fit.free_run import free_run
 from ..fit.model_uncertainty import discounted
 from ..fit.search import Progress
-from ..fit.selection import select, Selection
+from ..fit.selection import fitted_again, select, Selection
 from ..observe.checks import examine
 from ..observe.model import Model
 from ..observe.observed import observe
@@ -101,14 +101,12 @@ def diagnose(
     nominal_cost = cost_of(prepared, nominal)
     selection = select(prepared, base, progress)
     if all(one.driven_by_force(nominal) for one in prepared):
-        between = _likeliest_between_samples(prepared, selection)
+        between = _likeliest_between_samples(selection.recordings, selection)
         if between != prepared[0].observed.between:
-            prepared, others = (
-                [one.with_force_between_samples(between, nominal) for one in group]
-                for group in (prepared, others))
-            prepared, base = _recalibrate(prepared, nominal)
+            others = [one.with_force_between_samples(between, nominal) for one in others]
+            prepared, selection = _with_force_between_samples(
+                between, prepared, selection, nominal, progress)
             nominal_cost = cost_of(prepared, nominal)
-            selection = select(prepared, base, progress)
     selection = _smooth_again(fitted, prepared, selection, nominal, progress)
     # The largest misfit first: that recording is located and shown.
     largest = sorted(selection.recordings, key=lambda one: -cost_of([one], selection.base.model)
@@ -152,6 +150,20 @@ def _likeliest_between_samples(recordings: Recordings, selection: Selection) -> 
     least = SHARE * max(costs[likeliest] - best.residual_count, 0.0)
     costs[likeliest] -= max(THRESHOLD * best.residual_count, least)
     return min(costs, key=lambda name: costs[name])
+
+
+def _with_force_between_samples(
+    between: str, before: Recordings, selection: Selection, model: Model, progress: Progress
+) -> tuple[Recordings, Selection]:
+    """Prepare recordings with another course of the force; select again if that tells more."""
+    changed: Recordings = [one.with_force_between_samples(between, model) for one in before]
+    changed, base = _recalibrate(changed, model)
+    carried, best = selection.recordings, selection.best
+    if has_discrepancy(carried):
+        again = [one.with_force_between_samples(between, model) for one in carried]
+        if fit(again, best.model).cost > _SHARPER * best.cost:
+            return changed, fitted_again(changed, selection)
+    return changed, select(changed, base, progress)
 
 
 def _smooth_again(

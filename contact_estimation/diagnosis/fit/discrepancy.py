@@ -44,6 +44,7 @@ force has its motion only, which then comes first."""
 
 _OUTLIER = 5.0  # standard deviations beyond which a residual counts as one at that distance
 _MOST_LAGS = 200
+_WIDENED = 0.75  # with 1 the innovations would be little but the noise of the position
 _MATERIAL = 0.006  # of the range of the force
 
 
@@ -64,12 +65,25 @@ def with_discrepancy(recording: PreparedRecording, model: Model) -> PreparedReco
         With residuals of variance 1 where the model leaves more than noise.
 
     """
-    plain = without_discrepancy(recording)
+    plain, unknown = without_discrepancy(recording), 0.0
+    if plain.driven_by_force(model):
+        plain, unknown = _widened(plain, model)
     left = plain.split(residuals(plain, model, robust=False))
     stds = [_std(part, channel) for part, channel in zip(left, plain.channels(model))]
     if plain.driven_by_force(model):
-        return replace(plain, motion_discrepancy=stds[0])
+        return replace(plain, motion_discrepancy=stds[0], force_discrepancy=unknown)
     return replace(plain, force_discrepancy=stds[0], motion_discrepancy=sum(stds[1:]))
+
+
+def _widened(plain: PreparedRecording, model: Model) -> tuple[PreparedRecording, float]:
+    """Let the filter expect forces nearly as large as the model leaves; return their size [N]."""
+    plain = plain.widened(1.0, model)
+    left = residuals(plain, model, robust=False)
+    size = float(np.sqrt(left @ left / plain.residual_count))
+    unknown = plain.force_noise * max(size**2 - 1.0, 0.0) ** 0.5
+    if unknown < _least_material(plain):
+        return plain, unknown  # the slow forces, which decide a free run, still count most
+    return plain.widened(max(1.0, size**_WIDENED), model), unknown
 
 
 def forces(recording: PreparedRecording, model: Model) -> list[float]:
@@ -113,16 +127,20 @@ def material(recording: PreparedRecording, model: Model) -> list[int]:
     Returns
     -------
     channels : list of int
-        Of `CHANNELS`; always its only one for a wall driven by a force.
+        Of `CHANNELS`; the only one of a wall driven by a force by the force that it lacks.
 
     """
-    if recording.driven_by_force(model):
-        return [0]
-    low, high = np.percentile(recording.observed.force, (1.0, 99.0))
+    least = _least_material(recording)
     sizes = [recording.force_discrepancy]
     if recording.observed.reference is not None:
         sizes.append(_stiffness(recording, model) * recording.motion_discrepancy)
-    return [k for k, size in enumerate(sizes) if size >= _MATERIAL * float(high - low)]
+    return [k for k, size in enumerate(sizes) if size >= least]
+
+
+def _least_material(recording: PreparedRecording) -> float:
+    """Return the least force that is worth a name [N]."""
+    low, high = np.percentile(recording.observed.force, (1.0, 99.0))
+    return _MATERIAL * float(high - low)
 
 
 def _stiffness(recording: PreparedRecording, model: Model) -> float:
