@@ -48,8 +48,8 @@ def make_parser() -> Parser:
     parser.add_argument('--output', required=True, metavar='DIR',
                         help='folder for recordings, arms.md, arms.json and pictures; an '
                         'interrupted study continues where it stopped')
-    parser.add_argument('--seeds', type=int, default=10,
-                        help='diagnoses of each concealed effect (10); 0: none')
+    parser.add_argument('--seeds', type=int, default=5,
+                        help='diagnoses of each concealed effect on each arm (5); 0: none')
     parser.add_argument('--live', action='store_true',
                         help='also run the node over DDS on the first arm, in real time')
     return parser
