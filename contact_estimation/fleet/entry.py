@@ -62,7 +62,7 @@ class Entry:
 
     @property
     def report(self) -> dict[str, Any] | None:
-        """The diagnosis; None if there is none, or if the recording was refused by a check."""
+        """Return the diagnosis; None if there is none, or if the recording was refused by a check."""
         report: dict[str, Any] | None = self.outcome['report']
         refused = report is not None and report['fit']['noise_floor_n'] is None
         return None if refused else report
@@ -74,7 +74,7 @@ class Entry:
 
     @property
     def effects(self) -> list[dict[str, Any]]:
-        """The named effects."""
+        """Return the named effects."""
         return list(self.report['effects']) if self.report else []
 
     def corrected(self, name: str) -> tuple[float, float] | None:

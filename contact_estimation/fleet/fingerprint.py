@@ -97,7 +97,7 @@ class Settings:
 
     @property
     def nominal(self) -> PlantParameters:
-        """The nominal model."""
+        """Return the nominal model."""
         return build(PlantParameters, dict(self.model))
 
     @property

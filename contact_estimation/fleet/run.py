@@ -62,7 +62,7 @@ class Fleet:
 
     @property
     def failed(self) -> list[Entry]:
-        """The recordings with an error."""
+        """Return the recordings with an error."""
         return [entry for entry in self.entries if entry.outcome['error']]
 
 
