@@ -62,7 +62,7 @@ class Entry:
 
     @property
     def report(self) -> dict[str, Any] | None:
-        """Return the diagnosis; None if there is none, or if the recording was refused by a check."""
+        """Return the diagnosis; None if there is none, or if a check refused the recording."""
         report: dict[str, Any] | None = self.outcome['report']
         refused = report is not None and report['fit']['noise_floor_n'] is None
         return None if refused else report
