@@ -134,9 +134,8 @@ class WallTracker:
         """
         self._contact_s = 0.0
         self.surface.touch_down()
-        if estimator.linearisation():  # the exponent couples depths: all of the law or nothing
-            _reopen(estimator, max(self._p.carried_std, _UNKNOWN))
-        elif estimator.may_restart:
+        linear = estimator.linearisation() is None
+        if linear and estimator.may_restart:  # the exponent couples depths: it must not be free
             _reopen(estimator, self._p.carried_std)
 
     def may_wait(self, rows: Sequence[Row], estimator: OnlineEstimator) -> bool:
