@@ -41,8 +41,8 @@ class FlexibleJoint(RobotLaw):
         mass = magnitudes.mass * log_uniform(rng, 0.2, 0.5)
         softest = 0.5 / magnitudes.stiffness
         ratio = float(rng.uniform(0.05, 0.3))
-        return lambda s: {'mass': mass, 'stiffness': 1.0 / (s * softest),
-                          'damping': 2.0 * ratio * sqrt(mass / (s * softest))}
+        return lambda s: {'mass': mass, 'stiffness': 1.0 / (max(s, 1e-6) * softest),
+                          'damping': 2.0 * ratio * sqrt(mass / (max(s, 1e-6) * softest))}
 
     def compliance(self) -> Compliance:
         """Return link and gear; see `ForeignLaw.compliance`."""
