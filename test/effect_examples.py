@@ -49,6 +49,7 @@ EXAMPLES: dict[str, tuple[float, ...]] = {
     'bilinear_stiffness': (3000.0, 0.005),
     'stiffness_drift': (0.2,),
     'plastic_set': (0.3,),
+    'unloading_hysteresis': (0.4,),
     'tool_inertia': (2.0,),
     'force_lag': (0.02,),
     'force_delay': (0.0123,),

@@ -108,6 +108,15 @@ def dent(t: Array, x: Array, v: Array, a: Array, residual: float) -> Array:
     return cut(d, K_e * d + B_e * v)
 
 
+def recovering(t: Array, x: Array, v: Array, a: Array, ratio: float) -> Array:
+    """Unload along a steeper line from the greatest depth of each contact."""
+    greatest, left = 0.0, np.empty(len(x))
+    for k, d in enumerate(x):
+        greatest = max(greatest, d) if d > 0.0 else 0.0
+        left[k] = max(0.0, greatest - (1.0 + ratio) * (greatest - d)) if d > 0.0 else d
+    return cut(left, K_e * left + B_e * v)
+
+
 def sliding(speed: Any, F_c: float, F_s: float, v_s: float) -> Any:
     """Friction that falls from F_s to F_c."""
     return (F_c + (F_s - F_c) * np.exp(-speed**2 / v_s**2)) * np.tanh(speed / 4e-4)
@@ -151,6 +160,7 @@ FORMULAS: dict[str, Formula] = {
         x, K_e * x + B_e * v + K_2 * np.maximum(x - depth, 0.0)),
     'stiffness_drift': lambda t, x, v, a, rate: cut(x, K_e * (1.0 + rate * t) * x + B_e * v),
     'plastic_set': dent,
+    'unloading_hysteresis': recovering,
 }
 """Of the contact: (t, x, v, a, parameters) -> F_e, for a wall at 0 with K_e and B_e."""
 

@@ -90,7 +90,8 @@ RATES: dict[str, Callable[..., float]] = {
         v - beta * abs(v) * z - gamma * v * abs(z)),
 }
 TRANSFORMED = {'fractional_relaxation'}
-NOT_SMOOTH = {'adhesion', 'backlash', 'plastic_set'}  # facts about them: test_effect_laws.py
+# Facts about them: test_effect_laws.py
+NOT_SMOOTH = {'adhesion', 'backlash', 'plastic_set', 'unloading_hysteresis'}
 
 
 def positions(name: str, **values: Any) -> Any:

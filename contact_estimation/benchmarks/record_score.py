@@ -36,7 +36,7 @@ CLASSES = ('right alone', 'right with surplus', 'wrong first', 'silent', 'rightl
 _ALIKE = (
     {'coulomb_friction', 'stribeck_friction', 'presliding_friction', 'robot_friction',
      'bouc_wen_hysteresis'},
-    {'bouc_wen_hysteresis', 'plastic_set', 'presliding_friction'},
+    {'bouc_wen_hysteresis', 'plastic_set', 'unloading_hysteresis', 'presliding_friction'},
     {'dead_zone', 'backlash', 'contact_offset'},
 )
 # These are of one kind as acceptable names, but each of them says less than its family.

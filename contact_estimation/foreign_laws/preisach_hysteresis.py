@@ -28,7 +28,8 @@ class PreisachHysteresis(ContactLaw):
     """
     Relays with a density that falls exponentially with their width.
 
-    Going away from an extremum d_k, R changes by E(d - d_k) with the Everett function
+    R is the opposite of their sum: relays switch late, so that the sum itself would set energy
+    free. Going away from an extremum d_k, the sum changes by E(d - d_k) with the Everett function
     E(h) = amplitude (h / w - 1 + exp(-h / w)); a loop that closes is forgotten. The virgin curve
     is E(2 h) / 2.
     Mayergoyz, Mathematical Models of Hysteresis, 1991; Preisach, Z. Physik 94, 1935.
@@ -46,12 +47,12 @@ class PreisachHysteresis(ContactLaw):
         return lambda s: {'amplitude': s * amplitude, 'width': width}
 
     def everett(self, h: float) -> float:
-        """Return the change of the force at a distance h >= 0 from the last extremum [N]."""
+        """Return the change of the sum at a distance h >= 0 from the last extremum [N]."""
         h /= self.values.width
         return float(self.values.amplitude * (h - 1.0 + exp(-h)))
 
     def start(self, dt: float, count: int) -> Any:
-        """Return last depth, its force, its direction and the extrema passed before."""
+        """Return last depth, its sum, its direction and the extrema passed before."""
         return (0.0, 0.0, 0.0, ())
 
     def respond(
@@ -61,7 +62,7 @@ class PreisachHysteresis(ContactLaw):
         last, force, way, extrema = state
         now = sign(d - last)
         if now == 0.0:
-            return force, state
+            return -force, state
         if now == -way:
             extrema = (*extrema, (last, force))
         # A branch that passes the extremum before its own start continues the older branch.
@@ -74,7 +75,7 @@ class PreisachHysteresis(ContactLaw):
             force = at_origin + now * self.everett(abs(d - origin))
         else:
             force = 0.5 * sign(d) * self.everett(2.0 * abs(d))
-        return force, (d, force, now, extrema)
+        return -force, (d, force, now, extrema)
 
     def release(
         self, t: float, d: float, v: float, dt: float, state: Any

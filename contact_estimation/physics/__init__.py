@@ -50,6 +50,7 @@ from .robot_friction import RobotFriction
 from .stiffness_drift import StiffnessDrift
 from .stribeck_friction import StribeckFriction
 from .tool_inertia import ToolInertia
+from .unloading_hysteresis import UnloadingHysteresis
 from .viscoelastic_relaxation import ViscoelasticRelaxation
 from ..parameters.specification import group, ParameterGroup
 
@@ -67,6 +68,7 @@ EFFECTS: dict[str, type[Effect]] = {
     'viscoelastic_relaxation': ViscoelasticRelaxation,
     'fractional_relaxation': FractionalRelaxation,
     'bouc_wen_hysteresis': BoucWenHysteresis,
+    'unloading_hysteresis': UnloadingHysteresis,
     'contact_offset': ContactOffset,
     'moving_environment': MovingEnvironment,
     'adhesion': Adhesion,
