@@ -30,6 +30,7 @@ Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 _BLOCK_S = 0.25
+_RESOLVED_S = 0.025  # over which the acceleration of a driven mass is averaged, twice
 _DRAWS = 400
 _NEGLIGIBLE = 1.0  # difference of cost
 
@@ -94,13 +95,27 @@ def measure_part(
         if (touching & inside).any():
             touching &= inside
     span = max(1, round(_BLOCK_S * o.pace / o.h))
-    squares = [(force_residual(recording, model) * touching) ** 2 for model in models]
+    squares = [(_resolved(recording, model) * touching) ** 2 for model in models]
     moved = samples & ~o.start
     motion = None
     if runs is not None:
         motion = np.array([_sums((o.raw_position - x) ** 2 * moved, span) for x in runs])
     return Part(name, np.array([_sums(s, span) for s in squares]),
                 _sums(touching.astype(float), span), motion, _sums(moved.astype(float), span))
+
+
+def _resolved(recording: PreparedRecording, model: Model) -> Array:
+    """Return the force error; of a mass that a force drives, at the rates that x resolves."""
+    error = force_residual(recording, model)
+    if not recording.driven_by_force(model):
+        return error
+    o = recording.observed
+    span = max(1, round(_RESOLVED_S * o.pace / o.h))
+    return np.convolve(np.convolve(error, _mean_of(span), 'same'), _mean_of(span), 'same')
+
+
+def _mean_of(count: int) -> Array:
+    return np.full(count, 1.0 / count)
 
 
 def _sums(signal: Array, span: int) -> Array:
