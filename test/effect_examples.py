@@ -55,6 +55,7 @@ EXAMPLES: dict[str, tuple[float, ...]] = {
     'force_delay': (0.0123,),
     'force_bias': (3.0,),
     'force_drift': (-2.0,),
+    'settling_bias': (3.0, 0.4, -1.0),
     'force_saturation': (30.0,),
     'robot_friction': (8.0,),
     'impedance_mismatch': (0.8, 1.2, 1.1),

@@ -168,6 +168,7 @@ SENSED: dict[str, Any] = {
     'tool_inertia': lambda t, F, a, mass: F - mass * a,
     'force_bias': lambda t, F, a, bias: F + bias,
     'force_drift': lambda t, F, a, rate: F + rate * t,
+    'settling_bias': lambda t, F, a, change, tau, bias: F + bias + change * np.exp(-t / tau),
     'force_saturation': lambda t, F, a, limit: np.minimum(limit, np.maximum(-limit, F)),
     'force_delay': lambda t, F, a, delay: np.interp(t - delay, t, F),
     'force_lag': lambda t, F, a, tau: F[0] + followed(

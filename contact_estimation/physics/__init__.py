@@ -47,6 +47,7 @@ from .presliding_friction import PreslidingFriction
 from .quadratic_damping import QuadraticDamping
 from .reflected_inertia import ReflectedInertia
 from .robot_friction import RobotFriction
+from .settling_bias import SettlingBias
 from .stiffness_drift import StiffnessDrift
 from .stribeck_friction import StribeckFriction
 from .tool_inertia import ToolInertia
@@ -82,6 +83,7 @@ EFFECTS: dict[str, type[Effect]] = {
     'force_delay': ForceDelay,
     'force_bias': ForceBias,
     'force_drift': ForceDrift,
+    'settling_bias': SettlingBias,
     'force_saturation': ForceSaturation,
     'robot_friction': RobotFriction,
     'impedance_mismatch': ImpedanceMismatch,

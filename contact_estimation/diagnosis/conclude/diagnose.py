@@ -101,7 +101,7 @@ def diagnose(
     nominal_cost = cost_of(prepared, nominal)
     selection = select(prepared, base, progress)
     if all(one.driven_by_force(nominal) for one in prepared):
-        between = _likeliest_between_samples(prepared, selection)
+        between = _likeliest_between_samples(selection.recordings, selection)
         if between != prepared[0].observed.between:
             prepared, others = (
                 [one.with_force_between_samples(between, nominal) for one in group]

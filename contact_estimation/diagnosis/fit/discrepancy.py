@@ -65,11 +65,20 @@ def with_discrepancy(recording: PreparedRecording, model: Model) -> PreparedReco
 
     """
     plain = without_discrepancy(recording)
+    if plain.driven_by_force(model):
+        plain = _widened(plain, model)
     left = plain.split(residuals(plain, model, robust=False))
     stds = [_std(part, channel) for part, channel in zip(left, plain.channels(model))]
     if plain.driven_by_force(model):
         return replace(plain, motion_discrepancy=stds[0])
     return replace(plain, force_discrepancy=stds[0], motion_discrepancy=sum(stds[1:]))
+
+
+def _widened(plain: PreparedRecording, model: Model) -> PreparedRecording:
+    """Let the filter expect forces as large as the model leaves: they are no error of x."""
+    plain = plain.widened(1.0, model)
+    left = residuals(plain, model, robust=False)
+    return plain.widened(max(1.0, float(np.sqrt(left @ left / plain.residual_count))), model)
 
 
 def forces(recording: PreparedRecording, model: Model) -> list[float]:

@@ -30,7 +30,7 @@ from scipy.signal import lfilter
 
 from .model import Model
 from .observed import Observed
-from .observer import coast, discretise, kalman_filter, run, run_velocity
+from .observer import coast, discretise, innovation_std, kalman_filter, run, run_velocity
 from ...physics.numeric import SIGN_VELOCITY
 from ...plant.between_samples import NOISE, smooth
 
@@ -147,7 +147,9 @@ class DrivenWall:
     def _driven(self, push: Array) -> Array:
         return run(self.system, push, float(self._observed.x[0]), self._stiffness)
 
-    def innovations(self, rounds: int, force_noise: float, memory: float = np.inf) -> Array:
+    def innovations(
+        self, rounds: int, force_noise: float, memory: float = np.inf, widening: float = 1.0
+    ) -> Array:
         """
         Compute the one-step prediction errors of the position.
 
@@ -160,6 +162,8 @@ class DrivenWall:
         memory : float
             Longest memory of the filter [s]. With a short one the innovations are nearly linear
             in K_e, B_e and M_e, even for a resonant wall.
+        widening : float
+            Of `kalman_filter`.
 
         Returns
         -------
@@ -172,10 +176,10 @@ class DrivenWall:
         if memory < np.inf:
             denominator = np.poly([exp(-o.h / memory)] * 2)
         else:
-            denominator, _ = self.kalman_filter(force_noise)
+            denominator, _ = self.kalman_filter(force_noise, widening)
         return np.asarray(lfilter(self.system.denominator, denominator, o.raw_position - x))
 
-    def kalman_filter(self, force_noise: float) -> tuple[Array, float]:
+    def kalman_filter(self, force_noise: float, widening: float = 1.0) -> tuple[Array, float]:
         """
         Design the filter that weighs force and position by their noise.
 
@@ -183,14 +187,19 @@ class DrivenWall:
         ----------
         force_noise : float
             Standard deviation [N].
+        widening : float
+            Factor by which unknown forces exceed that noise: the filter then forgets sooner.
 
         Returns
         -------
         denominator : ndarray
             Of the innovations' filter.
         std : float
-            Of the innovations [m].
+            Of the innovations that the noise alone leaves [m].
 
         """
-        o = self._observed
-        return kalman_filter(self.system, force_noise, o.position_noise, NOISE[o.between])
+        o, weights = self._observed, NOISE[self._observed.between]
+        c, std = kalman_filter(self.system, widening * force_noise, o.position_noise, weights)
+        if widening > 1.0:
+            std = innovation_std(self.system, c, force_noise, o.position_noise, weights)
+        return c, std

@@ -78,7 +78,9 @@ def force_noise(model: Model, observed: Observed) -> float:
     return max(white_noise_std(o.force[o.measured]), least)
 
 
-def motion_noise(model: Model, observed: Observed, force_noise: float) -> float:
+def motion_noise(
+    model: Model, observed: Observed, force_noise: float, widening: float = 1.0
+) -> float:
     """
     Return the standard deviation of the motion error of a correct model.
 
@@ -90,6 +92,8 @@ def motion_noise(model: Model, observed: Observed, force_noise: float) -> float:
         The recording.
     force_noise : float
         Of `force_noise` [N].
+    widening : float
+        Of the filter of a wall that a force drives, see `DrivenWall.kalman_filter`.
 
     Returns
     -------
@@ -98,7 +102,7 @@ def motion_noise(model: Model, observed: Observed, force_noise: float) -> float:
 
     """
     if observed.driven_by_force(model.nominal):
-        return DrivenWall(model, observed).kalman_filter(force_noise)[1]
+        return DrivenWall(model, observed).kalman_filter(force_noise, widening)[1]
     return observed.position_noise
 
 

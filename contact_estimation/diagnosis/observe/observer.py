@@ -29,9 +29,11 @@ from typing import NamedTuple, Sequence
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import expm
-from scipy.signal import lfilter
+from scipy.signal import freqz, lfilter
 
 Array = NDArray[np.float64]
+
+_FREQUENCIES = 4096  # at which spectra are averaged
 
 OBSERVER_CUTOFF = 50.0
 """omega_o [rad/s] at a pace of 1: errors in the time of an impact are forgotten in 40 ms."""
@@ -219,3 +221,30 @@ def kalman_filter(
     count = len(b) - 1
     c = np.real(np.poly(roots[np.argsort(np.abs(roots))[:count]]))
     return c, float(np.sqrt(spectrum[count] / (c @ c)))
+
+
+def innovation_std(
+    system: SecondOrder, denominator: Array, force_noise: float, position_noise: float,
+    weights: Sequence[float] = (1.0,),
+) -> float:
+    """
+    Compute what the noise of force and position leaves in innovations of any filter.
+
+    Parameters
+    ----------
+    system, force_noise, position_noise, weights
+        As for `kalman_filter`.
+    denominator : ndarray
+        c of the filter, perhaps designed for another noise.
+
+    Returns
+    -------
+    std : float
+        Of the innovations [m].
+
+    """
+    c = freqz([1.0], denominator, worN=_FREQUENCIES)[1]
+    a = freqz(system.denominator, [1.0], worN=_FREQUENCIES)[1]
+    b = freqz(np.convolve(system.position, weights), [1.0], worN=_FREQUENCIES)[1]
+    spectrum = (force_noise * np.abs(b * c)) ** 2 + (position_noise * np.abs(a * c)) ** 2
+    return float(np.sqrt(np.mean(spectrum)))

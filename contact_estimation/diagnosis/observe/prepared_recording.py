@@ -70,6 +70,8 @@ class PreparedRecording:
         Directions weighed down for model uncertainty; None as long as they are not known.
     force_discrepancy, motion_discrepancy : float
         Standard deviations of what no law explains [N], [m], see `with_discrepancy`.
+    widening : float
+        Factor by which the discrepancy of a wall that a force drives exceeds the force noise.
     picard_rounds : int
         Of Picard's iteration for a wall without a robot; 1: effects at the measured motion.
     force_error, motion_error : ndarray, shape (N,), or None
@@ -90,6 +92,7 @@ class PreparedRecording:
     discount: Discount | None = None
     force_discrepancy: float = 0.0
     motion_discrepancy: float = 0.0
+    widening: float = 1.0
     picard_rounds: int = 1
     force_error: Array | None = None
     motion_error: Array | None = None
@@ -196,8 +199,28 @@ class PreparedRecording:
     def with_force_between_samples(self, between: str, model: Model) -> 'PreparedRecording':
         """Return the recording with another course of the force between samples, `BETWEEN`."""
         observed = replace(self.observed, between=between)
-        noise = motion_noise(model, observed, self.force_noise)
+        noise = motion_noise(model, observed, self.force_noise, self.widening)
         return replace(self, observed=observed, motion_noise=noise, discount=None)
+
+    def widened(self, widening: float, model: Model) -> 'PreparedRecording':
+        """
+        Return the recording with a filter that expects forces beyond the noise.
+
+        Parameters
+        ----------
+        widening : float
+            Standard deviation of such forces, over that of the noise; 1: the noise alone.
+        model : Model
+            With a wall that a force drives.
+
+        Returns
+        -------
+        widened : PreparedRecording
+            Without a discount.
+
+        """
+        noise = motion_noise(model, self.observed, self.force_noise, widening)
+        return replace(self, widening=widening, motion_noise=noise, discount=None)
 
     def whole(self, model: Model) -> 'PreparedRecording':
         """
