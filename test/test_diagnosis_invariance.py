@@ -137,13 +137,17 @@ def test_channels_of_a_part_add_up_to_its_residuals() -> None:
         assert force + motion == pytest.approx(float(np.sum(base.residuals[part.there] ** 2)))
 
 
-def test_trifle_of_the_whole_is_enough_only_if_it_is_most_of_the_rest_and_a_law() -> None:
+def test_most_of_the_rest_is_not_enough_if_it_is_a_trifle_of_the_whole() -> None:
     trifle, most = (Share(value, (0.9 * value, 1.1 * value), np.ones(3)) for value in (0.05, 0.8))
     some = Share(0.4, (0.3, 0.5), np.ones(3))
-    assert predicts_enough(most, trifle, trifles=True)
-    assert not predicts_enough(most, trifle, trifles=False)
-    assert not predicts_enough(some, trifle, trifles=True)
-    assert predicts_enough(some, some, trifles=True)
+    assert not predicts_enough(most, trifle)
+    assert predicts_enough(some, some)
+
+
+def test_an_uncertain_share_is_enough_where_the_effect_harms_no_part() -> None:
+    uncertain = Share(0.4, (0.05, 0.75), np.array([0.9, 0.0, 0.1]))
+    assert predicts_enough(uncertain, uncertain)
+    assert not predicts_enough(uncertain._replace(harm=0.1), uncertain)
 
 
 def test_discrepancy_brings_every_channel_to_variance_one() -> None:

@@ -30,7 +30,7 @@ from ..fit.fitting import cost_of, Fit, fit
 from ..fit.free_run import free_run
 from ..fit.model_uncertainty import discounted
 from ..fit.search import Progress
-from ..fit.selection import select, Selection
+from ..fit.selection import fitted_again, select, Selection
 from ..observe.checks import examine
 from ..observe.model import Model
 from ..observe.observed import observe
@@ -108,7 +108,8 @@ def diagnose(
                 for group in (prepared, others))
             prepared, base = _recalibrate(prepared, nominal)
             nominal_cost = cost_of(prepared, nominal)
-            selection = select(prepared, base, progress)
+            selection = (fitted_again(prepared, selection) if has_discrepancy(selection.recordings)
+                         else select(prepared, base, progress))
     selection = _smooth_again(fitted, prepared, selection, nominal, progress)
     # The largest misfit first: that recording is located and shown.
     largest = sorted(selection.recordings, key=lambda one: -cost_of([one], selection.base.model)

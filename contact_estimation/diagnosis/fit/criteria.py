@@ -32,19 +32,13 @@ SHARE = 0.3
 """Least share of the misfit above the noise that a further effect must explain."""
 
 SHARE_OF_WHOLE = 0.1
-"""Least share of the recalibrated model's misfit, unless `NEARLY_ALL` of the present one."""
+"""Least share of the misfit of the recalibrated model with the zeros that are named."""
 
 SURE = 0.2
 """Least lower end of the interval of the share of the present misfit."""
 
-LEAST_ON_PART = 0.1
-"""Share that suffices for `SURE` if an effect has it on every part."""
-
-TRIFLE = 0.02
-"""Least share of the recalibrated model's misfit in any case."""
-
-NEARLY_ALL = 0.7
-"""Share of the present misfit from which on a further effect is no trifle."""
+HARMLESS = 0.05
+"""Most harm on parts that an effect predicts worse, to be sure above zero instead of `SURE`."""
 
 ADEQUATE = 0.05
 """Share of the gain of the best law that a simpler one may lack."""
@@ -129,7 +123,7 @@ def enough(before: Fit, after: Fit) -> bool:
     return gain > least and gain > SHARE * excess
 
 
-def predicts_enough(of_present: Share, of_whole: Share, trifles: bool) -> bool:
+def predicts_enough(of_present: Share, of_whole: Share) -> bool:
     """
     Return whether a further effect predicts enough of parts left out.
 
@@ -138,9 +132,6 @@ def predicts_enough(of_present: Share, of_whole: Share, trifles: bool) -> bool:
     of_present, of_whole : Share
         Of the misfit of the model without it in the channel that the effect decides, and of that
         of the recalibrated model in all.
-    trifles : bool
-        Whether a small share of the whole will do if it is nearly all of the present misfit: not
-        for the first effect, nor for a flexible one.
 
     Returns
     -------
@@ -148,13 +139,10 @@ def predicts_enough(of_present: Share, of_whole: Share, trifles: bool) -> bool:
         A fair share of the present misfit, beyond doubt, and not a trifle of the whole.
 
     """
-    everywhere = float(np.min(of_present.parts)) > LEAST_ON_PART
-    sure = of_present.interval[0] >= (0.0 if everywhere else SURE)
-    if of_present.share < SHARE or not sure or of_whole.interval[0] <= 0.0:
+    sure = of_present.interval[0] >= (0.0 if of_present.harm <= HARMLESS else SURE)
+    if of_present.share < SHARE or not sure:
         return False
-    if of_whole.share >= SHARE_OF_WHOLE:
-        return True
-    return trifles and of_present.share >= NEARLY_ALL and of_whole.share >= TRIFLE
+    return of_whole.interval[0] > 0.0 and of_whole.share >= SHARE_OF_WHOLE
 
 
 def explained_share(before: float, after: float, noise: float) -> float:

@@ -44,6 +44,7 @@ force has its motion only, which then comes first."""
 
 _OUTLIER = 5.0  # standard deviations beyond which a residual counts as one at that distance
 _MOST_LAGS = 200
+_WIDENED = 0.75  # with 1 the innovations would be little but the noise of the position
 _MATERIAL = 0.006  # of the range of the force
 
 
@@ -75,10 +76,11 @@ def with_discrepancy(recording: PreparedRecording, model: Model) -> PreparedReco
 
 
 def _widened(plain: PreparedRecording, model: Model) -> PreparedRecording:
-    """Let the filter expect forces as large as the model leaves: they are no error of x."""
+    """Let the filter expect forces nearly as large as the model leaves: they are no error of x."""
     plain = plain.widened(1.0, model)
     left = residuals(plain, model, robust=False)
-    return plain.widened(max(1.0, float(np.sqrt(left @ left / plain.residual_count))), model)
+    size = float(np.sqrt(left @ left / plain.residual_count))
+    return plain.widened(max(1.0, size**_WIDENED), model)
 
 
 def forces(recording: PreparedRecording, model: Model) -> list[float]:

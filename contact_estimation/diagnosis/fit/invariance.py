@@ -44,6 +44,7 @@ _LEAST_RESIDUALS = 8  # of a part
 _STEPS = (1.0, 0.5, 0.25, 0.1)  # shares of a Gauss-Newton step that are tried
 _LOOSE, _ROUNDS = 3.0, 3  # a part alone: sizes of a value that its prior allows, steps
 _FAINT = 1e-6  # information that keeps an undetermined value finite
+_ROUNDING = 1e-13  # share of the information that rounding may make of nothing
 _TWO_SIDED = 1.96  # standard deviations of a 95 % interval
 
 
@@ -93,12 +94,15 @@ class Share(NamedTuple):
         95 %, by the jackknife over the parts.
     parts : ndarray, shape (parts,)
         Part by part.
+    harm : float
+        What it adds on the parts that it predicts worse, of the same misfit.
 
     """
 
     share: float
     interval: tuple[float, float]
     parts: Array
+    harm: float = 0.0
 
 
 def channel_of(effect: str) -> int:
@@ -296,7 +300,8 @@ def left_out_errors(
 
 def _spread(part: Part, jacobian: Array, rest: Flags, left: Array) -> float:
     """Return the expected squared error of a prediction by what the rest leaves undetermined."""
-    normal = jacobian[rest].T @ jacobian[rest] + _FAINT * np.eye(jacobian.shape[1])
+    normal = jacobian[rest].T @ jacobian[rest]
+    normal += (_FAINT + _ROUNDING * np.trace(normal)) * np.eye(len(normal))
     covariance = np.linalg.inv(normal) * float(np.mean(left[rest] ** 2))
     here = jacobian[part.there]
     return float(part.weights @ np.einsum('ij,jk,ik->i', here, covariance, here))
@@ -333,13 +338,14 @@ def share_of(
     gain = (before - after)[:, columns].sum(axis=1)
     misfit = above_noise(whole, parts, columns)
     share = float(gain.sum() / misfit.sum())
+    harm = float(np.maximum(-gain, 0.0).sum() / misfit.sum())
     count = len(parts)
     if count < 2:
-        return Share(share, (-np.inf, np.inf), gain / misfit)
+        return Share(share, (-np.inf, np.inf), gain / misfit, harm)
     without = (gain.sum() - gain) / (misfit.sum() - misfit)
     spread = float(np.sqrt((count - 1) / count * np.sum((without - without.mean()) ** 2)))
     reach = _TWO_SIDED * spread
-    return Share(share, (share - reach, share + reach), gain / misfit)
+    return Share(share, (share - reach, share + reach), gain / misfit, harm)
 
 
 def above_noise(

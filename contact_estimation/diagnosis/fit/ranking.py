@@ -44,7 +44,8 @@ from ...physics import EFFECTS
 Array = NDArray[np.float64]
 
 _PROMISING = 0.4  # of the largest gain in the fit, to be assessed
-_FLEXIBLE_SHARE, _FLEXIBLE_LEAD = 0.85, 0.15  # what a curve that fits almost anything must show
+# What a curve that fits almost anything must show.
+_FLEXIBLE_SHARE, _FLEXIBLE_HARM, _FLEXIBLE_LEAD = 0.85, 0.01, 0.15
 
 
 class _Candidate(NamedTuple):
@@ -107,7 +108,7 @@ def rank_by_prediction(
               for channel, group in groups.items()}
     if not any(groups.values()):
         return []
-    first = fit(recordings, base) if present.model.effects else present
+    first = fit(recordings, _with_zeros(base, present.model)) if present.model.effects else present
     parts = parts_of(recordings, first)
     before = left_out_errors(recordings, present, parts)
     whole = left_out_errors(recordings, first, parts) if present.model.effects else before
@@ -120,8 +121,7 @@ def rank_by_prediction(
             best = _simpler_beside_an_offset(recordings, candidates, best, before, parts)
             of_present = share_of(before, best.errors, parts, before, channel)
             of_whole = share_of(before, best.errors, parts, whole)
-            later = bool(present.model.effects) and not best.flexible
-            if predicts_enough(of_present, of_whole, trifles=later):
+            if predicts_enough(of_present, of_whole):
                 taken.append(best)
     if not taken:
         return []
@@ -133,13 +133,21 @@ def rank_by_prediction(
     return [best.found, *(one.found for one in rest)]
 
 
+def _with_zeros(base: Model, present: Model) -> Model:
+    """Add the zeros that are named: what is large beside them is no trifle."""
+    for name in present.effects:
+        if name == 'contact_offset' or EFFECTS[name].family == 'sensor_zero':
+            base = base.with_effect(name, present.values[present.place(name)])
+    return base
+
+
 def _promising(
     recordings: Recordings, present: Fit, found: Sequence[Fit], channel: int | None
 ) -> list[Fit]:
     """Leave out candidates that fit too little of a channel to predict enough of it."""
     large = {number for one in recordings for number in material(one, present.model)}
-    if channel is not None and large and channel not in large:
-        return []  # trifles beside the misfit of the other channel
+    if not large or channel is not None and channel not in large:
+        return []  # trifles, perhaps beside the misfit of the other channel
     columns = slice(None) if channel is None else channel
     before = costs_by_channel(recordings, present)
     misfit = float(np.sum((before - noise_by_channel(recordings, present.model))[columns]))
@@ -174,7 +182,7 @@ def _choose(
         noise = sum(float(np.sum(part.noise[columns])) for part in parts)
         misfit = float(np.sum(before[:, columns])) - noise
         lead = (winner.total if winner else float(before.sum())) - curve.total
-        if (share.share > _FLEXIBLE_SHARE and share.parts.min() > 0.0
+        if (share.share > _FLEXIBLE_SHARE and share.harm < _FLEXIBLE_HARM
                 and lead > _FLEXIBLE_LEAD * misfit):
             return curve
     if winner is None:

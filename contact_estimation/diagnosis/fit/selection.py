@@ -135,6 +135,28 @@ def select(
     return Selection(carried, fit(carried, base.model), best, rivals, evidence)
 
 
+def fitted_again(recordings: Recordings, selection: Selection) -> Selection:
+    """
+    Fit the models of a selection of inexact laws to the same recordings, prepared differently.
+
+    Parameters
+    ----------
+    recordings : sequence of PreparedRecording
+        Fitted together, without a discrepancy.
+    selection : Selection
+        Of the effects.
+
+    Returns
+    -------
+    selection : Selection
+        Of the same effects.
+
+    """
+    carried, best = weigh(recordings, fit(recordings, selection.best.model))
+    base = fit(carried, selection.base.model)
+    return selection._replace(recordings=carried, base=base, best=best)
+
+
 def _is_explained(recordings: Recordings, base: Fit, best: Fit) -> bool:
     """Return whether what is left is noise, or no more than the error of the method."""
     if best.cost < best.residual_count * (1.0 + 0.5 * THRESHOLD):
@@ -229,7 +251,9 @@ def _exact(
     scale = noise_scale(min(fits, key=lambda one: one.cost))
     fits.sort(key=lambda one: one.cost + scale * penalty(one.model))
     if fits[0].cost <= _STRICTLY * count:
-        return fits
+        # The noise is not known exactly: of laws that leave no more, the simplest stands first.
+        return sorted(fits, key=lambda one: (
+            (0.0, penalty(one.model)) if one.cost <= count else (1.0, 0.0)))
     # Not quite exact: a simpler law that leaves little more stands first.
     most = fits[0].cost + ADEQUATE * (present - fits[0].cost)
     return sorted(fits, key=lambda one: (

@@ -176,10 +176,12 @@ class DrivenWall:
         if memory < np.inf:
             denominator = np.poly([exp(-o.h / memory)] * 2)
         else:
-            denominator, _ = self.kalman_filter(force_noise, widening)
+            denominator = self._filter(widening * force_noise)[0]
         return np.asarray(lfilter(self.system.denominator, denominator, o.raw_position - x))
 
-    def kalman_filter(self, force_noise: float, widening: float = 1.0) -> tuple[Array, float]:
+    def kalman_filter(
+        self, force_noise: float, widening: float = 1.0, block: int = 1
+    ) -> tuple[Array, float]:
         """
         Design the filter that weighs force and position by their noise.
 
@@ -189,17 +191,24 @@ class DrivenWall:
             Standard deviation [N].
         widening : float
             Factor by which unknown forces exceed that noise: the filter then forgets sooner.
+        block : int
+            Samples that are averaged.
 
         Returns
         -------
         denominator : ndarray
             Of the innovations' filter.
         std : float
-            Of the innovations that the noise alone leaves [m].
+            Of the innovations that the noise alone leaves [m], see `innovation_std`.
 
         """
-        o, weights = self._observed, NOISE[self._observed.between]
-        c, std = kalman_filter(self.system, widening * force_noise, o.position_noise, weights)
+        c, std = self._filter(widening * force_noise)
         if widening > 1.0:
-            std = innovation_std(self.system, c, force_noise, o.position_noise, weights)
+            o = self._observed
+            std = innovation_std(
+                self.system, c, force_noise, o.position_noise, NOISE[o.between], block)
         return c, std
+
+    def _filter(self, force_noise: float) -> tuple[Array, float]:
+        o = self._observed
+        return kalman_filter(self.system, force_noise, o.position_noise, NOISE[o.between])

@@ -79,7 +79,7 @@ def force_noise(model: Model, observed: Observed) -> float:
 
 
 def motion_noise(
-    model: Model, observed: Observed, force_noise: float, widening: float = 1.0
+    model: Model, observed: Observed, force_noise: float, widening: float = 1.0, block: int = 1,
 ) -> float:
     """
     Return the standard deviation of the motion error of a correct model.
@@ -92,7 +92,7 @@ def motion_noise(
         The recording.
     force_noise : float
         Of `force_noise` [N].
-    widening : float
+    widening, block
         Of the filter of a wall that a force drives, see `DrivenWall.kalman_filter`.
 
     Returns
@@ -102,7 +102,7 @@ def motion_noise(
 
     """
     if observed.driven_by_force(model.nominal):
-        return DrivenWall(model, observed).kalman_filter(force_noise, widening)[1]
+        return DrivenWall(model, observed).kalman_filter(force_noise, widening, block)[1]
     return observed.position_noise
 
 

@@ -225,7 +225,7 @@ def kalman_filter(
 
 def innovation_std(
     system: SecondOrder, denominator: Array, force_noise: float, position_noise: float,
-    weights: Sequence[float] = (1.0,),
+    weights: Sequence[float], block: int,
 ) -> float:
     """
     Compute what the noise of force and position leaves in innovations of any filter.
@@ -236,15 +236,18 @@ def innovation_std(
         As for `kalman_filter`.
     denominator : ndarray
         c of the filter, perhaps designed for another noise.
+    block : int
+        Samples that are averaged.
 
     Returns
     -------
     std : float
-        Of the innovations [m].
+        Of a block's mean, times the root of its samples [m]: neighbours are correlated.
 
     """
     c = freqz([1.0], denominator, worN=_FREQUENCIES)[1]
     a = freqz(system.denominator, [1.0], worN=_FREQUENCIES)[1]
     b = freqz(np.convolve(system.position, weights), [1.0], worN=_FREQUENCIES)[1]
-    spectrum = (force_noise * np.abs(b * c)) ** 2 + (position_noise * np.abs(a * c)) ** 2
-    return float(np.sqrt(np.mean(spectrum)))
+    averaged = freqz(np.full(block, block**-0.5), [1.0], worN=_FREQUENCIES)[1] * c
+    spectrum = (force_noise * np.abs(b)) ** 2 + (position_noise * np.abs(a)) ** 2
+    return float(np.sqrt(np.mean(spectrum * np.abs(averaged) ** 2)))

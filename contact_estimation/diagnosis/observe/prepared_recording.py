@@ -199,7 +199,7 @@ class PreparedRecording:
     def with_force_between_samples(self, between: str, model: Model) -> 'PreparedRecording':
         """Return the recording with another course of the force between samples, `BETWEEN`."""
         observed = replace(self.observed, between=between)
-        noise = motion_noise(model, observed, self.force_noise, self.widening)
+        noise = motion_noise(model, observed, self.force_noise, self.widening, self.block)
         return replace(self, observed=observed, motion_noise=noise, discount=None)
 
     def widened(self, widening: float, model: Model) -> 'PreparedRecording':
@@ -219,7 +219,7 @@ class PreparedRecording:
             Without a discount.
 
         """
-        noise = motion_noise(model, self.observed, self.force_noise, widening)
+        noise = motion_noise(model, self.observed, self.force_noise, widening, self.block)
         return replace(self, widening=widening, motion_noise=noise, discount=None)
 
     def whole(self, model: Model) -> 'PreparedRecording':
