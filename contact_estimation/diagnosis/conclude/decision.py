@@ -97,7 +97,7 @@ def decide(
         shares = shares_of(recordings, base.model, best.model)
         exact = not has_discrepancy(recordings)
         doubtful = [name for name, share in shares.of_channel.items() if not shares.agrees(name)
-                    or share.interval[0] <= 0.0 and not exact]
+                    or share.interval[0] <= 0.0 and (not exact or shares.is_flexible(name))]
         if doubtful:
             rest = fit(recordings, best.model.without(doubtful[-1]))
             return decide(selection._replace(best=rest), whole, progress)

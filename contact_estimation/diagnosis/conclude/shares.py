@@ -104,6 +104,12 @@ class Shares:
         usual = float(np.median(sizes))
         return float(np.median(np.abs(sizes - usual))) <= _SPREAD * abs(usual)
 
+    def is_flexible(self, name: str) -> bool:
+        """Return whether an effect is a curve that fits almost any misfit of its kind."""
+        values = EFFECTS[name].Parameters(*self.best.model.values[self.best.model.place(name)])
+        duration = max(float(one.observed.t[-1]) for one in self.recordings)
+        return EFFECTS[name].is_flexible(values, duration)
+
     @cached_property
     def _alone(self) -> list[tuple[float, ...]]:
         """The values of the model on each part alone."""

@@ -65,22 +65,23 @@ def with_discrepancy(recording: PreparedRecording, model: Model) -> PreparedReco
         With residuals of variance 1 where the model leaves more than noise.
 
     """
-    plain = without_discrepancy(recording)
+    plain, unknown = without_discrepancy(recording), 0.0
     if plain.driven_by_force(model):
-        plain = _widened(plain, model)
+        plain, unknown = _widened(plain, model)
     left = plain.split(residuals(plain, model, robust=False))
     stds = [_std(part, channel) for part, channel in zip(left, plain.channels(model))]
     if plain.driven_by_force(model):
-        return replace(plain, motion_discrepancy=stds[0])
+        return replace(plain, motion_discrepancy=stds[0], force_discrepancy=unknown)
     return replace(plain, force_discrepancy=stds[0], motion_discrepancy=sum(stds[1:]))
 
 
-def _widened(plain: PreparedRecording, model: Model) -> PreparedRecording:
-    """Let the filter expect forces nearly as large as the model leaves: they are no error of x."""
+def _widened(plain: PreparedRecording, model: Model) -> tuple[PreparedRecording, float]:
+    """Let the filter expect forces nearly as large as the model leaves; return their size [N]."""
     plain = plain.widened(1.0, model)
     left = residuals(plain, model, robust=False)
     size = float(np.sqrt(left @ left / plain.residual_count))
-    return plain.widened(max(1.0, size**_WIDENED), model)
+    unknown = plain.force_noise * max(size**2 - 1.0, 0.0) ** 0.5
+    return plain.widened(max(1.0, size**_WIDENED), model), unknown
 
 
 def forces(recording: PreparedRecording, model: Model) -> list[float]:
@@ -124,11 +125,9 @@ def material(recording: PreparedRecording, model: Model) -> list[int]:
     Returns
     -------
     channels : list of int
-        Of `CHANNELS`; always its only one for a wall driven by a force.
+        Of `CHANNELS`; the only one of a wall driven by a force by the force that it lacks.
 
     """
-    if recording.driven_by_force(model):
-        return [0]
     low, high = np.percentile(recording.observed.force, (1.0, 99.0))
     sizes = [recording.force_discrepancy]
     if recording.observed.reference is not None:

@@ -45,7 +45,10 @@ Array = NDArray[np.float64]
 
 _PROMISING = 0.4  # of the largest gain in the fit, to be assessed
 # What a curve that fits almost anything must show.
-_FLEXIBLE_SHARE, _FLEXIBLE_HARM, _FLEXIBLE_LEAD = 0.85, 0.01, 0.15
+_FLEXIBLE_SHARE, _FLEXIBLE_HARM = 0.85, 0.01
+
+FLEXIBLE_LEAD = 0.15
+"""Share of the misfit by which such a curve must be better than the best law."""
 
 
 class _Candidate(NamedTuple):
@@ -146,8 +149,8 @@ def _promising(
 ) -> list[Fit]:
     """Leave out candidates that fit too little of a channel to predict enough of it."""
     large = {number for one in recordings for number in material(one, present.model)}
-    if not large or channel is not None and channel not in large:
-        return []  # trifles, perhaps beside the misfit of the other channel
+    if channel is not None and channel not in large:
+        return []  # trifles that the other channel does not confirm
     columns = slice(None) if channel is None else channel
     before = costs_by_channel(recordings, present)
     misfit = float(np.sum((before - noise_by_channel(recordings, present.model))[columns]))
@@ -165,7 +168,7 @@ def _assess(
     duration = max(float(one.observed.t[-1]) for one in recordings)
     fits = [fit_to_end(recordings, one._replace(ended=False)) for one in found]
     return [_Candidate(one, left_out_errors(recordings, one, parts, before), channel,
-                       _is_flexible(one.model, duration))
+                       is_flexible(one.model, duration))
             for one in fits if one.model.plausible()]
 
 
@@ -183,7 +186,7 @@ def _choose(
         misfit = float(np.sum(before[:, columns])) - noise
         lead = (winner.total if winner else float(before.sum())) - curve.total
         if (share.share > _FLEXIBLE_SHARE and share.harm < _FLEXIBLE_HARM
-                and lead > _FLEXIBLE_LEAD * misfit):
+                and lead > FLEXIBLE_LEAD * misfit):
             return curve
     if winner is None:
         return None
@@ -214,8 +217,23 @@ def _simpler_beside_an_offset(
     return taken
 
 
-def _is_flexible(model: Model, duration: float) -> bool:
-    """Return whether the last effect is a curve that follows any slow misfit."""
+def is_flexible(model: Model, duration: float) -> bool:
+    """
+    Return whether the last effect is a curve that follows any slow misfit.
+
+    Parameters
+    ----------
+    model : Model
+        With effects.
+    duration : float
+        Of the longest recording [s].
+
+    Returns
+    -------
+    flexible : bool
+        If so, more is asked of it than of a law.
+
+    """
     name = model.effects[-1]
     values = EFFECTS[name].Parameters(*model.values[model.place(name)])
     return EFFECTS[name].is_flexible(values, duration)

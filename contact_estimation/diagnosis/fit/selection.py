@@ -39,7 +39,7 @@ from .criteria import (
 )
 from .discrepancy import has_discrepancy, material, noise_by_channel, weighed
 from .fitting import cost_of, Fit, fit, fit_to_end
-from .ranking import rank_by_prediction
+from .ranking import FLEXIBLE_LEAD, is_flexible, rank_by_prediction
 from .search import candidates_for, is_pressed, Progress, search
 from ..observe.model import Model
 from ..observe.prepared_recording import Recordings
@@ -110,8 +110,8 @@ def select(
         carried, present = _carried(recordings, best)
         found = search(carried, present, _candidates(recordings, best.model), progress)
         evidence = evidence or _evidence(carried, present, found)
-        exact = found if leaves_noise(best) else _exact(
-            recordings, best.cost, found, carried is recordings)
+        exact = (_laws_before_curves(carried, present.cost, found) if leaves_noise(best)
+                 else _exact(recordings, best.cost, found, carried is recordings))
         if leaves_noise(best) or exact:
             if not exact or not enough(best, exact[0]):
                 break
@@ -248,8 +248,7 @@ def _exact(
     most = _STRICTLY if strictly else 1.0 + LEFT
     if not any(one.cost <= most * one.residual_count for one in fits):
         return []
-    scale = noise_scale(min(fits, key=lambda one: one.cost))
-    fits.sort(key=lambda one: one.cost + scale * penalty(one.model))
+    fits = _laws_before_curves(recordings, present, fits)
     if fits[0].cost <= _STRICTLY * count:
         # The noise is not known exactly: of laws that leave no more, the simplest stands first.
         return sorted(fits, key=lambda one: (
@@ -258,6 +257,21 @@ def _exact(
     most = fits[0].cost + ADEQUATE * (present - fits[0].cost)
     return sorted(fits, key=lambda one: (
         (0.0, penalty(one.model)) if one.cost <= most else (1.0, 0.0)))
+
+
+def _laws_before_curves(
+    recordings: Recordings, present: float, fits: Sequence[Fit]
+) -> list[Fit]:
+    """Sort fits by penalised cost; curves that fit almost any misfit must lead by more."""
+    scale = noise_scale(min(fits, key=lambda one: one.cost)) if fits else 1.0
+    duration = max(float(one.observed.t[-1]) for one in recordings)
+
+    def charged(one: Fit) -> float:
+        lead = FLEXIBLE_LEAD * max(present - one.cost, 0.0)
+        return (one.cost + scale * penalty(one.model)
+                + lead * is_flexible(one.model, duration))
+
+    return sorted(fits, key=charged)
 
 
 def exchange(
