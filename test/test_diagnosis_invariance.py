@@ -117,7 +117,7 @@ def test_share_of_parts_that_disagree_has_an_interval_around_zero() -> None:
     after[:, 0] = 10.0, 190.0, 20.0, 185.0
     share = share_of(before, after, parts, before)
     assert share.interval[0] < 0.0 < share.interval[1]
-    assert not predicts_enough(share, share, trifles=True)
+    assert not predicts_enough(share, share)
 
 
 def test_effect_is_judged_by_the_misfit_of_its_channel() -> None:

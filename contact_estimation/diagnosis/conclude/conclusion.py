@@ -38,9 +38,11 @@ from ..fit.selection import Selection
 from ..fit.uncertainty import standard_deviations
 from ..observe.model import Model
 from ..observe.prepared_recording import PreparedRecording, Recordings
+from ...physics import EFFECTS
 
 Array = NDArray[np.float64]
 
+_CLEARLY_WORSE = 1.05  # ratio of force errors on held-out data
 _NOTHING = 0.01  # of the misfit: a remainder that is not worth a word
 
 MODELS = ('nominal', 'recalibrated', 'corrected')
@@ -97,7 +99,7 @@ def conclude(fitted: Fitted, seed: int, progress: Progress) -> Diagnosis:
     progress('held-out parts')
     models = (fitted.nominal, base.model, best.model)
     parts, free_runs = _held_out(recordings, whole, fitted.holdouts, models)
-    if best.model.effects and _worse(parts):  # a false name is worse than no name
+    if best.model.effects and _worse(parts, best.model):  # a false name is worse than no name
         decision = Decision(selection.base, True, decision.predictable, None)
         recordings, base, best = selection.recordings, selection.base, selection.base
         models = (fitted.nominal, base.model, base.model)
@@ -145,13 +147,20 @@ def _refined(
     return recordings, base, base
 
 
-def _worse(parts: Sequence[Part]) -> bool:
-    """Return whether the corrected model predicts held-out data worse than the recalibrated."""
-    force, motion = errors_of(parts)
-    pairs = [(one.recalibrated, one.corrected) for one in (force, motion)]
-    ratios = [corrected / recalibrated for recalibrated, corrected in pairs
-              if recalibrated and corrected is not None]
-    return bool(ratios) and not min(ratios) < 1.0
+def _worse(parts: Sequence[Part], best: Model) -> bool:
+    """
+    Return whether the corrected model predicts held-out data worse than the recalibrated one.
+
+    Force and motion both, or clearly the force alone if no name is of the robot.
+    """
+    force, motion = (
+        one.corrected / one.recalibrated if one.recalibrated and one.corrected is not None
+        else None for one in errors_of(parts))
+    ratios = [ratio for ratio in (force, motion) if ratio is not None]
+    if not ratios:
+        return False
+    of_robot = any(EFFECTS[name].port == 'robot' for name in best.effects)
+    return min(ratios) >= 1.0 or not of_robot and force is not None and force > _CLEARLY_WORSE
 
 
 def _locate(
