@@ -74,7 +74,7 @@ WORLDS: dict[str, tuple[float, ...]] = {
     'force_delay': (0.006,),
     'force_bias': (2.0,),
     'force_drift': (0.3,),
-    'settling_bias': (4.0, 3.0, -1.0),
+    'settling_bias': (20.0, 6.0, -6.0),
     'force_saturation': (70.0,),
     'robot_friction': (3.0,),
     'impedance_mismatch': (0.95, 1.1, 1.05),

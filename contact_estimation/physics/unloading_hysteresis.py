@@ -47,7 +47,7 @@ class UnloadingHysteresis(ContactEffect):
     name = 'unloading_hysteresis'
     equation = 'd replaced by max(0, d - ratio (d_max - d)), d_max the greatest of the contact'
     family = 'hysteresis'
-    description = 'The wall unloads along a steeper line than it loads; out of contact it recovers.'
+    description = 'The wall unloads along a steeper line than it loads, recovering out of contact.'
     Parameters = UnloadingHysteresisParameters
     needs_penetration = True
 

@@ -34,6 +34,9 @@ Array = NDArray[np.float64]
 EVEN, SLOPE = 0.21, 3.9
 """Evidence at which a name is as often right as wrong, and the steepness of the curve there."""
 
+DOUBTFUL = 0.5
+"""Probability of an effect that leaves only noise, but may predict nothing of parts left out."""
+
 LEAST, MOST = 0.05, 0.97
 """Limits of the probability: no finite number of worlds supports more."""
 
@@ -47,7 +50,8 @@ def probabilities(shares: Sequence[Share], exact: bool) -> list[float]:
     shares : sequence of Share
         Of the recalibrated model's misfit, in the order in which the effects were taken.
     exact : bool
-        Whether the effects leave only noise: no wrong law does that by chance.
+        Whether the effects leave only noise: no wrong law does that by chance, if its share is
+        above zero beyond doubt.
 
     Returns
     -------
@@ -56,7 +60,7 @@ def probabilities(shares: Sequence[Share], exact: bool) -> list[float]:
 
     """
     if exact:
-        return [MOST] * len(shares)
+        return [MOST if share.interval[0] > 0.0 else DOUBTFUL for share in shares]
     found, left = [], 1.0
     for share in shares:
         sure = min(share.interval[0], 1.0)

@@ -213,7 +213,8 @@ def _robot_innovations(recording: PreparedRecording, laws: Laws, force: Array, d
 
 def _wall_innovations(recording: PreparedRecording, model: Model, memory: float = np.inf) -> Array:
     wall = DrivenWall(model, recording.observed)
-    return wall.innovations(recording.picard_rounds, recording.force_noise, memory, recording.widening)
+    return wall.innovations(
+        recording.picard_rounds, recording.force_noise, memory, recording.widening)
 
 
 def _wall_time(recording: PreparedRecording, model: Model) -> float:
