@@ -103,13 +103,10 @@ def diagnose(
     if all(one.driven_by_force(nominal) for one in prepared):
         between = _likeliest_between_samples(selection.recordings, selection)
         if between != prepared[0].observed.between:
-            prepared, others = (
-                [one.with_force_between_samples(between, nominal) for one in group]
-                for group in (prepared, others))
-            prepared, base = _recalibrate(prepared, nominal)
+            others = [one.with_force_between_samples(between, nominal) for one in others]
+            prepared, selection = _with_force_between_samples(
+                between, prepared, selection, nominal, progress)
             nominal_cost = cost_of(prepared, nominal)
-            selection = (fitted_again(prepared, selection) if has_discrepancy(selection.recordings)
-                         else select(prepared, base, progress))
     selection = _smooth_again(fitted, prepared, selection, nominal, progress)
     # The largest misfit first: that recording is located and shown.
     largest = sorted(selection.recordings, key=lambda one: -cost_of([one], selection.base.model)
@@ -153,6 +150,20 @@ def _likeliest_between_samples(recordings: Recordings, selection: Selection) -> 
     least = SHARE * max(costs[likeliest] - best.residual_count, 0.0)
     costs[likeliest] -= max(THRESHOLD * best.residual_count, least)
     return min(costs, key=lambda name: costs[name])
+
+
+def _with_force_between_samples(
+    between: str, before: Recordings, selection: Selection, model: Model, progress: Progress
+) -> tuple[Recordings, Selection]:
+    """Prepare recordings with another course of the force; select again if that tells more."""
+    changed: Recordings = [one.with_force_between_samples(between, model) for one in before]
+    changed, base = _recalibrate(changed, model)
+    carried, best = selection.recordings, selection.best
+    if has_discrepancy(carried):
+        again = [one.with_force_between_samples(between, model) for one in carried]
+        if fit(again, best.model).cost > _SHARPER * best.cost:
+            return changed, fitted_again(changed, selection)
+    return changed, select(changed, base, progress)
 
 
 def _smooth_again(
