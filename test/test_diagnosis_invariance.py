@@ -141,6 +141,8 @@ def test_most_of_the_rest_is_not_enough_if_it_is_a_trifle_of_the_whole() -> None
     trifle, most = (Share(value, (0.9 * value, 1.1 * value), np.ones(3)) for value in (0.05, 0.8))
     some = Share(0.4, (0.3, 0.5), np.ones(3))
     assert not predicts_enough(most, trifle)
+    assert predicts_enough(most, trifle, zero=True)
+    assert not predicts_enough(some, trifle, zero=True)
     assert predicts_enough(some, some)
 
 

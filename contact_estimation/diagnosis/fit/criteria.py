@@ -43,6 +43,9 @@ HARMLESS = 0.05
 ADEQUATE = 0.05
 """Share of the gain of the best law that a simpler one may lack."""
 
+TRIFLE, NEARLY_ALL = 0.02, 0.7
+"""Least share of that misfit that a zero must have if it is so much of the present one."""
+
 LEFT = 0.5
 """Mean square of the residuals beyond that of the noise, from which on something is missing."""
 
@@ -123,7 +126,7 @@ def enough(before: Fit, after: Fit) -> bool:
     return gain > least and gain > SHARE * excess
 
 
-def predicts_enough(of_present: Share, of_whole: Share) -> bool:
+def predicts_enough(of_present: Share, of_whole: Share, zero: bool = False) -> bool:
     """
     Return whether a further effect predicts enough of parts left out.
 
@@ -132,6 +135,9 @@ def predicts_enough(of_present: Share, of_whole: Share) -> bool:
     of_present, of_whole : Share
         Of the misfit of the model without it in the channel that the effect decides, and of that
         of the recalibrated model in all.
+    zero : bool
+        Whether it is a zero of sensor or surface, which may be a small share of the whole if it is
+        nearly all of the present misfit.
 
     Returns
     -------
@@ -142,7 +148,8 @@ def predicts_enough(of_present: Share, of_whole: Share) -> bool:
     sure = of_present.interval[0] >= (0.0 if of_present.harm <= HARMLESS else SURE)
     if of_present.share < SHARE or not sure:
         return False
-    return of_whole.interval[0] > 0.0 and of_whole.share >= SHARE_OF_WHOLE
+    least = TRIFLE if zero and of_present.share >= NEARLY_ALL else SHARE_OF_WHOLE
+    return of_whole.interval[0] > 0.0 and of_whole.share >= least
 
 
 def explained_share(before: float, after: float, noise: float) -> float:

@@ -124,7 +124,7 @@ def rank_by_prediction(
             best = _simpler_beside_an_offset(recordings, candidates, best, before, parts)
             of_present = share_of(before, best.errors, parts, before, channel)
             of_whole = share_of(before, best.errors, parts, whole)
-            if predicts_enough(of_present, of_whole):
+            if predicts_enough(of_present, of_whole, _is_zero(best.name) and not best.flexible):
                 taken.append(best)
     if not taken:
         return []
@@ -139,9 +139,13 @@ def rank_by_prediction(
 def _with_zeros(base: Model, present: Model) -> Model:
     """Add the zeros that are named: what is large beside them is no trifle."""
     for name in present.effects:
-        if name == 'contact_offset' or EFFECTS[name].family == 'sensor_zero':
+        if _is_zero(name):
             base = base.with_effect(name, present.values[present.place(name)])
     return base
+
+
+def _is_zero(name: str) -> bool:
+    return name == 'contact_offset' or EFFECTS[name].family == 'sensor_zero'
 
 
 def _promising(
