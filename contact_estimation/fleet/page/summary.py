@@ -42,6 +42,8 @@ def prepare(fleet: Fleet) -> dict[str, Any]:
     ]
     return {
         'recordings': len(fleet.entries), 'failed': len(fleet.failed),
+        'refused': sum(entry.outcome['report'] is not None and entry.report is None
+                       for entry in fleet.entries),
         'groups': len({entry.group for entry in fleet.entries}),
         'verdicts': verdicts.most_common(), 'findings': findings,
         'version': fleet.settings.version,
