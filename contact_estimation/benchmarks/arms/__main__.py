@@ -25,9 +25,10 @@ import json
 from pathlib import Path
 from typing import Any
 
-from .arm_files import ArmFiles, world_of
+from .arm_files import ArmFiles, tool_parameters, world_of
 from .arm_models import ARMS
 from .contact_study import calibrated, errors, estimated
+from .cost import kinematics_cost
 from .diagnosis_study import CONCEALED, diagnosed
 from .report import as_markdown, plot_contact, plot_frames
 from ...commands.command_line import command, Parser
@@ -84,7 +85,7 @@ def run(options: Any) -> int:
         raise ParameterRangeError(f'--seeds must be 0 to 1000, got {options.seeds}')
     folder = Path(options.output)
     folder.mkdir(parents=True, exist_ok=True)
-    results: dict[str, Any] = {'tool': [], 'contact': [], 'diagnosis': []}
+    results: dict[str, Any] = {'tool': [], 'contact': [], 'cost': [], 'diagnosis': []}
     for name in options.arms or ARMS:
         first = not results['tool']
         _study(ArmFiles(ARMS[name], folder), options, first, results)
@@ -102,6 +103,7 @@ def _study(files: ArmFiles, options: Any, first: bool, results: dict[str, Any]) 
     tool = files.path('tool_0.yaml')
     for row in files.kept('contact', partial(_contact, files, tool, first)):
         results['contact'].append({**arm, **row})
+    results['cost'].append({**arm, **files.kept('cost', partial(_cost, files, tool))})
     if first and options.live:
         results['contact'].append({**arm, **files.kept('live', partial(_live, files, tool))})
     for concealed in CONCEALED:
@@ -120,6 +122,11 @@ def _contact(files: ArmFiles, tool: Path, first: bool) -> list[dict[str, Any]]:
         plot_frames(folder / 'arm_frames.png', files, simulated)
     return [errors(row, simulated, world)
             for row in estimated(files, simulated, recording, tool)]
+
+
+def _cost(files: ArmFiles, tool: Path) -> dict[str, Any]:
+    simulated, _ = files.touch(world_of(0), 0, 'cost')
+    return kinematics_cost(files, simulated, tool_parameters(tool))
 
 
 def _live(files: ArmFiles, tool: Path) -> dict[str, Any]:

@@ -40,7 +40,8 @@ from ...recordings.source import RecordingSource
 _TARE_S = 2.5  # in free flight, before the first touch
 _CASES = (
     ('kalman', 'load and inertia'), ('kalman', 'load only'), ('kalman', 'tare only'),
-    ('kalman', 'none'), ('rls', 'load and inertia'), ('rls', 'none'),
+    ('kalman', 'none'), ('rls_adaptive', 'load and inertia'), ('rls_adaptive', 'none'),
+    ('rls', 'load and inertia'),
 )
 _LOAD = ('tool.mass', 'tool.centre', 'tool.force_bias', 'tool.torque_bias')
 
@@ -59,6 +60,8 @@ class Estimated(NamedTuple):
         In [N/m], [N s/m] and [m].
     withheld : str
         Why they were not updated at the end of the last contact; '' where they were.
+    warnings : tuple of str
+        Names of the on-line checks that warned.
 
     """
 
@@ -70,6 +73,7 @@ class Estimated(NamedTuple):
     damping_std: float
     location: float
     withheld: str = ''
+    warnings: tuple[str, ...] = ()
 
 
 def calibrated(files: ArmFiles, seed: int) -> dict[str, Any]:
@@ -132,8 +136,7 @@ def estimated(files: ArmFiles, run: Run, recording: Path, tool: Path) -> list[Es
     -------
     rows : list of Estimated
         With everything that `calibrate_tool` found; its load without inertia; only a tare;
-        nothing. The kalman estimator finds x_e too, which absorbs an offset of the force; rls does
-        not.
+        nothing. x_e is found too, which absorbs an offset of the force.
 
     """
     whole = tool_parameters(tool)
@@ -164,10 +167,11 @@ def estimated_with(
             last, withheld = axes[0], ''
         elif axes[0].status is EstimateStatus.FROZEN:
             withheld = axes[0].reason
+    warnings = tuple(one.warned.name for one in replay.session.checks.found_in_order())
     if last is None:
-        return Estimated(estimator, name, nan, nan, nan, nan, nan, withheld)
+        return Estimated(estimator, name, nan, nan, nan, nan, nan, withheld, warnings)
     return Estimated(estimator, name, last.stiffness, last.stiffness_std, last.damping,
-                     last.damping_std, last.location, withheld)
+                     last.damping_std, last.location, withheld, warnings)
 
 
 def errors(row: Estimated, run: Run, world: World) -> dict[str, Any]:
@@ -179,5 +183,5 @@ def errors(row: Estimated, run: Run, world: World) -> dict[str, Any]:
         'damping_error_percent': 100.0 * (row.damping / world.B_e - 1.0),
         'damping_std_percent': 100.0 * row.damping_std / world.B_e,
         'location_error_mm': 1e3 * (row.location - run.location),
-        'withheld': row.withheld,
+        'withheld': row.withheld, 'warnings': list(row.warnings),
     }

@@ -54,13 +54,17 @@ def as_markdown(results: Mapping[str, Any]) -> str:
              f'{row["bias_error_n"]:.3f}'] for row in results['tool']]
     contact = [[row['arm'], row['estimator'], row['compensation'],
                 _pair(row, 'stiffness'), _pair(row, 'damping'),
-                f'{row["location_error_mm"]:+.2f}', row['withheld'] or 'to the end']
+                f'{row["location_error_mm"]:+.2f}', row['withheld'] or 'to the end',
+                ', '.join(row['warnings']) or 'none']
                for row in results['contact']]
     parts = [
         _table(('arm', 'seed', 'error of the mass [g]', 'worst error of the centre [mm]',
                 'worst error of the force bias [N]'), tool),
         _table(('arm', 'estimator', 'taken out of the force', 'error of K_e [%]',
-                'error of B_e [%]', 'error of x_e [mm]', 'estimated until'), contact),
+                'error of B_e [%]', 'error of x_e [mm]', 'estimated until', 'warnings'), contact),
+        _table(('arm', 'kinematics, processor time [us a sample]', 'to filterpy predict + update'),
+               [[row['arm'], f'{row["kinematics_us"]:.1f}', f'{row["to_filterpy"]:.2f}']
+                for row in results['cost']]),
     ]
     if results['diagnosis']:
         parts.append(_table(('arm', 'concealed', 'right first name', 'no other port named',
