@@ -20,7 +20,7 @@ from collections import deque
 from typing import Sequence
 
 from .parameters import EstimationParameters
-from .wall_tracking import Change, WallTracker
+from .wall_tracking import Change, wall_of, WallTracker
 from ..estimators.equation_noise import EquationNoise
 from ..estimators.estimator import Frozen, OnlineEstimator, TimedRow
 from ..estimators.excitation_monitor import ExcitationMonitor
@@ -211,11 +211,11 @@ class Supervision:
             self._learn_again(change, max(force_variance, self.noise.variance))
 
     def _judge_errors(self, force_variance: float) -> None:
-        K, position_noise = self._estimator.stiffness, self._p.contact.position_noise
+        known = force_variance + self.tracker.position_variance(
+            self.monitor.sums.window(), wall_of(self._estimator))
         self.errors.judge(
-            self.monitor.sums.blocks, self.noise.variance,
-            force_variance + (K * position_noise) * (K * position_noise), position_noise,
-            self._p.environment.location_std, self._estimator,
+            self.monitor.sums.blocks, self.noise.variance, known,
+            self._p.contact.position_noise, self._p.environment.location_std, self._estimator,
             self._judged_rows - self._errors_rows, self.tracker.surface.shift_std,
         )
         self._errors_rows = self._judged_rows

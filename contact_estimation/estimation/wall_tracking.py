@@ -154,7 +154,7 @@ class WallTracker:
             return True
         if self._since < _SETTLED:
             return False
-        (K, B, c, M), found = _wall(estimator), 0.0
+        (K, B, c, M), found = wall_of(estimator), 0.0
         for y, f_K, f_B, f_c, f_M in rows:
             error = y - K * f_K - B * f_B - c * f_c - M * f_M
             found += error * error
@@ -187,10 +187,10 @@ class WallTracker:
         """
         if not (self._p.restarts and estimator.may_restart):
             return Change.NONE
-        window, wall = sums.window(), _wall(estimator)
+        window, wall = sums.window(), wall_of(estimator)
         if not window.products.max() < _LARGEST:
             return Change.NONE
-        known = force_variance + self._position_variance(window, wall)
+        known = force_variance + self.position_variance(window, wall)
         # The noise as it was before a change could enter it.
         variance = max(known, self._noises[0] if self._noises else noise_variance, 1e-18)
         self._variance = variance
@@ -243,8 +243,18 @@ class WallTracker:
             B_std = _WIDER * damping_std if told else B_std
         estimator.restart(K, B, K_std, B_std)
 
-    def _position_variance(self, window: Window, wall: Wall) -> float:
-        """Return the variance of the force that the position noise appears as [N^2]."""
+    def position_variance(self, window: Window, wall: Wall) -> float:
+        """
+        Return the variance of the force that the position noise appears as [N^2].
+
+        Parameters
+        ----------
+        window : Window
+            Of the rows.
+        wall : Wall
+            Whose K_e and B_e turn errors of position and rate into forces.
+
+        """
         rate = window.rate_noise / max(window.effective_samples, 1e-9)
         K, B = wall.stiffness, wall.damping
         return self._position_noise**2 * (K * K + B * B * rate)
@@ -281,7 +291,7 @@ def _is_sure(estimator: OnlineEstimator) -> bool:
     return estimator.current().stiffness_std < _SURE * estimator.stiffness
 
 
-def _wall(estimator: OnlineEstimator) -> Wall:
+def wall_of(estimator: OnlineEstimator) -> Wall:
     """Return the wall that an estimator holds."""
     K, B, _, _, shift, inertia = estimator.current()
     return Wall(K, B, -K * shift, inertia if inertia == inertia else 0.0)
