@@ -1,0 +1,234 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The summary of a replay: as JSON, as text, or as the error that there was nothing to sum up."""
+
+from __future__ import annotations
+
+from math import isfinite
+import sys
+from typing import Any, Sequence
+
+import numpy as np
+
+from ..estimation.estimate_files import stamp_text
+from ..estimation.model_fit import ModelFitMonitor
+from ..estimation.replay import RecordingReplay
+from ..estimation.result import AxesEstimates
+from ..estimators.estimator import Estimate, EstimateStatus
+from ..exceptions import RecordingError
+from ..recordings import RecordingReader
+
+_SAID_OTHERWISE = ('model_fit',)  # warnings that the summary states anyway
+
+
+class Replayed:
+    """
+    What the summary needs of all estimates.
+
+    Attributes
+    ----------
+    first, last : AxesEstimates
+        Of the first and the last sample; empty before any.
+    samples : int
+        Their number.
+    statuses : set of EstimateStatus
+        That occurred on any axis.
+
+    """
+
+    def __init__(self) -> None:
+        self.first: AxesEstimates = ()
+        self.last: AxesEstimates = ()
+        self.samples = 0
+        self.statuses: set[EstimateStatus] = set()
+
+    def add(self, estimates: Sequence[AxesEstimates]) -> None:
+        """Add the estimates of consecutive samples."""
+        self.first, self.last = self.first or estimates[0], estimates[-1]
+        self.samples += len(estimates)
+        self.statuses.update([own.status for axes in estimates for own in axes])
+
+
+def refuse_empty(recording: str, replay: RecordingReplay, replayed: Replayed) -> None:
+    """
+    Refuse a replay that left nothing but the first guess.
+
+    Parameters
+    ----------
+    recording : str
+        Its path.
+    replay : RecordingReplay
+        At its end.
+    replayed : Replayed
+        Its estimates.
+
+    Raises
+    ------
+    RecordingError
+        If there was no sample, no contact or no estimate, with the reason.
+
+    """
+    if not replayed.samples:
+        raise RecordingError(_no_sample(recording, replay))
+    if EstimateStatus.ESTIMATING not in replayed.statuses:
+        raise RecordingError(_nothing_estimated(recording, replay, replayed))
+
+
+def summary_of(
+    replay: RecordingReplay, reader: RecordingReader, replayed: Replayed, wall_s: float
+) -> dict[str, Any]:
+    """
+    Return the summary of a replay.
+
+    Parameters
+    ----------
+    replay : RecordingReplay
+        At its end.
+    reader : RecordingReader
+        Of the recording.
+    replayed : Replayed
+        Its estimates, not empty.
+    wall_s : float
+        Duration of the replay [s].
+
+    Returns
+    -------
+    summary : dict
+        As written with --json.
+
+    """
+    session, last = replay.session, replayed.last
+    summary: dict[str, Any] = {
+        'estimator': session.parameters.estimator,
+        'samples': replayed.samples,
+        **_state_of(last[0], session.pipeline.model_fit),
+        'warnings': _warnings_of(replay),
+        'recorded_s': (last[0].stamp_ns - replayed.first[0].stamp_ns) * 1e-9,
+        'wall_s': wall_s,
+        'rejected': dict(session.rejected),
+        'missing': session.pipeline.missing,
+        'truncated': reader.truncated,
+        'damaged_chunks': reader.damaged_chunks,
+    }
+    if len(last) > 1:
+        summary['axes'] = {axis: _state_of(estimate, own.model_fit) for (axis, own), estimate
+                           in zip(session.pipelines.items(), last)}
+    if session.matrix.last:
+        summary['stiffness_matrix'] = {
+            name: np.asarray(value).tolist()
+            for name, value in session.matrix.last._asdict().items()
+        }
+    return summary
+
+
+def _no_sample(recording: str, replay: RecordingReplay) -> str:
+    reasons = ', '.join(f'{count} {reason}' for reason, count in replay.session.rejected.items())
+    return (
+        f'no usable sample in {recording}: expected wrenches with joint states at or around '
+        f'their stamps, got {reasons or "none"}; check topics, joint and stamps'
+    )
+
+
+def _nothing_estimated(recording: str, replay: RecordingReplay, replayed: Replayed) -> str:
+    """Say why there is nothing but the first guess."""
+    axis = next(iter(replay.session.pipelines))
+    causes = [found.warned.text for found in replay.session.checks.found_in_order()]
+    cause = causes[0] if causes else ''
+    if replayed.statuses == {EstimateStatus.FREE}:
+        return (f'no contact seen in {recording}: '
+                f'{cause or replay.session.checks.why_no_contact(axis)}')
+    return f'nothing could be estimated in {recording}: {cause or replayed.last[0].reason}'
+
+
+def _warnings_of(replay: RecordingReplay) -> list[dict[str, str]]:
+    """Return every warning of the recording, the most important first."""
+    return [
+        {'name': found.warned.name, 'axis': found.warned.axis, 'text': found.warned.text,
+         'first_stamp': stamp_text(found.first_ns), 'last_stamp': stamp_text(found.last_ns)}
+        for found in replay.session.checks.found_in_order()
+    ]
+
+
+def _state_of(estimate: Estimate, monitor: ModelFitMonitor) -> dict[str, Any]:
+    """Return the estimate of an axis, NaN as None, its status and the fit of the model."""
+    names = ('stiffness', 'damping', 'stiffness_std', 'damping_std', 'location', 'inertia')
+    values = {name: getattr(estimate, name) for name in names}
+    finite = {name: value if isfinite(value) else None for name, value in values.items()}
+    return {**finite, 'status': estimate.status.value, 'model_fit': _fit_of(monitor)}
+
+
+def _fit_of(monitor: ModelFitMonitor) -> dict[str, Any]:
+    """Return how the model fits the last contact, and the worst mismatch of the recording."""
+    now, worst = monitor.now.ratio, monitor.worst
+    return {
+        'ratio': now if isfinite(now) else None,
+        'mismatches': monitor.count,
+        'worst_ratio': worst.ratio if worst.text else None,
+        'worst_stamp': stamp_text(worst.stamp_ns) if worst.text else None,
+        'text': worst.text,
+    }
+
+
+def print_summary(summary: dict[str, Any]) -> None:
+    """
+    Print a summary; warnings and losses go to stderr.
+
+    Parameters
+    ----------
+    summary : dict
+        Of `summary_of`.
+
+    """
+    speed = summary['recorded_s'] / max(summary['wall_s'], 1e-9)
+    print(f'{summary["estimator"]}: {summary["samples"]} samples, {summary["recorded_s"]:.1f} s '
+          f'recorded, replayed in {summary["wall_s"]:.1f} s ({speed:.0f} times real time)')
+    for name, unit in (('stiffness', 'N/m'), ('damping', 'N s/m'), ('location', 'm'),
+                       ('inertia', 'kg')):
+        value, std = summary[name], summary.get(f'{name}_std')
+        if value is not None:
+            band = f' +- {std:.3g}' if std is not None else ''
+            print(f'  {name:<10}{value:12.6g}{band} {unit}')
+    print(f'  status    {summary["status"]:>12}')
+    if summary['model_fit']['text']:
+        print(f'  model     {summary["model_fit"]["text"]} '
+              f'(until {summary["model_fit"]["worst_stamp"]} s)')
+    for found in summary['warnings']:
+        if found['name'] not in _SAID_OTHERWISE:
+            print(f'  warning: {found["text"]} (until {found["last_stamp"]} s)', file=sys.stderr)
+    if 'stiffness_matrix' in summary:
+        _print_matrix(summary['stiffness_matrix'])
+    for axis, own in list(summary.get('axes', {}).items())[1:]:
+        print(f'  axis {axis}: stiffness {own["stiffness"]:.6g} N/m, damping {own["damping"]:.6g} '
+              f'N s/m, {own["status"]}')
+    _print_losses(summary)
+
+
+def _print_losses(summary: dict[str, Any]) -> None:
+    for name, count in {**summary['rejected'], 'missing': summary['missing']}.items():
+        if count:
+            print(f'  {count} samples {name}', file=sys.stderr)
+    if summary['truncated'] or summary['damaged_chunks']:
+        print(f'  the recording is cut short or damaged ({summary["damaged_chunks"]} damaged '
+              'chunks); all intact data were used', file=sys.stderr)
+
+
+def _print_matrix(found: dict[str, Any]) -> None:
+    for value, std, direction in zip(
+        found['principal'], found['principal_std'], found['directions']
+    ):
+        along = ', '.join(f'{part:.3f}' for part in direction)
+        print(f'  principal stiffness {value:.6g} +- {std:.3g} N/m along ({along})')
+    normal = ', '.join(f'{part:.3f}' for part in found['normal'])
+    print(f'  normal into the wall ({normal}) +- {found["normal_std"]:.2g} rad')
