@@ -136,7 +136,7 @@ def estimated(files: ArmFiles, run: Run, recording: Path, tool: Path) -> list[Es
     -------
     rows : list of Estimated
         With everything that `calibrate_tool` found; its load without inertia; only a tare;
-        nothing. x_e is found too, which absorbs an offset of the force.
+        nothing. x_e is found too, which absorbs a constant force.
 
     """
     whole = tool_parameters(tool)
