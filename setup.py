@@ -55,6 +55,7 @@ setup(
             'blind_trials = contact_estimation.commands.entry_points:blind_trials',
             'calibrate_tool = contact_estimation.commands.entry_points:calibrate_tool',
             'estimator_node = contact_estimation.ros.executables:estimator_node',
+            'managed_estimator_node = contact_estimation.ros.executables:managed_estimator_node',
             'plant_node = contact_estimation.ros.executables:plant_node',
             'recorder_node = contact_estimation.ros.executables:recorder_node',
             'loop = contact_estimation.commands.entry_points:loop',

@@ -220,12 +220,15 @@ class EstimatorNode(Node):
             self._log.changed(changes)
 
     def _on_reset(self, request: Any, response: Any) -> Any:
-        with self._lock:
-            self._session.reset()
-            self._event(event_now(self._session, RESET, {}))
+        self._reset()
         response.success, response.message = True, 'estimate is reset to its initial values'
         self._log.event(response.message)
         return response
+
+    def _reset(self) -> None:
+        with self._lock:
+            self._session.reset()
+            self._event(event_now(self._session, RESET, {}))
 
     def _on_tare(self, request: Any, response: Any) -> Any:
         with self._lock:

@@ -1,0 +1,124 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The estimator node with a managed life cycle, for systems that a lifecycle manager starts."""
+
+from __future__ import annotations
+
+from typing import Any, Sequence
+
+from rclpy.impl.implementation_singleton import rclpy_implementation
+from rclpy.lifecycle import LifecycleNodeMixin, LifecycleState, TransitionCallbackReturn
+
+from .estimator_node import all_specifications, EstimatorNode
+from .running import run_node
+
+PURPOSE = ('managed_estimator_node: estimator_node with the states of the ROS 2 life cycle; it '
+           'takes data and publishes while it is active')
+
+
+class ManagedEstimatorNode(EstimatorNode, LifecycleNodeMixin):
+    """
+    An `EstimatorNode` that is silent unless it is active.
+
+    Parameters can be set in every state. What arrives while the node is not active is ignored, so
+    that a deactivation is a gap in the stamps. Cleaning up resets the estimate.
+
+    Raises
+    ------
+    ContactEstimationError
+        If a parameter is unknown or not valid.
+
+    """
+
+    def __init__(self) -> None:
+        self._active = False
+        EstimatorNode.__init__(self)
+        LifecycleNodeMixin.__init__(self)
+        # rclpy raises where a transition is not possible now, which would end the process.
+        service = self._service_change_state
+        change = service.callback
+
+        def answer(request: Any, response: Any) -> Any:
+            try:
+                return change(request, response)
+            except rclpy_implementation.RCLError:
+                self.get_logger().error(
+                    f'transition {request.transition.id} is not possible in the state '
+                    f'{self._state_machine.current_state[1]}')
+                response.success = False
+                return response
+
+        service.callback = answer
+
+    def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Take data from now on."""
+        self._diagnostics.arrived()  # silence counts from here
+        self._active = True
+        self.get_logger().info('active')
+        return super().on_activate(state)
+
+    def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Ignore data from now on."""
+        self._active = False
+        self.get_logger().info('not active')
+        return super().on_deactivate(state)
+
+    def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Reset the estimate."""
+        self._reset()
+        return super().on_cleanup(state)
+
+    def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """End the process."""
+        self._active, self.finished = False, True
+        return super().on_shutdown(state)
+
+    def _on_wrench(self, raw: bytes) -> None:
+        if self._active:
+            super()._on_wrench(raw)
+
+    def _on_joints(self, raw: bytes) -> None:
+        if self._active:
+            super()._on_joints(raw)
+
+    def _on_desired(self, raw: bytes) -> None:
+        if self._active:
+            super()._on_desired(raw)
+
+    def _report(self) -> None:
+        if self._active:
+            super()._report()
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """
+    Run the node until it is shut down or interrupted.
+
+    Parameters
+    ----------
+    args : sequence of str, optional
+        Command line; that of the process by default.
+
+    Returns
+    -------
+    code : int
+        0, or 1 with one line on stderr.
+
+    """
+    return run_node(ManagedEstimatorNode, PURPOSE, all_specifications(), args)
+
+
+if __name__ == '__main__':
+    raise SystemExit(main())

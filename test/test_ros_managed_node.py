@@ -1,0 +1,70 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The estimator node with a managed life cycle."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Iterator
+
+from core_runs import contact_samples
+import pytest
+from ros_processes import moved, node_process, Peer, WrenchStamped
+
+lifecycle = pytest.importorskip('lifecycle_msgs.srv')
+messages = pytest.importorskip('lifecycle_msgs.msg')
+
+pytestmark = pytest.mark.slow
+
+SAMPLES = contact_samples(1.0)
+Transition = messages.Transition
+
+
+@pytest.fixture
+def peer() -> Iterator[Peer]:
+    peer = Peer()
+    yield peer
+    peer.close()
+
+
+def change(peer: Peer, transition: int) -> bool:
+    request = lifecycle.ChangeState.Request()
+    request.transition.id = transition
+    answer = peer.call(lifecycle.ChangeState, 'estimator_node/change_state', request)
+    return bool(answer.success)
+
+
+def test_managed_node_estimates_only_while_it_is_active(tmp_path: Path, peer: Peer) -> None:
+    peer.listen('echo', WrenchStamped, 'wrench')
+    with node_process(tmp_path, 'managed_estimator_node') as node:
+        assert change(peer, Transition.TRANSITION_CONFIGURE)
+        assert change(peer, Transition.TRANSITION_ACTIVATE)
+        peer.meet()
+        fed = moved(SAMPLES, peer.begin_ns + 10**9)
+        peer.feed(fed[:300])
+        assert change(peer, Transition.TRANSITION_DEACTIVATE)
+        for sample in fed[300:310]:
+            peer.send(sample)
+        peer.spin_until(lambda: fed[309].stamp_ns in peer.heard['echo'], 'the ignored wrenches')
+        assert change(peer, Transition.TRANSITION_ACTIVATE)
+        peer.feed(fed[310:])
+        estimated = peer.heard['stiffness']
+        assert {one.stamp_ns for one in fed} - set(estimated) == {
+            one.stamp_ns for one in fed[300:310]}
+        assert change(peer, Transition.TRANSITION_DEACTIVATE)
+        assert not change(peer, Transition.TRANSITION_DEACTIVATE)
+        assert change(peer, Transition.TRANSITION_CLEANUP)
+        assert change(peer, Transition.TRANSITION_UNCONFIGURED_SHUTDOWN)
+        assert node.end().code == 0
