@@ -71,6 +71,19 @@ def test_replay_takes_arm_and_description_from_files(tmp_path: Path) -> None:
     assert summary['samples'] == len(instants())
 
 
+def test_later_parameter_files_override_earlier_ones_and_an_arm_has_a_picture(
+    tmp_path: Path
+) -> None:
+    pytest.importorskip('matplotlib')
+    recording, tool = record(tmp_path / 'a.mcap'), tmp_path / 'tool.yaml'
+    tool.write_text(yaml.safe_dump({'/**': {'ros__parameters': {'estimator': 'kalman'}}}))
+    assert replay.main([
+        str(recording), '--params', str(parameter_file(tmp_path)), '--params', str(tool),
+        '--json', str(tmp_path / 'a.json'), '--picture', str(tmp_path / 'a.png')]) == 0
+    assert json.loads((tmp_path / 'a.json').read_text())['estimator'] == 'kalman'
+    assert (tmp_path / 'a.png').read_bytes().startswith(b'\x89PNG')
+
+
 @pytest.mark.parametrize('description', ['topic', 'event'])
 def test_replay_takes_arm_and_description_from_the_recording(
     tmp_path: Path, description: str
@@ -102,6 +115,20 @@ def test_diagnosis_reads_motion_and_force_along_the_normal(tmp_path: Path, frame
     forces = np.array([t.contact.force for t in truth])[:len(signals.force)]
     assert len(forces) > len(truth) - 4  # the last wrenches have no later joint state
     np.testing.assert_allclose(signals.force, forces, atol=0.02)
+
+
+def test_diagnosis_takes_out_the_inertia_of_a_tool_of_known_mass(tmp_path: Path) -> None:
+    recording = record(tmp_path / 'a.mcap', description='topic', metadata=True)
+    with_tool, without = (
+        read_recording(recording, parameters={'physics.tool_inertia.mass': mass}).signals
+        for mass in (2.0, float('nan')))
+    t, v = (np.array([getattr(one.contact, name) for one in instants()], float)
+            for name in ('stamp_ns', 'velocity'))
+    inertia = 2.0 * np.gradient(v, 1e-9 * t)[:len(without.force)]
+    jumps = np.abs(np.diff(inertia, prepend=0.0)) > 0.2  # the touch, smeared over 20 ms
+    smooth = np.convolve(jumps, np.ones(21), 'same') == 0.0
+    taken = (with_tool.force - without.force)[smooth]
+    np.testing.assert_allclose(taken, inertia[smooth], atol=0.1 * np.abs(inertia).max())
 
 
 def test_force_sign_turns_a_recording_of_one_axis(tmp_path: Path) -> None:

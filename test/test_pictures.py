@@ -68,6 +68,14 @@ def test_a_picture_never_replaces_a_recording(
     assert recording.read_bytes() == b'\x89MCAP0\r\n'
 
 
+def test_a_picture_of_another_kind_is_refused(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    pytest.importorskip('matplotlib')
+    message = Command('replay', replay.main, capfd).refusal('a.mcap', '--picture', 'run.pdf')
+    assert '--picture writes a PNG file, got run.pdf' in message
+
+
 def test_a_long_trace_is_thinned_evenly(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr('contact_estimation.estimation.estimate_trace._MOST', 10)
     trace = EstimateTrace()

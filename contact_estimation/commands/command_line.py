@@ -22,6 +22,7 @@ import sys
 from typing import Any, Callable, Iterable, NoReturn, Sequence
 
 from ..exceptions import ContactEstimationError, RecordingError
+from ..parameters.file import read_parameter_file
 from ..recordings.source import RecordingSource, TOPICS
 
 _MCAP_MAGIC = b'\x89MCAP0\r\n'
@@ -138,6 +139,51 @@ def source_of(options: Any) -> RecordingSource:
 
     """
     return RecordingSource.of_topics(topics_of(options))
+
+
+def add_params_option(parser: argparse.ArgumentParser, meaning: str) -> None:
+    """
+    Add the option --params of commands that estimate or need the parameters of an arm.
+
+    Parameters
+    ----------
+    parser : argparse.ArgumentParser
+        Extended in place.
+    meaning : str
+        What is used of the files.
+
+    """
+    parser.add_argument(
+        '--params', action='append', default=[], metavar='FILE',
+        help=f'ROS 2 parameter file of estimator_node{meaning}; may be repeated, later files '
+        'override earlier ones',
+    )
+
+
+def chosen_parameters(options: Any) -> dict[str, Any]:
+    """
+    Return the parameters of estimator_node in the files of --params.
+
+    Parameters
+    ----------
+    options : argparse.Namespace
+        With the option of `add_params_option`.
+
+    Returns
+    -------
+    parameters : dict
+        Dotted name to value.
+
+    Raises
+    ------
+    ContactEstimationError
+        If a file cannot be read or is not valid.
+
+    """
+    chosen: dict[str, Any] = {}
+    for path in options.params:
+        chosen.update(read_parameter_file(path, 'estimator_node'))
+    return chosen
 
 
 def new_file(path: str) -> Path:

@@ -21,7 +21,16 @@ import json
 from pathlib import Path
 from typing import Any, Iterable
 
-from .command_line import add_source_options, command, different_files, new_file, Parser, topics_of
+from .command_line import (
+    add_params_option,
+    add_source_options,
+    chosen_parameters,
+    command,
+    different_files,
+    new_file,
+    Parser,
+    topics_of,
+)
 from .progress import Progress
 from ..diagnosis.conclude.diagnose import diagnose
 from ..diagnosis.conclude.next_experiment import choose, Proposal
@@ -33,7 +42,6 @@ from ..diagnosis.report.page.builder import as_html
 from ..diagnosis.report.text_report import as_text
 from ..exceptions import ModelFileError
 from ..figures import require_matplotlib
-from ..parameters.file import read_parameter_file
 from ..plant.model_file import read_model
 from ..reference.experiment_file import experiment_text
 
@@ -57,9 +65,9 @@ def make_parser() -> Parser:
                         help='write the report with figures as one HTML file')
     parser.add_argument('--write-model', metavar='FILE', help='write the corrected model file')
     parser.add_argument('--seed', type=int, default=0, help='seed of the bootstraps (default: 0)')
-    parser.add_argument('--params', metavar='FILE', help='ROS 2 parameter file of estimator_node: '
-                        'its arm (kinematics.*, contact.normal, tool.*) and force_sign; default: '
-                        'as recorded')
+    add_params_option(
+        parser, ': its arm (kinematics.*, contact.normal, tool.*, the inertia of the tool '
+        'physics.tool_inertia.mass) and force_sign; default: as recorded')
     add_source_options(parser)
     return parser
 
@@ -96,7 +104,7 @@ def run(options: Any) -> int:
         progress.show(min(0.95, len(stages) / 80.0), text)
 
     topics, axis, joint = topics_of(options), options.axis or 'x', options.joint or ''
-    chosen = read_parameter_file(options.params, 'estimator_node') if options.params else {}
+    chosen = chosen_parameters(options)
     recordings, held_out = (
         [read_recording(path, topics=topics, axis=axis, joint=joint, parameters=chosen)
          for path in paths]

@@ -19,12 +19,13 @@ from __future__ import annotations
 from typing import Mapping
 
 from .command_line import new_file
+from ..estimation.arm_signals import read_contact_signals
 from ..estimation.contact_figure import plot_contact, signal_series
 from ..estimation.estimate_trace import EstimateTrace
 from ..estimation.parameters import EstimationParameters
+from ..exceptions import RecordingError
 from ..figures import as_png, require_matplotlib
 from ..recordings import RecordingReader
-from ..recordings.recorded_signals import read_signals
 from ..recordings.source import RecordingSource
 
 
@@ -53,7 +54,8 @@ def picture_trace(path: str | None) -> EstimateTrace | None:
     if path is None:
         return None
     require_matplotlib()
-    new_file(path)
+    if new_file(path).suffix.lower() != '.png':
+        raise RecordingError(f'--picture writes a PNG file, got {path}; let its name end in .png')
     return EstimateTrace()
 
 
@@ -81,7 +83,8 @@ def write_picture(
         True stiffness and damping, where they are known.
 
     """
-    signals = read_signals(reader, source, parameters.axis, parameters.joint)
+    signals = read_contact_signals(
+        reader, source, parameters, parameters.axis, parameters.joint)
     series = {**signal_series(signals), **trace.series(int(signals.wrench.stamp_ns[0]))}
     estimator = f', {parameters.estimator}' if 'stiffness' in series else ''
     figure = plot_contact(series, reader.path.name + estimator, true)

@@ -22,7 +22,16 @@ import json
 import time
 from typing import Any, Protocol, Sequence
 
-from .command_line import add_source_options, command, different_files, new_file, Parser, source_of
+from .command_line import (
+    add_params_option,
+    add_source_options,
+    chosen_parameters,
+    command,
+    different_files,
+    new_file,
+    Parser,
+    source_of,
+)
 from .picture import picture_trace, write_picture
 from .progress import Progress
 from .replay_summary import print_summary, refuse_empty, Replayed, summary_of
@@ -32,7 +41,6 @@ from ..estimation.result import AxesEstimates
 from ..estimators import ESTIMATORS
 from ..estimators.stiffness_matrix import MatrixEstimate
 from ..exceptions import ParameterRangeError, UnknownNameError
-from ..parameters.file import read_parameter_file
 from ..parameters.values import without
 from ..recordings import RecordingReader
 from ..ros.estimator_node_parameters import EstimatorNodeParameters
@@ -57,7 +65,7 @@ def make_parser() -> Parser:
     )
     parser.add_argument('recording', metavar='RECORDING', help='an .mcap file or rosbag2 folder')
     parser.add_argument('--estimator', help='one of ' + ', '.join(ESTIMATORS))
-    parser.add_argument('--params', help='ROS 2 parameter file of estimator_node')
+    add_params_option(parser, '')
     parser.add_argument('--output', help='write the estimates as MCAP')
     parser.add_argument('--csv', help='write the estimates as CSV')
     parser.add_argument('--json', help='write a summary as JSON')
@@ -108,10 +116,10 @@ def run(options: Any) -> int:
     summary = summary_of(replay, reader, replayed, time.perf_counter() - begin)
     if options.json:
         new_file(options.json).write_text(json.dumps(summary, indent=1) + '\n')
+    print_summary(summary)
     if trace is not None:
         write_picture(options.picture, reader, source_of(options), replay.session.parameters,
                       trace)
-    print_summary(summary)
     return 0
 
 
@@ -132,8 +140,7 @@ def _replay(
 
 
 def _chosen(options: Any) -> dict[str, Any]:
-    chosen = read_parameter_file(options.params, 'estimator_node') if options.params else {}
-    chosen = without(EstimatorNodeParameters, chosen)
+    chosen = without(EstimatorNodeParameters, chosen_parameters(options))
     if options.estimator:
         if options.estimator not in ESTIMATORS:
             raise UnknownNameError.among('estimator', options.estimator, ESTIMATORS)

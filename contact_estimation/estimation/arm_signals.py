@@ -16,10 +16,12 @@
 
 from __future__ import annotations
 
+from math import isnan
 from typing import Callable
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.signal import savgol_filter
 
 from .arm import described_in_file, kinematics_of
 from .parameters import EstimationParameters
@@ -28,11 +30,58 @@ from ..exceptions import RecordingError
 from ..kinematics.contact_kinematics import ArmSample, ContactKinematics
 from ..messages import ForceTorqueDecoder, SomeJointsDecoder
 from ..recordings import RecordingReader
-from ..recordings.recorded_signals import read_rows, RecordedSignals, reference_rows, Row, Signal
+from ..recordings.recorded_signals import (
+    read_rows,
+    read_signals,
+    RecordedSignals,
+    reference_rows,
+    Row,
+    Signal,
+)
 from ..recordings.source import RecordingSource
 from ..signals.joint_merging import JointMerger
 
 Array = NDArray[np.float64]
+
+_SMOOTHED_S = 0.02  # over which the acceleration of the tool is taken
+
+
+def read_contact_signals(
+    reader: RecordingReader, source: RecordingSource, parameters: EstimationParameters,
+    axis: str, joint: str, most_samples: int | None = None,
+) -> RecordedSignals:
+    """
+    Read motion, force and reference along the contact axis, of an arm or of a single joint.
+
+    Parameters
+    ----------
+    reader : RecordingReader
+        The recording.
+    source : RecordingSource
+        Its topics.
+    parameters : EstimationParameters
+        Whether there is an arm, and the sign of the force.
+    axis, joint : str
+        Axis of the force and joint of the contact axis, without an arm.
+    most_samples : int, optional
+        Number of wrenches after which reading stops; all by default.
+
+    Returns
+    -------
+    signals : RecordedSignals
+        F_e as of the environment on the end-effector.
+
+    Raises
+    ------
+    ContactEstimationError
+        If topics are missing, or the description of the arm does not fit.
+
+    """
+    if parameters.kinematics.tip:
+        return read_arm_signals(reader, source, parameters, most_samples)
+    signals = read_signals(reader, source, axis, joint, most_samples)
+    signals.wrench.values[:] *= parameters.force_sign
+    return signals
 
 
 def read_arm_signals(
@@ -44,7 +93,8 @@ def read_arm_signals(
 
     The same `ContactKinematics` as on line gives x at the stamps of the joints, and F_e at the
     stamps of the wrench, for which the joints are interpolated. A normal given in the tip's frame
-    is that of the instant at which the arm presses most.
+    is that of the instant at which the arm presses most. The inertia of a tool of known mass
+    (`physics.tool_inertia.mass`) is taken out, as on line: F_e = F + mass a.
 
     Parameters
     ----------
@@ -92,12 +142,28 @@ def read_arm_signals(
     samples = [ArmSample(0, *pair) for pair in zip(
         at_wrenches.T.tolist(), wrench.values[:, usable].T.tolist())]
     _hold_where_pressing_most(arm, samples)
-    force = [arm.contact(sample).force for sample in samples]
-    x = [arm.motion(row)[2:] for row in motion.values.T.tolist()]
+    force = np.array([arm.contact(sample).force for sample in samples])
+    x = np.array([arm.motion(row)[2:] for row in motion.values.T.tolist()]).T
+    stamps_ns, mass = wrench.stamp_ns[usable], parameters.physics.tool_inertia.mass
+    if not isnan(mass):
+        force += mass * _acceleration(Signal(motion.stamp_ns, x), stamps_ns)
     return RecordedSignals(
-        Signal(wrench.stamp_ns[usable], np.array([force])),
-        Signal(motion.stamp_ns, np.array(x).T), reference, arm.model.base,
-    )
+        Signal(stamps_ns, force[None]), Signal(motion.stamp_ns, x), reference, arm.model.base)
+
+
+def _acceleration(motion: Signal, stamps_ns: NDArray[np.int64]) -> Array:
+    """Return the acceleration along the normal, smoothed over 20 ms, at given stamps [m/s^2]."""
+    (x, v), t = motion.values, (motion.stamp_ns - stamps_ns[0]) * 1e-9
+    if not np.isfinite(v).all():
+        v = np.gradient(x, t)
+    at = (stamps_ns - stamps_ns[0]) * 1e-9
+    period = float(np.median(np.diff(at)))
+    even = np.arange(0.0, at[-1] + period, period)
+    window = min(2 * max(2, round(0.5 * _SMOOTHED_S / period)) + 1, (len(even) - 1) | 1)
+    if window < 3:
+        return np.zeros(len(at))
+    smooth = savgol_filter(np.interp(even, t, v), window, 2, deriv=1, delta=period)
+    return np.interp(at, even, smooth)
 
 
 def _interpolated(

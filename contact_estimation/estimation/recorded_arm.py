@@ -29,7 +29,7 @@ from ..recordings.source import RecordingSource
 from ..recordings.topic_names import canonical
 
 _OF_ARMS = ('kinematics.', 'contact.', 'force_sensor.', 'tool.', 'synchronisation.',
-            'force_sign', 'frame_id')
+            'physics.tool_inertia.', 'force_sign', 'frame_id')
 _FILE = 'robot_description_file'
 
 

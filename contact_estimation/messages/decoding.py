@@ -456,7 +456,8 @@ def _joint_place(joint: str, names: Sequence[str], positions: int) -> int:
         raise MessageError(
             'joint_ambiguous',
             f'the message has {max(len(names), positions)} joints: {_listed(names)}; '
-            'choose one with the parameter joint or --joint',
+            'choose one with the parameter joint or --joint; for an arm set kinematics.* and '
+            'contact.normal (--params)',
         )
     return 0
 

@@ -21,14 +21,13 @@ from pathlib import Path
 from typing import Any, Mapping
 
 from .signals import Recording, signals_of
-from ...estimation.arm_signals import read_arm_signals
+from ...estimation.arm_signals import read_contact_signals
 from ...estimation.parameters import EstimationParameters
 from ...estimation.recorded_arm import arm_parameters
 from ...exceptions import UnknownNameError
 from ...messages import FORCE_OF_AXIS
 from ...parameters.values import build
 from ...recordings import RecordingReader
-from ...recordings.recorded_signals import read_signals
 from ...recordings.source import RecordingSource
 
 
@@ -52,8 +51,8 @@ def read_recording(
     joint : str
         Joint of the contact axis; '' if the recording has only one.
     parameters : mapping, optional
-        Parameters of `estimator_node` by dotted name, of which those of an arm and of the force's
-        sign are used; they take precedence over recorded ones.
+        Parameters of `estimator_node` by dotted name, of which those of an arm and its tool and of
+        the force's sign are used; they take precedence over recorded ones.
     most_samples : int, optional
         Number of wrenches after which reading stops, a bound of the memory; all by default.
 
@@ -75,9 +74,5 @@ def read_recording(
     source = RecordingSource.of_topics(topics or {})
     reader = RecordingReader(str(path))
     arm = build(EstimationParameters, arm_parameters(reader, source, parameters or {}))
-    if arm.kinematics.tip:
-        signals = read_arm_signals(reader, source, arm, most_samples)
-    else:
-        signals = read_signals(reader, source, axis, joint, most_samples)
-        signals.wrench.values[:] *= arm.force_sign
+    signals = read_contact_signals(reader, source, arm, axis, joint, most_samples)
     return Recording(Path(path).name, signals_of(signals))
