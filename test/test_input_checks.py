@@ -80,6 +80,13 @@ MISTAKES: list[tuple[str, str, dict[str, Any]]] = [
     ('stamp_skew', '50 ms early .*offset to -0.05', {'wrench_late_ms': -50}),
     ('joint_still', 'has not changed since the start',
      {'change': lambda s: s._replace(position=0.01, velocity=0.0)}),
+    ('position_unit', 'publish positions in metres',
+     {'change': lambda s: s._replace(position=1e3 * s.position, velocity=1e3 * s.velocity)}),
+    ('joint_velocity', '57 times the rate',
+     {'change': lambda s: s._replace(velocity=57.0 * s.velocity)}),
+    ('joint_velocity', '-1 times the rate',
+     {'change': lambda s: s._replace(velocity=-s.velocity)}),
+    ('joint_velocity', ' 0 times the rate', {'change': lambda s: s._replace(velocity=0.0)}),
 ]
 
 
@@ -146,6 +153,19 @@ def test_location_nan_takes_the_surface_at_the_first_touch(samples: list[Contact
 def test_location_nan_waits_for_free_flight_where_the_node_starts_in_contact() -> None:
     _, estimates = fed(HEALTHY[300:], environment__location=nan)
     assert estimates[-1][0].reason.startswith('waiting for free flight')
+
+
+def test_load_since_the_start_is_told_where_the_surface_is_taken_at_first_touch() -> None:
+    loaded = [sample._replace(force=sample.force - 20.0) for sample in HEALTHY]
+    session, _ = fed(loaded, environment__location=nan)
+    assert 'the sensor has an offset' in headline(session)[1]
+
+
+def test_another_wall_than_the_one_of_the_first_touch_is_told() -> None:
+    later = [sample._replace(stamp_ns=sample.stamp_ns + 10**10, position=sample.position + 0.05)
+             for sample in HEALTHY]
+    session, _ = fed([*HEALTHY, *later], environment__location=nan)
+    assert headline(session)[1].endswith('(it was taken at the first touch, of another wall)')
 
 
 def test_no_force_law_acts_before_the_surface_is_known() -> None:

@@ -84,6 +84,14 @@ def test_spike_at_touch_down_spoils_no_sample_after_it() -> None:
     np.testing.assert_array_equal(replaced(given, gate), given)
 
 
+def test_turning_round_in_a_fast_touch_is_no_outlier() -> None:
+    gate, t = OutlierGate(6.0, 5), 0.002 * np.arange(40)
+    depths, rates = 2.4e-3 * np.sin(40.0 * t), 0.096 * np.cos(40.0 * t)
+    noise = NOISE * np.random.default_rng(1).standard_normal(40)
+    for d, y in zip(depths.tolist(), (4800.0 * depths + 200.0 * rates + noise).tolist()):
+        assert gate.replace(d, y, NOISE) == y
+
+
 def test_threshold_0_replaces_nothing() -> None:
     gate, given = OutlierGate(0.0, 5), forces()
     given[200] += 500.0

@@ -104,6 +104,7 @@ class EstimationPipeline:
         if repr(parameters.environment.location) != repr(old.environment.location):
             self._set_location()
             self.touch_down.trust()
+            self.touch_down.taken = False
         else:
             self._note_parameters()
         self._conditioner.detector.configure(parameters.contact)

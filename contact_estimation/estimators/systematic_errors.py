@@ -74,6 +74,7 @@ class SystematicErrors:
       that of white noise, multiplies that of the estimator.
     - An estimate that differs from a fit of the window by more than both allow has not followed
       the wall, or x_e is wrong; the difference is its error.
+    - B_hat is fitted beside K_hat: as long as that is uncertain, B_hat is too.
     - Where the law damps with depth, B_hat is a secant, different at the depths where it was
       learned.
     - A residual beyond the known noise is an error of the model. It may have any shape, that of
@@ -90,6 +91,7 @@ class SystematicErrors:
         self.timing_std = timing_std
         self._correlations = [[1.0, 1.0] for _ in range(3)]  # by fit
         self._spread = 0.0
+        self._coupled = True  # K_hat and B_hat, in one linear law
         self._shift = self._information = 0.0
         self._now = _Error(1.0, 0.0, 0.0), _Error(1.0, 0.0, 0.0)
         self.forget_updates()
@@ -172,7 +174,8 @@ class SystematicErrors:
         K_error, B_error = self._differences(fits, noise_variance, rate_noise, lag, estimator)
         of_K, of_B = (excess * variance for variance in fits.mean.variances)
         B_error += UNKNOWN_DAMPING_S**2 * K_error  # B was fitted beside a wrong K
-        if not estimator.fits_linear_damping:
+        self._coupled = estimator.fits_linear_damping
+        if not self._coupled:
             self._spread = max(_depth_spread(blocks), _FADING * self._spread)
             B_error += _square(estimator.damping * self._spread)
         widest = _WIDEST * max(estimator.damping, UNKNOWN_DAMPING_S * estimator.stiffness)
@@ -276,11 +279,12 @@ class SystematicErrors:
         widened = []
         for K, B, K_std, B_std, shift, inertia in estimates:
             K_more, B_more, lag = K_share * K, B_share * B, K * timing
+            K_variance = (K_std * K_std + K_more * K_more) * K_factor + K_error
+            B_variance = (B_std * B_std + B_more * B_more) * B_factor + B_error + lag * lag
+            if self._coupled and K_variance == K_variance:  # B_hat was fitted beside K_hat
+                B_variance += UNKNOWN_DAMPING_S * UNKNOWN_DAMPING_S * K_variance
             widened.append(ParameterEstimate(
-                K, B, sqrt((K_std * K_std + K_more * K_more) * K_factor + K_error),
-                sqrt((B_std * B_std + B_more * B_more) * B_factor + B_error + lag * lag),
-                shift, inertia,
-            ))
+                K, B, sqrt(K_variance), sqrt(B_variance), shift, inertia))
         return widened
 
 

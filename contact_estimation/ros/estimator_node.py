@@ -195,7 +195,8 @@ class EstimatorNode(Node):
                 self._session.problem = str(error)
                 self.get_logger().error(str(error))
                 return
-            self._describe(message.data)
+            if self._session.arm is not None:  # an empty text describes nothing
+                self._describe(message.data)
 
     def _describe(self, description: str) -> None:
         """Report the arm, and keep its description among the events, for replay."""

@@ -22,6 +22,7 @@ _STIFFEST = 1e6  # standard deviation of the slope of a new line [N/m]
 _BEND = 0.2  # of the force, by which damping may bend the line at a reversal
 _SUPPORT = 10  # samples in agreement, below which the line may be wrong: touch-down bends it
 _SCALE_RATE = 0.05  # of the logarithm of the noise per sample
+_JUMP = sqrt(6.0)  # noise of a second difference
 _WITHIN = 0.683  # share of Gaussian noise within one standard deviation
 _LARGER, _SMALLER = exp(_SCALE_RATE * _WITHIN), exp(_SCALE_RATE * (_WITHIN - 1.0))
 
@@ -29,6 +30,9 @@ _LARGER, _SMALLER = exp(_SCALE_RATE * _WITHIN), exp(_SCALE_RATE * (_WITHIN - 1.0
 class OutlierGate:
     """
     Replaces forces that are far from the line of the last samples by the line.
+
+    A force is an outlier where it also jumps away from its course in time: where a tool with a
+    fast touch turns around, damping leaves the line of force against depth within a few samples.
 
     The line of force against depth is fitted to the last ten samples or so by recursive least
     squares, so that it holds for any smooth law and wherever the surface is. The noise is a
@@ -63,6 +67,7 @@ class OutlierGate:
         """Forget the line, as out of contact; the noise stays."""
         self._line: tuple[float, float, float] | None = None  # depth, force there, slope
         self._P = 0.0, 0.0, 0.0  # of force and slope, times the noise variance
+        self._course = 0.0, 0.0  # the last two forces, outliers replaced
         self._run = 0  # outliers in a row, negative below the line
         self._support = 0  # samples that agree with the line
 
@@ -99,13 +104,17 @@ class OutlierGate:
         width = scale * sqrt(1.0 + cc)
         self._scale = scale * (_LARGER if size > width else _SMALLER)
         bound = self._threshold * width
-        if size > bound and size > bound + _BEND * max(abs(predicted), abs(level)):
+        last, before = self._course
+        if (size > bound and size > bound + _BEND * max(abs(predicted), abs(level))
+                and abs(y - 2.0 * last + before) > self._threshold * scale * _JUMP):
             if self._support < _SUPPORT or self._believes(error):
                 self._start(d, y, noise_std)
                 return y
             self.count += 1
+            self._course = predicted, last
             return predicted
         self._run = 0
+        self._course = y, last
         self._support += 1
         # Least squares with forgetting; without motion the slope would wind up.
         s = _MEMORY + cc
@@ -126,5 +135,6 @@ class OutlierGate:
 
     def _start(self, d: float, y: float, noise_std: float) -> None:
         self._line = d, y, 0.0
+        self._course = y, y
         self._P = 1.0, 0.0, (_STIFFEST / max(self._scale, noise_std)) ** 2
         self._run = self._support = 0

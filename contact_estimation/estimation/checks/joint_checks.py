@@ -12,14 +12,21 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Checks of the joint states: a joint that does not move, and a rate that is too low."""
+"""Checks of the joint states: a joint that stands still, units, velocities, and the rate."""
 
 from __future__ import annotations
+
+import numpy as np
 
 from .check import Check, CLEAR, Evidence
 
 _FEWEST_PER_CUTOFF = 2.0  # sampling theorem
 _SLOWER = 0.9  # than the wrench
+_FASTEST = 10.0  # of any arm [m/s]
+_DEEPEST = 0.5  # of any contact [m]
+_STEP_S = 0.02  # over which positions and velocities are compared
+_MOVES = 20.0  # steps over their noise, for a comparison
+_FACTOR = 2.0  # between measured velocities and those of the positions
 
 
 class JointStill(Check):
@@ -42,6 +49,60 @@ class JointStill(Check):
         which = f'joint {joint!r}' if joint else 'the joint'
         return (f'position of {which} has not changed since the start while the force changed by '
                 f'{seen.spread:.3g} N; set joint to that of the contact axis')
+
+
+class PositionUnit(Check):
+    """Positions are in metres."""
+
+    name = 'position_unit'
+    message = ('the contact axis moves at up to 80 m/s, 12 m into the wall: no robot does; '
+               'publish positions in metres')
+    cause = 'Positions come in millimetres, or a revolute joint is taken for the contact axis.'
+    remedy = ('Publish positions in metres and velocities in metres per second; for an arm set '
+              '`kinematics.*` and `contact.normal`.')
+    invalidates = True
+
+    def judge(self, seen: Evidence) -> str | None:
+        """Compare speed and penetration with those of any robot."""
+        if not len(seen.x):
+            return None
+        speed = float(np.percentile(np.abs(np.gradient(seen.x, seen.t)), 95.0))
+        depths = seen.x[seen.contact] - seen.pipeline.location
+        depth = float(np.max(depths, initial=0.0))
+        if not (speed > _FASTEST or depth > _DEEPEST and not seen.pipeline.touch_down.text):
+            return ''
+        return (f'the contact axis moves at up to {speed:.3g} m/s, {depth:.3g} m into the wall: '
+                'no robot does; publish positions in metres')
+
+
+class JointVelocity(Check):
+    """Measured velocities are the rates of the positions."""
+
+    name = 'joint_velocity'
+    message = ('velocities of the joint states are 57 times the rate of their positions; publish '
+               'them in the units of the positions, or leave them empty')
+    cause = 'The driver publishes zeros, other units, or the wrong sign.'
+    remedy = ('Repair the driver, or leave `velocity` empty: it is then taken from the '
+              'positions.')
+    invalidates = True
+
+    def judge(self, seen: Evidence) -> str | None:
+        """Compare what velocities add up to in 20 ms with the steps of the positions."""
+        if len(seen.x) < 3 or not np.isfinite(seen.v).all():
+            return None
+        count = max(1, round(_STEP_S / float(np.median(np.diff(seen.t)))))
+        path = np.concatenate([[0.0], np.cumsum(
+            0.5 * (seen.v[1:] + seen.v[:-1]) * np.diff(seen.t))])
+        steps, added = (one[count:] - one[:-count] for one in (seen.x, path))
+        noise = float(np.median(np.abs(np.diff(seen.x, 2)))) + 1e-12
+        power = float(steps @ steps)
+        if power < _MOVES**2 * noise**2 * len(steps):
+            return None
+        factor = float(steps @ added) / power
+        if 1.0 / _FACTOR < factor < _FACTOR:
+            return ''
+        return (f'velocities of the joint states are {factor:.2g} times the rate of their '
+                'positions; publish them in the units of the positions, or leave them empty')
 
 
 class JointRate(Check):

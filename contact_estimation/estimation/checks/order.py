@@ -18,14 +18,14 @@ from __future__ import annotations
 
 from .check import Check
 from .force_checks import ForceBias, ForceNoise, ForceSign, OtherAxis, OutsideForce
-from .joint_checks import JointRate, JointStill
+from .joint_checks import JointRate, JointStill, JointVelocity, PositionUnit
 from .state_checks import EstimatorHindrance, ModelMismatch, SampleRate
 from .surface_checks import Surface, SurfaceLine, SurfaceShifted, SurfaceUnchecked
 from .timing_checks import StampSkew, StampSkewOrMass
 
 CHECKS: tuple[Check, ...] = (
-    JointStill(), ForceSign(), OtherAxis(), OutsideForce(), Surface(), SurfaceLine(),
-    StampSkew(), StampSkewOrMass(), JointRate(), ForceNoise(), ForceBias(), SampleRate(),
-    ModelMismatch(), EstimatorHindrance(), SurfaceShifted(), SurfaceUnchecked(),
+    JointStill(), PositionUnit(), JointVelocity(), ForceSign(), OtherAxis(), OutsideForce(),
+    Surface(), SurfaceLine(), StampSkew(), StampSkewOrMass(), JointRate(), ForceNoise(),
+    ForceBias(), SampleRate(), ModelMismatch(), EstimatorHindrance(), SurfaceShifted(), SurfaceUnchecked(),
 )
 """Every check of an axis; the first active one is the headline."""

@@ -24,6 +24,7 @@ _LEAST_CONTACT = 100
 _DEVIATIONS = 5.0
 _MOST_OF_DEPTH = 0.7  # a stiffening wall feigns up to half the depth
 _FITS = 2.0  # residual over noise
+_NOTABLE = 0.05  # of environment.location_std: a smaller shift is not worth a word
 
 
 class Surface(Check):
@@ -96,7 +97,8 @@ class SurfaceShifted(Check):
     def judge(self, seen: Evidence) -> str:
         """Return the shift found by the wall tracker."""
         shift, location = seen.pipeline.location_shift, seen.pipeline.location
-        if shift == 0.0 or seen.parameters.of_axis(seen.axis).environment.location != location:
+        environment = seen.parameters.of_axis(seen.axis).environment
+        if abs(shift) <= _NOTABLE * environment.location_std or environment.location != location:
             return ''  # nowhere, or from a surface that the first touch has shown
         return (f'the surface is {1e3 * shift:+.3g} mm from environment.location; set it to '
                 f'{location + shift:.6g} m')

@@ -35,7 +35,11 @@ _LEAST_MARGIN = 1e-3  # [m]
 _DETECTION_SAMPLES = 4.0
 
 LOCATING = 'locating the surface'
-_NEVER_FREE = 'waiting for free flight: environment.location is nan and is taken at first touch'
+_NEVER_FREE = (
+    'waiting for free flight: there is a force since the start, and environment.location is nan, '
+    'taken at first touch; if the tool is free, the sensor has an offset: set '
+    'environment.location, call ~/tare, then set it to nan again'
+)
 
 
 class TouchDown:
@@ -52,6 +56,8 @@ class TouchDown:
         The warning; '' without one.
     found : tuple of (float, float) or None
         The surface found where its location was unknown, and its standard deviation [m].
+    taken : bool
+        Whether the location is that of a surface found.
 
     """
 
@@ -60,6 +66,7 @@ class TouchDown:
 
     def reset(self) -> None:
         """Forget all contacts."""
+        self.taken = False
         self.text = ''
         self.found: tuple[float, float] | None = None
         self._free_s = 0.0
@@ -144,6 +151,8 @@ class TouchDown:
     def _leave(self, dt: float) -> None:
         self._free_s += dt
         if self._free_s >= _NEW_CONTACT_S:
+            if self._never_free:
+                self.text = ''
             self._never_free = self._settled = False
             self._rise, self._rise_s = [], 0.0
 
@@ -157,7 +166,8 @@ class TouchDown:
             return self.text
         if self._never_free:
             self._settled = depth == depth
-            return '' if self._settled else _NEVER_FREE
+            self.text = '' if self._settled else _NEVER_FREE
+            return self.text
         _, x, velocity, force = sample
         if not self._rise:
             travel = abs(velocity) * dt * _DETECTION_SAMPLES if velocity == velocity else 0.0
@@ -180,14 +190,17 @@ class TouchDown:
         surface, std = surface_of(approach, np.array(self._rise), noise)
         self._rise, self._rise_s, self._settled = [], 0.0, True
         if depth != depth:
-            self.found, self.text = (surface, std), ''
+            self.found, self.text, self.taken = (surface, std), '', True
             return
         location = x - depth
         inside = surface - location
         far = inside > margin and inside > _OF_DEPTH * depth
-        self.text = far * (
+        self.text = (
             f'contact began {1e3 * inside:.3g} mm inside the wall, at x = {surface:.4g} m; set '
-            f'environment.location to {surface:.4g}, or to nan to take it at first touch')
+            f'environment.location to {surface:.4g}'
+            + (' (it was taken at the first touch, of another wall)' if self.taken
+               else ', or to nan to take it at first touch')
+        ) if far else ''
 
 
 def _point(sample: ContactSample, bias: float, dt: float) -> tuple[float, ...]:
