@@ -136,13 +136,27 @@ LIMITS = '''## What no check sees
 - A force that is wrong by a factor, or in other units that still look like newtons.'''
 
 
+# What sessions say of each kind of rejected message.
+EXAMPLES = {
+    'arm': 'no joint state has elbow_joint, which moves tool_tip relative to base_link; check '
+           'joint_states and kinematics.*',
+    'frame': "expected 'tool0', got 'wrist_3_link'; set frame_id",
+    'joint': "joint 'contact_axis' is not in the message, which has 'cx', 'cy'; choose one of these "
+             'with the parameter joint or --joint',
+    'malformed': '12 bytes are not a geometry_msgs/msg/WrenchStamped: it ends in a field that '
+                 'needs 16 bytes; check that publisher and subscriber use the same message '
+                 'definition',
+}
+LAG = 'none has come; is joint_states published, or remapped?'
+
+
 def warnings_page() -> str:
     """Return the page with a row for every warning."""
     head = ('check', 'message', 'cause', 'remedy', 'estimates')
     rows = [(f'`{check.name}`', check.message, check.cause, check.remedy,
              'withheld' if check.invalidates else 'go on') for check in CHECKS]
     rejected = [(f'`{one.name}`', one.message.format(
-        count=40, topic='wrench', text="'elbow' is not in the message", lag='none has come'),
+        count=40, topic='wrench', text=EXAMPLES.get(one.name, '...'), lag=LAG),
         one.cause, one.remedy) for one in REJECTIONS]
     return '\n\n'.join([
         WARNINGS, _table(head, rows),
