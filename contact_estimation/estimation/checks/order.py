@@ -26,6 +26,7 @@ from .timing_checks import StampSkew, StampSkewOrMass
 CHECKS: tuple[Check, ...] = (
     JointStill(), PositionUnit(), JointVelocity(), ForceSign(), OtherAxis(), OutsideForce(),
     Surface(), SurfaceLine(), StampSkew(), StampSkewOrMass(), JointRate(), ForceNoise(),
-    ForceBias(), SampleRate(), ModelMismatch(), EstimatorHindrance(), SurfaceShifted(), SurfaceUnchecked(),
+    ForceBias(), SampleRate(), ModelMismatch(), EstimatorHindrance(), SurfaceShifted(),
+    SurfaceUnchecked(),
 )
 """Every check of an axis; the first active one is the headline."""
