@@ -111,7 +111,7 @@ def test_poses_in_contact_are_left_out(tmp_path: Path) -> None:
     ({'poses': [POSES[0]] * 12}, r'hardly varies .* gravity points along [xyz] and [xyz] of'),
     ({'poses': [(t, 0.3, 0.0) for t in np.linspace(0, 1, 12)]}, 'does not determine'),
     ({'poses': POSES, 'contact': range(7)}, 'the wrench is not that of a tool alone'),
-    ({'poses': POSES, 'sign': -1.0}, 'set force_sign: -1'),
+    ({'poses': POSES, 'sign': -1.0}, r'change the sign of force_sign \(now 1\)'),
     ({'poses': POSES, 'moved': 57.3}, 'not that of a tool alone|no weight explains'),
     ({'poses': POSES[:2]}, 'does not determine|at least 4'),
 ])
@@ -130,6 +130,16 @@ def test_force_sign_of_the_parameter_file_is_applied(tmp_path: Path) -> None:
     assert calibrate(tmp_path, '--params', str(tmp_path / 'params.yaml')) == 0
     found = json.loads((tmp_path / 'tool.json').read_text())
     assert found['force_bias_n']['value'] == pytest.approx(FORCE_BIAS, abs=0.1)
+
+
+def test_wrong_force_sign_of_the_parameter_file_is_named(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write(tmp_path / 'run.mcap', POSES)
+    (tmp_path / 'params.yaml').write_text(
+        'estimator_node: {ros__parameters: {force_sign: -1}}')
+    assert calibrate(tmp_path, '--params', str(tmp_path / 'params.yaml')) == 1
+    assert 'change the sign of force_sign (now -1)' in capsys.readouterr().err
 
 
 def test_mounting_of_the_parameter_file_is_applied(tmp_path: Path) -> None:

@@ -82,8 +82,8 @@ def run(options: Any) -> int:
         )
     urdf = _text(options.robot_description)
     model = RobotModel(urdf, _root(urdf, options.robot_description), frame)
-    found = calibrate_tool(read_blocks(
-        reader, source, model, _force_sign(given), _mount(given)))
+    sign = _force_sign(given)
+    found = calibrate_tool(read_blocks(reader, source, model, sign, _mount(given)), sign)
     files[0].write_text(_parameter_file(found, frame))
     if options.json:
         files[1].write_text(json.dumps(_as_json(found), indent=1) + '\n')
