@@ -289,7 +289,7 @@ def main(args: Sequence[str] | None = None) -> int:
         0, or 1 with one line on stderr.
 
     """
-    return run_node(EstimatorNode, PURPOSE, all_specifications(), args)
+    return run_node(EstimatorNode, PURPOSE, all_specifications(), args, topics.WRENCH)
 
 
 if __name__ == '__main__':
