@@ -51,7 +51,8 @@ def write(
     wrench_type, joint_type = 'geometry_msgs/msg/WrenchStamped', 'sensor_msgs/msg/JointState'
     with RecordingWriter.file(path) as writer:
         if description:
-            writer.write('/robot_description', 'std_msgs/msg/String', encode_string(description), 0)
+            writer.write('/robot_description', 'std_msgs/msg/String',
+                         encode_string(description), 0)
         for k in range(int(len(poses) * HOLD_S / PERIOD_S)):
             stamp, number = int(k * PERIOD_S * 1e9), int(k * PERIOD_S / HOLD_S)
             q = np.asarray(poses[number])

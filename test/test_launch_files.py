@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What the launch files give to the nodes, with stand-ins for `launch`, which pip cannot install."""
+"""What the launch files give to the nodes; stand-ins for `launch`, which pip cannot install."""
 
 from __future__ import annotations
 
@@ -42,7 +42,8 @@ def loop(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Any:
 
     def launched(node: str, **given: str) -> dict[str, Any]:
         launch = runpy.run_path(str(LAUNCH))
-        defaults = {name: facts.get('default_value') for name, facts in launch['ARGUMENTS'].items()}
+        arguments = launch['ARGUMENTS'].items()
+        defaults = {name: facts.get('default_value') for name, facts in arguments}
         launch['nodes']({**defaults, 'output': str(tmp_path / 'bag'), **given})
         calls = modules['launch_ros.actions'].Node.call_args_list
         file, = next(call.kwargs['parameters'] for call in calls if call.kwargs['name'] == node)

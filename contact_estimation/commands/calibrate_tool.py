@@ -48,7 +48,7 @@ def make_parser() -> Parser:
     )
     parser.add_argument('recording', metavar='RECORDING', help='an .mcap file or rosbag2 folder')
     parser.add_argument('--robot-description', metavar='FILE',
-                        help="URDF of the arm, with the sensor's frame (default: the recorded one)")
+                        help="URDF of the arm, with the sensor's frame (default: the recorded)")
     parser.add_argument('--params', metavar='FILE', help='ROS 2 parameter file of estimator_node: '
                         'force_sensor.frame (default: that of the wrench), force_sensor.rpy and '
                         'force_sign')

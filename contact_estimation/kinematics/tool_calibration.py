@@ -247,6 +247,6 @@ def _require_tool(
         )
     if theta[0] <= 0.0:
         raise EstimationError(
-            f'the mass is {theta[0]:.3g} kg, so the weight pulls up: change the sign of force_sign '
-            f'(now {force_sign:g}), or turn force_sensor.frame, and calibrate again'
+            f'the mass is {theta[0]:.3g} kg, so the weight pulls up: change the sign of '
+            f'force_sign (now {force_sign:g}), or turn force_sensor.frame, and calibrate again'
         )

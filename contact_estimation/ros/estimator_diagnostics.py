@@ -171,7 +171,7 @@ class EstimatorDiagnostics:
         return DiagnosticStatus.OK, f'{estimate.status.value}{reason}'
 
     def _problem_of(self, session: ContactSession) -> str:
-        """Return why there is no arm, with the topic that is subscribed; '' if nothing is wrong."""
+        """Return why there is no arm, with the topic subscribed; '' if nothing is wrong."""
         if session.problem == NO_DESCRIPTION:
             return (f'waiting for the robot description on {self._description_topic}; is '
                     'robot_state_publisher running? Or set robot_description_file')
