@@ -15,12 +15,14 @@
 """Plant, estimator and recorder with one experiment; everything ends with the plant."""
 
 from pathlib import Path
+from tempfile import NamedTemporaryFile
 from typing import Any
 
 from contact_estimation.estimators import ESTIMATORS
 from contact_estimation.exceptions import ContactEstimationError
 from contact_estimation.reference.laws import LAWS
-from contact_estimation.ros.loop_configuration import configure
+from contact_estimation.ros.loop_configuration import configure, LoopConfiguration
+from contact_estimation.ros.loop_configuration import write_parameters
 from launch import LaunchContext, LaunchDescription  # type: ignore[attr-defined]
 from launch.actions import (
     DeclareLaunchArgument,
@@ -31,25 +33,49 @@ from launch.actions import (
 )
 from launch.event_handlers import OnProcessExit
 from launch.events import Shutdown
-from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
+from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
-from launch_ros.parameter_descriptions import ParameterValue
-from launch_ros.substitutions import FindPackageShare
 
-PACKAGE = 'contact_estimation'
+ARGUMENTS: dict[str, dict[str, Any]] = {
+    'output': {'description': 'folder for the recording, must not exist'},
+    'experiment': {'default_value': 'sine', 'description': 'name of an experiment or its file'},
+    'duration': {'default_value': '0.0', 'description': '0: the experiment [s]'},
+    'params': {'default_value': '', 'description': 'parameter file with sections estimator_node '
+               'and plant_node; empty: defaults'},
+    'seed': {'default_value': '', 'description': 'of all noise; empty: that of params'},
+    'estimator': {'default_value': '', 'choices': ['', *ESTIMATORS],
+                  'description': 'empty: that of params'},
+    'reference_law': {'default_value': '', 'choices': ['', *LAWS],
+                      'description': 'empty: that of params'},
+}
 
 
-def check(context: LaunchContext) -> None:
-    """Refuse wrong arguments before any process starts."""
-    given = {name: LaunchConfiguration(name).perform(context) for name in (
-        'output', 'experiment', 'duration', 'seed', 'estimator', 'params')}
+def nodes(context: LaunchContext) -> list[Any]:
+    """Check the arguments and describe the nodes, which read one file of checked parameters."""
+    given = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
     if Path(given['output']).exists():
         raise RuntimeError(f'output must name a folder to be made, {given["output"]} exists')
     try:
-        duration, seed = _number('duration', given, float), _number('seed', given, int)
-        configure(given['experiment'], given['params'], given['estimator'], duration or None, seed)
+        configuration = _configured(given)
     except ContactEstimationError as error:
         raise RuntimeError(str(error)) from error
+    with NamedTemporaryFile(prefix='loop_', suffix='.yaml', delete=False) as file:
+        write_parameters(Path(file.name), configuration, Path(given['output']))
+    described = [
+        Node(package='contact_estimation', executable=name, name=name, output='screen',
+             parameters=[file.name])
+        for name in ('recorder_node', 'estimator_node', 'plant_node')
+    ]
+    return [*(RegisterEventHandler(OnProcessExit(target_action=node, on_exit=ended))
+              for node in described), *described]
+
+
+def _configured(given: dict[str, str]) -> LoopConfiguration:
+    """Combine the parameter file with those arguments that are given."""
+    return configure(
+        given['experiment'], given['params'], given['estimator'] or None,
+        _number('duration', given, float) or None,
+        _number('seed', given, int) if given['seed'] else None, given['reference_law'] or None)
 
 
 def _number(name: str, given: dict[str, str], kind: type) -> Any:
@@ -67,49 +93,9 @@ def ended(event: Any, context: LaunchContext) -> list[EmitEvent]:
 
 
 def generate_launch_description() -> LaunchDescription:
-    """Describe the three nodes and their arguments."""
-    config = PathJoinSubstitution([FindPackageShare(PACKAGE), 'config'])
-    plant = Node(
-        package=PACKAGE, executable='plant_node', name='plant_node', output='screen',
-        parameters=[
-            PathJoinSubstitution([config, 'plant_node.yaml']),
-            {
-                'experiment': LaunchConfiguration('experiment'),
-                'duration': ParameterValue(LaunchConfiguration('duration'), value_type=float),
-                'seed': ParameterValue(LaunchConfiguration('seed'), value_type=int),
-                'subscribers': 2,
-            },
-        ],
-    )
-    estimator = Node(
-        package=PACKAGE, executable='estimator_node', name='estimator_node', output='screen',
-        parameters=[
-            LaunchConfiguration('params'),
-            {
-                'estimator': LaunchConfiguration('estimator'),
-                'reference_law': LaunchConfiguration('reference_law'),
-            },
-        ],
-    )
-    recorder = Node(
-        package=PACKAGE, executable='recorder_node', name='recorder_node', output='screen',
-        parameters=[{'output': LaunchConfiguration('output')}],
-    )
-    nodes = (recorder, estimator, plant)
+    """Describe the arguments and the three nodes."""
     return LaunchDescription([
-        DeclareLaunchArgument('output', description='folder for the recording, must not exist'),
-        DeclareLaunchArgument('experiment', default_value='sine'),
-        DeclareLaunchArgument('duration', default_value='0.0', description='0: the experiment'),
-        DeclareLaunchArgument('seed', default_value='0'),
-        DeclareLaunchArgument(
-            'estimator', default_value='rls_adaptive', choices=list(ESTIMATORS)),
-        DeclareLaunchArgument('reference_law', default_value='eq20', choices=list(LAWS)),
-        DeclareLaunchArgument(
-            'params', default_value=PathJoinSubstitution([config, 'estimator_node.yaml'])
-        ),
-        OpaqueFunction(function=check),
+        *(DeclareLaunchArgument(name, **facts) for name, facts in ARGUMENTS.items()),
         SetEnvironmentVariable('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST'),
-        *(RegisterEventHandler(OnProcessExit(target_action=node, on_exit=ended))
-          for node in nodes),
-        *nodes,
+        OpaqueFunction(function=nodes),
     ])

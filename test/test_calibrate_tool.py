@@ -22,6 +22,7 @@ import re
 from typing import Any, Sequence
 
 from contact_estimation.commands.calibrate_tool import main
+from contact_estimation.messages import encode_string
 from contact_estimation.recordings import RecordingWriter
 from contact_estimation.recordings.definitions import jazzy_typestore
 import numpy as np
@@ -41,7 +42,7 @@ PERIOD_S, HOLD_S = 0.01, 0.8
 def write(
     path: Path, poses: Any, sign: float = 1.0,
     contact: Sequence[int] = (), moved: float = 1.0,
-    rpy: Sequence[float] = (0.0, 0.0, 0.0),
+    rpy: Sequence[float] = (0.0, 0.0, 0.0), description: str = '',
 ) -> None:
     """Record the arm held in poses; in some of them the environment presses with 20 N."""
     rng, store = np.random.default_rng(1), jazzy_typestore()
@@ -49,6 +50,9 @@ def write(
     vector = types['geometry_msgs/msg/Vector3']
     wrench_type, joint_type = 'geometry_msgs/msg/WrenchStamped', 'sensor_msgs/msg/JointState'
     with RecordingWriter.file(path) as writer:
+        if description:
+            writer.write('/robot_description', 'std_msgs/msg/String',
+                         encode_string(description), 0)
         for k in range(int(len(poses) * HOLD_S / PERIOD_S)):
             stamp, number = int(k * PERIOD_S * 1e9), int(k * PERIOD_S / HOLD_S)
             q = np.asarray(poses[number])
@@ -111,7 +115,7 @@ def test_poses_in_contact_are_left_out(tmp_path: Path) -> None:
     ({'poses': [POSES[0]] * 12}, r'hardly varies .* gravity points along [xyz] and [xyz] of'),
     ({'poses': [(t, 0.3, 0.0) for t in np.linspace(0, 1, 12)]}, 'does not determine'),
     ({'poses': POSES, 'contact': range(7)}, 'the wrench is not that of a tool alone'),
-    ({'poses': POSES, 'sign': -1.0}, 'set force_sign: -1'),
+    ({'poses': POSES, 'sign': -1.0}, r'change the sign of force_sign \(now 1\)'),
     ({'poses': POSES, 'moved': 57.3}, 'not that of a tool alone|no weight explains'),
     ({'poses': POSES[:2]}, 'does not determine|at least 4'),
 ])
@@ -130,6 +134,33 @@ def test_force_sign_of_the_parameter_file_is_applied(tmp_path: Path) -> None:
     assert calibrate(tmp_path, '--params', str(tmp_path / 'params.yaml')) == 0
     found = json.loads((tmp_path / 'tool.json').read_text())
     assert found['force_bias_n']['value'] == pytest.approx(FORCE_BIAS, abs=0.1)
+
+
+def test_recorded_description_is_used_where_none_is_given(tmp_path: Path) -> None:
+    write(tmp_path / 'run.mcap', POSES, description=small_arm.urdf())
+    tool = tmp_path / 'tool.yaml'
+    assert main([str(tmp_path / 'run.mcap'), '--output', str(tool)]) == 0
+    written = yaml.safe_load(tool.read_text())['/**']['ros__parameters']
+    assert written['tool']['mass'] == pytest.approx(MASS, abs=0.02)
+
+
+def test_a_recording_without_description_says_what_to_give(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write(tmp_path / 'run.mcap', POSES[:1])
+    assert main([str(tmp_path / 'run.mcap'), '--output', str(tmp_path / 'tool.yaml')]) == 1
+    assert re.search('no robot description on /robot_description; give the URDF as --robot-desc',
+                     capsys.readouterr().err)
+
+
+def test_wrong_force_sign_of_the_parameter_file_is_named(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write(tmp_path / 'run.mcap', POSES)
+    (tmp_path / 'params.yaml').write_text(
+        'estimator_node: {ros__parameters: {force_sign: -1}}')
+    assert calibrate(tmp_path, '--params', str(tmp_path / 'params.yaml')) == 1
+    assert 'change the sign of force_sign (now -1)' in capsys.readouterr().err
 
 
 def test_mounting_of_the_parameter_file_is_applied(tmp_path: Path) -> None:

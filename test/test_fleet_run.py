@@ -17,6 +17,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+import html
 from pathlib import Path
 from typing import Any, Iterator, Mapping
 
@@ -118,6 +119,15 @@ def test_equal_recordings_are_diagnosed_once(
     assert len(workers.done) == 3
 
 
+def test_a_second_run_counts_copies_among_the_recordings_finished_before(
+    recordings: Path, tmp_path: Path, quickly: None
+) -> None:
+    fleets = [run(recordings, tmp_path, InThisProcess()) for _ in range(2)]
+    # The broken one is worked on, too: that it is broken is a result.
+    assert [(fleet.done, fleet.redone, fleet.identical) for fleet in fleets] == [
+        (0, 4, 1), (4, 0, 1)]
+
+
 def test_an_interrupted_run_resumes_to_the_same_table(
     recordings: Path, tmp_path: Path, quickly: None
 ) -> None:
@@ -166,6 +176,16 @@ def made_up() -> Fleet:
     pooled = PooledResult(pool, outcome(report()), '', [outcome(report())] * 2 + [
         outcome(None, error='no contact')])
     return Fleet(entries, [pooled], changes(entries), 0, 27, SETTINGS)
+
+
+def test_page_counts_the_first_of_a_name_as_the_table_of_recordings_does() -> None:
+    pytest.importorskip('matplotlib')
+    fleet = made_up()
+    first = next(entry for entry in fleet.entries if entry.effects)
+    page = ' '.join(as_html(fleet).split())
+    assert first.number != 9  # its number in the group
+    assert f'first: recording {first.number} of all' in page
+    assert f'<td>{first.number}</td> <th scope="row">{html.escape(first.name)}' in page
 
 
 def test_page_says_what_changes_wears_and_differs() -> None:

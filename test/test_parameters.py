@@ -30,8 +30,10 @@ from contact_estimation.parameters.specification import (
     group,
     parameter,
     ParameterGroup,
+    ParameterSpecification,
     specifications,
 )
+from contact_estimation.parameters.value_text import value_text
 from contact_estimation.parameters.values import build, changed, flatten, flatten_mapping
 from contact_estimation.plant.plant_parameters import PlantParameters
 import numpy as np
@@ -87,7 +89,7 @@ def test_a_vector_is_any_sequence_of_as_many_numbers() -> None:
 
 @pytest.mark.parametrize('given', [[0.0, 1.0], 'abc', 1.0, [0, 0, inf], [0, 0, 2], [0, 0, True]])
 def test_a_vector_of_other_kind_is_refused(given: Any) -> None:
-    with pytest.raises(ParameterRangeError, match='place must be a list of 3 numbers <= 1 m'):
+    with pytest.raises(ParameterRangeError, match=r'place must be 3 numbers <= 1 \[m\]'):
         build(Outer, {'place': given})
 
 
@@ -145,23 +147,23 @@ def test_unknown_name_lists_the_known_ones() -> None:
 
 
 @pytest.mark.parametrize('name, value, expected', [
-    ('inner.gain', -0.1, 'a number >= 0 and <= 10 N/m'),
-    ('inner.gain', 10.1, 'a number >= 0 and <= 10 N/m'),
-    ('inner.gain', nan, 'a number >= 0 and <= 10 N/m'),
-    ('inner.gain', inf, 'a number >= 0 and <= 10 N/m'),
+    ('inner.gain', -0.1, r'a number >= 0 and <= 10 \[N/m\]'),
+    ('inner.gain', 10.1, r'a number >= 0 and <= 10 \[N/m\]'),
+    ('inner.gain', nan, r'a number >= 0 and <= 10 \[N/m\]'),
+    ('inner.gain', inf, r'a number >= 0 and <= 10 \[N/m\]'),
     ('inner.gain', 'two', 'a number'),
     ('inner.gain', True, 'a number'),
     ('inner.gain', None, 'a number'),
     ('inner.gain', [1.0], 'a number'),
-    ('inner.optional', -1.0, r'a number >= 0 N or NaN \(off\)'),
-    ('inner.optional', inf, r'a number >= 0 N or NaN \(off\)'),
+    ('inner.optional', -1.0, r'a number >= 0 \[N\] or NaN \(off\)'),
+    ('inner.optional', inf, r'a number >= 0 \[N\] or NaN \(off\)'),
     ('fixed', inf, 'a number'),
     ('count', 0, 'an integer >= 1'),
     ('count', 2.0, 'an integer'),
     ('count', True, 'an integer'),
     ('on', 1, 'true or false'),
     ('on', 'yes', 'true or false'),
-    ('label', 3, 'a text'),
+    ('label', 3, 'text'),
     ('mode', 3, 'one of slow, fast'),
 ])
 def test_invalid_value_is_refused_with_what_was_expected(
@@ -169,6 +171,20 @@ def test_invalid_value_is_refused_with_what_was_expected(
 ) -> None:
     with pytest.raises(ParameterRangeError, match=f'{name} must be {expected}.*, got .*default'):
         build(Outer, {name: value})
+
+
+@pytest.mark.parametrize('value, text', [
+    (True, 'true'), (3, '3'), (1.0, '1.0'), (1e10, '1e10'), (1234567.5, '1234567.5'),
+    (1e-6, '1e-6'), (nan, 'NaN'), ((0.0, 1e6, -0.5), '[0.0, 1e6, -0.5]'), ('off', "'off'"),
+])
+def test_default_is_shown_as_people_write_it(value: Any, text: str) -> None:
+    assert value_text(value) == text
+
+
+def test_limits_are_shown_with_short_exponents_and_without_the_unit_of_a_ratio() -> None:
+    spec = ParameterSpecification('ratio', 0.5, 'a ratio', '1', 1e-6, 1e10)
+    assert spec.expectation == 'a number >= 1e-6 and <= 1e10'
+    assert spec.valid_range == '1e-6 to 1e10'
 
 
 def test_unknown_choice_suggests_the_nearest() -> None:

@@ -17,6 +17,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+import signal
 from typing import Any, Iterator
 
 from arm_contact import B_E, instants, K_E, NORMAL, PARAMETERS
@@ -27,8 +28,8 @@ from contact_estimation.recordings import RecordingReader
 import numpy as np
 import pytest
 from ros_processes import (
-    ESTIMATES, JointState, Listener, node_process, run_module, String, to_stamp, Vector3Stamped,
-    WINDOW, WrenchStamped,
+    DiagnosticStatus, ESTIMATES, JointState, Listener, node_process, Peer, run_module, String,
+    to_stamp, Vector3Stamped, WINDOW, WrenchStamped,
 )
 from small_arm import JOINTS, pose, urdf
 
@@ -173,6 +174,21 @@ def test_replay_of_its_recording_returns_what_the_node_published(
     published = {stamp: m.vector.x for stamp, m in peer.heard['damping'].items()}
     assert {s: again.get(s) for s in published if s >= begin_ns} == {
         s: x for s, x in published.items() if s >= begin_ns}
+
+
+def test_an_arm_without_description_says_on_which_topic_it_waits(tmp_path: Path) -> None:
+    named = {name.replace('.', '__'): value for name, value in PARAMETERS.items()}
+    waiting = 'waiting for the robot description on /robot_description'
+    with node_process(tmp_path, NODE, diagnostics_rate=10.0, **named) as node:
+        peer = Peer()
+        try:
+            peer.diagnosed(
+                lambda status, _: status.level == DiagnosticStatus.ERROR
+                and status.message.startswith(waiting), 'the missing description')
+        finally:
+            peer.close()
+        node.signal(signal.SIGINT)
+        assert f'{waiting}\n' in node.end().stderr
 
 
 def test_target_pose_of_a_single_axis_is_refused(tmp_path: Path) -> None:

@@ -94,6 +94,8 @@ def test_help_of_the_estimator_node_lists_every_parameter(tmp_path: Path) -> Non
     for spec in specifications(EstimationParameters):
         assert f'  {spec.name} = ' in finished.stdout
         assert spec.description in finished.stdout
+    assert 'usage: estimator_node [--ros-args ' in finished.stdout
+    assert '-r wrench:=/my/wrench' in finished.stdout
 
 
 @pytest.mark.parametrize('node', ['plant_node', 'recorder_node'])
@@ -101,6 +103,8 @@ def test_help_of_a_node_succeeds(tmp_path: Path, node: str) -> None:
     finished = run_module(tmp_path, f'ros.{node}', '--help')
     assert (finished.code, finished.stderr) == (0, '')
     assert finished.stdout.startswith(f'{node}: ')
+    assert f'usage: {node} [--ros-args ' in finished.stdout
+    assert ('-r wrench:=' in finished.stdout) == (node == 'recorder_node')
 
 
 @pytest.mark.parametrize('command, parser', [('loop', loop_parser), ('replay', replay_parser)])

@@ -25,6 +25,7 @@ from scipy.spatial.transform import Rotation
 import yaml
 
 from .command_line import add_topic_option, command, different_files, new_file, Parser, source_of
+from ..estimation.recorded_arm import recorded_description
 from ..exceptions import ModelFileError, ParameterRangeError, RecordingError
 from ..kinematics.calibration_recording import BLOCK_S, read_blocks, recorded_frame
 from ..kinematics.parameters import ForceSensorParameters
@@ -33,6 +34,8 @@ from ..kinematics.tool_calibration import calibrate_tool, ToolCalibration
 from ..parameters.file import read_parameter_file
 from ..parameters.specification import specifications
 from ..recordings import RecordingReader
+from ..recordings.source import RecordingSource
+from ..recordings.topic_names import canonical
 
 
 def make_parser() -> Parser:
@@ -44,10 +47,11 @@ def make_parser() -> Parser:
         'that turn the sensor in all directions; or slow motion through them.',
     )
     parser.add_argument('recording', metavar='RECORDING', help='an .mcap file or rosbag2 folder')
-    parser.add_argument('--robot-description', required=True, metavar='FILE',
-                        help="URDF of the arm, with the sensor's frame")
+    parser.add_argument('--robot-description', metavar='FILE',
+                        help="URDF of the arm, with the sensor's frame (default: the recorded)")
     parser.add_argument('--params', metavar='FILE', help='ROS 2 parameter file of estimator_node: '
-                        'force_sensor.frame (default: that of the wrench) and force_sign')
+                        'force_sensor.frame (default: that of the wrench), force_sensor.rpy and '
+                        'force_sign')
     parser.add_argument('--output', required=True, metavar='tool.yaml',
                         help='ROS 2 parameter file to write, for estimator_node and replay')
     parser.add_argument('--json', metavar='FILE', help='write values and deviations as JSON')
@@ -80,15 +84,31 @@ def run(options: Any) -> int:
             f'the wrenches of {options.recording} have no frame_id; name the frame of the sensor '
             'in --params as force_sensor.frame'
         )
-    urdf = _text(options.robot_description)
-    model = RobotModel(urdf, _root(urdf, options.robot_description), frame)
-    found = calibrate_tool(read_blocks(
-        reader, source, model, _force_sign(given), _mount(given)))
+    urdf, origin = _description(options, reader, source)
+    model = RobotModel(urdf, _root(urdf, origin), frame)
+    sign = _force_sign(given)
+    found = calibrate_tool(read_blocks(reader, source, model, sign, _mount(given)), sign)
     files[0].write_text(_parameter_file(found, frame))
     if options.json:
         files[1].write_text(json.dumps(_as_json(found), indent=1) + '\n')
     _print(found, frame, options.output)
     return 0
+
+
+def _description(
+    options: Any, reader: RecordingReader, source: RecordingSource
+) -> tuple[str, str]:
+    """Return the URDF, and the file or recording that holds it."""
+    if options.robot_description:
+        return _text(options.robot_description), options.robot_description
+    try:
+        return recorded_description(reader, source), f'in {options.recording}'
+    except RecordingError as error:
+        raise RecordingError(
+            f'{options.recording} has no robot description on '
+            f'{canonical(source.robot_description)}; give the URDF as --robot-description, or '
+            'record the topic'
+        ) from error
 
 
 def _text(path: str) -> str:
@@ -99,20 +119,20 @@ def _text(path: str) -> str:
         raise ModelFileError(f'robot description {path} cannot be read: {reason}') from error
 
 
-def _root(urdf: str, path: str) -> str:
+def _root(urdf: str, origin: str) -> str:
     """Return the link that carries all others; its z axis points up."""
     try:
         robot = ElementTree.fromstring(urdf)
     except ElementTree.ParseError as error:
         raise ModelFileError(
-            f'robot description {path} must be a URDF, which is XML: {error}; expand xacro first'
+            f'robot description {origin} must be a URDF, which is XML: {error}; expand xacro first'
         ) from error
     children = {child.get('link') for child in robot.iterfind('joint/child')}
     roots = [link.get('name') or '' for link in robot.iterfind('link')
              if link.get('name') not in children]
     if len(roots) != 1:
         raise ModelFileError(
-            f'robot description {path} must have one root link, got {roots or "none"}'
+            f'robot description {origin} must have one root link, got {roots or "none"}'
         )
     return roots[0]
 

@@ -66,7 +66,8 @@ def make_parser() -> Parser:
                         help='recordings of each group that are also diagnosed together, spread '
                         'over time, each predicted by the others; 0: none (4)')
     parser.add_argument('--no-pages', action='store_true',
-                        help='write no page for each recording, which takes a fifth of the time')
+                        help='skip the page of each recording; writing them takes a fifth of the '
+                        'time')
     parser.add_argument('--most-samples', type=int, default=1_000_000, metavar='N',
                         help='wrenches of a recording that are diagnosed, from its start: a '
                         "bound of a worker's memory (1000000)")
@@ -139,6 +140,9 @@ def _print(fleet: Fleet, folder: Path) -> None:
     print(f'{len(fleet.entries)} recordings in {groups} '
           f'{"group" if groups == 1 else "groups"}, {fleet.done} finished before, '
           f'{len(fleet.failed)} with an error')
+    if fleet.identical:
+        print(f'{fleet.identical} recordings are identical to others' if fleet.identical > 1
+              else '1 recording is identical to another')
     print(f'wrote table.parquet and index.html in {folder}')
 
 

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Callable, Iterator, Mapping, NamedTuple, Sequence
+from typing import Callable, Iterator, Mapping, Sequence
 
 from .changes import Change, changes
 from .discovery import FoundRecording
@@ -47,7 +47,8 @@ class Fleet:
     changes : list of Change
         What is named from some recording on.
     done, redone : int
-        Recordings whose results were there already, and those that were worked on.
+        Recordings whose results were there already, and those whose results were not; copies
+        count, too.
     settings : Settings
         Of all of them.
 
@@ -65,10 +66,11 @@ class Fleet:
         """Return the recordings with an error."""
         return [entry for entry in self.entries if entry.outcome['error']]
 
-
-class _Count(NamedTuple):
-    there: int
-    new: int
+    @property
+    def identical(self) -> int:
+        """Return the number of recordings with the content of another one before them."""
+        hashes = [entry.sha256 for entry in self.entries if entry.sha256]
+        return len(hashes) - len(set(hashes))
 
 
 def run_fleet(
@@ -106,7 +108,7 @@ def run_fleet(
     keys = {one.path: settings.key('recording', hashes[one.path])
             for one in found if one.path in hashes}
     calls = {keys[path]: Call(process, (path, settings, with_pages)) for path in keys}
-    outcomes, count = _finish(calls, finished, workers, with_pages, progress)
+    outcomes, there = _finish(calls, finished, workers, with_pages, progress)
     outcomes.update({one.path: _nothing(settings, unreadable[one.path])
                      for one in found if one.path in unreadable})
     entries = in_time(
@@ -117,7 +119,8 @@ def run_fleet(
     pooled = list(_pooled(entries, found_changes, most_pooled, settings, workers, finished,
                           with_pages, progress))
     ordered = [entry for members in by_group(entries).values() for entry in members]
-    return Fleet(ordered, pooled, found_changes, count.there, count.new, settings)
+    done = sum(key in there for key in keys.values())  # copies have one key
+    return Fleet(ordered, pooled, found_changes, done, len(keys) - done, settings)
 
 
 def _hashes(
@@ -137,16 +140,16 @@ def _hashes(
 def _finish(
     calls: Mapping[str, Call], finished: Finished, workers: Workers, with_pages: bool,
     progress: Progress,
-) -> tuple[dict[str, Outcome], _Count]:
-    """Return the outcome of each call, from a file or else from a worker."""
+) -> tuple[dict[str, Outcome], set[str]]:
+    """Return each call's outcome, from a file or else a worker, and the keys of the files."""
     outcomes = {key: outcome for key in calls
                 if (outcome := finished.get(key, with_pages)) is not None}
     missing = {key: call for key, call in calls.items() if key not in outcomes}
-    there = len(outcomes)
+    there = set(outcomes)
     for key, answer in workers.answers(missing):
         outcomes[key] = _kept(key, answer, missing[key], finished)
         progress(len(outcomes) / len(calls), f'{len(outcomes)} of {len(calls)}')
-    return outcomes, _Count(there, len(missing))
+    return outcomes, there
 
 
 def _kept(key: str, answer: Answer, call: Call, finished: Finished) -> Outcome:

@@ -102,7 +102,7 @@ class ToolCalibration:
     contact: int
 
 
-def calibrate_tool(blocks: CalibrationBlocks) -> ToolCalibration:
+def calibrate_tool(blocks: CalibrationBlocks, force_sign: float = 1.0) -> ToolCalibration:
     """
     Fit mass, centre of gravity and biases.
 
@@ -110,6 +110,8 @@ def calibrate_tool(blocks: CalibrationBlocks) -> ToolCalibration:
     ----------
     blocks : CalibrationBlocks
         Of poses, or of slow motion, in free flight.
+    force_sign : float
+        By which the wrenches have been multiplied; an error names it.
 
     Returns
     -------
@@ -142,7 +144,7 @@ def calibrate_tool(blocks: CalibrationBlocks) -> ToolCalibration:
         )
     require_directions(np.array([blocks.f[pose].mean(axis=0) for pose in poses]))
     theta, P, rms = _fit_between_poses(blocks, poses)
-    _require_tool(blocks.wrench[free], theta, rms)
+    _require_tool(blocks.wrench[free], theta, rms, force_sign)
     m, c = theta[0], theta[1:4] / theta[0]
     J = np.column_stack([-c / m, np.eye(3) / m])  # of c = m c / m
     std = np.sqrt(np.diag(P))
@@ -233,7 +235,9 @@ def _require_free_flight(free: int, slow: int) -> None:
         )
 
 
-def _require_tool(wrench: Array, theta: Array, rms: tuple[float, float]) -> None:
+def _require_tool(
+    wrench: Array, theta: Array, rms: tuple[float, float], force_sign: float
+) -> None:
     variation = float(np.linalg.norm(np.std(wrench[:, :3], axis=0)))
     if rms[0] > _MOST_MISFIT * variation:
         raise EstimationError(
@@ -243,7 +247,6 @@ def _require_tool(wrench: Array, theta: Array, rms: tuple[float, float]) -> None
         )
     if theta[0] <= 0.0:
         raise EstimationError(
-            f'the mass is {theta[0]:.3g} kg, so the weight pulls up: the driver publishes the '
-            'force that the robot applies; set force_sign: -1 (or turn force_sensor.frame) and '
-            'calibrate again'
+            f'the mass is {theta[0]:.3g} kg, so the weight pulls up: change the sign of '
+            f'force_sign (now {force_sign:g}), or turn force_sensor.frame, and calibrate again'
         )

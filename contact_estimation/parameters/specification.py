@@ -20,9 +20,8 @@ import dataclasses
 import math
 from typing import Any, Iterator
 
+from .value_text import number_text, Value, value_text
 from ..exceptions import ParameterRangeError, UnknownNameError
-
-Value = bool | int | float | str | tuple[float, ...]
 
 LARGEST = 1e15
 """Of any parameter in SI units: products of a few of them must not overflow."""
@@ -72,22 +71,22 @@ class ParameterSpecification:
         if self.choices:
             return 'one of ' + ', '.join(self.choices)
         if self.minimum is not None and self.maximum is not None:
-            return f'{self.minimum:g} to {self.maximum:g}'
+            return f'{number_text(self.minimum)} to {number_text(self.maximum)}'
         if self.minimum is not None:
-            return f'at least {self.minimum:g}'
-        return '' if self.maximum is None else f'at most {self.maximum:g}'
+            return f'at least {number_text(self.minimum)}'
+        return '' if self.maximum is None else f'at most {number_text(self.maximum)}'
 
     @property
     def expectation(self) -> str:
         """Return the valid values as error messages state them."""
         if self.choices:
             return self.valid_range
-        kind = {bool: 'true or false', int: 'an integer', float: 'a number', str: 'a text',
-                tuple: 'a list of 3 numbers'}[type(self.default)]
-        low = '' if self.minimum is None else f' >= {self.minimum:g}'
-        high = '' if self.maximum is None else f' <= {self.maximum:g}'
+        kind = {bool: 'true or false', int: 'an integer', float: 'a number', str: 'text',
+                tuple: '3 numbers'}[type(self.default)]
+        low = '' if self.minimum is None else f' >= {number_text(self.minimum)}'
+        high = '' if self.maximum is None else f' <= {number_text(self.maximum)}'
         off = ' or NaN (off)' if self.nan_is_off else ''
-        unit = f' {self.unit}' if self.unit else ''
+        unit = '' if self.unit in ('', '1') else f' [{self.unit}]'
         return f'{kind}{low}{" and" if low and high else ""}{high}{unit}{off}'
 
     def check(self, value: Any) -> Value:
@@ -154,14 +153,15 @@ class ParameterSpecification:
         largest = _LARGEST_OF_EFFECT if self.nan_is_off else LARGEST
         if self.maximum is None and abs(value) > largest:
             raise ParameterRangeError(
-                f'{self.name} must be {self.expectation}, and at most {largest:g} in magnitude, '
-                f'got {value!r}: its square would overflow; default {self.default!r}'
+                f'{self.name} must be {self.expectation}, and at most {number_text(largest)} in '
+                f'magnitude, got {value!r}: its square would overflow; default '
+                + value_text(self.default)
             )
 
     def _error(self, value: Any) -> ParameterRangeError:
         return ParameterRangeError(
-            f'{self.name} must be {self.expectation}, got {value!r}; default {self.default!r}'
-        )
+            f'{self.name} must be {self.expectation}, got {value!r}; default '
+            + value_text(self.default))
 
 
 def parameter(

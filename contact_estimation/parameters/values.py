@@ -19,7 +19,8 @@ from __future__ import annotations
 import dataclasses
 from typing import Any, Mapping, TypeVar
 
-from .specification import ParameterGroup, specifications, Value
+from .specification import ParameterGroup, specifications
+from .value_text import Value
 from ..exceptions import ParameterReadOnlyError, UnknownNameError
 
 Group = TypeVar('Group', bound=ParameterGroup)

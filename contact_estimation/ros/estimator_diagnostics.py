@@ -24,6 +24,7 @@ from typing import Any, Callable, Sequence
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
 from .percentiles import percentiles
+from ..estimation.arm import NO_DESCRIPTION
 from ..estimation.checks import Rejections
 from ..estimation.model_fit import ModelFitMonitor
 from ..estimation.session import ContactSession
@@ -47,6 +48,8 @@ class EstimatorDiagnostics:
         Of the sensor or robot.
     now_ns : callable
         The node's clock, by which latencies are measured [ns].
+    description_topic : str
+        On which the description of an arm is awaited.
 
     Attributes
     ----------
@@ -57,10 +60,11 @@ class EstimatorDiagnostics:
 
     def __init__(
         self, name: str, silence_s: float, hardware_id: str = '',
-        now_ns: Callable[[], int] = time.time_ns,
+        now_ns: Callable[[], int] = time.time_ns, description_topic: str = '/robot_description',
     ) -> None:
         self._name, self.silence_s = name, silence_s
         self.hardware_id, self._now_ns = hardware_id, now_ns
+        self._description_topic = description_topic
         self.headline = '', ''
         self._rejections: Rejections | None = None
         self.processed = 0
@@ -126,7 +130,7 @@ class EstimatorDiagnostics:
         estimate = estimates[0] if estimates else None
         starved = self.processed == self._before[0]
         warnings = self._warnings(session, starved)
-        level, text = self._judge(warnings, estimate)
+        level, text = self._judge(warnings, estimate, self._problem_of(session))
         values = {**self._rates(), **self._estimation(session, estimate)}
         for (axis, pipeline), other in list(zip(session.pipelines.items(), estimates))[1:]:
             values.update((f'{axis}_{k}', v) for k, v in _values_of(other).items())
@@ -144,14 +148,16 @@ class EstimatorDiagnostics:
         return message
 
     def _judge(
-        self, warnings: list[tuple[str, str]], estimate: Estimate | None
+        self, warnings: list[tuple[str, str]], estimate: Estimate | None, problem: str
     ) -> tuple[bytes, str]:
         silent = time.monotonic() - self._last_arrival
         self.headline = '', ''
-        if silent > self.silence_s:
-            text = f'no wrench for {silent:.1f} s; is the sensor running?'
+        if problem or silent > self.silence_s:
+            # Without its description an arm has no use for wrenches.
+            name, text = ('robot_description', problem) if problem else (
+                'silence', f'no wrench for {silent:.1f} s; is the sensor running?')
             if self._arrived or silent > _STARTING_S:
-                self.headline = 'silence', text
+                self.headline = name, text
             return DiagnosticStatus.ERROR, text
         if warnings:
             self.headline = warnings[0]
@@ -163,6 +169,13 @@ class EstimatorDiagnostics:
             return DiagnosticStatus.WARN, self.headline[1]
         reason = f': {estimate.reason}' if estimate.reason else ''
         return DiagnosticStatus.OK, f'{estimate.status.value}{reason}'
+
+    def _problem_of(self, session: ContactSession) -> str:
+        """Return why there is no arm, with the topic subscribed; '' if nothing is wrong."""
+        if session.problem == NO_DESCRIPTION:
+            return (f'waiting for the robot description on {self._description_topic}; is '
+                    'robot_state_publisher running? Or set robot_description_file')
+        return session.problem
 
     def _warnings(self, session: ContactSession, starved: bool) -> list[tuple[str, str]]:
         """Return names and texts, the most important first."""

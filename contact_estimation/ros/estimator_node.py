@@ -93,7 +93,8 @@ class EstimatorNode(Node):
             self.get_logger().warning(self._session.pipeline.estimator.limitation)
         self._diagnostics = EstimatorDiagnostics(
             self.get_fully_qualified_name(), self._own.silence_s,
-            self._own.hardware_id or parameters.frame_id, self._now_ns)
+            self._own.hardware_id or parameters.frame_id, self._now_ns,
+            self.resolve_topic_name(topics.ROBOT_DESCRIPTION))
         self._subscribe()
         self._diagnostics_publisher = self.create_publisher(
             DiagnosticArray, topics.DIAGNOSTICS, topics.OUTPUT_QOS
@@ -120,6 +121,8 @@ class EstimatorNode(Node):
         if self._session.parameters.kinematics.tip and self._session.arm is None:
             self.create_subscription(
                 String, topics.ROBOT_DESCRIPTION, self._on_description, topics.DESCRIPTION_QOS)
+            self._log.event('waiting for the robot description on '
+                            + self.resolve_topic_name(topics.ROBOT_DESCRIPTION))
 
     def start(self) -> None:
         """Start the data thread."""
@@ -287,7 +290,7 @@ def main(args: Sequence[str] | None = None) -> int:
         0, or 1 with one line on stderr.
 
     """
-    return run_node(EstimatorNode, PURPOSE, all_specifications(), args)
+    return run_node(EstimatorNode, PURPOSE, all_specifications(), args, topics.WRENCH)
 
 
 if __name__ == '__main__':

@@ -79,7 +79,7 @@ class LoopConfiguration(NamedTuple):
 
 def configure(
     experiment: str, parameter_file: str | None = None, estimator: str | None = None,
-    duration: float | None = None, seed: int | None = None,
+    duration: float | None = None, seed: int | None = None, reference_law: str | None = None,
 ) -> LoopConfiguration:
     """
     Combine a parameter file with options and check the result.
@@ -96,6 +96,8 @@ def configure(
         Length of the run [s]; one experiment by default.
     seed : int, optional
         Of all noise; overrides the file's.
+    reference_law : str, optional
+        Overrides the file's.
 
     Returns
     -------
@@ -129,6 +131,8 @@ def configure(
     }
     if estimator is not None:
         estimator_values['estimator'] = estimator
+    if reference_law is not None:
+        estimator_values['reference_law'] = reference_law
     estimation = build(EstimationParameters, without(EstimatorNodeParameters, estimator_values))
     refuse_double_tracking(estimation.reference_law, plant.robot.force_tracking)
     sections = {'estimator_node': estimator_values, 'plant_node': plant_values}
@@ -155,7 +159,8 @@ def _duration(given: float | None, experiment: Experiment) -> float:
 
 
 def write_parameters(
-    path: Path, configuration: LoopConfiguration, recording: Path, plant_summary: Path
+    path: Path, configuration: LoopConfiguration, recording: Path,
+    plant_summary: Path | None = None,
 ) -> None:
     """
     Write the parameter file of all nodes.
@@ -168,14 +173,14 @@ def write_parameters(
         Parameters of estimator and plant.
     recording : Path
         Folder that the recorder writes.
-    plant_summary : Path
-        JSON file that the plant writes at its end.
+    plant_summary : Path, optional
+        JSON file that the plant writes at its end; none by default.
 
     """
     estimator, plant = (configuration.sections[f'{name}_node'] for name in ('estimator', 'plant'))
     nodes = {
         'estimator_node': estimator,
-        'plant_node': {**plant, 'summary_file': str(plant_summary)},
+        'plant_node': {**plant, 'summary_file': str(plant_summary or '')},
         'recorder_node': {'output': str(recording)},
     }
     nested = {node: {'ros__parameters': dict(values)} for node, values in nodes.items()}

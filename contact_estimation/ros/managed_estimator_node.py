@@ -23,6 +23,7 @@ from rclpy.lifecycle import LifecycleNodeMixin, LifecycleState, TransitionCallba
 
 from .estimator_node import all_specifications, EstimatorNode
 from .running import run_node
+from .topics import WRENCH
 
 PURPOSE = ('managed_estimator_node: estimator_node with the states of the ROS 2 life cycle; it '
            'takes data and publishes while it is active')
@@ -117,7 +118,7 @@ def main(args: Sequence[str] | None = None) -> int:
         0, or 1 with one line on stderr.
 
     """
-    return run_node(ManagedEstimatorNode, PURPOSE, all_specifications(), args)
+    return run_node(ManagedEstimatorNode, PURPOSE, all_specifications(), args, WRENCH)
 
 
 if __name__ == '__main__':

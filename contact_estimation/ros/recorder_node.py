@@ -175,7 +175,7 @@ def main(args: Sequence[str] | None = None) -> int:
 
     """
     known: Any = list(specifications(RecorderParameters))
-    return run_node(RecorderNode, PURPOSE, known, args)
+    return run_node(RecorderNode, PURPOSE, known, args, topics.WRENCH)
 
 
 if __name__ == '__main__':

@@ -30,6 +30,7 @@ from rclpy.signals import SignalHandlerOptions
 
 from ..exceptions import ContactEstimationError
 from ..parameters.specification import ParameterSpecification
+from ..parameters.value_text import value_text
 
 
 class RunnableNode(Protocol):
@@ -51,6 +52,7 @@ def run_node(
     purpose: str,
     known: Iterable[ParameterSpecification],
     args: Sequence[str] | None,
+    topic: str = '',
 ) -> int:
     """
     Run a node until it has finished or is interrupted.
@@ -60,11 +62,13 @@ def run_node(
     make : callable
         Makes the node.
     purpose : str
-        First line of the help.
+        First line of the help: name of the program, a colon and what it does.
     known : iterable of ParameterSpecification
         For the help.
     args : sequence of str or None
         Command line; None takes that of the process.
+    topic : str
+        For the help: the input that users remap; '' for none.
 
     Returns
     -------
@@ -74,7 +78,7 @@ def run_node(
     """
     arguments = list(sys.argv[1:] if args is None else args)
     if '--help' in arguments or '-h' in arguments:
-        print(help_text(purpose, known))
+        print(help_text(purpose, known, topic))
         return 0
     # rclpy.init needs a directory for its logs.
     if 'HOME' not in os.environ:
@@ -125,16 +129,20 @@ def _spin(node: RunnableNode, interrupted: Event) -> int:
     return 0
 
 
-def help_text(purpose: str, known: Iterable[ParameterSpecification]) -> str:
+def help_text(
+    purpose: str, known: Iterable[ParameterSpecification], topic: str = ''
+) -> str:
     """
     Write the help of a node.
 
     Parameters
     ----------
     purpose : str
-        What it does.
+        Name of the program, a colon and what it does.
     known : iterable of ParameterSpecification
         Its parameters.
+    topic : str
+        An input, for an example of remapping; '' for none.
 
     Returns
     -------
@@ -142,15 +150,17 @@ def help_text(purpose: str, known: Iterable[ParameterSpecification]) -> str:
         To be printed.
 
     """
+    remapping = f' -r {topic}:=/my/{topic}' if topic else ''
     lines = [
         purpose,
         '',
-        'usage: ... [--ros-args -p NAME:=VALUE --params-file FILE -r wrench:=/my/wrench ...]',
+        f'usage: {purpose.partition(":")[0]} [--ros-args -p NAME:=VALUE --params-file FILE'
+        f'{remapping} ...]',
         '',
         'parameters:',
     ]
     for spec in known:
-        lines.append(f'  {spec.name} = {spec.default!r}: {spec.expectation}')
+        lines.append(f'  {spec.name} = {value_text(spec.default)}: {spec.expectation}')
         lines.append(f'      {spec.description}')
     return '\n'.join(lines)
 

@@ -29,8 +29,10 @@ from ...exceptions import EstimationError
 FRICTION_N = 8.0
 """Of the joints, as a force along the normal."""
 
-CONCEALED = ('joint friction', 'tool mass')
-_RIGHT_PORT = {'joint friction': 'robot', 'tool mass': 'force_sensor'}
+CONCEALED = ('nothing', 'joint friction', 'tool mass')
+_RIGHT_PORTS: dict[str, set[str]] = {
+    'nothing': set(), 'joint friction': {'robot'}, 'tool mass': {'force_sensor'},
+}
 
 
 def diagnosed(files: ArmFiles, concealed: str, seed: int, tool: Path) -> dict[str, Any]:
@@ -42,8 +44,9 @@ def diagnosed(files: ArmFiles, concealed: str, seed: int, tool: Path) -> dict[st
     files : ArmFiles
         Of the arm.
     concealed : str
-        One of `CONCEALED`: dry friction of the joints that the nominal model lacks, or the mass of
-        the tool, which the parameters then give as 0.
+        One of `CONCEALED`: nothing, where the nominal model has all physics and the parameters
+        hold the tool; dry friction of the joints that the nominal model lacks; or the mass of the
+        tool, which the parameters then give as 0.
     seed : int
         Of excitation, noise and wall.
     tool : Path
@@ -53,7 +56,8 @@ def diagnosed(files: ArmFiles, concealed: str, seed: int, tool: Path) -> dict[st
     -------
     row : dict
         Names and parameters; `right`: whether the first name is one of the port that holds what is
-        concealed, `alone`: whether all names are.
+        concealed, `alone`: whether all names are. With nothing concealed, both: whether nothing is
+        named.
 
     Raises
     ------
@@ -76,10 +80,10 @@ def diagnosed(files: ArmFiles, concealed: str, seed: int, tool: Path) -> dict[st
     if code:
         raise EstimationError(f'diagnose failed on {recording}: {printed.getvalue()}')
     return {'arm': files.arm.name, 'concealed': concealed, 'seed': seed,
-            **_scored(json.loads(report.read_text()), _RIGHT_PORT[concealed])}
+            **_scored(json.loads(report.read_text()), _RIGHT_PORTS[concealed])}
 
 
-def _scored(report: dict[str, Any], port: str) -> dict[str, Any]:
+def _scored(report: dict[str, Any], right: set[str]) -> dict[str, Any]:
     ports = [effect['port'] for effect in report['effects']]
     return {
         'verdict': report['verdict'],
@@ -88,7 +92,7 @@ def _scored(report: dict[str, Any], port: str) -> dict[str, Any]:
             f'{effect["name"]}.{name}': fitted['value'] for effect in report['effects']
             for name, fitted in effect['parameters'].items()
         },
-        'right': bool(ports) and ports[0] == port,
-        'alone': bool(ports) and set(ports) == {port},
+        'right': set(ports[:1]) == right,
+        'alone': set(ports) == right,
         'stiffness': (report['corrected']['stiffness'] or {}).get('value'),
     }

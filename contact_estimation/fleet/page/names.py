@@ -41,9 +41,8 @@ def prepare(fleet: Fleet) -> dict[str, Any] | None:
 
 def _cell(members: Sequence[Entry], name: str) -> dict[str, Any] | None:
     """Return how often a name occurs, and where first."""
-    named = [(number, entry) for number, entry in enumerate(members, 1)
+    named = [entry for entry in members
              if any(effect['name'] == name for effect in entry.effects)]
     if not named:
         return None
-    number, first = named[0]
-    return {'count': len(named), 'number': number, 'entry': first, 'start': start_of(first)}
+    return {'count': len(named), 'entry': named[0], 'start': start_of(named[0])}

@@ -1,0 +1,70 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Values of parameters as texts of errors, help and comments show them: as in YAML, but short."""
+
+from __future__ import annotations
+
+import math
+import re
+
+Value = bool | int | float | str | tuple[float, ...]
+
+_LARGE = 1e6  # from here on zeros are tedious to count
+
+
+def number_text(number: float) -> str:
+    """
+    Return a number to six digits, its exponent as people write it: 1e6, not 1e+06.
+
+    Parameters
+    ----------
+    number : float
+        Limit of a parameter.
+
+    Returns
+    -------
+    text : str
+        The number.
+
+    """
+    return re.sub(r'e([+-])0*', lambda found: 'e' + found[1].strip('+'), f'{number:g}')
+
+
+def value_text(value: Value) -> str:
+    """
+    Return the value of a parameter: true, [0.0, 0.0, 0.0], 1e10, NaN.
+
+    Parameters
+    ----------
+    value : bool, int, float, str or tuple of float
+        Value of a parameter.
+
+    Returns
+    -------
+    text : str
+        The value, which YAML reads as the same; NaN is `.nan` there.
+
+    """
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, tuple):
+        return '[' + ', '.join(value_text(element) for element in value) + ']'
+    if isinstance(value, float):
+        if math.isnan(value):
+            return 'NaN'
+        short = number_text(value)
+        if (abs(value) >= _LARGE or 'e' in repr(value)) and float(short) == value:
+            return short
+    return repr(value)
