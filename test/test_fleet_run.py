@@ -17,6 +17,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+import os
 from pathlib import Path
 from typing import Any, Iterator, Mapping
 
@@ -142,6 +143,20 @@ def test_an_unexpected_error_of_a_worker_is_a_row_and_not_kept(
     assert {entry.outcome['error'] for entry in run(recordings, tmp_path, InThisProcess()).entries
             } == {'ValueError: a bug'}
     assert list((tmp_path / 'finished').iterdir()) == []
+
+
+def test_a_name_that_is_not_utf_8_is_escaped_everywhere(recordings: Path, tmp_path: Path) -> None:
+    pytest.importorskip('pyarrow')
+    pytest.importorskip('matplotlib')
+    archive_folder = tmp_path / 'archive'
+    archive_folder.mkdir()
+    (archive_folder / os.fsdecode(b'run_\xff.mcap')).write_bytes(b'')
+    fleet = run(archive_folder, tmp_path / 'out', InThisProcess())
+    entry, = fleet.entries
+    assert entry.name.endswith('/run_\\xff.mcap')
+    assert entry.outcome['error'].startswith('recording run_\\xff.mcap is empty')
+    assert b'run_' in as_parquet(fleet.entries, 'model')
+    assert b'run_\\xff.mcap' in as_html(fleet).encode('utf-8')
 
 
 def test_table_has_explicit_types_and_units() -> None:
