@@ -123,6 +123,15 @@ def test_refusal_says_what_is_wrong(
     assert re.search(message, capsys.readouterr().err)
 
 
+def test_a_sensor_without_a_tool_is_named(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(globals(), 'MASS', 0.0)
+    write(tmp_path / 'run.mcap', POSES)
+    assert calibrate(tmp_path) == 1
+    assert 'so the sensor carries no tool' in capsys.readouterr().err
+
+
 def test_robot_description_is_never_replaced(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
