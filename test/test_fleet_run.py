@@ -145,20 +145,6 @@ def test_an_unexpected_error_of_a_worker_is_a_row_and_not_kept(
     assert list((tmp_path / 'finished').iterdir()) == []
 
 
-def test_a_name_that_is_not_utf_8_is_escaped_everywhere(recordings: Path, tmp_path: Path) -> None:
-    pytest.importorskip('pyarrow')
-    pytest.importorskip('matplotlib')
-    archive_folder = tmp_path / 'archive'
-    archive_folder.mkdir()
-    (archive_folder / os.fsdecode(b'run_\xff.mcap')).write_bytes(b'')
-    fleet = run(archive_folder, tmp_path / 'out', InThisProcess())
-    entry, = fleet.entries
-    assert entry.name.endswith('/run_\\xff.mcap')
-    assert entry.outcome['error'].startswith('recording run_\\xff.mcap is empty')
-    assert b'run_' in as_parquet(fleet.entries, 'model')
-    assert b'run_\\xff.mcap' in as_html(fleet).encode('utf-8')
-
-
 def test_table_has_explicit_types_and_units() -> None:
     parquet = pytest.importorskip('pyarrow.parquet')
     pyarrow = pytest.importorskip('pyarrow')
@@ -191,6 +177,20 @@ def test_page_says_what_changes_wears_and_differs() -> None:
     assert 'worn: K_e changes by -0.250 % per recording' in page
     assert '<robot>' not in page and '<script' not in page
     assert 'no contact' in page and 'broken' in page
+
+
+def test_a_name_that_is_not_utf_8_is_escaped_everywhere(recordings: Path, tmp_path: Path) -> None:
+    pytest.importorskip('pyarrow')
+    pytest.importorskip('matplotlib')
+    archive_folder = tmp_path / 'archive'
+    archive_folder.mkdir()
+    (archive_folder / os.fsdecode(b'run_\xff.mcap')).write_bytes(b'')
+    fleet = run(archive_folder, tmp_path / 'out', InThisProcess())
+    entry, = fleet.entries
+    assert entry.name.endswith('/run_\\xff.mcap')
+    assert entry.outcome['error'].startswith('recording run_\\xff.mcap is empty')
+    assert b'run_' in as_parquet(fleet.entries, 'model')
+    assert b'run_\\xff.mcap' in as_html(fleet).encode('utf-8')
 
 
 @pytest.mark.parametrize('options, text', [

@@ -144,8 +144,8 @@ def test_recording_is_never_overwritten_by_a_result(
 
 
 @pytest.mark.parametrize('name, content', [
-    ('a.db3.zstd', b''), ('a.bag', b'#ROSBAG'), ('damaged.MCAP', b''), ('a', b'\x28\xb5\x2f\xfd..'),
-    ('bag/notes.json', b'{}'), ('bag/new.json', None),
+    ('a.db3.zstd', b''), ('a.bag', b'#ROSBAG'), ('damaged.MCAP', b''),
+    ('a', b'\x28\xb5\x2f\xfd..'), ('bag/notes.json', b'{}'), ('bag/new.json', None),
 ])
 def test_what_may_be_a_recording_is_never_overwritten(
     recording: Path, tmp_path: Path, command: Command, name: str, content: bytes | None

@@ -48,7 +48,7 @@ def test_steps_stay_within_lead_and_box(
 
 
 def test_an_empty_box_is_refused() -> None:
-    with pytest.raises(ParameterRangeError, match=r'limits.lower must be <= .*got \[0.0, 0.0, 2.0'):
+    with pytest.raises(ParameterRangeError, match=r'lower must be <= .*got \[0.0, 0.0, 2.0'):
         PoseLimits(lower=(0.0, 0.0, 2.0), upper=(1.0, 1.0, 1.0))
 
 

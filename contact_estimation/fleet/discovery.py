@@ -101,7 +101,7 @@ def printable(text: str) -> str:
     Returns
     -------
     text : str
-        Can be encoded; such a byte reads as \\xff.
+        Can be encoded; such a byte reads as a backslash, x and two digits.
 
     """
     return text.encode('utf-8', 'surrogateescape').decode('utf-8', 'backslashreplace')
@@ -143,7 +143,7 @@ def _compiled(group_by: str) -> re.Pattern[str]:
 def _group(name: str, pattern: re.Pattern[str] | None) -> str:
     if pattern is None:
         return ONE_GROUP
-    match = pattern.search(name)
+    match = pattern.search(name) or pattern.search(f'{name}/')  # a folder that cannot be read
     parts = [part for part in match.groups() if part] if match else []
     if not parts:
         raise ParameterRangeError(
