@@ -107,7 +107,8 @@ def test_a_folder_that_cannot_be_read_is_found_with_its_error(
         return list(listed(path))
 
     monkeypatch.setattr(os, 'listdir', listdir)
-    assert names('archive', group_by='(robot_[a-z])/') == ['archive/robot_a', 'archive/robot_b/bag']
+    found = names('archive', group_by='(robot_[a-z])/')
+    assert found == ['archive/robot_a', 'archive/robot_b/bag']
     with pytest.raises(PermissionError):
         recording_sha256('archive/robot_a')
 

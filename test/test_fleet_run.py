@@ -17,7 +17,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-import os
 from pathlib import Path
 from typing import Any, Iterator, Mapping
 
@@ -184,7 +183,7 @@ def test_a_name_that_is_not_utf_8_is_escaped_everywhere(recordings: Path, tmp_pa
     pytest.importorskip('matplotlib')
     archive_folder = tmp_path / 'archive'
     archive_folder.mkdir()
-    (archive_folder / os.fsdecode(b'run_\xff.mcap')).write_bytes(b'')
+    (archive_folder / b'run_\xff.mcap'.decode('utf-8', 'surrogateescape')).write_bytes(b'')
     fleet = run(archive_folder, tmp_path / 'out', InThisProcess())
     entry, = fleet.entries
     assert entry.name.endswith('/run_\\xff.mcap')
