@@ -127,6 +127,23 @@ def test_refusal_says_what_is_wrong(
     assert re.search(message, capsys.readouterr().err)
 
 
+def test_a_sensor_without_a_tool_is_named(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(globals(), 'MASS', 0.0)
+    write(tmp_path / 'run.mcap', POSES)
+    assert calibrate(tmp_path) == 1
+    assert 'so the sensor carries no tool' in capsys.readouterr().err
+
+
+def test_robot_description_is_never_replaced(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert calibrate(tmp_path, '--output', str(tmp_path / 'arm.urdf')) == 1
+    assert 'it is the robot description, which would be lost' in capsys.readouterr().err
+    assert (tmp_path / 'arm.urdf').read_text() == small_arm.urdf()
+
+
 def test_force_sign_of_the_parameter_file_is_applied(tmp_path: Path) -> None:
     write(tmp_path / 'run.mcap', POSES, sign=-1.0)
     (tmp_path / 'params.yaml').write_text(

@@ -243,6 +243,17 @@ def test_nominal_model_file_is_never_replaced(
     assert model.read_bytes() == before
 
 
+def test_recording_of_the_fit_is_not_held_out(
+    folder: Path, tmp_path: Path, command: Command
+) -> None:
+    clean, bag = folder / 'clean.mcap', tmp_path / 'bag'
+    bag.mkdir()
+    (bag / 'copy.mcap').write_bytes(clean.read_bytes())
+    for tested in (clean, bag / 'copy.mcap', bag):
+        line = command.refusal(clean, '--holdout', tested, '--nominal', folder / 'model.yaml')
+        assert f'--holdout {tested} must be another recording' in line and str(clean) in line
+
+
 @pytest.mark.slow
 def test_fitted_and_held_out_recording_may_have_the_same_file_name(
     folder: Path, tmp_path: Path, command: Command

@@ -16,7 +16,9 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
+from typing import Any
 
 from contact_estimation.exceptions import ParameterRangeError, RecordingError
 from contact_estimation.fleet.discovery import find_recordings, ONE_GROUP
@@ -79,6 +81,36 @@ def test_a_path_without_recordings_is_refused(archive: Path, path: str, text: st
     (archive / 'empty').mkdir()
     with pytest.raises(RecordingError, match=text):
         find_recordings([path])
+
+
+def test_links_and_loops_give_each_recording_once_by_its_own_name(archive: Path) -> None:
+    (archive / 'archive/a_link').symlink_to('robot_b')
+    (archive / 'archive/robot_a/self').symlink_to('.')
+    (archive / 'archive/robot_a/again.mcap').symlink_to('run_9.mcap')
+    assert names('archive') == [
+        'archive/robot_a/run_9.mcap', 'archive/robot_a/run_10.mcap', 'archive/robot_b/bag']
+
+
+def test_pipes_are_no_recordings(archive: Path) -> None:
+    os.mkfifo('archive/robot_a/pipe.mcap')
+    assert 'archive/robot_a/pipe.mcap' not in names('archive')
+    with pytest.raises(RecordingError, match='no recording at archive/robot_a/pipe.mcap'):
+        names('archive/robot_a/pipe.mcap')
+
+
+def test_a_folder_that_cannot_be_read_is_found_with_its_error(
+    archive: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def listdir(path: str | Path, listed: Any = os.listdir) -> list[str]:
+        if Path(path).name == 'robot_a':
+            raise PermissionError(13, 'Permission denied', str(path))
+        return list(listed(path))
+
+    monkeypatch.setattr(os, 'listdir', listdir)
+    found = names('archive', group_by='(robot_[a-z])/')
+    assert found == ['archive/robot_a', 'archive/robot_b/bag']
+    with pytest.raises(PermissionError):
+        recording_sha256('archive/robot_a')
 
 
 def test_hash_follows_the_content_and_not_the_place(archive: Path) -> None:

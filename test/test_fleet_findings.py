@@ -16,6 +16,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import combinations
 from math import comb
 
@@ -132,3 +133,13 @@ def test_pool_is_spread_over_the_time_since_the_last_change() -> None:
         f'a/run_{k}.mcap' for k in (0, 6, 13, 19)]
     assert [entry.name for entry in rubbing.members] == [
         f'c/run_{k}.mcap' for k in (12, 14, 17, 19)]
+
+
+def test_copies_count_once_in_pools_changes_trends_and_differences() -> None:
+    worn = group_of('a', [report(4800.0 - 60.0 * k, ['coulomb_friction'] * (k > 2))
+                          for k in range(5)])
+    copies = [replace(entry, name=f'{entry.name}_{n}') for entry in worn for n in range(4)]
+    entries = in_time([*copies, *group_of('b', [report()] * 3)])
+    assert [len(pool.members) for pool in pools(entries, [], 10)] == [5, 3]
+    assert not changes(entries) and not differences(entries)
+    assert all(np.isnan(trend.slope) and len(trend.values) < 6 for trend in trends(entries))

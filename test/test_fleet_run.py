@@ -198,6 +198,20 @@ def test_page_says_what_changes_wears_and_differs() -> None:
     assert 'no contact' in page and 'broken' in page
 
 
+def test_a_name_that_is_not_utf_8_is_escaped_everywhere(recordings: Path, tmp_path: Path) -> None:
+    pytest.importorskip('pyarrow')
+    pytest.importorskip('matplotlib')
+    archive_folder = tmp_path / 'archive'
+    archive_folder.mkdir()
+    (archive_folder / b'run_\xff.mcap'.decode('utf-8', 'surrogateescape')).write_bytes(b'')
+    fleet = run(archive_folder, tmp_path / 'out', InThisProcess())
+    entry, = fleet.entries
+    assert entry.name.endswith('/run_\\xff.mcap')
+    assert entry.outcome['error'].startswith('recording run_\\xff.mcap is empty')
+    assert b'run_' in as_parquet(fleet.entries, 'model')
+    assert b'run_\\xff.mcap' in as_html(fleet).encode('utf-8')
+
+
 @pytest.mark.parametrize('options, text', [
     (['--jobs', '0'], '--jobs must be >= 1, got 0'),
     (['--group-by', 'run'], 'must have a group in parentheses'),

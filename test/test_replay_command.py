@@ -143,6 +143,31 @@ def test_recording_is_never_overwritten_by_a_result(
     assert recording.read_bytes() == before
 
 
+@pytest.mark.parametrize('name, content', [
+    ('a.db3.zstd', b''), ('a.bag', b'#ROSBAG'), ('damaged.MCAP', b''),
+    ('a', b'\x28\xb5\x2f\xfd..'), ('bag/notes.json', b'{}'), ('bag/new.json', None),
+])
+def test_what_may_be_a_recording_is_never_overwritten(
+    recording: Path, tmp_path: Path, command: Command, name: str, content: bytes | None
+) -> None:
+    (tmp_path / 'bag').mkdir()
+    (tmp_path / 'bag/metadata.yaml').write_text('rosbag2_bagfile_information: {version: 5}')
+    if content is not None:
+        (tmp_path / name).write_bytes(content)
+    assert 'recordings are never' in command.refusal(recording, '--json', tmp_path / name)
+    assert not (tmp_path / name).exists() or (tmp_path / name).read_bytes() == content
+
+
+def test_parameter_file_is_never_replaced_by_a_result(
+    recording: Path, tmp_path: Path, command: Command
+) -> None:
+    file = tmp_path / 'p.yaml'
+    file.write_text('estimator_node: {ros__parameters: {estimator: rls}}')
+    line = command.refusal(recording, '--params', file, '--json', file)
+    assert 'it is a parameter file, which would be lost; choose another file' in line
+    assert file.read_text().startswith('estimator_node')
+
+
 def test_two_results_in_one_file_are_refused(
     recording: Path, tmp_path: Path, command: Command
 ) -> None:

@@ -220,6 +220,15 @@ def test_request_that_cannot_be_met_is_refused_in_one_line(
     assert text in error and error.count('\n') == 1
 
 
+def test_model_file_is_never_replaced_by_the_picture(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    model = model_file(tmp_path, seed=1)
+    output = ['--output', str(tmp_path / 'a.mcap'), '--picture', model]
+    assert main(['--model', model, '--experiment', 'sine', *output]) == 1
+    assert 'it is the model file, which would be lost' in capsys.readouterr().err
+
+
 def test_nothing_is_overwritten(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / 'a.mcap').write_text('precious')
     args = ['--model', model_file(tmp_path, seed=1), '--experiment', 'sine']

@@ -47,6 +47,11 @@ def test_steps_stay_within_lead_and_box(
         None if expected is None else pytest.approx(expected))
 
 
+def test_an_empty_box_is_refused() -> None:
+    with pytest.raises(ParameterRangeError, match=r'lower must be <= .*got \[0.0, 0.0, 2.0'):
+        PoseLimits(lower=(0.0, 0.0, 2.0), upper=(1.0, 1.0, 1.0))
+
+
 def test_the_nearest_side_of_the_box_counts_along_an_oblique_normal() -> None:
     normal = (sqrt(0.5), 0.0, -sqrt(0.5))
     assert step_along((0.99, 0.0, 0.4), normal, 0.05, BOX) == pytest.approx(0.01 * sqrt(2.0))

@@ -74,8 +74,10 @@ def run(options: Any) -> int:
         0.
 
     """
-    different_files((options.output, options.json))
     files = [new_file(path) for path in (options.output, options.json) if path]
+    different_files((options.output, options.json), {
+        'the recording': [options.recording], 'the parameter file': [options.params],
+        'the robot description': [options.robot_description]})
     given = read_parameter_file(options.params, 'estimator_node') if options.params else {}
     reader, source = RecordingReader(options.recording), source_of(options)
     frame = str(given.get('force_sensor.frame') or recorded_frame(reader, source))

@@ -17,15 +17,15 @@
 from __future__ import annotations
 
 import argparse
+import os
 from pathlib import Path
 import sys
-from typing import Any, Callable, Iterable, NoReturn, Sequence
+from typing import Any, Callable, Iterable, Mapping, NoReturn, Sequence
 
 from ..exceptions import ContactEstimationError, RecordingError
 from ..parameters.file import read_parameter_file
+from ..recordings.identity import is_bag_folder, is_recording
 from ..recordings.source import RecordingSource, TOPICS
-
-_MCAP_MAGIC = b'\x89MCAP0\r\n'
 
 
 class Parser(argparse.ArgumentParser):
@@ -203,7 +203,8 @@ def new_file(path: str) -> Path:
     Raises
     ------
     RecordingError
-        If its folder does not exist, or the path is a folder or a recording.
+        If its folder does not exist or is a rosbag2 recording, or the path is a folder or a
+        recording.
 
     """
     file = Path(path)
@@ -213,18 +214,17 @@ def new_file(path: str) -> Path:
         )
     if file.is_dir():
         raise RecordingError(f'cannot write {path}: it is a folder; choose a file in it')
-    if file.is_file() and _is_recording(file):
+    if file.is_file() and is_recording(file):
         raise RecordingError(
             f'cannot write {path}: it is a recording, and recordings are never overwritten; '
             'choose another file'
         )
+    if is_bag_folder(file.resolve().parent):
+        raise RecordingError(
+            f'cannot write {path}: its folder is a rosbag2 recording, and recordings are never '
+            'changed; choose another folder'
+        )
     return file
-
-
-def _is_recording(file: Path) -> bool:
-    with open(file, 'rb') as stream:
-        start = stream.read(16)
-    return start.startswith((_MCAP_MAGIC, b'SQLite format 3')) or file.name == 'metadata.yaml'
 
 
 def new_folder(path: str) -> Path:
@@ -257,26 +257,39 @@ def new_folder(path: str) -> Path:
     return folder
 
 
-def different_files(paths: Iterable[str | None]) -> None:
+def different_files(
+    paths: Iterable[str | None], inputs: Mapping[str, Iterable[str | None]] | None = None
+) -> None:
     """
-    Check that results do not overwrite each other.
+    Check that results overwrite neither each other nor what they are made from.
 
     Parameters
     ----------
     paths : iterable of str or None
         Files to write; None for a result that was not requested.
+    inputs : mapping of str to iterable of (str or None), optional
+        Files to read by what they are, such as 'the model file'.
 
     Raises
     ------
     RecordingError
-        If two are the same file.
+        If two results, or a result and an input, are the same file.
 
     """
-    taken: set[Path] = set()
-    for path in paths:
-        if path is None:
-            continue
-        file = Path(path).absolute()
-        if file in taken:
+    taken: list[str] = []
+    for path in filter(None, paths):
+        for meaning, files in (inputs or {}).items():
+            if any(_same_file(path, file) for file in files if file):
+                raise RecordingError(
+                    f'cannot write {path}: it is {meaning}, which would be lost; choose another '
+                    'file'
+                )
+        if any(_same_file(path, other) for other in taken):
             raise RecordingError(f'two results cannot both be written to {path}; choose two files')
-        taken.add(file)
+        taken.append(path)
+
+
+def _same_file(first: str, second: str) -> bool:
+    if os.path.exists(first) and os.path.exists(second):
+        return os.path.samefile(first, second)
+    return os.path.realpath(first) == os.path.realpath(second)

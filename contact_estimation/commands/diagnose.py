@@ -19,7 +19,7 @@ from __future__ import annotations
 from dataclasses import replace
 import json
 from pathlib import Path
-from typing import Any, Iterable
+from typing import Any, Sequence
 
 from .command_line import (
     add_params_option,
@@ -40,9 +40,10 @@ from ..diagnosis.report.corrected_model import model_file
 from ..diagnosis.report.json_report import as_dict
 from ..diagnosis.report.page.builder import as_html
 from ..diagnosis.report.text_report import as_text
-from ..exceptions import ModelFileError
+from ..exceptions import RecordingError
 from ..figures import require_matplotlib
 from ..plant.model_file import read_model
+from ..recordings.identity import share_data
 from ..reference.experiment_file import experiment_text
 
 
@@ -88,14 +89,16 @@ def run(options: Any) -> int:
 
     """
     outputs = (options.json, options.html, options.write_model, _experiment_file(options))
-    different_files(outputs)
     for path in outputs:
         if path:
             new_file(path)
+    different_files(outputs, {
+        'the nominal model file': [options.nominal], 'a parameter file': options.params,
+        'a recording': [*options.recordings, *options.holdout]})
     if options.html:
         require_matplotlib()
     nominal = read_model(options.nominal)
-    _refuse_to_replace(options.nominal, outputs)
+    _refuse_circular_proof(options.recordings, options.holdout)
     progress = Progress('diagnose')
     stages: list[str] = []
 
@@ -121,14 +124,16 @@ def run(options: Any) -> int:
     return 0
 
 
-def _refuse_to_replace(nominal: str, outputs: Iterable[str | None]) -> None:
-    """Refuse to replace the nominal model file by a result."""
-    for path in outputs:
-        if path and Path(path).exists() and Path(path).samefile(nominal):
-            raise ModelFileError(
-                f'cannot write {path}: it is the nominal model file, which would be lost; '
-                'choose another file'
-            )
+def _refuse_circular_proof(fitted: Sequence[str], held_out: Sequence[str]) -> None:
+    """Refuse to test on the data of the fit."""
+    for tested in held_out:
+        for path in fitted:
+            if share_data(tested, path):
+                raise RecordingError(
+                    f'--holdout {tested} must be another recording than those of the fit, but '
+                    f'holds the same data as {path}: a test on the data of the fit proves '
+                    'nothing; hold out another recording, or leave --holdout out'
+                )
 
 
 def _write(diagnosis: Diagnosis, proposal: Proposal | None, options: Any) -> None:

@@ -19,7 +19,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from .command_line import add_source_options, command, Parser, topics_of
+from .command_line import add_source_options, command, different_files, Parser, topics_of
 from .progress import Progress
 from ..exceptions import ParameterRangeError, RecordingError
 from ..figures import require_matplotlib
@@ -101,6 +101,8 @@ def run(options: Any) -> int:
     settings = _settings(options)
     found = find_recordings(options.paths, options.group_by)
     folder = _output(options.output)
+    different_files((str(folder / name) for name in ('table.parquet', 'index.html')),
+                    {'the nominal model file': [options.nominal]})
     progress = Progress('fleet')
     with workers(options.scheduler, options.jobs) as started:
         fleet = run_fleet(found, settings, started, folder, most_pooled=options.pooled,

@@ -102,9 +102,11 @@ def run(options: Any) -> int:
     # Millions of small tuples and no cycles: garbage collection would take a fifth of the time.
     gc.disable()
     begin = time.perf_counter()
-    different_files((options.csv, options.json, options.output, options.picture))
-    if options.json:
-        new_file(options.json)
+    outputs = (options.csv, options.json, options.output, options.picture)
+    for path in filter(None, outputs):
+        new_file(path)
+    different_files(outputs, {
+        'the recording': [options.recording], 'a parameter file': options.params})
     trace = picture_trace(options.picture)
     reader = RecordingReader(options.recording)
     replay = RecordingReplay(reader, source_of(options), _chosen(options))

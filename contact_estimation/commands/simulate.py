@@ -21,7 +21,14 @@ from typing import Any
 
 import numpy as np
 
-from .command_line import add_source_options, command, different_files, Parser, source_of
+from .command_line import (
+    add_source_options,
+    command,
+    different_files,
+    new_file,
+    Parser,
+    source_of,
+)
 from .picture import picture_trace, write_picture
 from ..estimation.estimate_trace import EstimateTrace
 from ..estimation.replay import RecordingReplay
@@ -85,7 +92,9 @@ def run(options: Any) -> int:
 
     """
     output = _new_recording(options.output)
-    different_files((options.output, options.picture))
+    different_files((options.output, options.picture), {
+        'the model file': [options.model], 'the recording': [options.like],
+        'the experiment': [options.experiment]})
     trace = picture_trace(options.picture)
     if options.seed is not None and options.seed < 0:
         raise ParameterRangeError(f'--seed must be >= 0, got {options.seed}')
@@ -115,11 +124,7 @@ def _new_recording(path: str) -> Path:
         raise RecordingError(
             f'--output {path} exists, and recordings are never overwritten; choose another file'
         )
-    if not file.absolute().parent.is_dir():
-        raise RecordingError(
-            f'cannot write {path}: folder {file.parent} does not exist; make it first'
-        )
-    return file
+    return new_file(path)
 
 
 def _simulate_like(

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from scipy.special import xlogy
 from scipy.stats import fisher_exact
 
-from .entry import Entry
+from .entry import distinct, Entry
 from .trends import by_group
 
 _DRAWS = 4000  # permutations
@@ -86,7 +86,7 @@ def changes(entries: Sequence[Entry], seed: int = 0) -> list[Change]:
     """
     candidates = []
     for group, members in by_group(entries).items():
-        known = [entry for entry in members if entry.report is not None]
+        known = [entry for entry in distinct(members) if entry.report is not None]
         families = sorted({family for entry in known for family in entry.families})
         for family in families if len(known) >= _LEAST else ():
             named = np.array([family in entry.families for entry in known])

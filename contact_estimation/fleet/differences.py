@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from scipy.stats import fisher_exact, mannwhitneyu
 
 from .changes import holm
-from .entry import Entry
+from .entry import distinct, Entry
 from .trends import by_group, is_resolved, QUANTITIES
 
 _LEVEL = 0.05
@@ -92,7 +92,7 @@ def differences(entries: Sequence[Entry]) -> list[Difference]:
 
     """
     groups = {group: known for group, members in by_group(entries).items()
-              if len(known := [one for one in members if one.report]) >= _LEAST}
+              if len(known := [one for one in distinct(members) if one.report]) >= _LEAST}
     families = sorted({family for members in groups.values()
                        for entry in members for family in entry.families})
     pairs = [pair for first, second in combinations(groups, 2)

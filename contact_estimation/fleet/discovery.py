@@ -38,7 +38,7 @@ class FoundRecording(NamedTuple):
     Attributes
     ----------
     name : str
-        Its path as found, below the path that was given.
+        Its path as found, below the path that was given; bytes that are not UTF-8 escaped.
     path : str
         Absolute: workers have a working directory of their own.
     group : str
@@ -81,11 +81,30 @@ def find_recordings(paths: Sequence[str], group_by: str | None = None) -> list[F
     found: dict[str, FoundRecording] = {}
     for given in paths:
         for path in _below(given):
-            absolute = os.path.abspath(path)
-            if absolute not in found:
-                name = path.as_posix()
-                found[absolute] = FoundRecording(name, absolute, _group(name, pattern))
+            real = os.path.realpath(path)
+            if real not in found:
+                name = printable(path.as_posix())
+                found[real] = FoundRecording(
+                    name, os.path.abspath(path), _group(name, pattern))
     return sorted(found.values(), key=lambda one: natural_order(one.name))
+
+
+def printable(text: str) -> str:
+    """
+    Escape what a file name has that is not UTF-8.
+
+    Parameters
+    ----------
+    text : str
+        With a file name as of `os.listdir`: undecodable bytes as surrogates.
+
+    Returns
+    -------
+    text : str
+        Can be encoded; such a byte reads as a backslash, x and two digits.
+
+    """
+    return text.encode('utf-8', 'surrogateescape').decode('utf-8', 'backslashreplace')
 
 
 def natural_order(name: str) -> list[tuple[int, str]]:
@@ -124,7 +143,7 @@ def _compiled(group_by: str) -> re.Pattern[str]:
 def _group(name: str, pattern: re.Pattern[str] | None) -> str:
     if pattern is None:
         return ONE_GROUP
-    match = pattern.search(name)
+    match = pattern.search(name) or pattern.search(f'{name}/')  # a folder that cannot be read
     parts = [part for part in match.groups() if part] if match else []
     if not parts:
         raise ParameterRangeError(
@@ -151,14 +170,44 @@ def _below(given: str) -> Iterator[Path]:
 
 
 def _recordings_at(path: Path, of_pattern: bool = False) -> Iterator[Path]:
-    """Yield a file as it is, and the recordings of a folder; a rosbag2 folder is one of them."""
-    if not path.is_dir():
-        if path.suffix in _SUFFIXES or not of_pattern:  # a file that is named is meant
+    """Yield a regular file as it is, and the recordings of a folder, each place once."""
+    if not os.path.isdir(path):
+        # a file that is named is meant
+        if os.path.isfile(path) and (path.suffix in _SUFFIXES or not of_pattern):
             yield path
-    elif (path / _BAG).exists():
-        yield path
-    else:
-        for entry in sorted(path.iterdir(), key=lambda one: natural_order(one.name)):
-            hidden = entry.name.startswith('.')
-            if not hidden and (entry.is_dir() or entry.suffix in _SUFFIXES):
-                yield from _recordings_at(entry)
+        return
+    # Links come last: a recording has the name of its own place, and a loop ends.
+    places, links = [path], list[Path]()
+    seen: set[str] = set()
+    while places or links:
+        place = places.pop() if places else links.pop()
+        real = os.path.realpath(place)
+        if real in seen:
+            continue
+        seen.add(real)
+        entries = _entries(place)
+        if entries is None:
+            yield place
+            continue
+        for entry in entries:
+            (links if os.path.islink(entry) else places).append(entry)
+
+
+def _entries(place: Path) -> list[Path] | None:
+    """Return what of a folder is looked at; None for a recording, or what cannot be read."""
+    if not os.path.isdir(place) or os.path.exists(place / _BAG):
+        return None
+    try:
+        names = sorted(os.listdir(place), key=natural_order, reverse=True)
+    except OSError:
+        return None  # its row has the error
+    return [place / name for name in names
+            if not name.startswith('.') and _is_looked_at(place / name)]
+
+
+def _is_looked_at(path: Path) -> bool:
+    """Return whether a path is a folder or a file of a recording; a broken link is, too."""
+    if os.path.isdir(path):
+        return True
+    regular = os.path.isfile(path) or not os.path.exists(path)  # a pipe would be read for ever
+    return path.suffix in _SUFFIXES and regular

@@ -100,6 +100,27 @@ class Entry:
         return found['value'], found['std']
 
 
+def distinct(entries: Iterable[Entry]) -> list[Entry]:
+    """
+    Leave out copies: the same content proves nothing a second time.
+
+    Parameters
+    ----------
+    entries : iterable of Entry
+        In time.
+
+    Returns
+    -------
+    entries : list of Entry
+        The first of each content, and all whose content could not be read.
+
+    """
+    seen: dict[str, Entry] = {}
+    for place, entry in enumerate(entries):
+        seen.setdefault(entry.sha256 or f'unread {place}', entry)
+    return list(seen.values())
+
+
 def in_time(entries: Iterable[Entry]) -> list[Entry]:
     """
     Sort recordings by their first stamps, and number them.

@@ -20,13 +20,13 @@ from dataclasses import asdict, dataclass, field
 import hashlib
 from importlib.metadata import PackageNotFoundError, version
 import json
+import os
 from pathlib import Path
 from typing import Any, Mapping
 
 from ..parameters.values import build, flatten
 from ..plant.plant_parameters import PlantParameters
-
-_BLOCK = 1 << 20
+from ..recordings.identity import file_sha256
 
 
 def installed_version() -> str:
@@ -150,14 +150,7 @@ def recording_sha256(path: str) -> str:
 
     """
     if not Path(path).is_dir():
-        return _file_sha256(Path(path))
+        return file_sha256(Path(path))
+    os.listdir(path)  # rglob passes over a folder that cannot be read
     files = sorted(file for file in Path(path).rglob('*') if file.is_file())
-    return _hash_of([(file.relative_to(path).as_posix(), _file_sha256(file)) for file in files])
-
-
-def _file_sha256(file: Path) -> str:
-    digest = hashlib.sha256()
-    with open(file, 'rb') as stream:
-        while block := stream.read(_BLOCK):
-            digest.update(block)
-    return digest.hexdigest()
+    return _hash_of([(file.relative_to(path).as_posix(), file_sha256(file)) for file in files])

@@ -22,6 +22,7 @@ from typing import Any, Callable, NamedTuple, Sequence
 
 import numpy as np
 
+from .discovery import printable
 from .episodes import replay_episodes
 from .fingerprint import Settings
 from ..diagnosis.conclude.diagnose import diagnose
@@ -87,7 +88,7 @@ def process(path: str, settings: Settings, with_page: bool) -> Result:
         except MissingPackageError:
             raise  # of the worker, not of the recording
         except ContactEstimationError as error:
-            errors.append(str(error).replace(path, Path(path).name))
+            errors.append(printable(str(error).replace(path, Path(path).name)))
         return None
 
     attempt(lambda: outcome.update(start_ns=RecordingReader(path).start_ns))
@@ -130,15 +131,17 @@ def process_pooled(
     except MissingPackageError:
         raise
     except ContactEstimationError as error:
-        return Result({'version': settings.version, 'report': None, 'error': str(error)}, '')
-    title = ', '.join(Path(path).name for path in paths)
+        return Result({'version': settings.version, 'report': None,
+                       'error': printable(str(error))}, '')
+    title = printable(', '.join(Path(path).name for path in paths))
     page = as_html(diagnosis, title) if with_page else ''
     return Result({'version': settings.version, 'report': as_dict(diagnosis), 'error': ''}, page)
 
 
 def _read(path: str, settings: Settings) -> Recording:
-    return read_recording(path, topics=settings.topics, axis=settings.axis,
-                          joint=settings.joint, most_samples=settings.most_samples)
+    recording = read_recording(path, topics=settings.topics, axis=settings.axis,
+                               joint=settings.joint, most_samples=settings.most_samples)
+    return replace(recording, name=printable(recording.name))
 
 
 def _replayed(path: str, recording: Recording, settings: Settings) -> Outcome:

@@ -21,7 +21,7 @@ from typing import Any, NamedTuple, Sequence
 import numpy as np
 
 from .changes import Change
-from .entry import Entry
+from .entry import distinct, Entry
 from .fingerprint import Settings
 from .one_recording import Outcome, process_pooled
 from .scheduling import Call
@@ -97,8 +97,7 @@ def pools(entries: Sequence[Entry], found: Sequence[Change], most: int) -> list[
         latest = max((change for change in found if change.group == group),
                      key=lambda change: change.number, default=None)
         since = members[latest.number - 1:] if latest else members
-        # One recording once: a copy of the same content proves nothing.
-        known = list({one.sha256: one for one in since if one.report is not None}.values())
+        known = [one for one in distinct(since) if one.report is not None]
         if min(len(known), most) >= _LEAST:
             places = np.linspace(0, len(known) - 1, min(most, len(known))).round().astype(int)
             chosen.append(Pool(group, [known[place] for place in places], latest))

@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import Callable, Iterator, Mapping, Sequence
 
 from .changes import Change, changes
-from .discovery import FoundRecording
+from .discovery import FoundRecording, printable
 from .entry import Entry, in_time
 from .fingerprint import recording_sha256, Settings
 from .finished import Finished
@@ -185,5 +185,5 @@ def _nothing(settings: Settings, error: str) -> Outcome:
 def _in_words(error: BaseException) -> str:
     """Return an unexpected error of a worker as one line."""
     if isinstance(error, OSError) and error.strerror:
-        return f'{error.strerror}: {error.filename}'
-    return ' '.join(f'{type(error).__name__}: {error}'.split())
+        return printable(f'{error.strerror}: {error.filename}')
+    return printable(' '.join(f'{type(error).__name__}: {error}'.split()))

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import theilslopes
 
-from .entry import Entry
+from .entry import distinct, Entry
 
 Array = NDArray[np.float64]
 
@@ -152,9 +152,10 @@ def by_group(entries: Sequence[Entry]) -> dict[str, list[Entry]]:
 
 
 def _trend(group: str, quantity: str, members: Sequence[Entry], count: int) -> Trend | None:
+    used = {id(entry) for entry in distinct(members)}
     known = [(number, entry.outcome['start_ns'], *value)
              for number, entry in enumerate(members, 1)
-             if (value := entry.corrected(quantity)) is not None]
+             if id(entry) in used and (value := entry.corrected(quantity)) is not None]
     if not known:
         return None
     numbers, starts, values, stds = (np.array(column) for column in zip(*known))

@@ -42,6 +42,7 @@ _SETTLED = 5.0  # blocks, beyond which a longer pose tells little more
 _MOST_MISFIT = 0.2  # of the variation of the forces
 _TORQUE_ARM = 0.1  # ratio of torque to force errors at the start of the fit [m]
 _ROUNDS = 30
+_LEAST_MASS = 2.0  # standard deviations
 
 
 class CalibrationBlocks(NamedTuple):
@@ -216,7 +217,18 @@ def _fit_between_poses(
         squares = np.einsum('g,gij->i', weight, halves**2)
         sigma = np.maximum(np.sqrt(squares / freedom), [1e-9, 1e-10])
     rho = _correlation(halves * np.sqrt(weight)[:, None, None] / sigma[:, None])
-    return theta, P * (1.0 + rho) / (1.0 - rho), (float(sigma[0]), float(sigma[1]))
+    P = P * (1.0 + rho) / (1.0 - rho)
+    _require_weight(float(theta[0]), float(np.sqrt(P[0, 0])))
+    return theta, P, (float(sigma[0]), float(sigma[1]))
+
+
+def _require_weight(m: float, std: float) -> None:
+    if abs(m) <= _LEAST_MASS * std:
+        raise EstimationError(
+            f'the mass is {m:.2g} +- {std:.2g} kg, so the sensor carries no tool, or no weight '
+            'explains the forces; mount the tool, or leave tool.* out without one, and check '
+            'that both topics are of the same arm'
+        )
 
 
 def _correlation(residuals: Array) -> float:

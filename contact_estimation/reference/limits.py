@@ -21,6 +21,7 @@ from math import copysign, inf, isfinite
 from typing import Sequence
 
 from .setpoints import Reference
+from ..exceptions import ParameterRangeError
 from ..parameters.specification import parameter, ParameterGroup
 
 
@@ -39,6 +40,15 @@ class PoseLimits(ParameterGroup):
     upper: tuple[float, ...] = parameter(
         (10.0, 10.0, 10.0), 'Upper corner of that box', 'm',
     )
+
+    def __post_init__(self) -> None:
+        """Check that the box is not empty."""
+        super().__post_init__()
+        if any(lower > upper for lower, upper in zip(self.lower, self.upper)):
+            raise ParameterRangeError(
+                'reference.limits.lower must be <= reference.limits.upper in each component, got '
+                f'{list(self.lower)} and {list(self.upper)}; exchange them where lower is larger'
+            )
 
 
 def limited(
