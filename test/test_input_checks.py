@@ -112,6 +112,12 @@ def test_one_frequency_cannot_tell_a_wrench_that_is_early_from_a_mass() -> None:
     assert re.search(r'mass of 1\.\d kg .*offset to -0.0(09|10)$', text)
 
 
+def test_a_tool_moved_during_a_pause_has_no_wrong_velocity() -> None:
+    later = [sample._replace(stamp_ns=sample.stamp_ns + 4 * 10**9) for sample in HEALTHY]
+    session, _ = fed([*map(at(-0.3), HEALTHY[:100]), *later[100:]])
+    assert 'joint_velocity' not in {found.warned.name for found in session.checks.found_in_order()}
+
+
 def test_force_on_another_axis_is_named() -> None:
     session = ContactSession(EstimationParameters(), generate_reference=False)
     for stamp, x, v, F in HEALTHY:

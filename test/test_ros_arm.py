@@ -129,6 +129,22 @@ def run(folder: Path) -> Iterator[tuple[ArmPeer, int]]:
             peer.close()
 
 
+# The first test: later ones share a peer that publishes a description.
+def test_an_arm_without_description_says_on_which_topic_it_waits(tmp_path: Path) -> None:
+    named = {name.replace('.', '__'): value for name, value in PARAMETERS.items()}
+    waiting = 'waiting for the robot description on /robot_description'
+    with node_process(tmp_path, NODE, diagnostics_rate=10.0, **named) as node:
+        peer = Peer()
+        try:
+            peer.diagnosed(
+                lambda status, _: status.level == DiagnosticStatus.ERROR
+                and status.message.startswith(waiting), 'the missing description')
+        finally:
+            peer.close()
+        node.signal(signal.SIGINT)
+        assert f'{waiting}\n' in node.end().stderr
+
+
 def test_stiffness_and_damping_of_the_wall_are_found(run: tuple[ArmPeer, int]) -> None:
     peer, begin_ns = run
     last_ns = begin_ns + instants()[-1].contact.stamp_ns
@@ -174,21 +190,6 @@ def test_replay_of_its_recording_returns_what_the_node_published(
     published = {stamp: m.vector.x for stamp, m in peer.heard['damping'].items()}
     assert {s: again.get(s) for s in published if s >= begin_ns} == {
         s: x for s, x in published.items() if s >= begin_ns}
-
-
-def test_an_arm_without_description_says_on_which_topic_it_waits(tmp_path: Path) -> None:
-    named = {name.replace('.', '__'): value for name, value in PARAMETERS.items()}
-    waiting = 'waiting for the robot description on /robot_description'
-    with node_process(tmp_path, NODE, diagnostics_rate=10.0, **named) as node:
-        peer = Peer()
-        try:
-            peer.diagnosed(
-                lambda status, _: status.level == DiagnosticStatus.ERROR
-                and status.message.startswith(waiting), 'the missing description')
-        finally:
-            peer.close()
-        node.signal(signal.SIGINT)
-        assert f'{waiting}\n' in node.end().stderr
 
 
 def test_target_pose_of_a_single_axis_is_refused(tmp_path: Path) -> None:

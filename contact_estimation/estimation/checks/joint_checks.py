@@ -93,10 +93,11 @@ class JointVelocity(Check):
         count = max(1, round(_STEP_S / float(np.median(np.diff(seen.t)))))
         path = np.concatenate([[0.0], np.cumsum(
             0.5 * (seen.v[1:] + seen.v[:-1]) * np.diff(seen.t))])
-        steps, added = (one[count:] - one[:-count] for one in (seen.x, path))
+        whole = seen.t[count:] - seen.t[:-count] < 2.0 * _STEP_S  # no gap between samples
+        steps, added = ((one[count:] - one[:-count])[whole] for one in (seen.x, path))
         noise = float(np.median(np.abs(np.diff(seen.x, 2)))) + 1e-12
         power = float(steps @ steps)
-        if power < _MOVES**2 * noise**2 * len(steps):
+        if power <= _MOVES**2 * noise**2 * len(steps):
             return None
         factor = float(steps @ added) / power
         if 1.0 / _FACTOR < factor < _FACTOR:
