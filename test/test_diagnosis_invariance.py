@@ -17,6 +17,7 @@
 from __future__ import annotations
 
 from concealed_worlds import ATTACHED, attached, nominal, physics, prepared_from, recorded
+from contact_estimation.diagnosis.fit.candidate import assess
 from contact_estimation.diagnosis.fit.criteria import predicts_enough
 from contact_estimation.diagnosis.fit.discrepancy import (
     correlation_time,
@@ -30,12 +31,11 @@ from contact_estimation.diagnosis.fit.fitting import differentiate_by, Fit, fit,
 from contact_estimation.diagnosis.fit.invariance import (
     channel_of,
     left_out_errors,
-    Part,
-    parts_of,
     Share,
     share_of,
     values_on,
 )
+from contact_estimation.diagnosis.fit.parts import evened, Part, parts_of
 from contact_estimation.diagnosis.observe.model import Model
 from contact_estimation.diagnosis.observe.prepared_recording import PreparedRecording
 import numpy as np
@@ -189,3 +189,29 @@ def test_model_keeps_its_values_where_a_part_tells_nothing() -> None:
     nothing = part_of('nothing', np.zeros(len(found.residuals), bool))
     assert isinstance(values_on([recording], found, nothing), Model)
     assert values_on([recording], found, nothing).values == pytest.approx(found.model.values)
+
+
+def test_no_part_outweighs_the_others() -> None:
+    parts = [part_of(str(k), np.zeros(1, bool)) for k in range(5)]
+    before, after = np.zeros((5, 2)), np.zeros((5, 2))
+    before[:, 0], after[:, 0] = (100.0, 100.0, 100.0, 100.0, 4000.0), (5.0, 5.0, 5.0, 5.0, 3900.0)
+    plain = share_of(before, after, parts, before)
+    parts, before = evened(parts, before)
+    assert before[:, 0].tolist() == [100.0, 100.0, 100.0, 100.0, 200.0]
+    after[-1] *= 200.0 / 4000.0
+    even = share_of(before, after, parts, before)
+    assert plain.share < 0.15 and even.share == pytest.approx((4 * 95.0 + 5.0) / 600.0)
+    assert even.interval[0] > 0.0 > plain.interval[0] - 0.15
+
+
+@pytest.mark.parametrize('name, values, clips', [
+    ('force_saturation', (25.0,), True), ('bilinear_stiffness', (-4500.0, 0.003), False)])
+def test_a_saturating_sensor_leaves_the_force_level_and_a_soft_wall_does_not(
+    name: str, values: tuple[float, ...], clips: bool
+) -> None:
+    recording, model = prepared_from(recorded(**physics(name, *values)))
+    base = fit([recording], model)
+    found = fit([recording], base.model.with_effect('force_saturation', (25.0,)))
+    parts = parts_of([recording], base)
+    before = left_out_errors([recording], base, parts)
+    assert len(assess([recording], [found], parts, before, None)) == clips

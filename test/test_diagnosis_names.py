@@ -178,6 +178,12 @@ def test_two_effects_are_named_together() -> None:
     assert values['force_delay']['delay'].value == pytest.approx(0.006, rel=BOUND)
 
 
+def test_bias_beside_a_law_is_not_taken_for_a_wrong_impedance() -> None:
+    pair = {**physics('force_bias', -2.5), **physics('viscoelastic_relaxation', 600.0, 0.13)}
+    found = diagnosed(recorded(**pair))
+    assert sorted(named(found)) == ['force_bias', 'viscoelastic_relaxation']
+
+
 OUTSIDE = {
     'wall_resonance': {'mass': 0.4, 'frequency': 9.0, 'damping_ratio': 0.05},
     'soft_spell': {'softer': 600.0, 'first': 1.3, 'last': 2.3},

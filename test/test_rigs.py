@@ -22,6 +22,7 @@ from pathlib import Path
 from typing import Any
 
 from blind_worlds import EXPERIMENT, ROBOT, WALL, WORLD
+import contact_estimation as ce
 from contact_estimation.blind_trials.nuisances import disturbed, draw_nuisances, Nuisances
 from contact_estimation.blind_trials.rig import planned_motion, Rig, simulate_rig
 from contact_estimation.blind_trials.rig_trial import (
@@ -232,7 +233,7 @@ def test_an_attached_specimen_is_recorded_without_reference(tmp_path: Path) -> N
 def test_the_truth_holds_law_families_and_nuisances(tmp_path: Path) -> None:
     _, truth = written(tmp_path / 'known', 'lugre_friction', 'press')
     assert (truth['law'], truth['families'], truth['unknown']) == (
-        'lugre_friction', ['friction'], None)
+        'lugre_friction', ['friction', 'hysteresis'], None)
     assert set(truth['nuisances']) >= {'bias', 'cable', 'hum', 'cubic', 'robot_friction'}
     _, truth = written(tmp_path / 'unknown', 'soft_spell', 'specimen')
     assert (truth['families'], truth['verdict']) == ([], 'unexplained')
@@ -255,3 +256,12 @@ def test_only_write_leaves_recordings_and_truths(
     first = (tmp_path / 'sealed' / truths[0]).read_text()
     assert main([*words[:-1], str(tmp_path / 'again')]) == 0
     assert (tmp_path / 'again' / 'sealed' / truths[0]).read_text() == first
+
+
+@pytest.mark.slow
+def test_a_bias_that_pushes_the_robot_is_not_taken_for_a_wrong_impedance(tmp_path: Path) -> None:
+    rng = np.random.default_rng((1001, 3, 17))  # a rig without a law
+    files = TrialFiles.of(tmp_path, 'trial_x')
+    write_rig_trial(draw_rig_trial('', rng), files, rng)
+    found = ce.diagnose(ce.read_recording(str(files.recording)), ce.read_model(str(files.nominal)))
+    assert not [effect.name for effect in found.effects]

@@ -30,11 +30,12 @@ class LuGreFriction(ContactLaw):
 
     R = sigma_0 z + sigma_1 z', z' = v - sigma_0 abs(v) z / g(v),
     g(v) = F_c + (F_s - F_c) exp(-(v / v_s)^2).
-    Canudas de Wit, Olsson, Astrom and Lischinsky, IEEE Trans. Automatic Control 40(3), 1995.
+    Canudas de Wit, Olsson, Astrom and Lischinsky, IEEE Trans. Automatic Control 40(3), 1995. The
+    law of Bouc and Wen contains that of Dahl, which this one extends.
 
     """
 
-    families = ('friction',)
+    families = ('friction', 'hysteresis')
     stages = ('press', 'specimen', 'drive')
 
     @classmethod

@@ -42,6 +42,7 @@ _PREDICTABLE = 0.1  # share of the residual that a smoother predicts: structure,
 _SIGNIFICANT = 3.0  # standard deviations
 _HELD_OUT_POWER = 2.0  # held-out mean square, over that of the noise, of a wrong model
 _HELD_OUT_EXPLAINED = 0.5  # least share of the held-out misfit that names must explain
+_SURELY_MOST = 0.6  # of the misfit that a curve explains down to the noise: a bias would, in part
 _AUTOCORRELATION = 0.25  # of neighbouring residuals: structure that no smoother predicts
 
 
@@ -96,8 +97,9 @@ def decide(
         progress('shares')
         shares = shares_of(recordings, base.model, best.model)
         exact = not has_discrepancy(recordings)
-        doubtful = [name for name, share in shares.of_channel.items() if not shares.agrees(name)
-                    or share.interval[0] <= 0.0 and (not exact or shares.is_flexible(name))]
+        doubtful = [name for name in best.model.effects
+                    if not shares.agrees(name)
+                    or shares.sure(name) <= _least_sure(exact, shares.is_flexible(name))]
         if doubtful:
             rest = fit(recordings, best.model.without(doubtful[-1]))
             return decide(selection._replace(best=rest), whole, progress)
@@ -114,6 +116,13 @@ def decide(
     unexplained, predictable = _structured(recordings, best)
     unexplained = unexplained or _is_wrong(_held_out_powers(whole, best.model))
     return Decision(best, unexplained, predictable, None)
+
+
+def _least_sure(exact: bool, flexible: bool) -> float:
+    """Return the value that the interval of a share must exceed."""
+    if flexible:
+        return _SURELY_MOST if exact else 0.0
+    return -np.inf if exact else 0.0
 
 
 def _confirmed(base: Fit, best: Fit, recordings: Recordings, whole: Recordings) -> Fit:

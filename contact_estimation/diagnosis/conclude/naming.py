@@ -93,7 +93,9 @@ def name_effects(
         return Names([], {})
     effects, rival_models = [], {}
     exact = not has_discrepancy(recordings)
-    likely = dict(zip(shares.of_channel, probabilities(list(shares.of_channel.values()), exact)))
+    likely = dict(zip(best.model.effects, probabilities(
+        [shares.of_channel[name] for name in best.model.effects],
+        [shares.beside[name] for name in best.model.effects], shares.left, exact)))
     for name in sorted(best.model.effects, key=lambda name: -shares.of[name].share):
         dropped = fit(recordings, best.model.without(name), steps=8)
         rivals = _rivals(selection, name, recordings)

@@ -41,7 +41,9 @@ LEAST, MOST = 0.05, 0.97
 """Limits of the probability: no finite number of worlds supports more."""
 
 
-def probabilities(shares: Sequence[Share], exact: bool) -> list[float]:
+def probabilities(
+    shares: Sequence[Share], beside: Sequence[Share], left: float, exact: bool
+) -> list[float]:
     """
     Compute the probabilities that names are right, by family.
 
@@ -49,6 +51,10 @@ def probabilities(shares: Sequence[Share], exact: bool) -> list[float]:
     ----------
     shares : sequence of Share
         Of the recalibrated model's misfit, in the order in which the effects were taken.
+    beside : sequence of Share
+        Of the same misfit: what the model with all other effects leaves beyond that with all.
+    left : float
+        Share that all effects together leave, >= 0.
     exact : bool
         Whether the effects leave only noise: no wrong law does that by chance, if its share is
         above zero beyond doubt.
@@ -56,18 +62,25 @@ def probabilities(shares: Sequence[Share], exact: bool) -> list[float]:
     Returns
     -------
     probabilities : list of float
-        Of each; that of a later effect counts half by its share of what the earlier ones leave.
+        Of each, from the lower end of its share: half of the whole misfit, half of what the
+        earlier effects leave, or all the others, whichever tells more.
 
     """
     if exact:
-        return [MOST if share.interval[0] > 0.0 else DOUBTFUL for share in shares]
-    found, left = [], 1.0
-    for share in shares:
-        sure = min(share.interval[0], 1.0)
-        of_left = min(sure / left, 1.0) if left > 0.0 else 0.0
-        found.append(probability_of(0.5 * (sure + of_left)))
-        left = max(left - share.share, 0.0)
+        return [MOST if max(share.interval[0], other.interval[0]) > 0.0 else DOUBTFUL
+                for share, other in zip(shares, beside)]
+    found, present = [], 1.0
+    for share, other in zip(shares, beside):
+        found.append(probability_of(max(
+            _evidence(share, present), _evidence(other, other.share + left))))
+        present = max(present - share.share, 0.0)
     return found
+
+
+def _evidence(share: Share, present: float) -> float:
+    """Return the mean lower end of a share of the whole misfit and of a present one."""
+    sure = min(share.interval[0], 1.0)
+    return 0.5 * (sure + (min(sure / present, 1.0) if present > 0.0 else 0.0))
 
 
 def probability_of(evidence: float) -> float:

@@ -27,16 +27,14 @@ from .result import EffectOnPart
 from ..fit.discrepancy import weighed
 from ..fit.fitting import Fit, fit
 from ..fit.invariance import (
-    above_noise,
     channel_of,
     judged_by_channel,
     left_out_errors,
-    Part,
-    parts_of,
     Share,
     share_of,
     values_on,
 )
+from ..fit.parts import above_noise, evened, Part, parts_of
 from ..observe.model import Model, names_of
 from ..observe.prepared_recording import Recordings
 from ...physics import EFFECTS
@@ -67,6 +65,8 @@ class Shares:
         For each effect what the model without it leaves beyond that.
     of_channel : dict of str to Share
         The same of the misfit in the channel by which the effect is judged.
+    beside : dict of str to Share
+        In that channel, what the model with all other named effects leaves beyond that.
 
     """
 
@@ -77,6 +77,7 @@ class Shares:
     errors: Array
     of: dict[str, Share]
     of_channel: dict[str, Share]
+    beside: dict[str, Share]
 
     @property
     def explained(self) -> float:
@@ -103,6 +104,10 @@ class Shares:
         sizes = np.array([alone[place] - neutral for alone in self._alone])
         usual = float(np.median(sizes))
         return float(np.median(np.abs(sizes - usual))) <= _SPREAD * abs(usual)
+
+    def sure(self, name: str) -> float:
+        """Return the lower end of the share of an effect, or of that beside the others."""
+        return max(self.of_channel[name].interval[0], self.beside[name].interval[0])
 
     def is_flexible(self, name: str) -> bool:
         """Return whether an effect is a curve that fits almost any misfit of its kind."""
@@ -136,15 +141,20 @@ def shares_of(recordings: Recordings, base: Model, best: Model) -> Shares:
     carried = weighed(recordings, base)
     first = fit(carried, base)
     parts = parts_of(carried, first)
-    base_errors = errors = left_out_errors(carried, first, parts)
-    model, found, shares, of_channel = base, first, {}, {}
-    by_channel = judged_by_channel(carried, base)
+    parts, base_errors = evened(parts, left_out_errors(carried, first, parts))
+    errors = base_errors
+    model, found, shares, of_channel = base, first, dict[str, Share](), dict[str, Share]()
+    channels = {name: channel_of(name) if judged_by_channel(carried, base) else None
+                for name in best.effects}
     for name in best.effects:
         model = model.with_effect(name, best.values[best.place(name)])
         start = best if model.effects == best.effects else model
         found = fit(carried, start)
         before, errors = errors, left_out_errors(carried, found, parts, errors)
         shares[name] = share_of(before, errors, parts, base_errors)
-        of_channel[name] = share_of(
-            before, errors, parts, base_errors, channel_of(name) if by_channel else None)
-    return Shares(carried, parts, base_errors, found, errors, shares, of_channel)
+        of_channel[name] = share_of(before, errors, parts, base_errors, channels[name])
+    beside = {best.effects[-1]: of_channel[best.effects[-1]]}
+    for name in best.effects[:-1]:
+        without = left_out_errors(carried, fit(carried, best.without(name)), parts, base_errors)
+        beside[name] = share_of(without, errors, parts, base_errors, channels[name])
+    return Shares(carried, parts, base_errors, found, errors, shares, of_channel, beside)

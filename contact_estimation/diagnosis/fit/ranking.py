@@ -21,25 +21,20 @@ effects that predict alike, the simplest.
 
 from __future__ import annotations
 
-from typing import NamedTuple, Sequence
+from typing import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .candidate import assess, Candidate
 from .criteria import ADEQUATE, predicts_enough, SHARE
 from .discrepancy import CHANNELS, costs_by_channel, material, noise_by_channel
-from .fitting import Fit, fit, fit_to_end
-from .invariance import (
-    channel_of,
-    judged_by_channel,
-    left_out_errors,
-    Part,
-    parts_of,
-    share_of,
-)
-from ..observe.model import Model, names_of
+from .fitting import Fit, fit
+from .invariance import channel_of, judged_by_channel, left_out_errors, share_of
+from .parts import evened, Part, parts_of
+from .zeros import is_zero, resembles_zero, with_zeros, Zeros
+from ..observe.model import Model
 from ..observe.prepared_recording import Recordings
-from ...physics import EFFECTS
 
 Array = NDArray[np.float64]
 
@@ -49,32 +44,6 @@ _FLEXIBLE_SHARE, _FLEXIBLE_HARM = 0.85, 0.01
 
 FLEXIBLE_LEAD = 0.15
 """Share of the misfit by which such a curve must be better than the best law."""
-
-
-class _Candidate(NamedTuple):
-    """
-    A fitted candidate.
-
-    `errors` on parts left out have the shape (parts, CHANNELS); `channel` is that by which the
-    candidate is judged, None for all.
-    """
-
-    found: Fit
-    errors: Array
-    channel: int | None
-    flexible: bool
-
-    @property
-    def name(self) -> str:
-        return self.found.model.effects[-1]
-
-    @property
-    def total(self) -> float:
-        return float(self.errors.sum())
-
-    @property
-    def size(self) -> int:
-        return len(names_of(self.name))
 
 
 def rank_by_prediction(
@@ -111,41 +80,44 @@ def rank_by_prediction(
               for channel, group in groups.items()}
     if not any(groups.values()):
         return []
-    first = fit(recordings, _with_zeros(base, present.model)) if present.model.effects else present
+    first = fit(recordings, with_zeros(base, present.model)) if present.model.effects else present
     parts = parts_of(recordings, first)
-    before = left_out_errors(recordings, present, parts)
-    whole = left_out_errors(recordings, first, parts) if present.model.effects else before
-    assessed, taken = list[_Candidate](), list[_Candidate]()
+    parts, whole = evened(parts, left_out_errors(recordings, first, parts))
+    before = left_out_errors(recordings, present, parts) if present.model.effects else whole
+    zeros = Zeros.of(recordings, base, present, parts, before, whole)
+    assessed, taken = list[Candidate](), list[Candidate]()
     for channel, group in groups.items():
-        candidates = _assess(recordings, group, parts, before, channel)
+        candidates = assess(recordings, group, parts, before, channel)
         assessed += candidates
-        best = _choose(candidates, before, parts)
-        if best is not None:
-            best = _simpler_beside_an_offset(recordings, candidates, best, before, parts)
-            of_present = share_of(before, best.errors, parts, before, channel)
-            of_whole = share_of(before, best.errors, parts, whole)
-            if predicts_enough(of_present, of_whole, _is_zero(best.name) and not best.flexible):
-                taken.append(best)
+        enough = _first_that_predicts(recordings, candidates, zeros, before, whole)
+        taken += [] if enough is None else [enough]
     if not taken:
         return []
     best = min(taken, key=lambda one: one.total)
     most = best.total + ADEQUATE * (float(before.sum()) - best.total)
     rest = sorted((one for one in assessed
-                   if one is not best and not one.flexible and one.total <= most),
+                   if one.name != best.name and not one.flexible and one.total <= most),
                   key=lambda one: one.total)
     return [best.found, *(one.found for one in rest)]
 
 
-def _with_zeros(base: Model, present: Model) -> Model:
-    """Add the zeros that are named: what is large beside them is no trifle."""
-    for name in present.effects:
-        if _is_zero(name):
-            base = base.with_effect(name, present.values[present.place(name)])
-    return base
-
-
-def _is_zero(name: str) -> bool:
-    return name == 'contact_offset' or EFFECTS[name].family == 'sensor_zero'
+def _first_that_predicts(
+    recordings: Recordings, candidates: Sequence[Candidate], zeros: Zeros, before: Array,
+    whole: Array,
+) -> Candidate | None:
+    """Return the best candidate, or the best zero, if it predicts enough; else None."""
+    for laws in (candidates, [one for one in candidates if resembles_zero(one.name)]):
+        best = _choose(laws, before, zeros.parts)
+        if best is None:
+            continue
+        best = _simpler_beside_an_offset(recordings, laws, best, before, zeros.parts)
+        of_present = share_of(before, best.errors, zeros.parts, before, best.channel)
+        of_whole = share_of(before, best.errors, zeros.parts, whole)
+        if predicts_enough(of_present, of_whole, is_zero(best.name) and not best.flexible):
+            beside = best if resembles_zero(best.name) else zeros.beside(best)
+            if beside is not None:
+                return beside
+    return None
 
 
 def _promising(
@@ -164,21 +136,9 @@ def _promising(
     return [one for one, gain in zip(found, gains) if gain > least]
 
 
-def _assess(
-    recordings: Recordings, found: Sequence[Fit], parts: Sequence[Part], before: Array,
-    channel: int | None,
-) -> list[_Candidate]:
-    """Fit candidates to the end and let them predict parts left out."""
-    duration = max(float(one.observed.t[-1]) for one in recordings)
-    fits = [fit_to_end(recordings, one._replace(ended=False)) for one in found]
-    return [_Candidate(one, left_out_errors(recordings, one, parts, before), channel,
-                       is_flexible(one.model, duration))
-            for one in fits if one.model.plausible()]
-
-
 def _choose(
-    assessed: Sequence[_Candidate], before: Array, parts: Sequence[Part]
-) -> _Candidate | None:
+    assessed: Sequence[Candidate], before: Array, parts: Sequence[Part]
+) -> Candidate | None:
     """Choose the candidate that predicts best, or the simplest of those that are adequate."""
     laws = [one for one in assessed if not one.flexible]
     winner = min(laws, key=lambda one: one.total, default=None)
@@ -204,9 +164,9 @@ def _choose(
 
 
 def _simpler_beside_an_offset(
-    recordings: Recordings, assessed: Sequence[_Candidate], taken: _Candidate, before: Array,
+    recordings: Recordings, assessed: Sequence[Candidate], taken: Candidate, before: Array,
     parts: Sequence[Part],
-) -> _Candidate:
+) -> Candidate:
     """Return a simpler law if it predicts as well beside a bias, which comes next."""
     if 'force_bias' in taken.found.model.effects:
         return taken
@@ -219,25 +179,3 @@ def _simpler_beside_an_offset(
             if float(errors.sum()) <= taken.total + slack:
                 return one
     return taken
-
-
-def is_flexible(model: Model, duration: float) -> bool:
-    """
-    Return whether the last effect is a curve that follows any slow misfit.
-
-    Parameters
-    ----------
-    model : Model
-        With effects.
-    duration : float
-        Of the longest recording [s].
-
-    Returns
-    -------
-    flexible : bool
-        If so, more is asked of it than of a law.
-
-    """
-    name = model.effects[-1]
-    values = EFFECTS[name].Parameters(*model.values[model.place(name)])
-    return EFFECTS[name].is_flexible(values, duration)

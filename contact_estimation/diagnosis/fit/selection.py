@@ -26,6 +26,7 @@ from __future__ import annotations
 
 from typing import NamedTuple, Sequence
 
+from .candidate import is_flexible
 from .criteria import (
     ADEQUATE,
     enough,
@@ -39,8 +40,9 @@ from .criteria import (
 )
 from .discrepancy import has_discrepancy, material, noise_by_channel, weighed
 from .fitting import cost_of, Fit, fit, fit_to_end
-from .ranking import FLEXIBLE_LEAD, is_flexible, rank_by_prediction
+from .ranking import FLEXIBLE_LEAD, rank_by_prediction
 from .search import candidates_for, is_pressed, Progress, search
+from .zeros import beside, ZEROS, zeros_lacking
 from ..observe.model import Model
 from ..observe.prepared_recording import Recordings
 from ...physics import EFFECTS
@@ -50,7 +52,7 @@ MOST_EFFECTS = 3
 
 _FULLY = 0.995  # share of the misfit from which on the rest is the method's own error
 _EXCHANGE_GAIN = 10.0  # cost, in that of the noise
-_ASSESSED = 8  # candidates that are fitted to the end and predict parts left out
+_ASSESSED = 12  # candidates that are fitted to the end and predict parts left out
 _NEARLY, _STRICTLY = 3.0, 1.15  # mean squares, in that of the noise: small, and none
 _NEAR_NOISE = 4.0  # mean square, in that of the noise, from which a candidate may be exact
 _NEARLY_EXACT, _POLISHED = 0.1, 5  # of the present cost, likewise; candidates fitted to the noise
@@ -106,7 +108,7 @@ def select(
 
     """
     best, evidence, rivals = base, dict[str, float](), Rivals()
-    while len(best.model.effects) < MOST_EFFECTS and not _is_explained(recordings, base, best):
+    while _law_count(best.model) < MOST_EFFECTS and not _is_explained(recordings, base, best):
         carried, present = _carried(recordings, best)
         found = search(carried, present, _candidates(recordings, best.model), progress)
         evidence = evidence or _evidence(carried, present, found)
@@ -124,6 +126,8 @@ def select(
             ranked = _ranked(carried, present, base, found) if has_discrepancy(carried) else []
             if not ranked:
                 break
+            if _is_curve(recordings, ranked[0]):
+                ranked = _law_instead(carried, present, base, ranked, progress)
             best = fit(recordings, ranked[0].model)
             rivals[best.model.effects[-1]] = ranked[1:]
     if leaves_noise(best):
@@ -155,6 +159,11 @@ def fitted_again(recordings: Recordings, selection: Selection) -> Selection:
     carried, best = weigh(recordings, fit(recordings, selection.best.model))
     base = fit(carried, selection.base.model)
     return selection._replace(recordings=carried, base=base, best=best)
+
+
+def _law_count(model: Model) -> int:
+    """Count the effects but for the zeros that every rig has."""
+    return len(set(model.effects) - set(ZEROS))
 
 
 def _is_explained(recordings: Recordings, base: Fit, best: Fit) -> bool:
@@ -195,6 +204,26 @@ def _ranked(
     families = {EFFECTS[name].family for name in present.model.effects}
     others = [one for one in found if EFFECTS[one.model.effects[-1]].family not in families]
     return rank_by_prediction(recordings, present, base.model, others[:_ASSESSED])
+
+
+def _is_curve(recordings: Recordings, found: Fit) -> bool:
+    return is_flexible(found.model, max(float(one.observed.t[-1]) for one in recordings))
+
+
+def _law_instead(
+    recordings: Recordings, present: Fit, base: Fit, ranked: list[Fit], progress: Progress
+) -> list[Fit]:
+    """Rank laws beside the zeros that the model lacks; one that fits nearly as well goes first."""
+    lacking = zeros_lacking(present.model)
+    if not lacking:
+        return ranked
+    level = fit(recordings, beside(present.model, lacking))
+    found = search(recordings, level, _candidates(recordings, level.model), progress)
+    laws = _ranked(recordings, level, base, found)
+    most = ranked[0].cost + FLEXIBLE_LEAD * (present.cost - ranked[0].cost)
+    if laws and laws[0].cost <= most and not _is_curve(recordings, laws[0]):
+        return laws
+    return ranked
 
 
 def _without_trifles(recordings: Recordings, best: Fit) -> Fit:

@@ -1,0 +1,143 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Candidates for the next effect, fitted to the end and tested on parts left out."""
+
+from __future__ import annotations
+
+from typing import NamedTuple, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .fitting import Fit, fit_to_end
+from .invariance import left_out_errors
+from .parts import Part
+from ..observe.model import Model, names_of
+from ..observe.prepared_recording import Recordings
+from ..observe.residuals import force_residual
+from ...physics import EFFECTS
+
+Array = NDArray[np.float64]
+
+# Of a clipped force, in standard deviations of its noise and as a share of the limit.
+_LEVEL, _SLOPE = 3.0, 0.01
+
+
+class Candidate(NamedTuple):
+    """
+    A fitted candidate for the next effect.
+
+    Attributes
+    ----------
+    found : Fit
+        The present model with the candidate as its last effect.
+    errors : ndarray, shape (parts, CHANNELS)
+        On parts left out.
+    channel : int or None
+        The channel by which the candidate is judged; None for all.
+    flexible : bool
+        Whether it is a curve that follows any slow misfit.
+
+    """
+
+    found: Fit
+    errors: Array
+    channel: int | None
+    flexible: bool
+
+    @property
+    def name(self) -> str:
+        """Name of the candidate."""
+        return self.found.model.effects[-1]
+
+    @property
+    def total(self) -> float:
+        """Sum of its errors."""
+        return float(self.errors.sum())
+
+    @property
+    def size(self) -> int:
+        """Number of its parameters."""
+        return len(names_of(self.name))
+
+
+def assess(
+    recordings: Recordings, found: Sequence[Fit], parts: Sequence[Part], before: Array,
+    channel: int | None,
+) -> list[Candidate]:
+    """
+    Fit candidates to the end and let them predict parts left out.
+
+    Parameters
+    ----------
+    recordings : sequence of PreparedRecording
+        With a discrepancy.
+    found : sequence of Fit
+        Candidates.
+    parts : sequence of Part
+        Left out in turn.
+    before : ndarray, shape (parts, CHANNELS)
+        Errors of the present model.
+    channel : int or None
+        By which they are judged.
+
+    Returns
+    -------
+    candidates : list of Candidate
+        The plausible ones.
+
+    """
+    duration = max(float(one.observed.t[-1]) for one in recordings)
+    fits = [fit_to_end(recordings, one._replace(ended=False)) for one in found]
+    return [Candidate(one, left_out_errors(recordings, one, parts, before), channel,
+                      is_flexible(one.model, duration))
+            for one in fits if one.model.plausible() and _clips(recordings, one.model)]
+
+
+def _clips(recordings: Recordings, model: Model) -> bool:
+    """Return whether the measured force is level where a saturating sensor would hold it."""
+    if model.effects[-1] != 'force_saturation':
+        return True
+    limit, clips = model.values[model.place('force_saturation').start], False
+    for one in recordings:
+        force = one.observed.force
+        held = (np.abs(force - force_residual(one, model)) >= limit) & one.use
+        if held.any():
+            clips = True
+            if float(np.std(force[held])) > _LEVEL * one.force_noise + _SLOPE * limit:
+                return False
+    return clips
+
+
+def is_flexible(model: Model, duration: float) -> bool:
+    """
+    Return whether the last effect is a curve that follows any slow misfit.
+
+    Parameters
+    ----------
+    model : Model
+        With effects.
+    duration : float
+        Of the longest recording [s].
+
+    Returns
+    -------
+    flexible : bool
+        If so, more is asked of it than of a law.
+
+    """
+    name = model.effects[-1]
+    values = EFFECTS[name].Parameters(*model.values[model.place(name)])
+    return EFFECTS[name].is_flexible(values, duration)
