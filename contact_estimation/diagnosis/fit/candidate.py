@@ -59,17 +59,17 @@ class Candidate(NamedTuple):
 
     @property
     def name(self) -> str:
-        """Name of the candidate."""
+        """Return the name of the candidate."""
         return self.found.model.effects[-1]
 
     @property
     def total(self) -> float:
-        """Sum of its errors."""
+        """Return the sum of its errors."""
         return float(self.errors.sum())
 
     @property
     def size(self) -> int:
-        """Number of its parameters."""
+        """Return the number of its parameters."""
         return len(names_of(self.name))
 
 
