@@ -23,7 +23,7 @@ from typing import Any, Mapping
 from arm_contact import (
     B_E, CENTRE, instants, K_E, LOCATION, MASS, messages, NORMAL, PARAMETERS, START,
 )
-from contact_estimation.estimation.arm_inputs import inputs_of
+from contact_estimation.estimation.inputs_of import inputs_of
 from contact_estimation.estimation.parameters import EstimationParameters
 from contact_estimation.estimation.result import Result
 from contact_estimation.estimation.session import ContactSession

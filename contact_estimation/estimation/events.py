@@ -25,6 +25,7 @@ from ..exceptions import ContactEstimationError, RecordingError
 
 START, CHANGE, RESET, TARE = 'start', 'set_parameters', 'reset', 'tare'
 DESCRIPTION, LOCATION = 'robot_description', 'set_location'
+STATIC, READY = 'static_transforms', 'arm_ready'
 
 
 class EstimationEvent(NamedTuple):
@@ -34,12 +35,14 @@ class EstimationEvent(NamedTuple):
     Attributes
     ----------
     kind : str
-        'start', 'set_parameters', 'set_location', 'reset', 'tare' or 'robot_description'.
+        'start', 'set_parameters', 'set_location', 'reset', 'tare', 'robot_description',
+        'static_transforms' or 'arm_ready'.
     after_stamp_ns : int
         Stamp of the sample after which it took effect [ns].
     parameters : mapping
-        All parameters at start, those changed, those of `biases` at a tare, or the text of the
-        URDF of an arm.
+        All parameters at start, those changed, those of `biases` at a tare, the text of the
+        URDF of an arm, static transforms of tf, or what came before the arm was known, see
+        `StartUp`.
     jumps : int
         Number of backward clock jumps before it.
 
@@ -106,7 +109,7 @@ def event_now(
     session : ContactSession
         The session changed.
     kind : str
-        'start', 'set_parameters', 'set_location', 'reset' or 'tare'.
+        As in `EstimationEvent`.
     parameters : mapping
         As in `EstimationEvent`.
 
@@ -170,8 +173,8 @@ def apply_event(session: ContactSession, event: EstimationEvent) -> None:
     session : ContactSession
         The session to change.
     event : EstimationEvent
-        The event; 'start' and 'robot_description' have no effect, since both must be known
-        before the first sample.
+        The event; those of the arm have no effect here, see `ArmInputs`, and 'start' none,
+        since it must be known before the first sample.
 
     """
     if event.kind in (CHANGE, LOCATION):

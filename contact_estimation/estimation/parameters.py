@@ -76,6 +76,11 @@ class EstimationParameters(ParameterGroup):
         '', 'URDF of an arm; empty: the text comes on the topic robot_description',
         read_only=True,
     )
+    pose_source: str = parameter(
+        'joints', 'Where the pose of an arm comes from: its joints and robot description, or the '
+        'transforms of tf between kinematics.base and kinematics.tip', choices=('joints', 'tf'),
+        read_only=True,
+    )
     kinematics: KinematicsParameters = group(
         KinematicsParameters, 'An arm: x and v along contact.normal follow from its joints')
     force_sensor: ForceSensorParameters = group(ForceSensorParameters, 'Force sensor of an arm')
