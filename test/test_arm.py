@@ -218,3 +218,17 @@ def test_centre_of_the_tool_matters_for_torque_only() -> None:
     free = results[10].arm
     assert free is not None and np.abs(free.wrench[3:]).max() > 0.05
     assert results[10].sample.force == pytest.approx(instants()[10].contact.force, abs=1e-9)
+
+
+@pytest.mark.parametrize('degrees, warned', [(0.0, False), (15.0, False), (45.0, True)])
+def test_a_normal_far_off_the_force_is_named(degrees: float, warned: bool) -> None:
+    tilt = np.radians(degrees)
+    across = np.array([0.8, 0.0, 0.6])
+    normal = np.cos(tilt) * NORMAL + np.sin(tilt) * across
+    session, _ = run(estimation={'contact.normal': normal.tolist(), 'environment.location': nan})
+    found = {one.warned.name: one.warned.text for one in session.checks.found_in_order()}
+    assert ('force_direction' in found) == warned
+    if warned:
+        assert 'degrees off contact.normal' in found['force_direction']
+        angle = float(found['force_direction'].split('is ')[1].split()[0])
+        assert angle == pytest.approx(45.0, abs=10.0)  # friction along the wall tilts it too

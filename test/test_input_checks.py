@@ -194,6 +194,20 @@ def test_set_location_ends_the_warning_and_replays_as_an_event() -> None:
     assert not session.checks.warnings()
 
 
+@pytest.mark.parametrize('press, caution', [
+    (0.0, 'the tool is not in contact'), (24.0, 'which takes it 8 mm into'), (4.0, '')])
+def test_set_location_is_doubted_unless_the_tool_touches_lightly(
+    press: float, caution: str
+) -> None:
+    free, last = HEALTHY[:150], HEALTHY[149]
+    resting = [last._replace(stamp_ns=last.stamp_ns + k * 2 * MILLISECOND, velocity=0.0,
+                             force=-press) for k in range(1, 20)]
+    session, _ = fed([*free, *resting], at(0.4))
+    done, message, _ = set_location(session)
+    assert done and session.pipeline.contact == (press > 0.0)
+    assert (caution in message) if caution else ('caution' not in message)
+
+
 def test_warnings_do_not_depend_on_how_samples_are_cut_into_runs() -> None:
     one_by_one, expected = fed(wrench_late_ms=0, change=at(0.01))
     session = ContactSession(EstimationParameters(), generate_reference=False)

@@ -77,8 +77,8 @@ class ContactSession:
         The last text of each reason for which a message was rejected.
     notices : dict of str to str
         Name and text of warnings that stay until they are taken out.
-    last_stamp_ns, last_position : int, float
-        Stamp [ns] and position along the contact axis [m] of the last sample processed.
+    last_stamp_ns, last_position, last_force : int, float, float
+        Stamp [ns], position [m] and force [N] along the contact axis of the last sample processed.
 
     """
 
@@ -94,7 +94,7 @@ class ContactSession:
         self.checks = InputChecks(parameters, self.pipelines)
         self.rejection_texts: dict[str, str] = {}
         self.notices: dict[str, str] = {}
-        self.last_stamp_ns, self.last_position = _BEFORE_ANY, nan
+        self.last_stamp_ns, self.last_position, self.last_force = _BEFORE_ANY, nan, nan
         self.description = self.problem = ''
         self.arm: ContactKinematics | None = None
         self._synchroniser = Synchroniser(
@@ -280,7 +280,7 @@ class ContactSession:
 
     def _estimate(self, run: Sequence[AxesSample]) -> list[AxesEstimates]:
         """Estimate from samples between which no change takes effect."""
-        self.last_stamp_ns, self.last_position, *_ = run[-1][0]
+        self.last_stamp_ns, self.last_position, _, self.last_force = run[-1][0]
         estimates: list[AxesEstimates] = []
         for part in self.checks.parts(run):
             columns = map(

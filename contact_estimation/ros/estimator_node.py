@@ -248,6 +248,8 @@ class EstimatorNode(Node):
                 self._kind = CHANGE
             if not result.successful:
                 response.success, response.message = False, result.reason
+            elif 'caution' in response.message:
+                self._log.warning('set_location', response.message)
         return response
 
     def _event(self, event: EstimationEvent) -> None:
