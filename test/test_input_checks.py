@@ -224,6 +224,18 @@ def test_healthy_samples_give_no_warning() -> None:
         assert not names - {'surface_unchecked'}  # true of SOFT, and of a start in contact
 
 
+@pytest.mark.parametrize('every', [1, 2, 4])
+def test_noise_at_rest_is_no_contradiction_of_the_velocities(every: int) -> None:
+    session, noise = ContactSession(EstimationParameters()), np.random.default_rng(3)
+    for k in range(1500):
+        if k % every == 0:  # between slower joint states x lies on straight lines
+            x, v = noise.normal(0.0, (3e-6, 3e-4))
+            session.add_motion(k * 2 * MILLISECOND, -0.1 + x, v)
+        session.add_wrench(k * 2 * MILLISECOND, noise.normal(0.0, 0.6))
+    assert not [found for found in session.checks.found_in_order()
+                if found.warned.name == 'joint_velocity']
+
+
 def test_slow_joint_states_are_named() -> None:
     session = ContactSession(EstimationParameters())
     for k, (stamp, x, v, F) in enumerate(HEALTHY):
