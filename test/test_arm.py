@@ -204,6 +204,7 @@ def test_a_wrench_in_an_unknown_frame_is_refused_with_the_reason() -> None:
     ({'contact.normal': [0, 0, 0]}, 'contact.normal must be a direction'),
     ({'joint': 'elbow'}, 'must be empty for an arm'),
     ({'further_axes.y.joint': 'a', 'joint': 'b'}, 'must be empty for an arm'),
+    ({'further_axes.y.joint': 'a'}, "is estimated; got further_axes.y.joint 'a'"),
     ({'kinematics.tip': ''}, r'tool\.\* needs the orientation'),
     ({'force_sign': 0.5}, 'force_sign must be 1 or -1'),
     ({'robot_description_file': '/no/such.urdf'}, 'cannot be read: No such file'),

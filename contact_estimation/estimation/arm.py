@@ -73,11 +73,14 @@ def check_arm(parameters: EstimationParameters) -> None:
             "an empty text; such as 'base_link'"
         )
     unit_normal(parameters.contact)
-    if parameters.joint or parameters.further_axes.named():
+    further = parameters.further_axes.named()
+    if parameters.joint or further:
+        given = [f'joint {parameters.joint!r}'] if parameters.joint else []
+        given += [f'further_axes.{axis}.joint {own.joint!r}' for axis, own in further.items()]
         raise ParameterRangeError(
             'joint and further_axes.*.joint must be empty for an arm (kinematics.tip is set): '
-            'the joints follow from the robot description, and one axis, contact.normal, is '
-            f'estimated; got joint {parameters.joint!r}'
+            'its joints follow from the robot description or tf, and one axis, contact.normal, '
+            f'is estimated; got {", ".join(given)}'
         )
 
 

@@ -108,9 +108,9 @@ class EstimationParameters(ParameterGroup):
         """Check parameters that must be consistent with each other."""
         super().__post_init__()
         check_cutoff(self.conditioning.cutoff_frequency, self.sample_rate)
+        check_arm(self)
         check_axes(self.axis, self.joint, self.further_axes)
         check_matrix(self.matrix_estimator, tuple(self.joints))
-        check_arm(self)
         refuse_double_tracking(self.reference_law, self.reference.robot_force_tracking)
 
     @property

@@ -65,7 +65,9 @@ def live_run(files: ArmFiles, case: Case) -> tuple[dict[str, Any], Path]:
     parameters = [f'{name}:={_yaml(value)}' for name, value in case.parameters.items()]
     nodes = [
         start_node('contact_estimation.ros.recorder_node', [f'output:={recorded}']),
-        start_node('contact_estimation.ros.estimator_node', parameters),
+        # The arm follows the reference that is played, not that of the node.
+        start_node('contact_estimation.ros.estimator_node', parameters,
+                   ['reference_trajectory:=unused_reference']),
     ]
     try:
         time.sleep(_START_S)
