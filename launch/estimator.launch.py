@@ -30,6 +30,8 @@ ARGUMENTS = {
     'wrench': ('wrench', 'topic of the force sensor'),
     'joint_states': ('joint_states', 'topic of the joint states'),
     'robot_description': ('robot_description', 'topic of the URDF'),
+    'tf': ('/tf', 'topic of moving transforms'),
+    'tf_static': ('/tf_static', 'topic of static transforms'),
     'desired_trajectory': ('desired_trajectory', 'topic of setpoints of a planner'),
     'reference_trajectory': ('reference_trajectory', 'topic of the reference'),
     'target_pose': ('', 'topic of the target pose; empty: ~/target_pose'),
@@ -37,6 +39,7 @@ ARGUMENTS = {
 }
 REMAPPED = ('wrench', 'joint_states', 'robot_description', 'desired_trajectory',
             'reference_trajectory')
+ABSOLUTE = ('tf', 'tf_static')
 PRIVATE = ('target_pose', 'compensated_wrench')
 
 
@@ -50,6 +53,7 @@ def nodes(context: LaunchContext) -> list[Node]:
         if not Path(file).is_file():
             raise RuntimeError(f'parameter file {file} does not exist')
     remappings = [(name, value[name]) for name in REMAPPED]
+    remappings += [(f'/{name}', value[name]) for name in ABSOLUTE]
     remappings += [(f'~/{name}', value[name]) for name in PRIVATE if value[name]]
     return [Node(
         package='contact_estimation', executable='estimator_node', name=value['name'],

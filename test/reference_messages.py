@@ -26,6 +26,7 @@ JOINTS = 'sensor_msgs/msg/JointState'
 TRAJECTORY = 'trajectory_msgs/msg/JointTrajectory'
 FLOAT64 = 'std_msgs/msg/Float64'
 STRING = 'std_msgs/msg/String'
+TF = 'tf2_msgs/msg/TFMessage'
 
 STORE = get_typestore(Stores.ROS2_JAZZY)
 _TYPES = {name.rsplit('/', 1)[-1]: cls for name, cls in STORE.types.items()}
@@ -91,3 +92,16 @@ def trajectory_bytes(
     ]
     message = new('JointTrajectory', header(**of_header), list(names), made)
     return serialized(message, TRAJECTORY, little_endian)
+
+
+def transforms_bytes(
+    transforms: Sequence[tuple[int, str, str, Sequence[float]]], little_endian: bool = True
+) -> bytes:
+    """Serialise stamps [ns], parents, children and poses (x, y, z, qx, qy, qz, qw)."""
+    made = [
+        new('TransformStamped', header(stamp_ns, parent), child, new(
+            'Transform', new('Vector3', *map(float, pose[:3])),
+            new('Quaternion', *map(float, pose[3:]))))
+        for stamp_ns, parent, child, pose in transforms
+    ]
+    return serialized(new('TFMessage', made), TF, little_endian)

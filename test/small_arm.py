@@ -35,6 +35,8 @@ _LINKS = (
     ('finger', 'tool', 'finger_joint', 'prismatic', (0, 0, 0.1), (0, 0, 0), (0, 1, 0)),
 )
 JOINTS = ('shoulder', 'elbow', 'wrist')
+MOVING = ('link_1', 'link_2', 'link_3', 'finger')
+FIXED = ('base_link', 'sensor', 'tool')
 _LIMITS = '<limit lower="-3" upper="3" effort="100" velocity="10"/>'
 
 
@@ -51,16 +53,22 @@ def urdf() -> str:
 
 def pose(q: Sequence[float], link: str = 'tool', base: str = 'base_link') -> Array:
     """Return the homogeneous transform (4, 4) from a link to the base."""
-    angles = dict(zip(JOINTS, q))
     T, here = np.eye(4), link
     while here != base:
-        _, here, name, _, xyz, rpy, axis = next(row for row in _LINKS if row[0] == here)
-        own = np.eye(4)
-        turned = Rotation.from_rotvec(np.array(axis) * angles.get(name, 0.0))
-        own[:3, :3] = (Rotation.from_euler('xyz', rpy) * turned).as_matrix()
-        own[:3, 3] = xyz
+        here, own = step(q, here)
         T = own @ T
     return T
+
+
+def step(q: Sequence[float], link: str) -> tuple[str, Array]:
+    """Return the parent of a link, and the homogeneous transform (4, 4) from the link to it."""
+    angles = dict(zip(JOINTS, q))
+    _, parent, name, _, xyz, rpy, axis = next(row for row in _LINKS if row[0] == link)
+    own = np.eye(4)
+    turned = Rotation.from_rotvec(np.array(axis) * angles.get(name, 0.0))
+    own[:3, :3] = (Rotation.from_euler('xyz', rpy) * turned).as_matrix()
+    own[:3, 3] = xyz
+    return parent, own
 
 
 def _text(numbers: Sequence[float]) -> str:

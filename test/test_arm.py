@@ -23,7 +23,7 @@ from typing import Any, Mapping
 from arm_contact import (
     B_E, CENTRE, instants, K_E, LOCATION, MASS, messages, NORMAL, PARAMETERS, START,
 )
-from contact_estimation.estimation.arm_inputs import inputs_of
+from contact_estimation.estimation.inputs_of import inputs_of
 from contact_estimation.estimation.parameters import EstimationParameters
 from contact_estimation.estimation.result import Result
 from contact_estimation.estimation.session import ContactSession
@@ -204,6 +204,7 @@ def test_a_wrench_in_an_unknown_frame_is_refused_with_the_reason() -> None:
     ({'contact.normal': [0, 0, 0]}, 'contact.normal must be a direction'),
     ({'joint': 'elbow'}, 'must be empty for an arm'),
     ({'further_axes.y.joint': 'a', 'joint': 'b'}, 'must be empty for an arm'),
+    ({'further_axes.y.joint': 'a'}, "is estimated; got further_axes.y.joint 'a'"),
     ({'kinematics.tip': ''}, r'tool\.\* needs the orientation'),
     ({'force_sign': 0.5}, 'force_sign must be 1 or -1'),
     ({'robot_description_file': '/no/such.urdf'}, 'cannot be read: No such file'),
@@ -218,3 +219,17 @@ def test_centre_of_the_tool_matters_for_torque_only() -> None:
     free = results[10].arm
     assert free is not None and np.abs(free.wrench[3:]).max() > 0.05
     assert results[10].sample.force == pytest.approx(instants()[10].contact.force, abs=1e-9)
+
+
+@pytest.mark.parametrize('degrees, warned', [(0.0, False), (15.0, False), (45.0, True)])
+def test_a_normal_far_off_the_force_is_named(degrees: float, warned: bool) -> None:
+    tilt = np.radians(degrees)
+    across = np.array([0.8, 0.0, 0.6])
+    normal = np.cos(tilt) * NORMAL + np.sin(tilt) * across
+    session, _ = run(estimation={'contact.normal': normal.tolist(), 'environment.location': nan})
+    found = {one.warned.name: one.warned.text for one in session.checks.found_in_order()}
+    assert ('force_direction' in found) == warned
+    if warned:
+        assert 'degrees off contact.normal' in found['force_direction']
+        angle = float(found['force_direction'].split('is ')[1].split()[0])
+        assert angle == pytest.approx(45.0, abs=10.0)  # friction along the wall tilts it too

@@ -194,6 +194,20 @@ def test_set_location_ends_the_warning_and_replays_as_an_event() -> None:
     assert not session.checks.warnings()
 
 
+@pytest.mark.parametrize('press, caution', [
+    (0.0, 'the tool is not in contact'), (24.0, 'which takes it 8 mm into'), (4.0, '')])
+def test_set_location_is_doubted_unless_the_tool_touches_lightly(
+    press: float, caution: str
+) -> None:
+    free, last = HEALTHY[:150], HEALTHY[149]
+    resting = [last._replace(stamp_ns=last.stamp_ns + k * 2 * MILLISECOND, velocity=0.0,
+                             force=-press) for k in range(1, 20)]
+    session, _ = fed([*free, *resting], at(0.4))
+    done, message, _ = set_location(session)
+    assert done and session.pipeline.contact == (press > 0.0)
+    assert (caution in message) if caution else ('caution' not in message)
+
+
 def test_warnings_do_not_depend_on_how_samples_are_cut_into_runs() -> None:
     one_by_one, expected = fed(wrench_late_ms=0, change=at(0.01))
     session = ContactSession(EstimationParameters(), generate_reference=False)
@@ -208,6 +222,18 @@ def test_healthy_samples_give_no_warning() -> None:
     for samples in (HEALTHY, SOFT, HEALTHY[300:]):
         names = {warned.name for warned in fed(samples)[0].checks.warnings()}
         assert not names - {'surface_unchecked'}  # true of SOFT, and of a start in contact
+
+
+@pytest.mark.parametrize('every', [1, 2, 4])
+def test_noise_at_rest_is_no_contradiction_of_the_velocities(every: int) -> None:
+    session, noise = ContactSession(EstimationParameters()), np.random.default_rng(3)
+    for k in range(1500):
+        if k % every == 0:  # between slower joint states x lies on straight lines
+            x, v = noise.normal(0.0, (3e-6, 3e-4))
+            session.add_motion(k * 2 * MILLISECOND, -0.1 + x, v)
+        session.add_wrench(k * 2 * MILLISECOND, noise.normal(0.0, 0.6))
+    assert not [found for found in session.checks.found_in_order()
+                if found.warned.name == 'joint_velocity']
 
 
 def test_slow_joint_states_are_named() -> None:

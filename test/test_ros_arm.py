@@ -28,8 +28,8 @@ from contact_estimation.recordings import RecordingReader
 import numpy as np
 import pytest
 from ros_processes import (
-    DiagnosticStatus, ESTIMATES, JointState, Listener, node_process, Peer, run_module, String,
-    to_stamp, Vector3Stamped, WINDOW, WrenchStamped,
+    DiagnosticArray, DiagnosticStatus, ESTIMATES, JointState, Listener, node_process, Peer,
+    run_module, String, to_stamp, Vector3Stamped, WINDOW, WrenchStamped,
 )
 from small_arm import JOINTS, pose, urdf
 
@@ -182,14 +182,27 @@ def test_target_is_the_measured_pose_with_the_normal_alone_replaced(
 def test_replay_of_its_recording_returns_what_the_node_published(
     run: tuple[ArmPeer, int], folder: Path
 ) -> None:
-    peer, begin_ns = run
+    peer, _ = run
     assert replay.main([str(folder / 'bag'), '--output', str(folder / 'again.mcap')]) == 0
     decode = Vector3StampedDecoder().decode
     messages = RecordingReader(folder / 'again.mcap').messages(['/estimator_node/damping'])
     again = {stamp: x for stamp, x, _, _ in (decode(message.data) for message in messages)}
     published = {stamp: m.vector.x for stamp, m in peer.heard['damping'].items()}
-    assert {s: again.get(s) for s in published if s >= begin_ns} == {
-        s: x for s, x in published.items() if s >= begin_ns}
+    assert again == published
+
+
+# After all that replays the recording: the node goes on with the description it started with.
+def test_another_description_while_running_is_a_warning(run: tuple[ArmPeer, int]) -> None:
+    peer, _ = run
+    peer.listen('diagnostics', DiagnosticArray, '/diagnostics')
+
+    def told() -> bool:
+        return any('has changed and is not used; start the node again' in pair.value
+                   for message in peer.heard['diagnostics'].values()
+                   for status in message.status for pair in status.values)
+
+    peer.description.publish(String(data=urdf().replace('small_arm', 'large_arm')))
+    peer.spin_until(told, 'the warning')
 
 
 def test_target_pose_of_a_single_axis_is_refused(tmp_path: Path) -> None:

@@ -20,11 +20,14 @@ import os
 import signal
 import subprocess
 import sys
+from typing import Sequence
 
 _TIMEOUT_S = 5.0
 
 
-def start_node(module: str, parameters: list[str]) -> subprocess.Popen[bytes]:
+def start_node(
+    module: str, parameters: list[str], remappings: Sequence[str] = ()
+) -> subprocess.Popen[bytes]:
     """
     Start a node in the benchmark's own ROS domain, free of other traffic.
 
@@ -34,6 +37,8 @@ def start_node(module: str, parameters: list[str]) -> subprocess.Popen[bytes]:
         Python module of the node.
     parameters : list of str
         ROS parameters as NAME:=VALUE.
+    remappings : sequence of str
+        Topics as FROM:=TO.
 
     Returns
     -------
@@ -42,6 +47,7 @@ def start_node(module: str, parameters: list[str]) -> subprocess.Popen[bytes]:
 
     """
     options = [word for parameter in parameters for word in ('-p', parameter)]
+    options += [word for remapping in remappings for word in ('-r', remapping)]
     environment = {
         **os.environ,
         'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST',

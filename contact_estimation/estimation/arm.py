@@ -21,7 +21,9 @@ from typing import TYPE_CHECKING
 
 from ..exceptions import ModelFileError, ParameterRangeError
 from ..kinematics.contact_kinematics import ContactKinematics, unit_normal
+from ..kinematics.frame_tree import FrameTree
 from ..kinematics.robot_model import RobotModel
+from ..kinematics.transform_model import TransformModel
 
 if TYPE_CHECKING:
     from .parameters import EstimationParameters
@@ -29,6 +31,9 @@ if TYPE_CHECKING:
 NO_DESCRIPTION = (
     'no robot description yet: publish it on robot_description (robot_state_publisher does), or '
     'set robot_description_file'
+)
+NO_TRANSFORMS = (
+    'no transforms yet: nothing has come on tf that connects kinematics.base with kinematics.tip'
 )
 
 
@@ -51,6 +56,11 @@ def check_arm(parameters: EstimationParameters) -> None:
         raise ParameterRangeError(f'force_sign must be 1 or -1, got {parameters.force_sign:g}')
     kinematics = parameters.kinematics
     if not kinematics.tip:
+        if parameters.pose_source == 'tf':
+            raise ParameterRangeError(
+                'pose_source tf needs the frames of an arm, but kinematics.tip is empty; set '
+                'kinematics.base, kinematics.tip and contact.normal'
+            )
         if parameters.tool.is_on:
             raise ParameterRangeError(
                 'tool.* needs the orientation of the force sensor, but kinematics.tip is empty; '
@@ -63,11 +73,14 @@ def check_arm(parameters: EstimationParameters) -> None:
             "an empty text; such as 'base_link'"
         )
     unit_normal(parameters.contact)
-    if parameters.joint or parameters.further_axes.named():
+    further = parameters.further_axes.named()
+    if parameters.joint or further:
+        given = [f'joint {parameters.joint!r}'] if parameters.joint else []
+        given += [f'further_axes.{axis}.joint {own.joint!r}' for axis, own in further.items()]
         raise ParameterRangeError(
             'joint and further_axes.*.joint must be empty for an arm (kinematics.tip is set): '
-            'the joints follow from the robot description, and one axis, contact.normal, is '
-            f'estimated; got joint {parameters.joint!r}'
+            'its joints follow from the robot description or tf, and one axis, contact.normal, '
+            f'is estimated; got {", ".join(given)}'
         )
 
 
@@ -95,12 +108,38 @@ def kinematics_of(parameters: EstimationParameters, description: str) -> Contact
     """
     p = parameters
     model = RobotModel(description, p.kinematics.base, p.kinematics.tip)
+    kinematics = ContactKinematics(model, p.contact, p.tool, p.force_sign, p.force_sensor.rpy)
     frame = p.force_sensor.frame or p.frame_id
-    kinematics = ContactKinematics(
-        model, p.contact, p.tool, p.force_sign, p.force_sensor.rpy)
-    if frame:
+    if frame in model.links:  # tf may know others
         kinematics.use_sensor(frame)
     return kinematics
+
+
+def kinematics_of_frames(parameters: EstimationParameters, tree: FrameTree) -> ContactKinematics:
+    """
+    Make the kinematics of an arm whose poses are those of tf.
+
+    Parameters
+    ----------
+    parameters : EstimationParameters
+        With `kinematics.tip`.
+    tree : FrameTree
+        Frames of tf.
+
+    Returns
+    -------
+    kinematics : ContactKinematics
+        From base to tip.
+
+    Raises
+    ------
+    ContactEstimationError
+        If transforms do not connect base and tip.
+
+    """
+    p = parameters
+    model = TransformModel(tree, p.kinematics.base, p.kinematics.tip)
+    return ContactKinematics(model, p.contact, p.tool, p.force_sign, p.force_sensor.rpy)
 
 
 def described_in_file(parameters: EstimationParameters) -> str:

@@ -18,11 +18,15 @@ from __future__ import annotations
 
 from typing import Sequence
 
-from .inputs import MessageInputs
+from .arm_frames import ArmFrames, static_as_parameters
+from .events import EstimationEvent, event_now, READY, STATIC
 from .result import AxesEstimates, Result
 from .session import ContactSession
+from .start_up import StartUp
 from ..exceptions import ContactEstimationError, MessageError
-from ..messages import ForceTorqueDecoder, SomeJointsDecoder
+from ..kinematics.robot_model import RobotModel
+from ..messages import ForceTorqueDecoder, SomeJointsDecoder, StampedTransform, TransformsDecoder
+from ..messages.cdr import header_stamp_ns
 from ..signals.joint_merging import JointMerger
 
 _PARTS = 10  # messages over which the joints of an arm may be split
@@ -44,13 +48,23 @@ class ArmInputs:
     ----------
     frame_id : str
         Frame of the wrenches: as configured, else that of the first wrench; '' before it.
+    frames : ArmFrames
+        Of tf.
+    events : list of EstimationEvent
+        What a recording must hold besides the messages; the user takes them out.
+    ignored : StartUp
+        In replay, what the node had refused before it knew the arm.
 
     """
+
+    _lacking = 'robot_description_missing'
 
     def __init__(self, session: ContactSession) -> None:
         self._session = session
         self.frame_id = session.parameters.frame_id
-        self._wrench = ForceTorqueDecoder()
+        self.frames, self.events = ArmFrames(), list[EstimationEvent]()
+        self.ignored, self._start_up = StartUp(), StartUp()
+        self._wrench, self._transforms = ForceTorqueDecoder(), TransformsDecoder()
         self._joints: SomeJointsDecoder | None = None
         self._complete, self._incomplete = False, 0
 
@@ -74,7 +88,10 @@ class ArmInputs:
         except MessageError as error:
             self._session.count_rejected(f'wrench_{error.reason}', str(error))
             return []
+        if self.ignored.has_wrench(stamp_ns):
+            return []
         if not self._accepts(self._wrench.frame_id):
+            self._start_up.refused_wrench(stamp_ns)
             return []
         return self._session.add_wrench(stamp_ns, *wrench)
 
@@ -94,10 +111,12 @@ class ArmInputs:
 
         """
         if self._joints is None and not self._prepared():
+            self._start_up.refused_motion(header_stamp_ns(raw))
             return []
         assert self._joints is not None
         try:
-            row = self._merger.add(*self._joints.decode(raw))
+            part = self._joints.decode(raw)
+            row = None if self.ignored.has_motion(part[0]) else self._merger.add(*part)
         except MessageError as error:
             if error.reason != 'joint_unknown' or not self._complete:
                 self._session.count_rejected(f'joint_states_{error.reason}', str(error))
@@ -108,6 +127,45 @@ class ArmInputs:
         if not self._complete:
             self._count_lacking()
         return []
+
+    def process_static_transforms(self, raw: bytes) -> list[Result]:
+        """
+        Process raw static transforms of tf.
+
+        Parameters
+        ----------
+        raw : bytes
+            CDR of tf2_msgs/msg/TFMessage.
+
+        Returns
+        -------
+        results : list of Result
+            None.
+
+        """
+        try:
+            self.use_static(self._transforms.decode(raw))
+        except MessageError as error:
+            self._session.count_rejected(f'tf_{error.reason}', str(error))
+        return []
+
+    def use_static(self, transforms: Sequence[StampedTransform]) -> None:
+        """
+        Use static transforms of tf.
+
+        Parameters
+        ----------
+        transforms : sequence of StampedTransform
+            As received.
+
+        """
+        if self.frames.add_static(transforms):
+            self._announce_static()
+
+    def _announce_static(self) -> None:
+        new = self.frames.take_unreported()
+        if new:
+            self.events.append(event_now(self._session, STATIC, static_as_parameters(new)))
 
     def process_pairs(
         self, wrenches: Sequence[bytes], joints: Sequence[bytes]
@@ -128,9 +186,9 @@ class ArmInputs:
     def _prepared(self) -> bool:
         arm = self._session.arm
         if arm is None:
-            self._session.count_rejected(
-                'robot_description_missing', self._session.problem)
+            self._session.count_rejected(self._lacking, self._session.problem)
             return False
+        assert isinstance(arm.model, RobotModel)
         self._joints = SomeJointsDecoder(arm.model.joint_names)
         self._merger = JointMerger(arm.model.continuous)
         return True
@@ -139,8 +197,7 @@ class ArmInputs:
         """Check the frame of a wrench; without a configured frame the first one is adopted."""
         arm = self._session.arm
         if arm is None:
-            self._session.count_rejected(
-                'robot_description_missing', self._session.problem)
+            self._session.count_rejected(self._lacking, self._session.problem)
             return False
         if arm.sensor and frame_id == self.frame_id:
             return True
@@ -150,15 +207,14 @@ class ArmInputs:
                 'wrench_frame_id', f'expected {self.frame_id!r}, got {frame_id!r}; set frame_id')
             return False
         try:
-            arm.use_sensor(arm.sensor or frame_id)
+            self.frames.place_sensor(arm, self._session.parameters.force_sensor.frame or frame_id)
         except ContactEstimationError as error:
-            self.frame_id = ''
+            self.frame_id = self._session.parameters.frame_id
             self._session.count_rejected(
                 'wrench_frame_unknown', f'{error}; or name the link in force_sensor.frame')
             return False
+        self._announce_static()
+        refused = self._start_up.take_report()
+        if refused:
+            self.events.append(event_now(self._session, READY, refused))
         return True
-
-
-def inputs_of(session: ContactSession) -> MessageInputs | ArmInputs:
-    """Return the inputs that fit the parameters of a session."""
-    return ArmInputs(session) if session.parameters.kinematics.tip else MessageInputs(session)

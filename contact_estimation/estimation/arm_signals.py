@@ -16,19 +16,23 @@
 
 from __future__ import annotations
 
-from math import isnan
-from typing import Callable
+from itertools import repeat
+from math import isnan, nan
+from typing import Any, Callable, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import savgol_filter
 
-from .arm import described_in_file, kinematics_of
+from .arm import described_in_file, kinematics_of, kinematics_of_frames
+from .arm_frames import ArmFrames
 from .parameters import EstimationParameters
-from .recorded_arm import recorded_description
+from .recorded_arm import recorded_description, recorded_static
 from ..exceptions import RecordingError
 from ..kinematics.contact_kinematics import ArmSample, ContactKinematics
-from ..messages import ForceTorqueDecoder, SomeJointsDecoder
+from ..kinematics.moving_frames import MovingFrames, NUMBERS
+from ..kinematics.robot_model import RobotModel
+from ..messages import ForceTorqueDecoder, SomeJointsDecoder, TransformsDecoder
 from ..recordings import RecordingReader
 from ..recordings.recorded_signals import (
     read_rows,
@@ -44,6 +48,15 @@ from ..signals.joint_merging import JointMerger
 Array = NDArray[np.float64]
 
 _SMOOTHED_S = 0.02  # over which the acceleration of the tool is taken
+
+
+class Motions(NamedTuple):
+    """The arm, the topic of its motion, what reads it, and the number of its coordinates."""
+
+    arm: ContactKinematics
+    topic: str
+    decode: Callable[[bytes], Any]
+    coordinates: int
 
 
 def read_contact_signals(
@@ -118,20 +131,19 @@ def read_arm_signals(
         If topics are missing, or the description does not fit.
 
     """
-    description = described_in_file(parameters) or recorded_description(reader, source)
-    arm = kinematics_of(parameters, description)
-    joints, merger = SomeJointsDecoder(arm.model.joint_names), JointMerger(arm.model.continuous)
+    frames = ArmFrames()
+    frames.add_static(recorded_static(reader, source))
+    arm, motion_topic, motions, count = (
+        _from_transforms if parameters.pose_source == 'tf' else _from_joints
+    )(reader, source, parameters, frames)
     wrenches = ForceTorqueDecoder()
-    count = 2 * len(arm.model.joint_names)
-    decode: dict[str, Callable[[bytes], Row | None]] = {
-        source.wrench: wrenches.decode,
-        source.joint_states: lambda data: merger.add(*joints.decode(data)),
+    decode: dict[str, Callable[[bytes], Any]] = {
+        source.wrench: wrenches.decode, motion_topic: motions,
         source.reference_trajectory: reference_rows(''),
     }
     wrench, motion, reference = read_rows(
-        reader, source, decode, (6, count, 4), most_samples)
-    if not arm.sensor:
-        arm.use_sensor(wrenches.frame_id)
+        reader, source, decode, (6, 2 * count, 4), most_samples)
+    frames.place_sensor(arm, parameters.force_sensor.frame or wrenches.frame_id)
     usable, at_wrenches = _interpolated(
         motion, wrench.stamp_ns, parameters.synchronisation.maximum_gap_s)
     if not usable.any():
@@ -149,6 +161,43 @@ def read_arm_signals(
         force += mass * _acceleration(Signal(motion.stamp_ns, x), stamps_ns)
     return RecordedSignals(
         Signal(stamps_ns, force[None]), Signal(motion.stamp_ns, x), reference, arm.model.base)
+
+
+def _from_joints(
+    reader: RecordingReader, source: RecordingSource, parameters: EstimationParameters,
+    frames: ArmFrames,
+) -> Motions:
+    """Read the joints of an arm with a robot description."""
+    description = described_in_file(parameters) or recorded_description(reader, source)
+    arm = kinematics_of(parameters, description)
+    assert isinstance(arm.model, RobotModel)
+    joints, merger = SomeJointsDecoder(arm.model.joint_names), JointMerger(arm.model.continuous)
+
+    def decode(data: bytes) -> Row | None:
+        return merger.add(*joints.decode(data))
+
+    return Motions(arm, source.joint_states, decode, len(arm.model.joint_names))
+
+
+def _from_transforms(
+    reader: RecordingReader, source: RecordingSource, parameters: EstimationParameters,
+    frames: ArmFrames,
+) -> Motions:
+    """Read the poses of the moving frames of an arm in tf."""
+    decoder = TransformsDecoder()
+    for message in reader.messages([source.tf]):
+        if frames.tree.add_moving(decoder.decode(message.data)) and frames.tree.path(
+                parameters.kinematics.base, parameters.kinematics.tip):
+            break
+    arm = kinematics_of_frames(parameters, frames.tree)
+    moving = MovingFrames(
+        arm.model.joint_names, parameters.synchronisation.time_jump_s)
+
+    def decode(data: bytes) -> list[Row]:
+        return [(stamp_ns, (*poses, *repeat(nan, len(poses))))
+                for stamp_ns, poses in moving.add(decoder.decode(data))]
+
+    return Motions(arm, source.tf, decode, NUMBERS * len(arm.model.joint_names))
 
 
 def _acceleration(motion: Signal, stamps_ns: NDArray[np.int64]) -> Array:

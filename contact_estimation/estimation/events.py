@@ -25,6 +25,7 @@ from ..exceptions import ContactEstimationError, RecordingError
 
 START, CHANGE, RESET, TARE = 'start', 'set_parameters', 'reset', 'tare'
 DESCRIPTION, LOCATION = 'robot_description', 'set_location'
+STATIC, READY = 'static_transforms', 'arm_ready'
 
 
 class EstimationEvent(NamedTuple):
@@ -34,12 +35,14 @@ class EstimationEvent(NamedTuple):
     Attributes
     ----------
     kind : str
-        'start', 'set_parameters', 'set_location', 'reset', 'tare' or 'robot_description'.
+        'start', 'set_parameters', 'set_location', 'reset', 'tare', 'robot_description',
+        'static_transforms' or 'arm_ready'.
     after_stamp_ns : int
         Stamp of the sample after which it took effect [ns].
     parameters : mapping
-        All parameters at start, those changed, those of `biases` at a tare, or the text of the
-        URDF of an arm.
+        All parameters at start, those changed, those of `biases` at a tare, the text of the
+        URDF of an arm, static transforms of tf, or what came before the arm was known, see
+        `StartUp`.
     jumps : int
         Number of backward clock jumps before it.
 
@@ -106,7 +109,7 @@ def event_now(
     session : ContactSession
         The session changed.
     kind : str
-        'start', 'set_parameters', 'set_location', 'reset' or 'tare'.
+        As in `EstimationEvent`.
     parameters : mapping
         As in `EstimationEvent`.
 
@@ -132,13 +135,44 @@ def set_location(session: ContactSession) -> tuple[bool, str, dict[str, float]]:
     Returns
     -------
     done, message, changes : bool, str, dict
-        False without a sample so far; what is set, or why not; dotted name to value.
+        False without a sample so far; what is set and what makes it doubtful, or why nothing is
+        set; dotted name to value.
 
     """
     x = session.last_position
     if x != x:
         return False, 'no sample yet; see /diagnostics for the reason', {}
-    return True, f'environment.location is now {x:.6g} m', {'environment.location': x}
+    done, caution = f'environment.location is now {x:.6g} m', caution_on_location(session)
+    return True, f'{done}; {caution}' if caution else done, {'environment.location': x}
+
+
+def caution_on_location(session: ContactSession) -> str:
+    """
+    Return why the surface may not be where the tool is.
+
+    Parameters
+    ----------
+    session : ContactSession
+        Whose last sample counts; along the contact axis alone.
+
+    Returns
+    -------
+    caution : str
+        '' where the tool touches lightly: K_hat puts it within `environment.location_std` of the
+        surface.
+
+    """
+    pipeline, std = session.pipeline, session.parameters.environment.location_std
+    if not pipeline.contact:
+        return ('caution: the tool is not in contact, so that the surface is here only if the '
+                'tool just reaches it; touch lightly and call again')
+    pressing = pipeline.bias - session.last_force
+    depth = pressing / pipeline.estimator.stiffness
+    if depth <= std:
+        return ''
+    return (f'caution: the tool presses with {pressing:.3g} N, which takes it '
+            f'{1e3 * depth:.3g} mm into the wall at K_hat = '
+            f'{pipeline.estimator.stiffness:.4g} N/m; touch lightly and call again')
 
 
 def biases(session: ContactSession) -> dict[str, float]:
@@ -170,8 +204,8 @@ def apply_event(session: ContactSession, event: EstimationEvent) -> None:
     session : ContactSession
         The session to change.
     event : EstimationEvent
-        The event; 'start' and 'robot_description' have no effect, since both must be known
-        before the first sample.
+        The event; those of the arm have no effect here, see `ArmInputs`, and 'start' none,
+        since it must be known before the first sample.
 
     """
     if event.kind in (CHANGE, LOCATION):

@@ -21,6 +21,7 @@ from typing import Any, Callable, Sequence
 
 import numpy as np
 
+from .events import EstimationEvent
 from .result import AxesEstimates, Result
 from .session import ContactSession
 from ..exceptions import MessageError
@@ -44,11 +45,14 @@ class MessageInputs:
     ----------
     frame_id : str
         Frame of the wrenches: as configured, else that of the first wrench; '' before it.
+    events : list of EstimationEvent
+        Always empty, see `ArmInputs`.
 
     """
 
     def __init__(self, session: ContactSession) -> None:
         self._session = session
+        self.events: list[EstimationEvent] = []
         self._wrenches = session.checks.wrenches
         self.frame_id = session.parameters.frame_id
         joints = session.parameters.joints

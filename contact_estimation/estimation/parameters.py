@@ -76,6 +76,11 @@ class EstimationParameters(ParameterGroup):
         '', 'URDF of an arm; empty: the text comes on the topic robot_description',
         read_only=True,
     )
+    pose_source: str = parameter(
+        'joints', 'Where the pose of an arm comes from: its joints and robot description, or the '
+        'transforms of tf between kinematics.base and kinematics.tip', choices=('joints', 'tf'),
+        read_only=True,
+    )
     kinematics: KinematicsParameters = group(
         KinematicsParameters, 'An arm: x and v along contact.normal follow from its joints')
     force_sensor: ForceSensorParameters = group(ForceSensorParameters, 'Force sensor of an arm')
@@ -103,9 +108,9 @@ class EstimationParameters(ParameterGroup):
         """Check parameters that must be consistent with each other."""
         super().__post_init__()
         check_cutoff(self.conditioning.cutoff_frequency, self.sample_rate)
+        check_arm(self)
         check_axes(self.axis, self.joint, self.further_axes)
         check_matrix(self.matrix_estimator, tuple(self.joints))
-        check_arm(self)
         refuse_double_tracking(self.reference_law, self.reference.robot_force_tracking)
 
     @property

@@ -16,12 +16,14 @@
 
 from __future__ import annotations
 
-from typing import Any, Mapping
+from typing import Any, Iterator, Mapping
 
-from .events import DESCRIPTION, EstimationEvent, START
+from .arm_frames import static_of_parameters
+from .events import DESCRIPTION, EstimationEvent, READY, START, STATIC
 from .parameters import EstimationParameters
+from .schedule import Moment
 from ..exceptions import RecordingError
-from ..messages import decode_string
+from ..messages import decode_string, StampedTransform, TransformsDecoder
 from ..parameters.specification import specifications
 from ..recordings import RecordingReader
 from ..recordings.estimation_metadata import from_metadata
@@ -29,7 +31,8 @@ from ..recordings.source import RecordingSource
 from ..recordings.topic_names import canonical
 
 _OF_ARMS = ('kinematics.', 'contact.', 'force_sensor.', 'tool.', 'synchronisation.',
-            'physics.tool_inertia.', 'force_sign', 'frame_id')
+            'physics.tool_inertia.', 'force_sign', 'frame_id', 'pose_source')
+BEFORE_ANY_SAMPLE = Moment(0, -(2**63))
 _FILE = 'robot_description_file'
 
 
@@ -75,11 +78,54 @@ def arm_parameters(
 
 
 def _at_start(reader: RecordingReader, source: RecordingSource) -> dict[str, Any]:
-    if canonical(source.events) not in {canonical(name) for name in reader.topics()}:
-        return {}
-    first = next(reader.messages([source.events]), None)
-    event = EstimationEvent.from_text(decode_string(first.data)) if first else None
+    event = next(recorded_events(reader, source), None)
     return dict(event.parameters) if event and event.kind == START else {}
+
+
+def recorded_events(reader: RecordingReader, source: RecordingSource) -> Iterator[EstimationEvent]:
+    """Yield the events of the node that a recording holds; none without their topic."""
+    if canonical(source.events) in {canonical(name) for name in reader.topics()}:
+        for message in reader.messages([source.events]):
+            yield EstimationEvent.from_text(decode_string(message.data))
+
+
+def recorded_static(
+    reader: RecordingReader, source: RecordingSource
+) -> list[StampedTransform]:
+    """
+    Return the static transforms of a recording.
+
+    Parameters
+    ----------
+    reader : RecordingReader
+        The recording.
+    source : RecordingSource
+        Its topics: the events of the node hold those that the node used, else `tf_static` has
+        them.
+
+    Returns
+    -------
+    transforms : list of StampedTransform
+        Of events, those before the first sample; later ones take effect at their time.
+
+    """
+    events = [event for event in recorded_events(reader, source) if event.kind == STATIC]
+    if events:
+        return [one for event in events if event.moment == BEFORE_ANY_SAMPLE
+                for one in static_of_parameters(event.parameters)]
+    if canonical(source.tf_static) not in {canonical(name) for name in reader.topics()}:
+        return []
+    decoder = TransformsDecoder()
+    return [one for message in reader.messages([source.tf_static])
+            for one in decoder.decode(message.data)]
+
+
+def refused_at_start(reader: RecordingReader, source: RecordingSource) -> Mapping[str, Any]:
+    """Return what the node had refused before it knew the arm; see `StartUp`."""
+    for event in recorded_events(reader, source):
+        if event.kind == READY:
+            return event.parameters
+    return {}
 
 
 def recorded_description(reader: RecordingReader, source: RecordingSource) -> str:
@@ -105,12 +151,10 @@ def recorded_description(reader: RecordingReader, source: RecordingSource) -> st
         If there is none.
 
     """
+    for event in recorded_events(reader, source):
+        if event.kind == DESCRIPTION:
+            return str(event.parameters['text'])
     there = {canonical(name) for name in reader.topics()}
-    if canonical(source.events) in there:
-        for message in reader.messages([source.events]):
-            event = EstimationEvent.from_text(decode_string(message.data))
-            if event.kind == DESCRIPTION:
-                return str(event.parameters['text'])
     if canonical(source.robot_description) in there:
         for message in reader.messages([source.robot_description]):
             return decode_string(message.data)

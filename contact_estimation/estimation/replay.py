@@ -20,12 +20,17 @@ from collections import deque
 from functools import partial
 from typing import Any, Iterator, Mapping
 
-from .arm_inputs import inputs_of
-from .events import apply_event, EstimationEvent
+from .arm_frames import static_of_parameters
+from .arm_inputs import ArmInputs
+from .events import apply_event, EstimationEvent, STATIC
+from .inputs_of import inputs_of
 from .parameters import EstimationParameters
-from .recorded_arm import recorded_description, recorded_parameters
+from .recorded_arm import recorded_description, recorded_parameters, recorded_static
+from .recorded_arm import refused_at_start
 from .result import AxesEstimates
 from .session import ContactSession
+from .start_up import StartUp
+from .transform_inputs import TransformInputs
 from ..estimators import ESTIMATORS
 from ..exceptions import MessageError
 from ..messages import decode_string, TrajectoryDecoder
@@ -69,9 +74,20 @@ class RecordingReplay:
         recorded = recorded_parameters(reader, source, chosen)
         parameters = build(EstimationParameters, {**recorded, **chosen})
         self.session = ContactSession(parameters, generate_reference=False)
-        if parameters.kinematics.tip and self.session.arm is None:
+        of_tf = parameters.pose_source == 'tf'
+        if parameters.kinematics.tip and self.session.arm is None and not of_tf:
             self.session.describe(recorded_description(reader, source))
         self._inputs = inputs_of(self.session)
+        if isinstance(self._inputs, ArmInputs):
+            self._inputs.use_static(recorded_static(reader, source))
+            self._inputs.ignored = StartUp(**refused_at_start(reader, source))
+        self._process_of = {
+            source.wrench: self._inputs.process_wrench,
+            **(
+                {source.tf: self._inputs.process_transforms}
+                if isinstance(self._inputs, TransformInputs)
+                else {source.joint_states: self._inputs.process_joints}),
+        }
         self._references = TrajectoryDecoder()
         self._left_over: list[RecordedMessage] = []
         self._last_reference_ns, self._reference_jumps = -(2**63), 0
@@ -97,7 +113,7 @@ class RecordingReplay:
 
     def _topics(self) -> list[str]:
         source = self._source
-        asked = [source.wrench, source.joint_states]
+        asked = list(self._process_of)
         there = {canonical(name) for name in self._reader.topics()}
         asked += [name for name in (source.events,) if canonical(name) in there]
         if canonical(source.reference_trajectory) in there and self._may_follow():
@@ -141,7 +157,10 @@ class RecordingReplay:
         event = EstimationEvent.from_text(decode_string(raw))
         kept = {k: v for k, v in event.parameters.items() if k not in self._chosen}
         event = event._replace(parameters=kept)
-        self.session.schedule(event.moment, partial(apply_event, self.session, event))
+        apply = partial(apply_event, self.session, event)
+        if event.kind == STATIC and isinstance(self._inputs, ArmInputs):
+            apply = partial(self._inputs.use_static, static_of_parameters(kept))
+        self.session.schedule(event.moment, apply)
 
     def _add_reference(self, raw: bytes) -> None:
         try:
@@ -198,8 +217,6 @@ class RecordingReplay:
 
     def _process_one_by_one(self, messages: list[RecordedMessage]) -> list[AxesEstimates]:
         estimates: list[AxesEstimates] = []
-        wrench_topic, inputs = self._source.wrench, self._inputs
         for topic, _, data in messages:
-            process = inputs.process_wrench if topic == wrench_topic else inputs.process_joints
-            estimates += [result.estimates for result in process(data)]
+            estimates += [result.estimates for result in self._process_of[topic](data)]
         return estimates

@@ -24,7 +24,7 @@ from typing import Any, Callable, Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from .arm import described_in_file, kinematics_of, NO_DESCRIPTION
+from .arm import described_in_file, kinematics_of, NO_DESCRIPTION, NO_TRANSFORMS
 from .checks.input_checks import InputChecks
 from .matrix_estimation import MatrixEstimation
 from .parameters import EstimationParameters
@@ -75,8 +75,10 @@ class ContactSession:
         On-line checks of the inputs.
     rejection_texts : dict of str to str
         The last text of each reason for which a message was rejected.
-    last_stamp_ns, last_position : int, float
-        Stamp [ns] and position along the contact axis [m] of the last sample processed.
+    notices : dict of str to str
+        Name and text of warnings that stay until they are taken out.
+    last_stamp_ns, last_position, last_force : int, float, float
+        Stamp [ns], position [m] and force [N] along the contact axis of the last sample processed.
 
     """
 
@@ -91,12 +93,15 @@ class ContactSession:
         self.pipeline = self._pipelines[0]
         self.checks = InputChecks(parameters, self.pipelines)
         self.rejection_texts: dict[str, str] = {}
-        self.last_stamp_ns, self.last_position = _BEFORE_ANY, nan
+        self.notices: dict[str, str] = {}
+        self.last_stamp_ns, self.last_position, self.last_force = _BEFORE_ANY, nan, nan
         self.description = self.problem = ''
         self.arm: ContactKinematics | None = None
         self._synchroniser = Synchroniser(
             parameters.synchronisation, _arm_sample if parameters.kinematics.tip else None)
-        if parameters.kinematics.tip:
+        if parameters.pose_source == 'tf':
+            self.problem = NO_TRANSFORMS
+        elif parameters.kinematics.tip:
             self.problem = NO_DESCRIPTION
             self.describe(described_in_file(parameters))
         self._generates = generate_reference
@@ -123,8 +128,12 @@ class ContactSession:
 
         """
         if description:
-            self.arm = kinematics_of(self.parameters, description)
-            self.description, self.problem = description, ''
+            self.use_arm(kinematics_of(self.parameters, description))
+            self.description = description
+
+    def use_arm(self, arm: ContactKinematics) -> None:
+        """Set the arm, which was not known or has other frames now."""
+        self.arm, self.problem = arm, ''
 
     @property
     def rejected(self) -> Counter[str]:
@@ -142,12 +151,17 @@ class ContactSession:
         return self._synchroniser.time_jumps
 
     @property
+    def motion_topic(self) -> str:
+        """Topic from which positions come."""
+        return 'tf' if self.parameters.pose_source == 'tf' else 'joint_states'
+
+    @property
     def motion_lag(self) -> str:
-        """How far the newest joint state is behind the newest wrench, in words."""
+        """How far the newest motion is behind the newest wrench, in words."""
         lag_s = self._synchroniser.motion_lag_s
         if lag_s != lag_s:
-            return 'none has come; is joint_states published, or remapped?'
-        return (f'the newest joint state is {lag_s:.3g} s behind the wrench; start its driver, '
+            return f'none has come; is {self.motion_topic} published, or remapped?'
+        return (f'the newest motion is {lag_s:.3g} s behind the wrench; start its driver, '
                 'synchronise the clocks, or set synchronisation.offset')
 
     @property
@@ -266,7 +280,7 @@ class ContactSession:
 
     def _estimate(self, run: Sequence[AxesSample]) -> list[AxesEstimates]:
         """Estimate from samples between which no change takes effect."""
-        self.last_stamp_ns, self.last_position, *_ = run[-1][0]
+        self.last_stamp_ns, self.last_position, _, self.last_force = run[-1][0]
         estimates: list[AxesEstimates] = []
         for part in self.checks.parts(run):
             columns = map(

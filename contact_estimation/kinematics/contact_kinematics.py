@@ -25,6 +25,7 @@ from scipy.spatial.transform import Rotation
 
 from .robot_model import RobotModel
 from .tool_load import cross_matrix, load_map, STANDARD_GRAVITY, ToolParameters
+from .transform_model import TransformModel
 from ..exceptions import ParameterRangeError
 from ..signals.contact_detection import ContactParameters
 from ..signals.contact_sample import ContactSample
@@ -86,7 +87,7 @@ class ContactKinematics:
 
     Parameters
     ----------
-    model : RobotModel
+    model : RobotModel or TransformModel
         From base to tip.
     contact : ContactParameters
         Normal and point.
@@ -94,13 +95,12 @@ class ContactKinematics:
         Load of the tool on the sensor.
     force_sign : float
         -1 where the driver publishes the wrench that the robot applies.
-
     mount : sequence of float
         Roll, pitch and yaw of the sensor's axes in its link [rad].
 
     Attributes
     ----------
-    model : RobotModel
+    model : RobotModel or TransformModel
         As given.
     state : ArmState or None
         Of the last sample.
@@ -117,7 +117,7 @@ class ContactKinematics:
     """
 
     def __init__(
-        self, model: RobotModel, contact: ContactParameters, tool: ToolParameters,
+        self, model: RobotModel | TransformModel, contact: ContactParameters, tool: ToolParameters,
         force_sign: float = 1.0, mount: Sequence[float] = (0.0, 0.0, 0.0),
     ) -> None:
         self.model, self.held, self.sensor = model, False, ''
@@ -129,7 +129,7 @@ class ContactKinematics:
         self._point = np.array(contact.point) if any(contact.point) else None
         self.configure(tool)
         self._sign = force_sign
-        self._mount = Rotation.from_euler('xyz', mount).as_matrix()
+        self._axes = self._mount = Rotation.from_euler('xyz', mount).as_matrix()
         self._gravity = model.root_axes.T @ np.array([0.0, 0.0, -STANDARD_GRAVITY])
 
     def configure(self, tool: ToolParameters) -> None:
@@ -137,7 +137,7 @@ class ContactKinematics:
         self._load, self._bias = load_map(tool)
         self._weighs = bool(self._load.any())
 
-    def use_sensor(self, frame: str) -> None:
+    def use_sensor(self, frame: str, mounting: Array | None = None) -> None:
         """
         Set the link in whose axes the wrench is measured.
 
@@ -145,6 +145,8 @@ class ContactKinematics:
         ----------
         frame : str
             A link of the description.
+        mounting : ndarray, shape (3, 3), optional
+            Axes of the sensor in that link; those of the link by default.
 
         Raises
         ------
@@ -153,7 +155,8 @@ class ContactKinematics:
 
         """
         fixed = self.model.in_tip(frame)
-        self._fixed = None if fixed is None else fixed @ self._mount
+        self._axes = self._mount if mounting is None else mounting @ self._mount
+        self._fixed = None if fixed is None else fixed @ self._axes
         self.sensor = frame
 
     def contact(self, sample: ArmSample) -> ContactSample:
@@ -233,7 +236,7 @@ class ContactKinematics:
         if self._fixed is not None:
             return R @ self._fixed
         axes, _ = self.model.pose(motion[:len(motion) // 2], self.sensor)
-        return axes @ self._mount
+        return axes @ self._axes
 
     def _compensated(self, measured: Sequence[float], R_sensor: Array) -> Array:
         """Return a wrench without the tool's weight and the zero of the sensor."""

@@ -109,6 +109,11 @@ class RobotModel:
         self._root = base_pose.translation.copy()
         self._is_root = bool(np.array_equal(base_pose.homogeneous, np.eye(4)))
 
+    @property
+    def links(self) -> frozenset[str]:
+        """Names of all links of the description."""
+        return frozenset(_links(self._full))
+
     def pose(self, q: Sequence[float] | Array, frame: str | None = None) -> Pose:
         """
         Return the pose of a frame in the base frame.
@@ -278,11 +283,15 @@ def _parsed(pin: Any, urdf: str) -> Any:
 
 def _frame(model: Any, name: str) -> int:
     """Return the index of a link; a joint of the same name is another frame."""
-    links = {frame.name: number for number, frame in enumerate(model.frames)
-             if 'BODY' in str(frame.type)}
+    links = _links(model)
     if name not in links:
         raise UnknownNameError.among('link of the robot description', name, links)
     return links[name]
+
+
+def _links(model: Any) -> dict[str, int]:
+    return {frame.name: number for number, frame in enumerate(model.frames)
+            if 'BODY' in str(frame.type)}
 
 
 def _joints_above(model: Any, frame: int) -> list[int]:

@@ -36,6 +36,7 @@ from .encoding import (
 )
 from .readings import FORCE_OF_AXIS, JointReading, TrajectoryReading, WrenchReading
 from .some_joints import SomeJointsDecoder
+from .transforms import StampedTransform, TransformsDecoder
 
 __all__ = [
     'FORCE_OF_AXIS',
@@ -46,9 +47,11 @@ __all__ = [
     'JointStateEncoder',
     'SeveralJointsDecoder',
     'SomeJointsDecoder',
+    'StampedTransform',
     'TrajectoryDecoder',
     'TrajectoryEncoder',
     'TrajectoryReading',
+    'TransformsDecoder',
     'Vector3StampedDecoder',
     'Vector3StampedEncoder',
     'WrenchDecoder',

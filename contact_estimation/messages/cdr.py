@@ -140,7 +140,7 @@ class StampedLayout:
         wanted = [(offset, 'd') for offset in {o for o in offsets if o is not None}]
         fixed = [(begin, f'{end - begin}s') for begin, end in cursor.fixed]
         fields = sorted([*_STAMP, *wanted, *fixed])
-        self._unpack = struct.Struct(order + _padded_format(fields, self._size)).unpack
+        self._unpack = struct.Struct(order + padded_format(fields, self._size)).unpack
         self._fixed = itemgetter(*(fields.index(field) for field in fixed))
         self._expected = self._fixed(self._unpack(cursor.raw))
         place = {offset: number for number, (offset, _) in enumerate(fields)}
@@ -293,6 +293,14 @@ class StampedReader:
         return layout
 
 
+def header_stamp_ns(raw: bytes) -> int | None:
+    """Return the stamp of a message that begins with a header [ns]; None if it is too short."""
+    if len(raw) < 12:
+        return None
+    sec, nanosec = struct.unpack_from('<iI' if raw[1] else '>iI', raw, _ENCAPSULATION)
+    return int(sec * NS_PER_S + nanosec)
+
+
 def malformed(raw: bytes, type_name: str, error: ValueError) -> MessageError:
     """Explain that bytes are not a message of a type."""
     return MessageError(
@@ -302,7 +310,7 @@ def malformed(raw: bytes, type_name: str, error: ValueError) -> MessageError:
     )
 
 
-def _padded_format(fields: Sequence[tuple[int, str]], size: int) -> str:
+def padded_format(fields: Sequence[tuple[int, str]], size: int) -> str:
     """Write the struct format of fields at given offsets, with the bytes between them skipped."""
     text, at = '', 0
     for offset, code in fields:

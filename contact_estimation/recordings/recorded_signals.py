@@ -116,7 +116,7 @@ def read_signals(
 
 def read_rows(
     reader: RecordingReader, source: RecordingSource,
-    decode: Mapping[str, Callable[[bytes], Row | None]], widths: Sequence[int],
+    decode: Mapping[str, Callable[[bytes], Row | list[Row] | None]], widths: Sequence[int],
     most_samples: int | None = None,
 ) -> list[Signal]:
     """
@@ -129,8 +129,8 @@ def read_rows(
     source : RecordingSource
         Its topics.
     decode : mapping of str to callable
-        For wrench, joint states and reference, in this order: takes a raw message of the topic
-        and returns stamp and values; None where it completes no sample.
+        For wrench, motion and reference, in this order: takes a raw message of the topic and
+        returns stamp and values, or several of them; None where it completes no sample.
     widths : sequence of int
         Number of values of each.
     most_samples : int, optional
@@ -147,7 +147,7 @@ def read_rows(
         If a topic is missing or has no usable message.
 
     """
-    asked = [source.wrench, source.joint_states]
+    asked = list(decode)[:2]
     recorded = {canonical(name) for name in reader.topics()}
     if canonical(source.reference_trajectory) in recorded:
         asked.append(source.reference_trajectory)
@@ -157,11 +157,11 @@ def read_rows(
     refused: dict[str, str] = {}
     for topic, _, data in reader.messages(asked):
         try:
-            row = decode[topic](data)
+            found = decode[topic](data)
         except MessageError as error:
             refused[topic] = f': {error}'
             continue
-        if row is not None:
+        for row in found if isinstance(found, list) else [found] if found else ():
             stamps[topic].append(row[0])
             rows[topic].extend(row[1])
         if len(stamps[source.wrench]) == most_samples:

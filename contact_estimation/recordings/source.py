@@ -21,7 +21,7 @@ from typing import Mapping
 
 from ..exceptions import UnknownNameError
 
-TOPICS = ('wrench', 'joint_states', 'reference_trajectory', 'robot_description')
+TOPICS = ('wrench', 'joint_states', 'reference_trajectory', 'robot_description', 'tf', 'tf_static')
 
 
 @dataclass(frozen=True)
@@ -35,6 +35,8 @@ class RecordingSource:
         Topics.
     robot_description : str
         Topic of the URDF of an arm.
+    tf, tf_static : str
+        Topics of the transforms of frames.
     events : str
         Topic of the estimator node's events.
 
@@ -44,6 +46,8 @@ class RecordingSource:
     joint_states: str = 'joint_states'
     reference_trajectory: str = 'reference_trajectory'
     robot_description: str = 'robot_description'
+    tf: str = 'tf'
+    tf_static: str = 'tf_static'
     events: str = 'estimator_node/events'
 
     @classmethod

@@ -130,7 +130,8 @@ class EstimatorDiagnostics:
         estimate = estimates[0] if estimates else None
         starved = self.processed == self._before[0]
         warnings = self._warnings(session, starved)
-        level, text = self._judge(warnings, estimate, self._problem_of(session))
+        level, text = self._judge(
+            warnings, estimate, self._problem_of(session), session.motion_topic)
         values = {**self._rates(), **self._estimation(session, estimate)}
         for (axis, pipeline), other in list(zip(session.pipelines.items(), estimates))[1:]:
             values.update((f'{axis}_{k}', v) for k, v in _values_of(other).items())
@@ -148,13 +149,14 @@ class EstimatorDiagnostics:
         return message
 
     def _judge(
-        self, warnings: list[tuple[str, str]], estimate: Estimate | None, problem: str
+        self, warnings: list[tuple[str, str]], estimate: Estimate | None, problem: str, topic: str
     ) -> tuple[bytes, str]:
         silent = time.monotonic() - self._last_arrival
         self.headline = '', ''
         if problem or silent > self.silence_s:
-            # Without its description an arm has no use for wrenches.
-            name, text = ('robot_description', problem) if problem else (
+            # Without its description or frames an arm has no use for wrenches.
+            lacking = 'transforms' if topic == 'tf' else 'robot_description'
+            name, text = (lacking, problem) if problem else (
                 'silence', f'no wrench for {silent:.1f} s; is the sensor running?')
             if self._arrived or silent > _STARTING_S:
                 self.headline = name, text
@@ -164,8 +166,8 @@ class EstimatorDiagnostics:
             return DiagnosticStatus.WARN, warnings[0][1]
         if estimate is None:
             self.headline = 'joint_missing', (
-                'wrenches come, but no joint state at their stamps; is joint_states published, '
-                'or remapped?')
+                f'wrenches come, but no motion at their stamps; is {topic} published, or '
+                'remapped?')
             return DiagnosticStatus.WARN, self.headline[1]
         reason = f': {estimate.reason}' if estimate.reason else ''
         return DiagnosticStatus.OK, f'{estimate.status.value}{reason}'
@@ -184,7 +186,8 @@ class EstimatorDiagnostics:
                 lambda reason: session.rejection_texts.get(reason, ''),
                 lambda: session.motion_lag)
         rejected = self._rejections.newly(session.rejected, self.processed)
-        active = [(warned.name, warned.text) for warned in session.checks.warnings()]
+        active = [*session.notices.items()]
+        active += [(warned.name, warned.text) for warned in session.checks.warnings()]
         if not rejected[0]:
             return active
         return [rejected, *active] if starved else [*active, rejected]

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from threading import Lock
 import time
-from typing import Any, Mapping, Sequence
+from typing import Any, Callable, Mapping, Sequence
 
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.node import Node
@@ -27,6 +27,7 @@ from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
 from . import topics
+from .arm_topics import ArmTopics
 from .data_thread import DataThread, RawSubscriptions
 from .estimate_publishers import EstimatePublishers
 from .estimator_diagnostics import EstimatorDiagnostics
@@ -34,14 +35,16 @@ from .estimator_node_parameters import EstimatorNodeParameters
 from .node_log import NodeLog
 from .parameters import declare, serve_changes
 from .running import run_node
-from ..estimation.arm_inputs import inputs_of
-from ..estimation.events import biases, CHANGE, DESCRIPTION, EstimationEvent, event_now, LOCATION
+from ..estimation.arm_inputs import ArmInputs
+from ..estimation.events import biases, CHANGE, EstimationEvent, event_now, LOCATION
 from ..estimation.events import RESET, set_location, START, TARE
+from ..estimation.inputs_of import inputs_of
 from ..estimation.parameters import EstimationParameters
 from ..estimation.result import Result
 from ..estimation.session import ContactSession
 from ..estimation.target_pose import check_target_pose, target_pose
-from ..exceptions import ContactEstimationError, MessageError
+from ..estimation.transform_inputs import TransformInputs
+from ..exceptions import MessageError
 from ..messages import TrajectoryDecoder
 from ..parameters.specification import ParameterSpecification, specifications
 from ..parameters.values import build, changed, divided, flatten
@@ -87,8 +90,6 @@ class EstimatorNode(Node):
         self._outputs.use(parameters.frame_id, self._axes)
         self._events = self.create_publisher(String, '~/events', topics.EVENTS_QOS)
         self._event(event_now(self._session, START, flatten(self._session.parameters)))
-        if self._session.arm is not None:
-            self._describe(self._session.description)
         if self._session.pipeline.estimator.limitation:
             self.get_logger().warning(self._session.pipeline.estimator.limitation)
         self._diagnostics = EstimatorDiagnostics(
@@ -111,18 +112,22 @@ class EstimatorNode(Node):
         self._desired = TrajectoryDecoder()
         data = RawSubscriptions(self, self._own.dedicated_wait_set)
         # Served in this order: setpoint and motion of an instant precede its wrench.
-        for topic, type_name, callback, wakes in (
-            (topics.DESIRED, topics.TRAJECTORY, self._on_desired, False),
-            (topics.JOINT_STATES, 'sensor_msgs/msg/JointState', self._on_joints, True),
-            (topics.WRENCH, 'geometry_msgs/msg/WrenchStamped', self._on_wrench, True),
-        ):
-            data.subscribe(topic, type_name, topics.INPUT_QOS, callback, wakes, overrides=True)
+        self._subscribe_raw(data, topics.DESIRED, topics.TRAJECTORY, self._on_desired, False)
+        self._arm_topics: ArmTopics | None = None
+        if isinstance(self._inputs, ArmInputs):
+            self._arm_topics = ArmTopics(
+                self, self._session, self._inputs, self._lock, self._event)
+            self._arm_topics.subscribe(data, self._on_transforms)
+        if not isinstance(self._inputs, TransformInputs):
+            self._subscribe_raw(data, topics.JOINT_STATES, topics.JOINTS_TYPE, self._on_joints)
+        self._subscribe_raw(data, topics.WRENCH, topics.WRENCH_TYPE, self._on_wrench)
         self._thread = DataThread(data, self._diagnostics.failed)
-        if self._session.parameters.kinematics.tip and self._session.arm is None:
-            self.create_subscription(
-                String, topics.ROBOT_DESCRIPTION, self._on_description, topics.DESCRIPTION_QOS)
-            self._log.event('waiting for the robot description on '
-                            + self.resolve_topic_name(topics.ROBOT_DESCRIPTION))
+
+    def _subscribe_raw(
+        self, data: RawSubscriptions, topic: str, type_name: str,
+        callback: Callable[[bytes], None], wakes: bool = True,
+    ) -> None:
+        data.subscribe(topic, type_name, topics.INPUT_QOS, callback, wakes, overrides=True)
 
     def start(self) -> None:
         """Start the data thread."""
@@ -138,6 +143,8 @@ class EstimatorNode(Node):
         self._diagnostics.arrived()
         with self._lock:
             results = self._inputs.process_wrench(raw)
+            if self._inputs.events and self._arm_topics is not None:
+                self._arm_topics.announce()
             if self._inputs.frame_id != self._outputs.frame_id:
                 self._use_frame(self._inputs.frame_id)
             self._publish(results)
@@ -145,6 +152,14 @@ class EstimatorNode(Node):
     def _on_joints(self, raw: bytes) -> None:
         with self._lock:
             self._publish(self._inputs.process_joints(raw))
+
+    def _on_transforms(self, raw: bytes) -> None:
+        with self._lock:
+            assert isinstance(self._inputs, TransformInputs) and self._arm_topics is not None
+            known = self._session.arm
+            self._publish(self._inputs.process_transforms(raw))
+            if self._session.arm is not known:
+                self._arm_topics.announce()
 
     def _on_desired(self, raw: bytes) -> None:
         with self._lock:
@@ -187,28 +202,6 @@ class EstimatorNode(Node):
         """Refuse poses that would drive a robot where nobody wants it."""
         if own.publish_target_pose:
             check_target_pose(self._session.parameters)
-
-    def _on_description(self, message: String) -> None:
-        with self._lock:
-            if self._session.arm is not None:
-                return  # a change while running is another robot: start again
-            try:
-                self._session.describe(message.data)
-            except ContactEstimationError as error:
-                self._session.problem = str(error)
-                self.get_logger().error(str(error))
-                return
-            if self._session.arm is not None:  # an empty text describes nothing
-                self._describe(message.data)
-
-    def _describe(self, description: str) -> None:
-        """Report the arm, and keep its description among the events, for replay."""
-        arm = self._session.arm
-        assert arm is not None
-        self._event(event_now(self._session, DESCRIPTION, {'text': description}))
-        self.get_logger().info(
-            f'arm from {arm.model.base} to {arm.model.tip}: joints '
-            f'{", ".join(arm.model.joint_names)}')
 
     def _change_parameters(self, changes: Mapping[str, Any]) -> None:
         estimation, own = divided(EstimatorNodeParameters, changes)
@@ -255,6 +248,8 @@ class EstimatorNode(Node):
                 self._kind = CHANGE
             if not result.successful:
                 response.success, response.message = False, result.reason
+            elif 'caution' in response.message:
+                self._log.warning('set_location', response.message)
         return response
 
     def _event(self, event: EstimationEvent) -> None:

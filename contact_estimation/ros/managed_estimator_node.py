@@ -94,6 +94,10 @@ class ManagedEstimatorNode(EstimatorNode, LifecycleNodeMixin):
         if self._active:
             super()._on_joints(raw)
 
+    def _on_transforms(self, raw: bytes) -> None:
+        if self._active:
+            super()._on_transforms(raw)
+
     def _on_desired(self, raw: bytes) -> None:
         if self._active:
             super()._on_desired(raw)

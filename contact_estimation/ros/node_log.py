@@ -19,7 +19,7 @@ from __future__ import annotations
 import time
 from typing import Any, Mapping
 
-from .topics import JOINT_STATES, REFERENCE, WRENCH
+from .topics import JOINT_STATES, REFERENCE, TF, WRENCH
 from ..estimation.parameters import EstimationParameters
 
 _AGAIN_S = 10.0  # a warning that stays is repeated after this time
@@ -50,11 +50,12 @@ class NodeLog:
                          for axis, joint in parameters.joints.items())
         if parameters.kinematics.tip:
             axes = f'{parameters.axis} along contact.normal of an arm'
+        motion = TF if parameters.pose_source == 'tf' else JOINT_STATES
         x_e = parameters.environment.location
         place = f'x_e = {x_e:g} m' if x_e == x_e else 'x_e taken at the first touch'
         self._logger.info(
             f'estimator {parameters.estimator}, {parameters.reference_law}; force from '
-            f'{resolve(WRENCH)}, motion from {resolve(JOINT_STATES)}, axis {axes}; {place}; '
+            f'{resolve(WRENCH)}, motion from {resolve(motion)}, axis {axes}; {place}; '
             f'estimates on {resolve("~/stiffness")}, reference on {resolve(REFERENCE)}')
 
     def changed(self, changes: Mapping[str, Any]) -> None:

@@ -25,12 +25,14 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy
 
 from . import topics
 from .data_thread import DataThread, RawSubscriptions
+from .message_classes import has_transforms
 from .parameters import declare
 from .running import run_node
 from ..estimation.events import EstimationEvent, START
 from ..estimation.matrix_messages import MATRIX_TOPICS
 from ..exceptions import ContactEstimationError, ParameterRangeError
 from ..messages import decode_string
+from ..messages.transforms import TRANSFORMS_TYPE
 from ..parameters.specification import parameter, ParameterGroup, specifications
 from ..parameters.values import build
 from ..recordings import OfferedQos, RecordingWriter
@@ -74,13 +76,18 @@ def recorded_topics(estimator: str) -> dict[str, tuple[str, QoSProfile]]:
     vectors = ('stiffness', 'damping', 'stiffness_std', 'damping_std', 'location', 'inertia')
     of_any_publisher = {
         topics.DESIRED: topics.TRAJECTORY,
-        topics.JOINT_STATES: 'sensor_msgs/msg/JointState',
-        topics.WRENCH: 'geometry_msgs/msg/WrenchStamped',
+        topics.JOINT_STATES: topics.JOINTS_TYPE,
+        topics.WRENCH: topics.WRENCH_TYPE,
         topics.REFERENCE: topics.TRAJECTORY,
         topics.DIAGNOSTICS: 'diagnostic_msgs/msg/DiagnosticArray',
         '/parameter_events': 'rcl_interfaces/msg/ParameterEvent',
     }
+    of_tf = {
+        topics.TF: (TRANSFORMS_TYPE, _ANY_QOS),
+        topics.TF_STATIC: (TRANSFORMS_TYPE, topics.TF_STATIC_QOS),
+    }
     return {
+        **(of_tf if has_transforms() else {}),
         **{topic: (type_name, _ANY_QOS) for topic, type_name in of_any_publisher.items()},
         **{f'{estimator}/{name}': (topics.VECTOR3, _ESTIMATE_QOS) for name in vectors},
         f'{estimator}/model_fit': (topics.FLOAT64, _ESTIMATE_QOS),
@@ -134,7 +141,8 @@ class RecorderNode(Node):
         name = self.resolve_topic_name(topic)
         write, is_events = self._writer.write, topic.endswith('/events')
         # The QoS that the publishers offer, so that a played bag matches every subscriber.
-        offered = OfferedQos.of_profile(qos if is_events else topics.OUTPUT_QOS)
+        latched = is_events or topic == topics.TF_STATIC
+        offered = OfferedQos.of_profile(qos if latched else topics.OUTPUT_QOS)
 
         def record(raw: bytes) -> None:
             write(name, type_name, raw, time.time_ns(), qos=offered)

@@ -24,12 +24,14 @@ JOINT_STATES = 'joint_states'
 DESIRED = 'desired_trajectory'
 REFERENCE = 'reference_trajectory'
 ROBOT_DESCRIPTION = 'robot_description'
+TF, TF_STATIC = '/tf', '/tf_static'
 DIAGNOSTICS = '/diagnostics'
 
 FLOAT64 = 'std_msgs/msg/Float64'
 STRING = 'std_msgs/msg/String'
 VECTOR3 = 'geometry_msgs/msg/Vector3Stamped'
 WRENCH_TYPE = 'geometry_msgs/msg/WrenchStamped'
+JOINTS_TYPE = 'sensor_msgs/msg/JointState'
 TRAJECTORY = 'trajectory_msgs/msg/JointTrajectory'
 
 INPUT_QOS = QoSProfile(depth=100, reliability=ReliabilityPolicy.BEST_EFFORT)
@@ -57,6 +59,13 @@ STATUS_QOS = QoSProfile(
     durability=DurabilityPolicy.TRANSIENT_LOCAL,
 )
 """The status is published on change: a late subscriber receives the last one."""
+
+TF_STATIC_QOS = QoSProfile(
+    depth=100,
+    reliability=ReliabilityPolicy.RELIABLE,
+    durability=DurabilityPolicy.TRANSIENT_LOCAL,
+)
+"""As of tf2: every publisher of static transforms publishes once."""
 
 
 def overridable() -> QoSOverridingOptions:

@@ -29,7 +29,7 @@ from .arm_files import ArmFiles, tool_parameters, world_of
 from .arm_models import ARMS
 from .contact_study import calibrated, errors, estimated
 from .cost import kinematics_cost
-from .diagnosis_study import CONCEALED, diagnosed
+from .diagnosis_study import CONCEALED, concealed_case, diagnosed, diagnosis_of
 from .report import as_markdown, plot_contact, plot_frames
 from ...commands.command_line import command, Parser
 from ...exceptions import ParameterRangeError, UnknownNameError
@@ -52,7 +52,8 @@ def make_parser() -> Parser:
     parser.add_argument('--seeds', type=int, default=5,
                         help='diagnoses of each concealed effect on each arm (5); 0: none')
     parser.add_argument('--live', action='store_true',
-                        help='also run the node over DDS on the first arm, in real time')
+                        help='also run the node over DDS on each arm, in real time, and diagnose '
+                        'what its recorder has written')
     return parser
 
 
@@ -104,8 +105,15 @@ def _study(files: ArmFiles, options: Any, first: bool, results: dict[str, Any]) 
     for row in files.kept('contact', partial(_contact, files, tool, first)):
         results['contact'].append({**arm, **row})
     results['cost'].append({**arm, **files.kept('cost', partial(_cost, files, tool))})
-    if first and options.live:
-        results['contact'].append({**arm, **files.kept('live', partial(_live, files, tool))})
+    if options.live:
+        for concealed in CONCEALED:
+            kept = files.kept(f'live {concealed}'.replace(' ', '_'),
+                              partial(_live, files, tool, concealed))
+            if concealed == 'nothing':
+                results['contact'].append({**arm, **kept['estimated']})
+            results['diagnosis'].append({
+                **arm, 'concealed': f'{concealed}, recorded by the node', 'seed': 0,
+                **kept['diagnosed']})
     for concealed in CONCEALED:
         for seed in range(options.seeds):
             name = f'{concealed.replace(" ", "_")}_{seed}'
@@ -129,12 +137,13 @@ def _cost(files: ArmFiles, tool: Path) -> dict[str, Any]:
     return kinematics_cost(files, simulated, tool_parameters(tool))
 
 
-def _live(files: ArmFiles, tool: Path) -> dict[str, Any]:
+def _live(files: ArmFiles, tool: Path, concealed: str) -> dict[str, Any]:
+    """Play a run to the node, and diagnose what its recorder has written, as it is."""
     from .live_run import live_run  # needs ROS
 
-    world = world_of(0)
-    simulated, recording = files.touch(world, 0, 'live_touch')
-    return live_run(files, simulated, recording, tool, world)[0]
+    case = concealed_case(files, concealed, 0, tool)
+    estimated, recorded = live_run(files, case)
+    return {'estimated': estimated, 'diagnosed': diagnosis_of(files, case, recorded, concealed)}
 
 
 main = command(make_parser, run)

@@ -20,9 +20,10 @@ from contextlib import redirect_stderr, redirect_stdout
 import io
 import json
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple, Sequence
 
 from .arm_files import ArmFiles, tool_parameters, world_of
+from .simulation import Run, World
 from ...commands.diagnose import main as diagnose
 from ...exceptions import EstimationError
 
@@ -35,9 +36,35 @@ _RIGHT_PORTS: dict[str, set[str]] = {
 }
 
 
-def diagnosed(files: ArmFiles, concealed: str, seed: int, tool: Path) -> dict[str, Any]:
+class Case(NamedTuple):
     """
-    Conceal, record and diagnose.
+    One arm with something concealed.
+
+    Attributes
+    ----------
+    name : str
+        For files.
+    run : Run
+        Simulation.
+    recording : Path
+        Of it.
+    world : World
+        Truth.
+    parameters : dict
+        Of the estimator, which do not know what is concealed.
+
+    """
+
+    name: str
+    run: Run
+    recording: Path
+    world: World
+    parameters: dict[str, Any]
+
+
+def concealed_case(files: ArmFiles, concealed: str, seed: int, tool: Path) -> Case:
+    """
+    Conceal and record.
 
     Parameters
     ----------
@@ -54,6 +81,30 @@ def diagnosed(files: ArmFiles, concealed: str, seed: int, tool: Path) -> dict[st
 
     Returns
     -------
+    case : Case
+        To be diagnosed.
+
+    """
+    world = world_of(seed, FRICTION_N if concealed == 'joint friction' else 0.0)
+    run, recording = files.touch(world, seed, concealed.replace(' ', '_'))
+    known = tool_parameters(tool)
+    if concealed == 'tool mass':
+        known['tool.mass'] = 0.0
+    name = f'{concealed.replace(" ", "_")}_{seed}'
+    return Case(name, run, recording, world, {**files.parameters(run), **known})
+
+
+def diagnosed(files: ArmFiles, concealed: str, seed: int, tool: Path) -> dict[str, Any]:
+    """
+    Conceal, record and diagnose.
+
+    Parameters
+    ----------
+    files, concealed, seed, tool
+        As of `concealed_case`.
+
+    Returns
+    -------
     row : dict
         Names and parameters; `right`: whether the first name is one of the port that holds what is
         concealed, `alone`: whether all names are. With nothing concealed, both: whether nothing is
@@ -65,22 +116,52 @@ def diagnosed(files: ArmFiles, concealed: str, seed: int, tool: Path) -> dict[st
         If the command fails.
 
     """
-    name = f'{concealed.replace(" ", "_")}_{seed}'
-    world = world_of(seed, FRICTION_N if concealed == 'joint friction' else 0.0)
-    run, recording = files.touch(world, seed, concealed.replace(' ', '_'))
-    known = tool_parameters(tool)
-    if concealed == 'tool mass':
-        known['tool.mass'] = 0.0
-    parameters = files.parameter_file(name, {**files.parameters(run), **known})
-    report, printed = files.path(f'{name}.json'), io.StringIO()
+    case = concealed_case(files, concealed, seed, tool)
+    given = ['--params', str(files.parameter_file(case.name, case.parameters)),
+             '--seed', str(seed)]
+    return {'arm': files.arm.name, 'concealed': concealed, 'seed': seed,
+            **diagnosis_of(files, case, case.recording, concealed, given)}
+
+
+def diagnosis_of(
+    files: ArmFiles, case: Case, recording: Path, concealed: str, options: Sequence[str] = ()
+) -> dict[str, Any]:
+    """
+    Diagnose a recording of a case.
+
+    Parameters
+    ----------
+    files : ArmFiles
+        Of the arm.
+    case : Case
+        Which is recorded.
+    recording : Path
+        That of the simulation, or of a node that it was played to.
+    concealed : str
+        One of `CONCEALED`.
+    options : sequence of str
+        Of the command; without any, it takes the parameters that the node has recorded.
+
+    Returns
+    -------
+    row : dict
+        As of `diagnosed`, without arm, seed and what is concealed.
+
+    Raises
+    ------
+    EstimationError
+        If the command fails.
+
+    """
+    name = recording.name.removesuffix('.mcap')
+    nominal = files.nominal_model(case.name, case.run, case.world)
+    report, printed = files.path(f'{name}.diagnosis.json'), io.StringIO()
     with redirect_stdout(printed), redirect_stderr(printed):
         code = diagnose([
-            str(recording), '--nominal', str(files.nominal_model(name, run, world)), '--params',
-            str(parameters), '--json', str(report), '--seed', str(seed)])
+            str(recording), '--nominal', str(nominal), '--json', str(report), *options])
     if code:
         raise EstimationError(f'diagnose failed on {recording}: {printed.getvalue()}')
-    return {'arm': files.arm.name, 'concealed': concealed, 'seed': seed,
-            **_scored(json.loads(report.read_text()), _RIGHT_PORTS[concealed])}
+    return _scored(json.loads(report.read_text()), _RIGHT_PORTS[concealed])
 
 
 def _scored(report: dict[str, Any], right: set[str]) -> dict[str, Any]:

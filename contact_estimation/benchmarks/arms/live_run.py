@@ -22,9 +22,9 @@ import shutil
 import time
 from typing import Any
 
-from .arm_files import ArmFiles, tool_parameters
+from .arm_files import ArmFiles
 from .contact_study import errors, Estimated
-from .simulation import Run, World
+from .diagnosis_study import Case
 from ..node_processes import end_node, start_node
 from ...exceptions import EstimationError
 from ...messages import Vector3StampedDecoder
@@ -36,9 +36,7 @@ _TOPICS = {'stiffness': 'stiffness', 'stiffness_std': 'stiffness_std', 'damping'
            'damping_std': 'damping_std', 'location': 'location'}
 
 
-def live_run(
-    files: ArmFiles, run: Run, recording: Path, tool: Path, world: World
-) -> tuple[dict[str, Any], Path]:
+def live_run(files: ArmFiles, case: Case) -> tuple[dict[str, Any], Path]:
     """
     Play a run to the node in real time and record what it publishes.
 
@@ -46,14 +44,8 @@ def live_run(
     ----------
     files : ArmFiles
         Of the arm.
-    run : Run
-        Simulation.
-    recording : Path
-        Of the run.
-    tool : Path
-        As calibrated.
-    world : World
-        Truth.
+    case : Case
+        What is played, and the parameters of the node.
 
     Returns
     -------
@@ -68,23 +60,24 @@ def live_run(
         If a process ends early.
 
     """
-    recorded = files.path('live')
+    recorded = files.path(f'live_{case.name}')
     shutil.rmtree(recorded, ignore_errors=True)  # of an interrupted study
-    given = {**files.parameters(run), **tool_parameters(tool)}
-    parameters = [f'{name}:={_yaml(value)}' for name, value in given.items()]
+    parameters = [f'{name}:={_yaml(value)}' for name, value in case.parameters.items()]
     nodes = [
         start_node('contact_estimation.ros.recorder_node', [f'output:={recorded}']),
-        start_node('contact_estimation.ros.estimator_node', parameters),
+        # The arm follows the reference that is played, not that of the node.
+        start_node('contact_estimation.ros.estimator_node', parameters,
+                   ['reference_trajectory:=unused_reference']),
     ]
     try:
         time.sleep(_START_S)
-        nodes.append(start_node(f'{__package__}.player_node', [f'recording:={recording}']))
+        nodes.append(start_node(f'{__package__}.player_node', [f'recording:={case.recording}']))
         if nodes[-1].wait(_LONGEST_S) or any(node.poll() is not None for node in nodes[:2]):
             raise EstimationError(f'a node ended early: {[node.poll() for node in nodes]}')
     finally:
         for node in reversed(nodes):
             end_node(node)
-    return errors(_last(recorded), run, world), recorded
+    return errors(_last(recorded), case.run, case.world), recorded
 
 
 def _yaml(value: Any) -> str:

@@ -23,6 +23,7 @@ from .check import Check, CLEAR, Evidence, extremes, Forces, loaded_correlation,
 _RELATED = 0.8  # correlation of force and position
 _PULLS_LESS = 3.0  # standard deviations that a one-sided force may reach on the other side
 _STRONGER = 3.0  # than the force of the contact axis
+_TILTED = 0.7  # tangent of 35 degrees, more than the friction of most pairs
 _NOISY = 10.0  # times the configured noise
 _TARE_DUE = 2.0  # standard deviations of the force noise; the level is a mean over 0.5 s
 
@@ -86,6 +87,33 @@ class OtherAxis(Check):
         if size < max(CLEAR * seen.noise, _STRONGER * seen.spread):
             return False
         return abs(loaded_correlation(other.x, other.force, seen.noise)) > _RELATED
+
+
+class ForceDirection(Check):
+    """The wall presses an arm along the normal: friction alone does not tilt the force so far."""
+
+    name = 'force_direction'
+    message = ('the force of the contact is 45 degrees off contact.normal (16 N along it, 16 N '
+               'along the wall); check contact.normal and the frame of the force sensor')
+    cause = ('`contact.normal` does not point into the wall, or `force_sensor.frame` or '
+             '`force_sensor.rpy` turns the wrench; or the tool slides with high friction.')
+    remedy = 'Correct `contact.normal`, `contact.normal_frame` or the frame of the sensor.'
+
+    def judge(self, seen: Evidence) -> str | None:
+        """Compare the force along the wall that follows the motion with that along the normal."""
+        if not seen.parameters.kinematics.tip or not seen.contact.any():
+            return None
+        if seen.spread < CLEAR * seen.noise:
+            return None
+        along = [spread_of(other.force) for other in seen.others if len(other.force)
+                 and abs(loaded_correlation(other.x, other.force, seen.noise)) > _RELATED]
+        wall = float(np.hypot.reduce(along)) if along else 0.0
+        if wall < _TILTED * seen.spread:
+            return ''
+        angle = np.degrees(np.arctan2(wall, seen.spread))
+        return (f'the force of the contact is {angle:.0f} degrees off contact.normal '
+                f'({seen.spread:.3g} N along it, {wall:.3g} N along the wall); check '
+                'contact.normal and the frame of the force sensor')
 
 
 class OutsideForce(Check):

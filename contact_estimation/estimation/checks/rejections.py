@@ -51,11 +51,18 @@ REJECTIONS = (
         'The driver publishes without a stamp, often from a hand-written bridge.',
         'Fill `header.stamp` with the time of the measurement.'),
     Rejection(
-        'arm', ('robot_description_missing', 'wrench_frame_unknown', 'joint_lacking'),
+        'arm', ('robot_description_missing', 'transforms_missing', 'wrench_frame_unknown',
+                'joint_lacking'),
         'rejected {count} messages of the arm: {text}',
-        'The robot description is missing or does not fit the topics.',
+        'The robot description, or with `pose_source: tf` a transform, is missing or does not '
+        'fit the topics.',
         'Start `robot_state_publisher` or set `robot_description_file`; check '
         '`kinematics.base`, `kinematics.tip` and `force_sensor.frame`.'),
+    Rejection(
+        'tf', ('tf_malformed', 'tf_static_changed'),
+        'rejected {count} messages of tf: {text}',
+        'The topic has another type, or a static transform changed while the tool was in contact.',
+        'Check the type with `ros2 topic info`; start the node again.'),
     Rejection(
         'frame', ('wrench_frame_id',),
         'rejected {count} wrenches of another frame: {text}',

@@ -1,0 +1,122 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""What tf tells about an arm: where its sensor is mounted and, where asked, its poses."""
+
+from __future__ import annotations
+
+from typing import Any, Iterable, Mapping, Sequence
+
+from ..exceptions import UnknownNameError
+from ..kinematics.contact_kinematics import ContactKinematics
+from ..kinematics.frame_tree import FrameTree
+from ..kinematics.poses import matrix_of
+from ..messages import StampedTransform
+
+NOT_INSTALLED = (
+    'tf2_msgs is not installed, so that /tf and /tf_static cannot be read; install it with: '
+    'sudo apt install ros-jazzy-tf2-msgs'
+)
+
+
+class ArmFrames:
+    """
+    The frames of tf, as far as they have been received.
+
+    Attributes
+    ----------
+    tree : FrameTree
+        Of all frames.
+    used : bool
+        Whether estimates depend on static transforms, so that a recording must hold them.
+    unreadable : str
+        Why no transforms can come; '' where they can.
+
+    """
+
+    def __init__(self) -> None:
+        self.tree, self.used, self.unreadable = FrameTree(), False, ''
+        self._unreported: list[StampedTransform] = []
+        self._refused: tuple[str, str] = '', ''
+
+    def add_static(self, transforms: Sequence[StampedTransform]) -> bool:
+        """
+        Add transforms of /tf_static.
+
+        Parameters
+        ----------
+        transforms : sequence of StampedTransform
+            As received.
+
+        Returns
+        -------
+        news : bool
+            Whether one of them is new or has changed.
+
+        """
+        new = [one for one in transforms if self.tree.add_fixed([one])]
+        self._unreported += new
+        if new:
+            self._refused = '', ''
+        return bool(new)
+
+    def take_unreported(self) -> list[StampedTransform]:
+        """Return the static transforms in use that the last call did not return."""
+        if not self.used:
+            return []
+        new, self._unreported = self._unreported, []
+        return new
+
+    def place_sensor(self, arm: ContactKinematics, frame: str) -> None:
+        """
+        Set the frame in whose axes the wrench is measured.
+
+        Parameters
+        ----------
+        arm : ContactKinematics
+            The arm that carries it.
+        frame : str
+            A link or, where the arm has no such link, a frame that static transforms connect
+            with one.
+
+        Raises
+        ------
+        ContactEstimationError
+            If nothing connects it.
+
+        """
+        if self._refused[0] == frame:
+            raise UnknownNameError(self._refused[1])  # nothing new since
+        try:
+            arm.use_sensor(frame)
+        except UnknownNameError as error:
+            found = self.tree.anchor(frame, arm.model.links)
+            if found is None:
+                text = f'{error}; or publish its mounting on /tf_static'
+                text += f' ({self.unreadable})' if self.unreadable else ''
+                self._refused = frame, text
+                raise UnknownNameError(text) from error
+            arm.use_sensor(found[0], matrix_of(found[1]))
+            self.used = True
+
+
+def static_as_parameters(transforms: Iterable[StampedTransform]) -> dict[str, Any]:
+    """Return static transforms as parameters of an event."""
+    return {'transforms': [[one.parent, one.child, *one.pose] for one in transforms]}
+
+
+def static_of_parameters(parameters: Mapping[str, Any]) -> list[StampedTransform]:
+    """Return the transforms that `static_as_parameters` has written."""
+    return [StampedTransform(0, parent, child, tuple(map(float, pose)))
+            for parent, child, *pose in parameters['transforms']]

@@ -1,0 +1,184 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The tree of frames that tf publishes."""
+
+from __future__ import annotations
+
+from math import isfinite
+from typing import Collection, Iterable, NamedTuple
+
+from .poses import IDENTITY, inverse, normalised, Pose, product
+from ..messages.transforms import StampedTransform
+
+
+class Step(NamedTuple):
+    """
+    One step between frames.
+
+    Attributes
+    ----------
+    child : str
+        A frame whose pose in its parent moves; '' for fixed steps.
+    up : bool
+        True from the child to its parent, so that the pose applies inverted.
+    pose : sequence of float
+        Of a fixed step, in the direction of the step.
+
+    """
+
+    child: str
+    up: bool
+    pose: Pose
+
+
+class FrameTree:
+    """
+    Frames, their parents, and the poses of those that are fixed.
+
+    Attributes
+    ----------
+    fixed : dict of str to (str, sequence of float)
+        Parent and pose of each child of /tf_static, as received.
+    moving : dict of str to str
+        Parent of each child of /tf.
+
+    """
+
+    def __init__(self) -> None:
+        self.fixed: dict[str, tuple[str, Pose]] = {}
+        self.moving: dict[str, str] = {}
+
+    def add_fixed(self, transforms: Iterable[StampedTransform]) -> bool:
+        """
+        Add transforms of /tf_static.
+
+        Parameters
+        ----------
+        transforms : iterable of StampedTransform
+            Their stamps have no meaning; a pose that is not finite is left out.
+
+        Returns
+        -------
+        news : bool
+            Whether the tree has changed.
+
+        """
+        news = False
+        for _, parent, child, pose in transforms:
+            if not usable(pose):
+                continue
+            news |= self.fixed.get(child) != (parent, pose)
+            self.fixed[child] = parent, pose
+        return news
+
+    def add_moving(self, transforms: Iterable[StampedTransform]) -> bool:
+        """Add the frames of transforms of /tf; return whether the tree has changed."""
+        news = False
+        for _, parent, child, _ in transforms:
+            if child not in self.moving:
+                self.moving[child] = parent
+                news = True
+        return news
+
+    def parent(self, frame: str) -> str | None:
+        """Return the frame above another; None above a root."""
+        return self.fixed[frame][0] if frame in self.fixed else self.moving.get(frame)
+
+    def above(self, frame: str) -> list[str]:
+        """Return a frame and all above it, the root last; a loop ends where it closes."""
+        frames, here = [frame], self.parent(frame)
+        while here is not None and here not in frames:
+            frames.append(here)
+            here = self.parent(here)
+        return frames
+
+    def path(self, base: str, frame: str) -> list[Step] | None:
+        """
+        Return the steps from a base to a frame.
+
+        Parameters
+        ----------
+        base, frame : str
+            Frames.
+
+        Returns
+        -------
+        steps : list of Step or None
+            Their product is the pose of the frame in the base; fixed steps next to each other are
+            one. None where nothing connects the frames.
+
+        """
+        to_base, to_frame = self.above(base), self.above(frame)
+        common = next((name for name in to_base if name in to_frame), None)
+        if common is None:
+            return None
+        steps = [self._step(child, True) for child in to_base[:to_base.index(common)]]
+        down = to_frame[:to_frame.index(common)]
+        steps += [self._step(child, False) for child in reversed(down)]
+        return _joined(steps)
+
+    def root_of(self, frame: str) -> tuple[str, Pose]:
+        """Return the highest frame that fixed steps connect, and the pose of a frame in it."""
+        here, pose = frame, IDENTITY
+        for above in self.above(frame)[1:]:
+            if here not in self.fixed:
+                break
+            pose, here = product(normalised(self.fixed[here][1]), pose), above
+        return here, pose
+
+    def anchor(self, frame: str, known: Collection[str]) -> tuple[str, Pose] | None:
+        """
+        Return a known frame that fixed steps connect with a frame, and the pose in it.
+
+        Parameters
+        ----------
+        frame : str
+            A frame that is not known.
+        known : collection of str
+            Such as the links of a robot description.
+
+        Returns
+        -------
+        anchor, pose : str, sequence of float, or None
+            That with the fewest steps; None where there is none.
+
+        """
+        found = []
+        for other in (set(self.fixed) | {entry[0] for entry in self.fixed.values()}) & set(known):
+            steps = self.path(other, frame) or []
+            if len(steps) == 1 and not steps[0].child:
+                found.append((len(self.above(other)), other, steps[0].pose))
+        return max(found)[1:] if found else None
+
+    def _step(self, child: str, up: bool) -> Step:
+        if child not in self.fixed:
+            return Step(child, up, IDENTITY)
+        pose = normalised(self.fixed[child][1])
+        return Step('', up, inverse(pose) if up else pose)
+
+
+def usable(pose: Pose) -> bool:
+    """Return whether all numbers are finite and the quaternion has about unit length."""
+    return all(map(isfinite, pose)) and abs(sum(part * part for part in pose[3:]) - 1.0) < 0.1
+
+
+def _joined(steps: list[Step]) -> list[Step]:
+    joined: list[Step] = []
+    for step in steps:
+        if joined and not step.child and not joined[-1].child:
+            joined[-1] = Step('', False, product(joined[-1].pose, step.pose))
+        else:
+            joined.append(step)
+    return joined

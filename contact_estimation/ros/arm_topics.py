@@ -1,0 +1,154 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""What the estimator node hears about its arm: the description, and the transforms of tf."""
+
+from __future__ import annotations
+
+from threading import Lock
+from typing import Callable
+
+from rclpy.node import Node
+from std_msgs.msg import String
+
+from . import topics
+from .data_thread import RawSubscriptions
+from .message_classes import has_transforms
+from ..estimation.arm import NO_DESCRIPTION
+from ..estimation.arm_frames import NOT_INSTALLED
+from ..estimation.arm_inputs import ArmInputs
+from ..estimation.events import DESCRIPTION, EstimationEvent, event_now
+from ..estimation.session import ContactSession
+from ..estimation.transform_inputs import TransformInputs
+from ..exceptions import ContactEstimationError, MissingPackageError
+from ..kinematics.contact_kinematics import ContactKinematics
+from ..kinematics.transform_model import TransformModel
+from ..messages.transforms import TRANSFORMS_TYPE
+
+CHANGED = 'robot_description_changed'
+
+
+class ArmTopics:
+    """
+    Subscriptions that tell the inputs of a session about the arm.
+
+    Parameters
+    ----------
+    node : rclpy.node.Node
+        Owner of the subscriptions.
+    session : ContactSession
+        With an arm configured.
+    inputs : ArmInputs
+        Of the session.
+    lock : threading.Lock
+        Held while the session is used.
+    publish : callable
+        Takes events, which a recording must hold.
+
+    """
+
+    def __init__(
+        self, node: Node, session: ContactSession, inputs: ArmInputs, lock: Lock,
+        publish: Callable[[EstimationEvent], None],
+    ) -> None:
+        self._node, self._session, self._inputs = node, session, inputs
+        self._lock, self._publish = lock, publish
+        self._said: ContactKinematics | None = None
+        if session.arm is not None:
+            self._describe(session.description)
+
+    def subscribe(
+        self, data: RawSubscriptions, on_transforms: Callable[[bytes], None]
+    ) -> None:
+        """
+        Subscribe to the description, where it is missing, and to tf, where it is installed.
+
+        Parameters
+        ----------
+        data : RawSubscriptions
+            Of the node.
+        on_transforms : callable
+            Takes raw messages of /tf, where poses come from it.
+
+        Raises
+        ------
+        MissingPackageError
+            If poses are to come from tf and its messages are not installed.
+
+        """
+        of_poses, installed = isinstance(self._inputs, TransformInputs), has_transforms()
+        if of_poses and not installed:
+            raise MissingPackageError(f'pose_source tf: {NOT_INSTALLED}')
+        if installed:
+            data.subscribe(topics.TF_STATIC, TRANSFORMS_TYPE, topics.TF_STATIC_QOS,
+                           self._on_static, wakes=False, overrides=True)
+        else:
+            self._inputs.frames.unreadable = NOT_INSTALLED
+        if of_poses:
+            data.subscribe(
+                topics.TF, TRANSFORMS_TYPE, topics.INPUT_QOS, on_transforms, overrides=True)
+        if self._session.problem == NO_DESCRIPTION:
+            topic = topics.ROBOT_DESCRIPTION
+            self._node.create_subscription(
+                String, topic, self._on_description, topics.DESCRIPTION_QOS)
+            self._node.get_logger().info(
+                f'waiting for the robot description on {self._node.resolve_topic_name(topic)}')
+
+    def announce(self) -> None:
+        """Publish and log what has become known."""
+        for event in self._inputs.events:
+            self._publish(event)
+        self._inputs.events.clear()
+        arm = self._session.arm
+        if arm is not self._said and arm is not None:
+            self._said = arm
+            moving = 'frames of tf' if isinstance(arm.model, TransformModel) else 'joints'
+            self._node.get_logger().info(
+                f'arm from {arm.model.base} to {arm.model.tip}: {moving} '
+                f'{", ".join(arm.model.joint_names)}')
+
+    def _on_static(self, raw: bytes) -> None:
+        with self._lock:
+            self._inputs.process_static_transforms(raw)
+            self.announce()
+
+    def _on_description(self, message: String) -> None:
+        session = self._session
+        with self._lock:
+            if session.arm is not None:
+                self._compare(message.data)
+                return
+            try:
+                session.describe(message.data)
+            except ContactEstimationError as error:
+                session.problem = str(error)
+                self._node.get_logger().error(str(error))
+                return
+            if session.arm is not None:  # an empty text describes nothing
+                self._describe(message.data)
+
+    def _compare(self, description: str) -> None:
+        """Warn of another description: it is another robot, for which the node starts again."""
+        if description == self._session.description:
+            self._session.notices.pop(CHANGED, None)
+            return
+        topic = self._node.resolve_topic_name(topics.ROBOT_DESCRIPTION)
+        self._session.notices[CHANGED] = (
+            f'the robot description on {topic} has changed and is not used; start the node again '
+            'to use it')
+
+    def _describe(self, description: str) -> None:
+        """Keep the description among the events, for replay."""
+        self._publish(event_now(self._session, DESCRIPTION, {'text': description}))
+        self.announce()

@@ -1,0 +1,201 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Contact of an arm whose poses come from tf: live messages, recordings, diagnosis."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any, Iterable, Mapping
+
+from arm_contact import B_E, instants, K_E, LOCATION, messages, PARAMETERS
+from arm_transforms import OF_TF, static_bytes, tf_messages
+from contact_estimation.commands import replay
+from contact_estimation.diagnosis.observe.read_recording import read_recording
+from contact_estimation.estimation.arm_inputs import ArmInputs
+from contact_estimation.estimation.events import EstimationEvent, event_now, START
+from contact_estimation.estimation.inputs_of import inputs_of
+from contact_estimation.estimation.parameters import EstimationParameters
+from contact_estimation.estimation.replay import RecordingReplay
+from contact_estimation.estimation.result import Result
+from contact_estimation.estimation.session import ContactSession
+from contact_estimation.estimation.transform_inputs import TransformInputs
+from contact_estimation.exceptions import ParameterRangeError
+from contact_estimation.messages import encode_string
+from contact_estimation.parameters.values import build, flatten
+from contact_estimation.recordings import RecordingReader, RecordingWriter
+from contact_estimation.recordings.source import RecordingSource
+import numpy as np
+import pytest
+from reference_messages import JOINTS, STRING, TF, transforms_bytes, WRENCH
+from small_arm import urdf
+
+TYPES = {'/joint_states': JOINTS, '/wrench': WRENCH, '/tf': TF, '/tf_static': TF,
+         '/estimator_node/events': STRING}
+Message = tuple[str, int, bytes]
+
+
+class Live:
+    """What the node does with messages, and what its recorder writes."""
+
+    def __init__(self, parameters: Mapping[str, Any]) -> None:
+        self.session = ContactSession(
+            build(EstimationParameters, parameters), generate_reference=False)
+        self.inputs = inputs_of(self.session)
+        self.results: list[Result] = []
+        self.recorded: list[Message] = []
+        self._event(event_now(self.session, START, flatten(self.session.parameters)))
+
+    def take(self, listed: Iterable[Message]) -> 'Live':
+        """Process messages, and list them with the events that the node would publish."""
+        process = {'/wrench': self.inputs.process_wrench,
+                   '/joint_states': self.inputs.process_joints}
+        if isinstance(self.inputs, ArmInputs):
+            process['/tf_static'] = self.inputs.process_static_transforms
+        if isinstance(self.inputs, TransformInputs):
+            process['/tf'] = self.inputs.process_transforms
+        for topic, stamp_ns, raw in listed:
+            self.recorded.append((topic, stamp_ns, raw))
+            self.results += process[topic](raw)
+            for event in self.inputs.events:
+                self._event(event)
+            self.inputs.events.clear()
+        return self
+
+    def _event(self, event: EstimationEvent) -> None:
+        self.recorded.append(('/estimator_node/events', 0, encode_string(event.to_text())))
+
+    def numbers(self) -> list[str]:
+        return [repr(result.estimate) for result in self.results]
+
+
+def write(path: Path, listed: Iterable[Message]) -> Path:
+    with RecordingWriter.file(path) as writer:
+        for topic, stamp_ns, raw in listed:
+            writer.write(topic, TYPES[topic], raw, stamp_ns)
+    return path
+
+
+def replayed(path: Path) -> list[str]:
+    run = RecordingReplay(RecordingReader(path), RecordingSource(), {})
+    return [repr(estimates[0]) for batch in run.estimates() for estimates in batch]
+
+
+def test_motion_and_force_are_those_along_the_normal() -> None:
+    live = Live(OF_TF).take(tf_messages())
+    truth = [instant.contact for instant in instants()]
+    found = np.array([[r.sample.position, r.sample.force] for r in live.results])
+    np.testing.assert_allclose(
+        found, [[s.position + LOCATION, s.force] for s in truth], atol=1e-9)
+    assert all(np.isnan(result.sample.velocity) for result in live.results)
+    assert not live.session.rejected
+
+
+@pytest.mark.parametrize('every, split', [(1, False), (4, False), (4, True)])
+def test_stiffness_and_damping_are_found_at_any_rate_of_tf(every: int, split: bool) -> None:
+    estimate = Live(OF_TF).take(tf_messages(every, split)).results[-1].estimate
+    assert estimate.stiffness == pytest.approx(K_E, rel=0.01)
+    assert estimate.damping == pytest.approx(B_E, rel=0.1)
+
+
+def test_gravity_follows_a_mounting_that_comes_late() -> None:
+    first, *others = tf_messages()
+    partly = [('/tf_static', 0, static_bytes(['sensor', 'tool']))]
+    mounting = [('/tf_static', 0, static_bytes(['base_link']))]
+    live = Live(OF_TF).take([*partly, *others[:40], *mounting, *others[40:]])
+    truth = {one.contact.stamp_ns: one.contact.force for one in instants()}
+    errors = [abs(r.sample.force - truth[r.sample.stamp_ns]) for r in live.results]
+    assert max(errors[:5]) > 0.1 and max(errors[30:]) < 1e-9
+
+
+def test_a_frame_that_tf_lacks_is_the_problem_of_the_session() -> None:
+    live = Live({**OF_TF, 'kinematics.tip': 'tcp'}).take(tf_messages()[:21])
+    assert "tf has no frame 'tcp' (kinematics.tip)" in live.session.problem
+    assert live.session.rejected == {'transforms_missing': 10}
+
+
+def test_a_mounting_that_changes_in_contact_is_refused_with_a_reason() -> None:
+    live = Live(OF_TF).take(tf_messages())
+    assert live.session.pipeline.contact
+    arm = live.session.arm
+    live.take([('/tf_static', 0, transforms_bytes(
+        [(0, 'sensor', 'tool', (0.0, 0.0, 0.3, 0.0, 0.0, 0.0, 1.0))]))])
+    assert live.session.arm is arm and live.session.rejected['tf_static_changed'] == 1
+
+
+def test_poses_of_tf_need_a_tip() -> None:
+    with pytest.raises(ParameterRangeError, match='pose_source tf needs the frames of an arm'):
+        build(EstimationParameters, {'pose_source': 'tf'})
+
+
+@pytest.mark.parametrize('every, split', [(1, False), (4, True)])
+def test_replay_repeats_the_node_bit_for_bit(tmp_path: Path, every: int, split: bool) -> None:
+    live = Live(OF_TF).take(tf_messages(every, split))
+    assert replayed(write(tmp_path / 'a.mcap', live.recorded)) == live.numbers()
+
+
+def test_replay_refuses_what_the_node_refused_before_it_knew_the_arm(tmp_path: Path) -> None:
+    static, *others = tf_messages(4, True)
+    live = Live(OF_TF).take([*others[:203], static, *others[203:]])
+    assert len(live.results) < len(instants()) - 100
+    assert replayed(write(tmp_path / 'a.mcap', live.recorded)) == live.numbers()
+    # Without events the recording is that of any recorder: everything is used.
+    bag = [message for message in live.recorded if message[0] != '/estimator_node/events']
+    file = tmp_path / 'params.json'
+    file.write_text(json.dumps({'estimator_node': {'ros__parameters': OF_TF}}))
+    assert replay.main([str(write(tmp_path / 'b.mcap', bag)), '--params', str(file),
+                        '--json', str(tmp_path / 'b.json')]) == 0
+    summary = json.loads((tmp_path / 'b.json').read_text())
+    assert summary['samples'] > len(live.results) + 90
+    assert summary['stiffness'] == pytest.approx(K_E, rel=0.01)
+
+
+def test_diagnosis_reads_motion_and_force_along_the_normal(tmp_path: Path) -> None:
+    live = Live(OF_TF).take(tf_messages())
+    signals = read_recording(write(tmp_path / 'a.mcap', live.recorded)).signals
+    truth = [one.contact for one in instants()]
+    np.testing.assert_allclose(
+        signals.position, [s.position + LOCATION for s in truth], atol=1e-9)
+    np.testing.assert_allclose(signals.force, [s.force for s in truth], atol=1e-9)
+
+
+# The sensor of a driver, turned by 0.4 about z from the link `sensor`.
+MOUNTING = (0.0, 0.0, 0.0, 0.0, 0.0, np.sin(0.2), np.cos(0.2))
+CELL = transforms_bytes([(0, 'sensor', 'cell', MOUNTING)])
+
+
+def test_a_sensor_that_the_description_lacks_is_found_in_tf(tmp_path: Path) -> None:
+    pytest.importorskip('pinocchio')
+    (tmp_path / 'arm.urdf').write_text(urdf())
+    parameters = {**PARAMETERS, 'force_sensor.frame': 'cell',
+                  'robot_description_file': str(tmp_path / 'arm.urdf')}
+    live = Live(parameters).take(messages()[:200])
+    assert live.session.rejected == {'wrench_frame_unknown': 100}
+    text = live.session.rejection_texts['wrench_frame_unknown']
+    assert "'cell'" in text and 'publish its mounting on /tf_static' in text
+    live.take([('/tf_static', 0, CELL), *messages()[200:]])
+    assert live.session.rejected == {'wrench_frame_unknown': 100}
+    turned = Live({**parameters, 'force_sensor.frame': 'sensor',
+                   'force_sensor.rpy': [0.0, 0.0, 0.4]}).take(messages())
+    forces = [[r.sample.force for r in run.results[-200:]] for run in (live, turned)]
+    np.testing.assert_allclose(forces[0], forces[1], atol=1e-9)
+    recording = write(tmp_path / 'a.mcap', live.recorded)
+    assert replay.main([str(recording), '--json', str(tmp_path / 'a.json')]) == 1  # no description
+    described = EstimationEvent('robot_description', -(2**63), {'text': urdf()})
+    event = ('/estimator_node/events', 0, encode_string(described.to_text()))
+    recording = write(tmp_path / 'b.mcap', [live.recorded[0], event, *live.recorded[1:]])
+    assert replayed(recording) == live.numbers()
+    signals = read_recording(recording).signals
+    np.testing.assert_allclose(signals.force[-200:], forces[0], atol=1e-9)

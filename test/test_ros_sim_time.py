@@ -1,0 +1,82 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Latency where the time is that of a simulation: by the clock of the node, from /clock."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from ros_processes import (
+    DiagnosticArray, joint_state, Listener, node_process, stamp_of, to_stamp, Vector3Stamped,
+    wrench, WrenchStamped,
+)
+from sensor_msgs.msg import JointState
+
+clock_messages = pytest.importorskip('rosgraph_msgs.msg')
+pytestmark = pytest.mark.slow
+
+STEP_NS, LATE_NS = 100_000_000, 7_000_000
+
+
+class Simulator(Listener):
+    """Publishes a clock that stands still until the node has seen it."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        publisher = self.node.create_publisher
+        self.clock = publisher(clock_messages.Clock, '/clock', 10)
+        self.wrenches = publisher(WrenchStamped, 'wrench', 10)
+        self.joints = publisher(JointState, 'joint_states', 10)
+        self.listen('damping', Vector3Stamped, 'estimator_node/damping')
+        self.listen('diagnostics', DiagnosticArray, '/diagnostics')
+
+    def newest(self) -> Any:
+        """Return the last report; None before the first."""
+        return next(reversed(self.heard['diagnostics'].values()), None)
+
+    def advance_to(self, now_ns: int) -> None:
+        """Set the clock and wait until the node reports at that time: its timer follows it."""
+        def reported() -> bool:
+            self.clock.publish(clock_messages.Clock(clock=to_stamp(now_ns)))
+            report = self.newest()
+            return report is not None and stamp_of(report.header.stamp) == now_ns
+
+        self.spin_until(reported, f'a report at {now_ns}')
+
+    def measure(self, stamp_ns: int) -> None:
+        """Publish one sample and wait for the estimate."""
+        def answered() -> bool:
+            self.joints.publish(joint_state(stamp_ns, 0.0, 0.0))
+            self.wrenches.publish(wrench(stamp_ns, 0.0))
+            return stamp_ns in self.heard['damping']
+
+        self.spin_until(answered, f'the estimate at {stamp_ns}')
+
+
+def test_latency_is_that_of_the_simulated_clock(tmp_path: Path) -> None:
+    with node_process(tmp_path, 'estimator_node', use_sim_time=True, diagnostics_rate=10.0):
+        simulator = Simulator()
+        try:
+            for now_ns in range(10**12, 10**12 + 5 * STEP_NS, STEP_NS):
+                simulator.advance_to(now_ns)
+                simulator.measure(now_ns - LATE_NS)
+            simulator.advance_to(now_ns + STEP_NS)
+            values = {pair.key: pair.value for pair in simulator.newest().status[0].values}
+        finally:
+            simulator.close()
+    assert {name: values[f'latency_ms_{name}'] for name in ('p50', 'p99', 'max')} == {
+        'p50': '7.000', 'p99': '7.000', 'max': '7.000'}

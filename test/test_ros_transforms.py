@@ -1,0 +1,132 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The node on an arm whose poses come from tf, over DDS."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from arm_contact import B_E, instants, K_E
+from arm_transforms import OF_TF, static_bytes, transform
+from contact_estimation.commands import replay
+from contact_estimation.estimation.events import EstimationEvent
+from contact_estimation.messages import Vector3StampedDecoder
+from contact_estimation.recordings import RecordingReader
+import pytest
+from reference_messages import TF, transforms_bytes, wrench_bytes
+from ros_processes import (
+    DiagnosticArray, DiagnosticStatus, ESTIMATES, Listener, node_process, parameter_arguments,
+    run_module, String, Vector3Stamped, WINDOW, WrenchStamped,
+)
+from small_arm import MOVING
+
+from contact_estimation.ros.message_classes import has_transforms, message_class  # noqa: I100
+
+pytestmark = pytest.mark.slow
+
+NODE = 'estimator_node'
+NAMED = {name.replace('.', '__'): value for name, value in OF_TF.items()}
+needs_tf = pytest.mark.skipif(
+    not has_transforms(), reason='tf2_msgs is not installed; it is not on PyPI')
+
+
+class Robot(Listener):
+    """Drivers and robot_state_publisher, serialised independently of the package under test."""
+
+    def __init__(self) -> None:
+        from contact_estimation.ros.topics import EVENTS_QOS, TF_STATIC_QOS
+
+        super().__init__()
+        publisher, TFMessage = self.node.create_publisher, message_class(TF)
+        self.wrenches = publisher(WrenchStamped, 'wrench', 100)
+        self.transforms = publisher(TFMessage, '/tf', 100)
+        self.static = publisher(TFMessage, '/tf_static', TF_STATIC_QOS)
+        for name in ESTIMATES:
+            self.listen(name, Vector3Stamped, f'{NODE}/{name}')
+        self.listen('events', String, f'{NODE}/events', EVENTS_QOS)
+        self.listen('diagnostics', DiagnosticArray, '/diagnostics')
+
+    def send(self, instant: Any, stamp_ns: int) -> None:
+        """Publish one instant."""
+        moving = [transform(instant.q, link, stamp_ns) for link in MOVING]
+        self.transforms.publish(transforms_bytes(moving))
+        self.wrenches.publish(wrench_bytes(
+            instant.wrench[:3], instant.wrench[3:], stamp_ns=stamp_ns, frame_id='sensor'))
+
+    def says(self, level: bytes, text: str) -> bool:
+        """Return whether the diagnostics have said a text."""
+        return any(status.level == level and text in status.message
+                   for message in self.heard['diagnostics'].values()
+                   for status in message.status)
+
+    def feed(self, begin_ns: int) -> None:
+        """Publish all instants, a window at a time, and wait for what comes for the last."""
+        truth = instants()
+        for first in range(0, len(truth), WINDOW):
+            for instant in truth[first:first + WINDOW]:
+                self.send(instant, begin_ns + instant.contact.stamp_ns)
+            last_ns = begin_ns + instant.contact.stamp_ns
+            self.spin_until(lambda: last_ns in self.heard['damping'], f'the answer to {last_ns}')
+
+
+@needs_tf
+def test_poses_of_tf_give_stiffness_and_damping_and_replay_repeats_them(tmp_path: Path) -> None:
+    begin_ns, stamps = 10**15, iter(range(10**9, 10**12, 20_000_000))
+    with node_process(tmp_path, NODE, diagnostics_rate=10.0, **NAMED):
+        robot = Robot()
+        try:
+            with node_process(tmp_path / 'r', 'recorder_node', output=str(tmp_path / 'bag')):
+                robot.spin_until(
+                    lambda: robot.wrenches.get_subscription_count() > 1
+                    and robot.transforms.get_subscription_count() > 1, 'node and recorder')
+
+                def refused() -> bool:
+                    robot.send(instants()[0], next(stamps))
+                    return robot.says(
+                        DiagnosticStatus.ERROR, "no transform of tf connects 'base_link'")
+
+                robot.spin_until(refused, 'the missing transforms')
+                robot.static.publish(static_bytes())
+
+                def passed() -> bool:
+                    robot.send(instants()[0], next(stamps))
+                    return bool(robot.heard['damping'])
+
+                robot.spin_until(passed, 'the first estimate')
+                robot.feed(begin_ns)
+        finally:
+            robot.close()
+    kinds = [EstimationEvent.from_text(one.data).kind for one in robot.heard['events'].values()]
+    assert kinds == ['start', 'static_transforms', 'arm_ready']
+    last_ns = begin_ns + instants()[-1].contact.stamp_ns
+    assert robot.heard['stiffness'][last_ns].vector.x == pytest.approx(K_E, rel=0.01)
+    assert robot.heard['damping'][last_ns].vector.x == pytest.approx(B_E, rel=0.1)
+
+    assert replay.main([str(tmp_path / 'bag'), '--output', str(tmp_path / 'again.mcap')]) == 0
+    decode = Vector3StampedDecoder().decode
+    listed = RecordingReader(tmp_path / 'again.mcap').messages(['/estimator_node/damping'])
+    again = {stamp: x for stamp, x, _, _ in (decode(message.data) for message in listed)}
+    published = {stamp: one.vector.x for stamp, one in robot.heard['damping'].items()}
+    assert again == published
+
+
+@pytest.mark.skipif(has_transforms(), reason='tf2_msgs is installed')
+def test_poses_of_tf_without_its_messages_say_what_to_install(tmp_path: Path) -> None:
+    done = run_module(tmp_path, f'ros.{NODE}', *parameter_arguments(OF_TF))
+    assert done.code == 1
+    assert done.stderr.strip().splitlines() == [
+        'error: pose_source tf: tf2_msgs is not installed, so that /tf and /tf_static cannot be '
+        'read; install it with: sudo apt install ros-jazzy-tf2-msgs']
