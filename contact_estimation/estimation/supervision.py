@@ -20,12 +20,13 @@ from collections import deque
 from typing import Sequence
 
 from .parameters import EstimationParameters
-from .wall_tracking import Change, wall_of, WallTracker
+from .wall_tracking import Change, WallTracker
 from ..estimators.equation_noise import EquationNoise
 from ..estimators.estimator import Frozen, OnlineEstimator, TimedRow
 from ..estimators.excitation_monitor import ExcitationMonitor
 from ..estimators.row_sums import RECENT
 from ..estimators.systematic_errors import SystematicErrors
+from ..estimators.wall_fit import wall_of
 from ..signals.relations import NoiseGain, Row
 
 ALL = Frozen(True, True)
@@ -82,7 +83,7 @@ class Supervision:
         self.tracker = WallTracker(
             p.tracking, p.environment.location_std, p.contact.position_noise,
             p.synchronisation.timing_std)
-        self._judged_rows = self._judged_blocks = self._errors_rows = 0  # of this contact
+        self._judged_rows = self._judged_blocks = 0  # of this contact
         self._past: deque[TimedRow] = deque(maxlen=_LEARNT_AGAIN)  # rows of this wall
 
     def configure(self, parameters: EstimationParameters, estimator: OnlineEstimator) -> None:
@@ -127,8 +128,7 @@ class Supervision:
             self.tracker.touch_down(self._estimator)
             self.monitor.reset()
             self._start_collecting()
-            self._judged_rows = self._judged_blocks = self._errors_rows = 0
-            self.errors.forget_surface()
+            self._judged_rows = self._judged_blocks = 0
             self._past.clear()
             self._prepare()
 
@@ -195,8 +195,6 @@ class Supervision:
             monitor.sums, estimator, self.noise.variance, force_variance,
             self._judged_rows / self._p.sample_rate,
         )
-        if change is Change.LOCATION:
-            self.errors.forget_surface()
         if change is Change.WALL or change is Change.LOCATION:
             self._judge_noise(force_variance)
         self.errors.judge_position(
@@ -215,10 +213,10 @@ class Supervision:
             self.monitor.sums.window(), wall_of(self._estimator))
         self.errors.judge(
             self.monitor.sums.blocks, self.noise.variance, known,
-            self._p.contact.position_noise, self._p.environment.location_std, self._estimator,
-            self._judged_rows - self._errors_rows, self.tracker.surface.shift_std,
+            self._p.contact.position_noise,
+            self._p.environment.location_std or self.tracker.surface.taken_std,
+            self._estimator, self.monitor.sums.contact(),
         )
-        self._errors_rows = self._judged_rows
 
     def _learn_again(self, change: Change, variance: float) -> None:
         """Update a restarted estimator with the last rows, which are those of the wall it met."""

@@ -20,7 +20,8 @@ from math import isfinite, nan, sqrt
 from typing import NamedTuple, Sequence
 
 from .estimator import Frozen, OnlineEstimator, ParameterEstimate, UNKNOWN_DAMPING_S
-from .row_sums import Window
+from .row_sums import sum_of, Window
+from .wall_fit import fit_first_contact, shift_by_lag, wall_of
 from .window_fit import fit_window, WindowFit, WindowFits
 
 _LOCATION = 3  # column of a row
@@ -37,11 +38,6 @@ def _by_shift(blocks: Sequence[Window]) -> float:
     """Return the relative change of K_hat per shift of the surface [1/m]."""
     first, power = (sum(float(block.products[1, k]) for block in blocks) for k in (_LOCATION, 1))
     return first / power if power > 0.0 else 0.0
-
-
-def _count(blocks: Sequence[Window]) -> float:
-    """Return the number of rows."""
-    return sum(float(block.products[_LOCATION, _LOCATION]) for block in blocks)
 
 
 def _depth_spread(blocks: Sequence[Window]) -> float:
@@ -92,7 +88,6 @@ class SystematicErrors:
         self._correlations = [[1.0, 1.0] for _ in range(3)]  # by fit
         self._spread = 0.0
         self._coupled = True  # K_hat and B_hat, in one linear law
-        self._shift = self._information = 0.0
         self._now = _Error(1.0, 0.0, 0.0), _Error(1.0, 0.0, 0.0)
         self.forget_updates()
 
@@ -117,11 +112,14 @@ class SystematicErrors:
             The estimator.
 
         """
-        (_, KK, KB, Kc, _), (_, _, BB, _, _) = window.products[1:3].tolist()
+        (_, KK, KB, Kc, _), (_, _, BB, _, _), (*_, cc, _) = window.products[1:4].tolist()
         offset = bias = 0.0
         if KK > 0.0:
             if not estimator.location_std:  # else it is part of the prior of the location
-                offset = position_noise * Kc / KK
+                # Motion over many steps of the quantisation averages its error.
+                moved = max(KK - Kc * Kc / cc, 0.0) / cc if cc > 0.0 else 0.0
+                noise = position_noise * position_noise
+                offset = noise / sqrt(noise + moved) * Kc / KK if noise > 0.0 else 0.0
             if estimator.biased_by_position_noise:
                 # Errors in variables: least squares divides by the power of signal and noise.
                 noise = position_noise**2 * window.rate_noise
@@ -132,7 +130,7 @@ class SystematicErrors:
     def judge(
         self, blocks: Sequence[Window], noise_variance: float, known_variance: float,
         position_noise: float, location_std: float, estimator: OnlineEstimator,
-        new_rows: int = 0, found_std: float = 0.0,
+        contact: Window | None = None,
     ) -> None:
         """
         Compare an estimator with the last window.
@@ -151,11 +149,8 @@ class SystematicErrors:
             Standard deviation of x_e as configured [m].
         estimator : OnlineEstimator
             The estimator.
-        new_rows : int
-            Number of rows since the last call; 0: all of the window.
-        found_std : float
-            Standard deviation of a shift of x_e that has been found, which contains what a lag
-            feigns and does not average out; 0: none has been [m].
+        contact : Window or None
+            Rows of the contact, which show its surface; None: those of the window.
 
         """
         fits = fit_window(blocks, noise_variance, estimator)
@@ -168,8 +163,7 @@ class SystematicErrors:
         K_lag = lag * fits.mean.by_acceleration
         self._note_correlations(fits, noise_variance)
         shift_variance = self._shift_variance(
-            fits.located, noise_variance, location_std,
-            new_rows / max(_count(blocks), 1.0) or 1.0)
+            contact or sum_of(blocks), fits, noise_variance, location_std, estimator)
         per_shift = estimator.stiffness * _by_shift(blocks)
         K_error, B_error = self._differences(fits, noise_variance, rate_noise, lag, estimator)
         of_K, of_B = (excess * variance for variance in fits.mean.variances)
@@ -181,7 +175,7 @@ class SystematicErrors:
         widest = _WIDEST * max(estimator.damping, UNKNOWN_DAMPING_S * estimator.stiffness)
         of_B = min(of_B, widest * widest)  # a tool at rest shows no damping
         K_error = max(K_error, per_shift * per_shift * shift_variance)
-        K_error += of_K + K_lag * K_lag + _square(per_shift * found_std)
+        K_error += of_K + K_lag * K_lag
         (K_factor, B_factor), (K, B) = self._correlations[0], self._now
         self._now = (_Error(max(K_factor, 1.0), K_error, K.share),
                      _Error(max(B_factor, 1.0), B_error + of_B, B.share))
@@ -195,30 +189,38 @@ class SystematicErrors:
                     correlation[k] += _SMOOTHING * (fit.scatter[k] / white - correlation[k])
 
     def _shift_variance(
-        self, located: WindowFit | None, noise_variance: float, prior_std: float, new: float
+        self, contact: Window, fits: WindowFits, noise_variance: float, prior_std: float,
+        estimator: OnlineEstimator,
     ) -> float:
         """
         Return the mean square of the distance of the surface from where it is supposed [m^2].
 
         That of the posterior: the shift that the contact has shown so far is either too small to
-        be moved to, or not certain. A lag feigns one, which then counts as well.
+        be moved to, or not certain. A lag feigns one, or hides one.
 
         """
-        if located is None or prior_std == 0.0:
+        if fits.located is None or prior_std == 0.0:
             return 0.0
-        K, prior = max(located.values[0], 1e-9), prior_std * prior_std
-        white = noise_variance * max(self._correlations[2][0], 1.0) * located.offset_variance
-        told = min(new, 1.0) * K * K / max(white, 1e-300)  # information of rows not seen before
-        self._information += told
-        self._shift += (
-            -located.offset / K - self._shift) * told / max(self._information, 1e-300)
-        seen = 1.0 / max(self._information, 1e-300)
+        white = noise_variance * max(self._correlations[2][0], 1.0)
+        shift, seen = self._seen_shift(contact, fits.located, white, estimator)
+        prior = prior_std * prior_std
         kept = prior / (prior + seen)
-        return _square(kept * self._shift) + kept * seen
+        return _square(kept * shift) + kept * seen
 
-    def forget_surface(self) -> None:
-        """Forget where the contact has shown its surface, as at a new one."""
-        self._shift = self._information = 0.0
+    def _seen_shift(
+        self, contact: Window, located: WindowFit, white: float, estimator: OnlineEstimator
+    ) -> tuple[float, float]:
+        """Return the shift of the surface that a contact shows [m], and its variance."""
+        fit, lag = None, 0.0
+        if estimator.linearisation() is None:  # else rows of the past belong to another law
+            fit = fit_first_contact(contact.products, wall_of(estimator), white)
+        if fit is None:
+            K, offset, variance = located.values[0], located.offset, located.offset_variance
+        else:
+            (K, _, offset, _), variance = fit.offset_wall, fit.offset_variance
+            lag = shift_by_lag(contact.products, fit.offset_wall, self.timing_std)
+        K = max(K, 1e-9)
+        return -offset / K, white * variance / (K * K) + lag * lag
 
     def _differences(
         self, fits: WindowFits, noise_variance: float, rate_noise: float, lag: float,
