@@ -33,6 +33,7 @@ ALL = Frozen(True, True)
 _EARLY_BLOCKS = 5  # during which errors are judged more often
 _JUDGED_TOGETHER = 4  # blocks, later
 _WAITS = 2  # blocks between judgements of a settled estimate
+_ANYWHERE = 1.0  # standard deviation of a surface that no touch-down has checked [m]
 _LEARNT_AGAIN = 250  # rows after a restart
 
 
@@ -60,6 +61,8 @@ class Supervision:
         Of the estimates.
     tracker : WallTracker
         Follows a wall that changes, and its surface.
+    touched_down : bool
+        Whether the present contact has been seen to begin: a check of the location.
     frozen : Frozen
         Parameters that are not updated; the object `ALL` where both are.
     prediction : tuple of float
@@ -80,6 +83,7 @@ class Supervision:
 
     def _start_contacts(self) -> None:
         p = self._p
+        self.touched_down = False
         self.tracker = WallTracker(
             p.tracking, p.environment.location_std, p.contact.position_noise,
             p.synchronisation.timing_std)
@@ -120,6 +124,7 @@ class Supervision:
     def take_location(self, std: float) -> None:
         """Use another location of the surface, with its standard deviation [m]."""
         self._start_contacts()
+        self.touched_down = True
         self.tracker.surface.doubt(std)
 
     def touch_down(self) -> None:
@@ -214,9 +219,14 @@ class Supervision:
         self.errors.judge(
             self.monitor.sums.blocks, self.noise.variance, known,
             self._p.contact.position_noise,
-            self._p.environment.location_std or self.tracker.surface.taken_std,
+            self._location_std(),
             self._estimator, self.monitor.sums.contact(),
         )
+
+    def _location_std(self) -> float:
+        """Return the prior standard deviation of x_e [m]."""
+        std = self._p.environment.location_std or self.tracker.surface.taken_std
+        return std if self.touched_down or std == 0.0 else _ANYWHERE
 
     def _learn_again(self, change: Change, variance: float) -> None:
         """Update a restarted estimator with the last rows, which are those of the wall it met."""
