@@ -23,7 +23,7 @@ from ..estimators.row_sums import Window
 from ..estimators.wall_fit import shift_by_lag, WallFit
 
 _SIGNIFICANT = 5.0  # standard deviations of the shift
-_EXPLAINS = 0.5  # of the misfit beyond noise must be gone with the new fit: a spike moves no surface
+_EXPLAINS = 0.5  # of the misfit beyond noise must be gone then: a spike moves no surface
 _RELEVANT = 0.003  # of K_e
 _LAGS = 2.0  # standard deviations of the timing that may feign a shift
 _CHECKED = 0.02  # standard deviation of K_e by the location below which it is certain
