@@ -54,7 +54,7 @@ def test_the_force_lags_by_the_filter_of_the_sensor(world: World) -> None:
     delta = np.array([sample.position for sample in world.samples])[inside]
     rate = np.gradient(delta, world.t[inside])
     K, B = np.linalg.lstsq(np.column_stack([delta, rate]), force, rcond=None)[0]
-    lag = 1.0 / (2.0 * np.pi * world.sensor.cutoff)
+    lag = np.sqrt(world.sensor.poles) / (2.0 * np.pi * world.sensor.cutoff)
     assert K == pytest.approx(3e4, rel=0.01)
     assert B == pytest.approx(world.damping[-1] - 3e4 * lag, abs=0.2 * 3e4 * lag)
 

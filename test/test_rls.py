@@ -152,3 +152,23 @@ def test_claimed_std_is_the_spread_over_noise(forgetting: float) -> None:
         finals.append([rls.stiffness, rls.damping])
     claimed = known(rls)[2:4]
     np.testing.assert_allclose(np.std(finals, axis=0), claimed, rtol=0.25)
+
+
+def withdrawal(seed: int) -> NDArray[np.float64]:
+    """Return penetration and force: motion, then a slow retreat, whose speed hardly changes."""
+    t = T * np.arange(2000)
+    retreat = 0.004 * np.clip(t - 2.0, 0.0, None)
+    d = 0.01 + 0.002 * np.sin(20.0 * t) * (t < 2.0) - retreat
+    v = 0.04 * np.cos(20.0 * t) * (t < 2.0) - 0.004 * (t > 2.0)
+    return np.column_stack([d, K * d + B * v + 0.1 * np.random.default_rng(seed).standard_normal(
+        len(t))])
+
+
+def test_retreat_at_a_constant_speed_moves_stiffness_and_damping_within_their_deviations() -> None:
+    z = []
+    for seed in range(8):
+        rls = estimator(estimate_inertia=False)
+        learn_all(rls, withdrawal(seed), 0.01)
+        now = known(rls)
+        z.append([(rls.stiffness - K) / now.stiffness_std, (rls.damping - B) / now.damping_std])
+    assert np.max(np.sqrt(np.mean(np.square(z), axis=0))) < 2.0

@@ -27,7 +27,7 @@ from contact_estimation.estimators.indirect_adaptive import (
     IndirectAdaptive,
     IndirectAdaptiveParameters,
 )
-from contact_estimation.estimators.row_sums import Window
+from contact_estimation.estimators.row_sums import sum_of, Window
 from contact_estimation.estimators.systematic_errors import SystematicErrors
 from contact_estimation.estimators.window_fit import fit_window
 from core_runs import contact_samples, estimates_of, pipeline_with
@@ -208,12 +208,62 @@ def rows_of(d: Array, v: Array) -> Array:
     return np.column_stack([K * d + B * v, d, v, np.ones_like(d), np.zeros_like(d)])
 
 
-def test_constant_position_error_weighs_on_the_stiffness() -> None:
-    errors, (_, d, v) = SystematicErrors(0.0), motion()
-    errors.judge_position(window_of(rows_of(d, v)), 1e-4, estimator_at())
+def by_position(d: Array, v: Array, position_noise: float) -> float:
+    """Return the deviation of K_hat by an error of the position alone."""
+    errors = SystematicErrors(0.0)
+    errors.judge_position(window_of(rows_of(d, v)), position_noise, estimator_at())
     errors.note_update(BOTH)
-    fit = np.linalg.lstsq(d[:, None], K * (d + 1e-4), rcond=None)[0][0]
-    assert errors.widen([EXACT])[0].stiffness_std == pytest.approx(fit - K, rel=1e-9)
+    return errors.widen([EXACT])[0].stiffness_std
+
+
+def test_constant_position_error_weighs_on_the_stiffness() -> None:
+    at_rest = np.full(500, 0.01)
+    fit = np.linalg.lstsq(at_rest[:, None], K * (at_rest + 1e-4), rcond=None)[0][0]
+    assert by_position(at_rest, np.zeros(500), 1e-4) == pytest.approx(fit - K, rel=1e-6)
+
+
+def test_motion_over_many_steps_averages_the_quantisation() -> None:
+    t, d, v = motion()
+    step = 1e-4
+    rounded = step * np.round(d / step)
+    fit = np.linalg.lstsq(np.column_stack([rounded, v]), K * d + B * v, rcond=None)[0][0]
+    claimed_std = by_position(d, v, step / np.sqrt(12.0))
+    assert abs(fit - K) < 2.0 * claimed_std < 0.1 * K * step / 0.01
+
+
+def off_surface(shift: float, draw: np.random.Generator) -> tuple[Array, list[Window]]:
+    """Return rows of two seconds after a ramp, as blocks, with the surface elsewhere."""
+    t = np.arange(0.0, 1000) * T
+    d = np.minimum(0.1 * t, 0.01) + 0.001 * np.sin(OMEGA * t)
+    v = np.gradient(d, T)
+    force = K * (d - shift) + B * v + SIGMA * draw.standard_normal(1000)
+    return np.column_stack([force, d, v]), blocks_of(force, d, v)
+
+
+def test_a_surface_not_known_weighs_as_the_whole_contact_shows_it() -> None:
+    draw, prior_std, z = np.random.default_rng(6), 2e-3, []
+    for _ in range(100):
+        rows, blocks = off_surface(prior_std * draw.standard_normal(), draw)
+        K_hat, B_hat = np.linalg.lstsq(rows[500:, 1:], rows[500:, 0], rcond=None)[0]
+        errors = SystematicErrors(0.0)
+        errors.judge(blocks[-10:], SIGMA**2, SIGMA**2, 0.0, prior_std,
+                     estimator_at(float(K_hat), float(B_hat)), sum_of(blocks))
+        errors.note_update(BOTH)
+        z.append((K_hat - K) / errors.widen([EXACT])[0].stiffness_std)
+    assert 0.9 <= np.mean(np.abs(z) < 2.0)
+    assert np.mean(np.square(z)) > 0.3  # nor much too wide
+
+
+def test_a_surface_that_is_known_weighs_nothing() -> None:
+    _, blocks = off_surface(0.0, np.random.default_rng(7))
+    stds = []
+    for prior_std in (0.0, 2e-3):
+        errors = SystematicErrors(0.0)
+        errors.judge(blocks[-10:], SIGMA**2, SIGMA**2, 0.0, prior_std, estimator_at(),
+                     sum_of(blocks))
+        errors.note_update(BOTH)
+        stds.append(errors.widen([EXACT])[0].stiffness_std)
+    assert stds[0] < 0.1 * stds[1] < 0.01 * K
 
 
 def test_noise_in_the_rate_weighs_on_the_damping_as_least_squares_is_biased() -> None:

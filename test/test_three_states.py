@@ -18,7 +18,13 @@ from __future__ import annotations
 
 from itertools import product
 
-from contact_estimation.estimators.three_states import constrain, correct, Covariance, diagonal
+from contact_estimation.estimators.three_states import (
+    constrain,
+    correct,
+    Covariance,
+    diagonal,
+    grow,
+)
 import numpy as np
 from numpy.typing import NDArray
 import pytest
@@ -64,3 +70,24 @@ def test_constraint_leaves_a_state_within_the_limits() -> None:
 
 def test_constraint_leaves_a_state_that_is_known() -> None:
     assert constrain(X, diagonal(0.0, 1.0, 1.0), (1.0, 0.0, 0.0), 2.0, 3.0) == X
+
+
+def test_states_forgotten_together_scale_with_their_factors() -> None:
+    P, triangle = random_covariance(4)
+    scale = np.diag([1.1, 1.1, 1.0])
+    got = grow(triangle, (1.1, 1.1, 1.0))
+    np.testing.assert_allclose(got, (scale @ P @ scale)[UPPER], rtol=1e-12)
+
+
+@pytest.mark.parametrize('alone', [0, 1])
+def test_state_forgotten_alone_forgets_its_variance_given_the_others(alone: int) -> None:
+    P, triangle = random_covariance(5)
+    growth = [1.0, 1.0, 1.0]
+    growth[alone] = 1.1
+    expected = P.copy()
+    expected[alone, alone] += 0.21 / np.linalg.inv(P)[alone, alone]
+    np.testing.assert_allclose(grow(triangle, tuple(growth)), expected[UPPER], rtol=1e-9)
+
+
+def test_constants_do_not_correlate_with_what_is_forgotten_alone() -> None:
+    assert grow(diagonal(2.0, 3.0, 0.0), (2.0, 1.0, 1.0)) == diagonal(4.0, 3.0, 0.0)

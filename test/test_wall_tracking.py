@@ -117,6 +117,21 @@ def test_contact_without_a_touch_down_does_not_show_its_surface() -> None:
     assert pipeline.location_unchecked
 
 
+@pytest.mark.parametrize('amplitude', [0.0, 1e-3])
+@pytest.mark.parametrize('place', [0.0, 0.05])
+def test_start_in_contact_claims_only_what_the_motion_shows(
+    place: float, amplitude: float
+) -> None:
+    samples = moved(touch(5000.0, 2.0, amplitude=amplitude), place)
+    inside = [s for s in samples if s.position > place + 0.009][:500]
+    estimates = estimates_of(inside, pipeline_with(estimator='rls_adaptive'))
+    told = [e for e in estimates if e.stiffness_std == e.stiffness_std]
+    assert len(told) > 400
+    assert all(abs(e.stiffness - 5000.0) < 2.0 * e.stiffness_std for e in told)
+    unknown = told[-1].stiffness_std > 2000.0
+    assert unknown == (place > 0.0 or amplitude == 0.0)
+
+
 @EACH
 def test_without_restarts_the_estimator_follows_alone(estimator: str) -> None:
     before, after = touch(300.0), touch(30_000.0, 0.3, 1)

@@ -40,6 +40,8 @@ _BEFORE_END_S = 0.05  # of a contact: the wall is being left
 _EVERY_S = 0.1  # between instants at which the band is checked
 _CLOSE = 0.1  # relative error below which an estimate has converged
 
+_EXACT = {'environment.location_std': 0.0}
+
 NORMALISED = 'indirect_adaptive, normalised'
 
 
@@ -97,7 +99,8 @@ def candidates() -> dict[str, Callable[[World], Trace]]:
 
 def _traced_by(changes: Mapping[str, Any]) -> Callable[[World], Trace]:
     def trace(world: World) -> Trace:
-        parameters = changed(EstimationParameters(), {'sample_rate': RATE, **changes})
+        parameters = changed(EstimationParameters(), {
+            'sample_rate': RATE, **(_EXACT if world.scenario.exact_location else {}), **changes})
         pipeline = EstimationPipeline(parameters)
         values = []
         for begin in range(0, len(world.samples), _RUN):

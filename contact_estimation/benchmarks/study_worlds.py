@@ -27,8 +27,9 @@ from typing import Callable, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import lfilter
+from scipy.signal import butter, lfilter
 
+from ..estimators.estimator import EnvironmentParameters
 from ..signals.contact_sample import ContactSample
 from ..signals.synchronisation import SynchronisationParameters, Synchroniser
 
@@ -40,6 +41,8 @@ _FINE = 10_000.0  # rate at which force and filter of the sensor are computed [H
 _FREE_S, _APPROACH_S, _BETWEEN_S = 1.0, 0.5, 0.6
 _GAP = 5e-3  # of the tool from the wall in free flight [m]
 _DEEPEST = 0.03  # [m]
+_PRIOR_STD = EnvironmentParameters().location_std
+_FARTHEST = 3.0  # standard deviations of x_e: as far as a surface is looked for
 _JITTER_S = 1e-4
 _DROPPED = 0.002
 _POSITION_STEP = 1e-6  # [m]
@@ -68,8 +71,10 @@ class Scenario:
         Stiffness over time since the touch-down [s], relative to that of the wall.
     change_s : float
         When it changes, after the touch-down; 0 for a wall that is new in the last contact [s].
-    location_error : float
-        True x_e less that of the parameters [m].
+    location_std : float
+        Of the true x_e about that of the parameters [m]; 0: exact.
+    exact_location : bool
+        Whether the parameters say that x_e is exact.
     abrupt : bool
         Whether there is a change from which estimates converge again.
     pressing : callable or None
@@ -84,7 +89,8 @@ class Scenario:
     walls: tuple[float, ...] = ()
     factor: Callable[[Array], Array] | None = None
     change_s: float = 0.0
-    location_error: float = 0.0
+    location_std: float = 0.0
+    exact_location: bool = False
     abrupt: bool = False
     pressing: Callable[[Course, Sensor], Array] | None = None
 
@@ -99,9 +105,10 @@ def _ramp(t: Array) -> Array:
 
 SCENARIOS = {
     scenario.name: scenario for scenario in (
-        Scenario('excited'),
-        Scenario('unexcited', excited=False),
-        Scenario('x_e off by 0.1 mm', location_error=1e-4),
+        Scenario('excited', exact_location=True),
+        Scenario('unexcited', excited=False, exact_location=True),
+        Scenario('excited, x_e within 2 mm', location_std=_PRIOR_STD),
+        Scenario('unexcited, x_e within 2 mm', excited=False, location_std=_PRIOR_STD),
         Scenario('300 to 30000 N/m', excited=None, hold_s=3.0, walls=(300.0, 3e4),
                  abrupt=True),
         Scenario('30000 to 300 N/m', excited=None, hold_s=3.0, walls=(3e4, 300.0),
@@ -117,11 +124,18 @@ STEADY = tuple(name for name, scenario in SCENARIOS.items()
 
 
 class Sensor(NamedTuple):
-    """Low-pass [Hz] and noise [N] of a force sensor; whether the robot gives its velocity."""
+    """
+    Low-pass [Hz], noise [N] and poles of a force sensor; whether the robot gives its velocity.
+
+    One pole delays the force by 1 / (2 pi cutoff), two (Butterworth) by sqrt(2) times that: 0.5
+    to 2.3 ms, in the root mean square the 1 ms of `synchronisation.timing_std`.
+
+    """
 
     cutoff: float
     noise: float
     with_velocity: bool
+    poles: int = 1
 
 
 class World(NamedTuple):
@@ -204,9 +218,11 @@ def make_world(scenario: Scenario, index: int, count: int, seed: int) -> World:
     K = SOFTEST * (STIFFEST / SOFTEST) ** ((index + draw.uniform()) / count)
     seconds = _log_uniform(draw, 2e-3, 5e-2)  # B_e / K_e
     path = _path(scenario, K, seconds, excited, draw)
-    sensor = Sensor(draw.uniform(100.0, 300.0), _log_uniform(draw, 0.1, 0.5), index % 4 < 2)
+    sensor = Sensor(draw.uniform(100.0, 300.0), _log_uniform(draw, 0.1, 0.5), index % 4 < 2,
+                    int(draw.integers(1, 3)))
+    off = scenario.location_std * float(np.clip(draw.standard_normal(), -_FARTHEST, _FARTHEST))
     law = scenario.pressing or _spring_and_damper
-    samples = [sample._replace(position=sample.position + scenario.location_error)
+    samples = [sample._replace(position=sample.position + off)
                for sample in _measure(path, law(path, sensor), sensor, draw)]
     t = np.array([sample.stamp_ns for sample in samples]) * 1e-9
     return World(scenario, samples, t, np.interp(t, path.t, path.stiffness),
@@ -270,8 +286,8 @@ def _measure(
     path: Course, pressing: Array, sensor: Sensor, draw: np.random.Generator
 ) -> list[ContactSample]:
     """Measure at the nominal times, stamp with an error, lose some, and pair."""
-    keep = np.exp(-2.0 * pi * sensor.cutoff / _FINE)
-    sensed = lfilter([1.0 - keep], [1.0, -keep], np.maximum(pressing, 0.0))
+    low_pass = butter(sensor.poles, sensor.cutoff, fs=_FINE)
+    sensed = lfilter(*low_pass, np.maximum(pressing, 0.0))
     t = np.arange(1, int(path.t[-1] * RATE)) / RATE
     force = np.interp(t, path.t, sensed) + sensor.noise * draw.standard_normal(len(t))
     force = _FORCE_STEP * np.round(force / _FORCE_STEP)

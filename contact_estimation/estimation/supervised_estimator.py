@@ -203,6 +203,7 @@ class SupervisedEstimator:
         if self._free_s:
             if self._free_s >= _NEW_CONTACT_S:
                 supervision.touch_down()
+                supervision.touched_down = True
             self._free_s = 0.0
         if len(timed) < supervision.wanted:  # the usual case
             return self._update_part(timed, gains, force_variance)

@@ -20,18 +20,20 @@ from collections import deque
 from typing import Sequence
 
 from .parameters import EstimationParameters
-from .wall_tracking import Change, wall_of, WallTracker
+from .wall_tracking import Change, WallTracker
 from ..estimators.equation_noise import EquationNoise
 from ..estimators.estimator import Frozen, OnlineEstimator, TimedRow
 from ..estimators.excitation_monitor import ExcitationMonitor
 from ..estimators.row_sums import RECENT
 from ..estimators.systematic_errors import SystematicErrors
+from ..estimators.wall_fit import wall_of
 from ..signals.relations import NoiseGain, Row
 
 ALL = Frozen(True, True)
 _EARLY_BLOCKS = 5  # during which errors are judged more often
 _JUDGED_TOGETHER = 4  # blocks, later
 _WAITS = 2  # blocks between judgements of a settled estimate
+_ANYWHERE = 1.0  # standard deviation of a surface that no touch-down has checked [m]
 _LEARNT_AGAIN = 250  # rows after a restart
 
 
@@ -59,6 +61,8 @@ class Supervision:
         Of the estimates.
     tracker : WallTracker
         Follows a wall that changes, and its surface.
+    touched_down : bool
+        Whether the present contact has been seen to begin: a check of the location.
     frozen : Frozen
         Parameters that are not updated; the object `ALL` where both are.
     prediction : tuple of float
@@ -79,10 +83,11 @@ class Supervision:
 
     def _start_contacts(self) -> None:
         p = self._p
+        self.touched_down = False
         self.tracker = WallTracker(
             p.tracking, p.environment.location_std, p.contact.position_noise,
             p.synchronisation.timing_std)
-        self._judged_rows = self._judged_blocks = self._errors_rows = 0  # of this contact
+        self._judged_rows = self._judged_blocks = 0  # of this contact
         self._past: deque[TimedRow] = deque(maxlen=_LEARNT_AGAIN)  # rows of this wall
 
     def configure(self, parameters: EstimationParameters, estimator: OnlineEstimator) -> None:
@@ -119,6 +124,7 @@ class Supervision:
     def take_location(self, std: float) -> None:
         """Use another location of the surface, with its standard deviation [m]."""
         self._start_contacts()
+        self.touched_down = True
         self.tracker.surface.doubt(std)
 
     def touch_down(self) -> None:
@@ -127,8 +133,7 @@ class Supervision:
             self.tracker.touch_down(self._estimator)
             self.monitor.reset()
             self._start_collecting()
-            self._judged_rows = self._judged_blocks = self._errors_rows = 0
-            self.errors.forget_surface()
+            self._judged_rows = self._judged_blocks = 0
             self._past.clear()
             self._prepare()
 
@@ -195,8 +200,6 @@ class Supervision:
             monitor.sums, estimator, self.noise.variance, force_variance,
             self._judged_rows / self._p.sample_rate,
         )
-        if change is Change.LOCATION:
-            self.errors.forget_surface()
         if change is Change.WALL or change is Change.LOCATION:
             self._judge_noise(force_variance)
         self.errors.judge_position(
@@ -215,10 +218,15 @@ class Supervision:
             self.monitor.sums.window(), wall_of(self._estimator))
         self.errors.judge(
             self.monitor.sums.blocks, self.noise.variance, known,
-            self._p.contact.position_noise, self._p.environment.location_std, self._estimator,
-            self._judged_rows - self._errors_rows, self.tracker.surface.shift_std,
+            self._p.contact.position_noise,
+            self._location_std(),
+            self._estimator, self.monitor.sums.contact(),
         )
-        self._errors_rows = self._judged_rows
+
+    def _location_std(self) -> float:
+        """Return the prior standard deviation of x_e [m]."""
+        std = self._p.environment.location_std or self.tracker.surface.taken_std
+        return std if self.touched_down or std == 0.0 else _ANYWHERE
 
     def _learn_again(self, change: Change, variance: float) -> None:
         """Update a restarted estimator with the last rows, which are those of the wall it met."""

@@ -16,17 +16,14 @@
 
 from __future__ import annotations
 
-from math import hypot, sqrt
-
-import numpy as np
-from numpy.typing import NDArray
+from math import sqrt
 
 from ..estimators.estimator import OnlineEstimator
 from ..estimators.row_sums import Window
-from ..estimators.wall_fit import Wall, WallFit
+from ..estimators.wall_fit import shift_by_lag, WallFit
 
 _SIGNIFICANT = 5.0  # standard deviations of the shift
-_EXPLAINS = 0.5  # of the misfit must be gone with the new fit: a spike moves no surface
+_EXPLAINS = 0.5  # of the misfit beyond noise must be gone then: a spike moves no surface
 _RELEVANT = 0.003  # of K_e
 _LAGS = 2.0  # standard deviations of the timing that may feign a shift
 _CHECKED = 0.02  # standard deviation of K_e by the location below which it is certain
@@ -46,8 +43,8 @@ class SurfaceSearch:
     ----------
     shift : float
         Estimated location less the configured one [m].
-    shift_std : float
-        Its standard deviation [m]; 0 while no shift has been found.
+    taken_std : float
+        Standard deviation of a location taken from a touch [m]; 0: it is configured.
     prior_std, timing_std : float
         Of environment.location [m], 0: known; of the time between force and motion [s].
 
@@ -55,7 +52,7 @@ class SurfaceSearch:
 
     def __init__(self, prior_std: float, timing_std: float) -> None:
         self.prior_std, self.timing_std = prior_std, timing_std
-        self.shift = self.shift_std = 0.0
+        self.shift = self.taken_std = 0.0
         self.touch_down()
 
     def touch_down(self) -> None:
@@ -65,7 +62,7 @@ class SurfaceSearch:
 
     def doubt(self, std: float) -> None:
         """Refine the location as soon as a contact shows it better than a standard deviation."""
-        self.shift_std = self._found_std = std
+        self.taken_std = self._found_std = std
 
     def is_unchecked(self, contact_s: float) -> bool:
         """Return whether a contact of some length has not shown where its surface is."""
@@ -84,11 +81,11 @@ class SurfaceSearch:
         Parameters
         ----------
         window : Window
-            Rows with the surface as found so far.
+            Rows of the contact, with the surface as found so far.
         estimator : OnlineEstimator
             May estimate a location of its own.
         fit : WallFit
-            Of the window.
+            Of these rows.
         known : float
             Known noise of the equation [N^2].
 
@@ -111,27 +108,13 @@ class SurfaceSearch:
         per_shift = abs(float(moved[1, 3])) / max(float(moved[1, 1]), 1e-30)  # of K_e [1/m]
         effect = abs(shift) * per_shift
         self._checked |= std * per_shift < _CHECKED
-        apparent = _LAGS * self._apparent_shift(window.products, wall)
-        found = (fit.left - fit.offset_left > _EXPLAINS * fit.left
+        apparent = _LAGS * shift_by_lag(window.products, wall, self.timing_std)
+        wrong = fit.left - known * freedom  # noise is not explained by any surface
+        found = (fit.left - fit.offset_left > _EXPLAINS * wrong
                  and abs(shift) > max(_SIGNIFICANT * std, own) + apparent)
         if (not (found or refines) or effect < _RELEVANT
                 or abs(self.shift + shift) > REACH * self.prior_std):
             return 0.0
-        self._found_std, self.shift_std = std, hypot(std, apparent / _LAGS)
+        self._found_std = std
         self.shift += shift
         return shift
-
-    def _apparent_shift(self, products: NDArray[np.float64], wall: Wall) -> float:
-        """
-        Return the shift that a lag of the force feigns [m].
-
-        A lag tau adds -B tau a, and by parts sum of d a = -sum of v v: the line of force against
-        position appears steeper. No shift appears where the mass is fitted.
-
-        """
-        KK, Kc, cc = (float(products[i, j]) for i, j in ((1, 1), (1, 3), (3, 3)))
-        spread = KK - Kc * Kc / cc if cc > 0.0 else 0.0
-        if products[4, 4] > 0.0 or spread <= 0.0:
-            return 0.0
-        by_lag = max(wall.damping, 0.0) * float(products[2, 2]) / spread  # of K
-        return self.timing_std * by_lag * Kc / cc / wall.stiffness

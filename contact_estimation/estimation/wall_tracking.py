@@ -34,7 +34,7 @@ from numpy.typing import NDArray
 from .surface_search import SurfaceSearch
 from ..estimators.estimator import OnlineEstimator, UNKNOWN_DAMPING_S
 from ..estimators.row_sums import RowSums, Window
-from ..estimators.wall_fit import fit_first_contact, misfit, Wall, WallFit
+from ..estimators.wall_fit import fit_first_contact, misfit, Wall, wall_of, WallFit
 from ..parameters.specification import parameter, ParameterGroup
 from ..signals.relations import Row
 
@@ -210,10 +210,9 @@ class WallTracker:
             sums.keep_recent()
             window, change = sums.window(), Change.WALL
             fit = fit_first_contact(window.products, wall, variance) or fit
-        shift = self.surface.look(window, estimator, fit, known)
-        if shift != 0.0:
-            sums.shift(shift)
-            self._restart(estimator, fit.offset_wall, fit, known)
+        found = self._look(sums, estimator, fit, wall, variance, known)
+        if found is not None:
+            self._restart(estimator, found.offset_wall, found, known)
             return Change.LOCATION
         share = self._gain(sums, wall, variance)
         settled = self._since >= _JUDGEMENTS  # before, the estimator may be about to follow
@@ -228,6 +227,20 @@ class WallTracker:
         if linear and share > _RELEVANT:
             _reopen(estimator, _WIDER * min(share, 1.0))
         return change
+
+    def _look(
+        self, sums: RowSums, estimator: OnlineEstimator, fit: WallFit, wall: Wall,
+        variance: float, known: float,
+    ) -> WallFit | None:
+        """Return the fit of the contact with its surface where that has moved, else None."""
+        contact = sums.contact()
+        if contact is not sums.window():
+            fit = fit_first_contact(contact.products, wall, variance) or fit
+        shift = self.surface.look(contact, estimator, fit, known)
+        if shift == 0.0:
+            return None
+        sums.shift(shift)
+        return fit
 
     def _restart(
         self, estimator: OnlineEstimator, wall: Wall, fit: WallFit, variance: float
@@ -289,12 +302,6 @@ def _differs(fit: WallFit, wall: Wall, variance: float) -> bool:
 
 def _is_sure(estimator: OnlineEstimator) -> bool:
     return estimator.current().stiffness_std < _SURE * estimator.stiffness
-
-
-def wall_of(estimator: OnlineEstimator) -> Wall:
-    """Return the wall that an estimator holds."""
-    K, B, _, _, shift, inertia = estimator.current()
-    return Wall(K, B, -K * shift, inertia if inertia == inertia else 0.0)
 
 
 def _spread(stiffness: float, damping: float, share: float) -> tuple[float, float]:

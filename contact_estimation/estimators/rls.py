@@ -21,6 +21,7 @@ from math import nan, sqrt
 from typing import Sequence
 
 from .estimator import Frozen, OnlineEstimator, ParameterEstimate, TimedRow, UNKNOWN_DAMPING_S
+from .three_states import grow
 from ..parameters.specification import parameter, ParameterGroup
 from ..signals.relations import TustinRelation
 
@@ -133,13 +134,9 @@ class RecursiveLeastSquares(OnlineEstimator):
                 MM -= l_M * p_M
             if not (K_low < K < K_high and 0.0 < B < B_high):
                 K, B, M = _project((K, B, M), (KK, KB, KM, BB, BM), limits)
-            g_K, g_B, g_M = self._growth(K, B, KK, BB, free_K, free_B, free_M)
-            KK *= g_K * g_K
-            KB *= g_K * g_B
-            KM *= g_K * g_M
-            BB *= g_B * g_B
-            BM *= g_B * g_M
-            MM *= g_M * g_M
+            KK, KB, KM, BB, BM, MM = grow(
+                (KK, KB, KM, BB, BM, MM),
+                self._growth(K, B, KK, BB, free_K, free_B, free_M))
             estimates.append(ParameterEstimate(
                 K, B, sqrt(averaged * max(KK, 0.0)), sqrt(averaged * max(BB, 0.0)), 0.0,
                 M if self._p.estimate_inertia else nan,
@@ -152,12 +149,7 @@ class RecursiveLeastSquares(OnlineEstimator):
         self, K: float, B: float, KK: float, BB: float,
         free_K: bool, free_B: bool, free_M: bool,
     ) -> tuple[float, float, float]:  # fmt: skip
-        """
-        Return the forgetting of each parameter: none where frozen or poorly known (wind-up).
-
-        Scaling P on both sides with factors >= 1 keeps it positive definite.
-
-        """
+        """Return the forgetting of each parameter: none where frozen or poorly known (wind-up)."""
         variance, share, g = self._noise_variance, self._p.maximum_relative_std, self._grow
         limit_K, limit_B = share * K, share * max(B, self.environment.initial_damping)
         known_K = free_K and variance * KK < limit_K * limit_K

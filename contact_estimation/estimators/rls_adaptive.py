@@ -21,7 +21,7 @@ from math import exp, nan, sqrt
 from typing import Sequence
 
 from .estimator import Frozen, OnlineEstimator, ParameterEstimate, TimedRow
-from .three_states import constrain, correct, diagonal, State
+from .three_states import constrain, correct, diagonal, grow, State
 from ..parameters.specification import parameter, ParameterGroup
 from ..signals.relations import Row, TustinRelation
 
@@ -122,8 +122,8 @@ class AdaptiveLeastSquares(OnlineEstimator):
         self._forget(max(1.0 - surprise, self._p.smallest_forgetting_factor), free)
 
     def _forget(self, factor: float, free: Free) -> None:
-        """Scale P on both sides with factors >= 1, which keeps it positive definite."""
-        KK, KB, KM, BB, BM, MM = self._P
+        """Forget the parameters that are excited and known."""
+        KK, BB = self._P[0], self._P[3]
         share, growth = self._p.maximum_relative_std, 1.0 / sqrt(factor)
         limit_K = share * self.stiffness
         limit_B = share * max(self.damping, self.environment.initial_damping)
@@ -131,10 +131,7 @@ class AdaptiveLeastSquares(OnlineEstimator):
         g_K = growth if free[0] and known_K else 1.0
         g_B = growth if free[1] and known_B else 1.0
         g_M = growth if free[2] and known_K and known_B else 1.0
-        self._P = (
-            KK * g_K * g_K, KB * g_K * g_B, KM * g_K * g_M, BB * g_B * g_B, BM * g_B * g_M,
-            MM * g_M * g_M,
-        )
+        self._P = grow(self._P, (g_K, g_B, g_M))
 
     def _keep_within_limits(self) -> None:
         """Project onto a limit along the covariance, so that the others move consistently."""

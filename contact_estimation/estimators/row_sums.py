@@ -27,6 +27,7 @@ from ..signals.relations import COLUMNS, NoiseGain, Row
 
 _BLOCKS = 10  # of the window
 _CHUNK = 10  # rows
+_FADING = 0.97  # per block, of the rows before the window: those of about three windows count
 
 RECENT = 20
 """Number of rows that show a change."""
@@ -92,6 +93,7 @@ class RowSums:
         self._past: deque[Window] = deque(maxlen=_BLOCKS - 1)
         self._chunks: list[Window] = []  # of the present block
         self._last: deque[Window] = deque(maxlen=ceil(RECENT / self._chunk))
+        self._before: Window | None = None  # rows before the window, faded
         self._window: Window | None = None
         self._count = 0  # rows of the present block
         self.completed = 0
@@ -137,14 +139,25 @@ class RowSums:
     def close_block(self) -> None:
         """Start the next block where the present one is complete."""
         if self._count >= self._block:
-            self._past.append(_sum(self._chunks))
+            if len(self._past) == self._past.maxlen:
+                self._fade(self._past[0])
+            self._past.append(sum_of(self._chunks))
             self._chunks, self._count = [], 0
             self.completed += 1
+
+    def _fade(self, leaving: Window) -> None:
+        """Note a block that leaves the window, and fade those before it."""
+        if self._before is None:
+            self._before = leaving
+            return
+        effective, rate, products = self._before
+        self._before = sum_of([
+            Window(_FADING * effective, _FADING * rate, _FADING * products), leaving])
 
     @property
     def blocks(self) -> Sequence[Window]:
         """Return the blocks of the window, the last one possibly not complete."""
-        return [*self._past, _sum(self._chunks)] if self._chunks else list(self._past)
+        return [*self._past, sum_of(self._chunks)] if self._chunks else list(self._past)
 
     def window(self) -> Window:
         """
@@ -157,8 +170,22 @@ class RowSums:
 
         """
         if self._window is None:
-            self._window = _sum([*self._past, *self._chunks])
+            self._window = sum_of([*self._past, *self._chunks])
         return self._window
+
+    def contact(self) -> Window:
+        """
+        Return the sums over the contact, which show the surface best: its touch-down among them.
+
+        Returns
+        -------
+        contact : Window
+            The window and, the less the older they are, the rows before it.
+
+        """
+        if self._before is None:
+            return self.window()
+        return sum_of([self._before, self.window()])
 
     def recent(self) -> Window:
         """
@@ -170,11 +197,12 @@ class RowSums:
             Over about 20 rows.
 
         """
-        return _sum([*self._last])
+        return sum_of([*self._last])
 
     def keep_recent(self) -> None:
         """Discard all but the rows of `recent`, as after a change of the wall."""
         self._past.clear()
+        self._before = None
         self._chunks, self._window = list(self._last), None
         self._count = min(self._chunk, self._count)
         self.completed = 0
@@ -192,6 +220,7 @@ class RowSums:
         for windows in (self._past, self._last, self._chunks):
             for k, window in enumerate(windows):
                 windows[k] = window.shifted(shift)
+        self._before = self._before and self._before.shifted(shift)
         self._window = None
 
 
@@ -202,7 +231,16 @@ def _total(gains: Sequence[NoiseGain]) -> NoiseGain:
     return NoiseGain(sum(gain.force for gain in gains), sum(gain.rate for gain in gains))
 
 
-def _sum(windows: Sequence[Window]) -> Window:
+def sum_of(windows: Sequence[Window]) -> Window:
+    """
+    Add up sums.
+
+    Parameters
+    ----------
+    windows : sequence of Window
+        Over rows of their own each.
+
+    """
     if not windows:
         return _EMPTY
     effective, rate_noise, products = windows[0]

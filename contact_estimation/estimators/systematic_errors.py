@@ -20,8 +20,9 @@ from math import isfinite, nan, sqrt
 from typing import NamedTuple, Sequence
 
 from .estimator import Frozen, OnlineEstimator, ParameterEstimate, UNKNOWN_DAMPING_S
-from .row_sums import Window
-from .window_fit import fit_window, WindowFit, WindowFits
+from .row_sums import sum_of, Window
+from .wall_fit import fit_first_contact, shift_by_lag, wall_of
+from .window_fit import fit_window, WindowFits
 
 _LOCATION = 3  # column of a row
 _SMOOTHING = 0.2  # per judgement, of the correlation: ten blocks determine it poorly
@@ -29,7 +30,9 @@ _FADING = 0.97  # per judgement, of the spread of depths from which B was learne
 _AGREES = 3.0  # standard deviations by which estimate and window may differ
 _EXPLAINED = 2.0  # times the known noise: a larger residual is an error of the model
 _ABSORBED = 2.0  # of such an error in a regressor, relative to what is left: friction in a sine
-_WIDEST = 10.0  # standard deviation of a B_e of which nothing is known, relative to its prior
+_WIDEST = 10.0  # relative standard deviation of a K_e or B_e of which nothing is known
+_FITTED = 3.0  # K, B and an offset
+_SHALLOWEST = 0.05  # depth that a shift of the surface leaves, relative to the supposed one
 _LEAST_SIGNAL = 0.1  # of the noise: keeps the bias finite where there is noise alone
 
 
@@ -37,11 +40,6 @@ def _by_shift(blocks: Sequence[Window]) -> float:
     """Return the relative change of K_hat per shift of the surface [1/m]."""
     first, power = (sum(float(block.products[1, k]) for block in blocks) for k in (_LOCATION, 1))
     return first / power if power > 0.0 else 0.0
-
-
-def _count(blocks: Sequence[Window]) -> float:
-    """Return the number of rows."""
-    return sum(float(block.products[_LOCATION, _LOCATION]) for block in blocks)
 
 
 def _depth_spread(blocks: Sequence[Window]) -> float:
@@ -92,7 +90,6 @@ class SystematicErrors:
         self._correlations = [[1.0, 1.0] for _ in range(3)]  # by fit
         self._spread = 0.0
         self._coupled = True  # K_hat and B_hat, in one linear law
-        self._shift = self._information = 0.0
         self._now = _Error(1.0, 0.0, 0.0), _Error(1.0, 0.0, 0.0)
         self.forget_updates()
 
@@ -117,11 +114,14 @@ class SystematicErrors:
             The estimator.
 
         """
-        (_, KK, KB, Kc, _), (_, _, BB, _, _) = window.products[1:3].tolist()
+        (_, KK, KB, Kc, _), (_, _, BB, _, _), (*_, cc, _) = window.products[1:4].tolist()
         offset = bias = 0.0
         if KK > 0.0:
             if not estimator.location_std:  # else it is part of the prior of the location
-                offset = position_noise * Kc / KK
+                # Motion over many steps of the quantisation averages its error.
+                moved = max(KK - Kc * Kc / cc, 0.0) / cc if cc > 0.0 else 0.0
+                noise = position_noise * position_noise
+                offset = noise / sqrt(noise + moved) * Kc / KK if noise > 0.0 else 0.0
             if estimator.biased_by_position_noise:
                 # Errors in variables: least squares divides by the power of signal and noise.
                 noise = position_noise**2 * window.rate_noise
@@ -132,7 +132,7 @@ class SystematicErrors:
     def judge(
         self, blocks: Sequence[Window], noise_variance: float, known_variance: float,
         position_noise: float, location_std: float, estimator: OnlineEstimator,
-        new_rows: int = 0, found_std: float = 0.0,
+        contact: Window | None = None,
     ) -> None:
         """
         Compare an estimator with the last window.
@@ -151,15 +151,18 @@ class SystematicErrors:
             Standard deviation of x_e as configured [m].
         estimator : OnlineEstimator
             The estimator.
-        new_rows : int
-            Number of rows since the last call; 0: all of the window.
-        found_std : float
-            Standard deviation of a shift of x_e that has been found, which contains what a lag
-            feigns and does not average out; 0: none has been [m].
+        contact : Window or None
+            Rows of the contact, which show its surface; None: those of the window.
 
         """
         fits = fit_window(blocks, noise_variance, estimator)
-        if fits is None:
+        by_shift = 0.0
+        if location_std and not estimator.location_std:
+            by_shift = estimator.stiffness**2 * self._share_of_shift(
+                contact or sum_of(blocks), fits, noise_variance, known_variance,
+                location_std * _by_shift(blocks), estimator)
+        if fits is None:  # a tool at rest shows nothing
+            self._set(by_shift, 0.0)
             return
         excess = max(noise_variance - _EXPLAINED**2 * known_variance, 0.0)
         excess *= _ABSORBED**2 * sum(block.effective_samples for block in blocks)
@@ -167,10 +170,6 @@ class SystematicErrors:
         lag = estimator.damping * self.timing_std
         K_lag = lag * fits.mean.by_acceleration
         self._note_correlations(fits, noise_variance)
-        shift_variance = self._shift_variance(
-            fits.located, noise_variance, location_std,
-            new_rows / max(_count(blocks), 1.0) or 1.0)
-        per_shift = estimator.stiffness * _by_shift(blocks)
         K_error, B_error = self._differences(fits, noise_variance, rate_noise, lag, estimator)
         of_K, of_B = (excess * variance for variance in fits.mean.variances)
         B_error += UNKNOWN_DAMPING_S**2 * K_error  # B was fitted beside a wrong K
@@ -180,11 +179,13 @@ class SystematicErrors:
             B_error += _square(estimator.damping * self._spread)
         widest = _WIDEST * max(estimator.damping, UNKNOWN_DAMPING_S * estimator.stiffness)
         of_B = min(of_B, widest * widest)  # a tool at rest shows no damping
-        K_error = max(K_error, per_shift * per_shift * shift_variance)
-        K_error += of_K + K_lag * K_lag + _square(per_shift * found_std)
+        self._set(max(K_error, by_shift) + of_K + K_lag * K_lag, B_error + of_B)
+
+    def _set(self, K_error: float, B_error: float) -> None:
+        """Take new errors of K_hat and B_hat."""
         (K_factor, B_factor), (K, B) = self._correlations[0], self._now
         self._now = (_Error(max(K_factor, 1.0), K_error, K.share),
-                     _Error(max(B_factor, 1.0), B_error + of_B, B.share))
+                     _Error(max(B_factor, 1.0), B_error, B.share))
         self._noted = None
 
     def _note_correlations(self, fits: WindowFits, noise_variance: float) -> None:
@@ -194,31 +195,48 @@ class SystematicErrors:
                     white = max(noise_variance * fit.variances[k], 1e-300)
                     correlation[k] += _SMOOTHING * (fit.scatter[k] / white - correlation[k])
 
-    def _shift_variance(
-        self, located: WindowFit | None, noise_variance: float, prior_std: float, new: float
+    def _share_of_shift(
+        self, contact: Window, fits: WindowFits | None, noise_variance: float,
+        known_variance: float, prior_std: float, estimator: OnlineEstimator,
     ) -> float:
         """
-        Return the mean square of the distance of the surface from where it is supposed [m^2].
+        Return the mean square of the share of K_hat by which the surface may be elsewhere.
 
         That of the posterior: the shift that the contact has shown so far is either too small to
-        be moved to, or not certain. A lag feigns one, which then counts as well.
+        be moved to, or not certain. `prior_std` and shifts are relative to the depth.
 
         """
-        if located is None or prior_std == 0.0:
-            return 0.0
-        K, prior = max(located.values[0], 1e-9), prior_std * prior_std
-        white = noise_variance * max(self._correlations[2][0], 1.0) * located.offset_variance
-        told = min(new, 1.0) * K * K / max(white, 1e-300)  # information of rows not seen before
-        self._information += told
-        self._shift += (
-            -located.offset / K - self._shift) * told / max(self._information, 1e-300)
-        seen = 1.0 / max(self._information, 1e-300)
+        prior = min(prior_std, _WIDEST)**2
+        shown = self._shown(contact, fits, noise_variance, known_variance, estimator)
+        if shown is None:
+            return prior
+        shift, seen = shown
         kept = prior / (prior + seen)
-        return _square(kept * self._shift) + kept * seen
+        shift *= kept
+        return _square(shift / max(1.0 - shift, _SHALLOWEST)) + kept * seen
 
-    def forget_surface(self) -> None:
-        """Forget where the contact has shown its surface, as at a new one."""
-        self._shift = self._information = 0.0
+    def _shown(
+        self, contact: Window, fits: WindowFits | None, noise_variance: float,
+        known_variance: float, estimator: OnlineEstimator,
+    ) -> tuple[float, float] | None:
+        """Return the shift of the surface that the rows show, and its variance."""
+        correlation, per_shift = max(self._correlations[2][0], 1.0), _by_shift([contact])
+        if estimator.linearisation():  # rows of the past belong to another law
+            if fits is None or fits.located is None:
+                return None
+            (K, _), offset = fits.located.values, fits.located.offset
+            variance, lag = noise_variance * fits.located.offset_variance, 0.0
+        else:
+            fit = fit_first_contact(contact.products, wall_of(estimator), noise_variance)
+            if fit is None:
+                return None
+            freedom, (K, _, offset, _) = contact.effective_samples - _FITTED, fit.offset_wall
+            if freedom > _FITTED:  # a surface elsewhere is no noise
+                noise_variance = max(known_variance, fit.offset_left / freedom)
+            variance = noise_variance * fit.offset_variance
+            lag = per_shift * shift_by_lag(contact.products, fit.offset_wall, self.timing_std)
+        scale = per_shift / max(K, 1e-9)
+        return -offset * scale, variance * correlation * scale * scale + lag * lag
 
     def _differences(
         self, fits: WindowFits, noise_variance: float, rate_noise: float, lag: float,

@@ -99,6 +99,48 @@ def correct(
     return (a, b, c), (aa, ab, ac, bb, bc, cc), expected
 
 
+def grow(P: Covariance, growth: State) -> Covariance:
+    """
+    Increase the covariance of some states by forgetting, while others are not forgotten.
+
+    Two states that grow scale with the factors given. One that grows alone forgets only what it
+    has beyond the others, its variance given them: scaling its covariances with them too would
+    keep a correlation of the past, along which both then drift.
+
+    Parameters
+    ----------
+    P : Covariance
+        Of the states.
+    growth : tuple of float
+        Factor of the standard deviation of each state, >= 1; 1: not forgotten. Never that of c
+        alone.
+
+    Returns
+    -------
+    P : Covariance
+        Positive definite where the given one is.
+
+    """
+    aa, ab, ac, bb, bc, cc = P
+    a, b, c = growth
+    if (a > 1.0) == (b > 1.0):
+        return aa * a * a, ab * a * b, ac * a * c, bb * b * b, bc * b * c, cc * c * c
+    if a > 1.0:
+        return aa + (a * a - 1.0) * _given((aa, ab, ac, bb, bc, cc)), ab, ac, bb, bc, cc
+    return aa, ab, ac, bb + (b * b - 1.0) * _given((bb, ab, bc, aa, ac, cc)), bc, cc
+
+
+def _given(P: Covariance) -> float:
+    """Return the variance of a where b and c are known."""
+    aa, ab, ac, bb, bc, cc = P
+    determinant = bb * cc - bc * bc
+    if determinant > 0.0:
+        by_others = (ab * (ab * cc - 2.0 * ac * bc) + ac * ac * bb) / determinant
+    else:
+        by_others = ab * ab / bb if bb > 0.0 else 0.0
+    return max(aa - by_others, 0.0)
+
+
 def constrain(
     x: State, P: Covariance, normal: State, low: float, high: float
 ) -> State:

@@ -21,7 +21,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .estimator import UNKNOWN_DAMPING_S
+from .estimator import OnlineEstimator, UNKNOWN_DAMPING_S
 
 _SMALLEST = 1e-12  # relative square of a column below which it depends on the others
 
@@ -75,6 +75,12 @@ class WallFit(NamedTuple):
     stiffness_variance: float
     damping_variance: float
     offset_variance: float
+
+
+def wall_of(estimator: OnlineEstimator) -> Wall:
+    """Return the wall that an estimator holds."""
+    K, B, _, _, shift, inertia = estimator.current()
+    return Wall(K, B, -K * shift, inertia if inertia == inertia else 0.0)
 
 
 def fit_wall(
@@ -159,6 +165,36 @@ def fit_first_contact(
     inertia_std = UNKNOWN_DAMPING_S**2 * scale
     return fit_wall(
         products, wall, noise_variance / damping_std**2, noise_variance / inertia_std**2)
+
+
+def shift_by_lag(products: NDArray[np.float64], wall: Wall, lag: float) -> float:
+    """
+    Return the shift of the surface that a lag of the force feigns.
+
+    A lag tau adds -B tau a, and by parts sum of d a = -sum of v v: the line of force against
+    position appears steeper. No shift appears where the mass is fitted.
+
+    Parameters
+    ----------
+    products : ndarray, shape (5, 5)
+        As for `fit_wall`.
+    wall : Wall
+        Fitted with an offset.
+    lag : float
+        Its standard deviation [s].
+
+    Returns
+    -------
+    shift : float
+        [m].
+
+    """
+    KK, Kc, cc = (float(products[i, j]) for i, j in ((1, 1), (1, 3), (3, 3)))
+    spread = KK - Kc * Kc / cc if cc > 0.0 else 0.0
+    if products[4, 4] > 0.0 or spread <= 0.0:
+        return 0.0
+    by_lag = max(wall.damping, 0.0) * float(products[2, 2]) / spread  # of K
+    return lag * by_lag * Kc / cc / max(wall.stiffness, 1e-9)
 
 
 def misfit(products: NDArray[np.float64], wall: Wall) -> float:
