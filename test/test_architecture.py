@@ -30,7 +30,7 @@ LAYERS = [
     'several_points', 'reproduction',
     'diagnosis.observe', 'diagnosis.fit', 'diagnosis.conclude', 'diagnosis.report',
     'diagnosis.report.page', 'blind_trials',
-    'fleet', 'fleet.page', 'ros', 'commands', 'benchmarks',
+    'fleet', 'fleet.page', 'watch', 'ros', 'commands', 'benchmarks',
 ]
 
 

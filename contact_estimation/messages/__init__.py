@@ -24,6 +24,7 @@ from .decoding import (
     Vector3StampedDecoder,
     WrenchDecoder,
 )
+from .diagnostics import decode_diagnostics, DiagnosticReading
 from .encoding import (
     encode_float64,
     encode_multi_array,
@@ -38,6 +39,7 @@ from .readings import FORCE_OF_AXIS, JointReading, TrajectoryReading, WrenchRead
 from .some_joints import SomeJointsDecoder
 
 __all__ = [
+    'DiagnosticReading',
     'FORCE_OF_AXIS',
     'ForceTorqueDecoder',
     'ForceTorqueEncoder',
@@ -54,6 +56,7 @@ __all__ = [
     'WrenchDecoder',
     'WrenchEncoder',
     'WrenchReading',
+    'decode_diagnostics',
     'decode_float64',
     'decode_string',
     'encode_float64',
