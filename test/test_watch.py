@@ -26,7 +26,8 @@ from typing import Any
 
 from contact_estimation.commands import loop, simulate, watch
 from contact_estimation.estimation.replay import RecordingReplay
-from contact_estimation.messages import encode_string, Vector3StampedEncoder
+from contact_estimation.messages import encode_string, Vector3StampedEncoder, WrenchEncoder
+from contact_estimation.messages.diagnostics import DIAGNOSTICS_TYPE
 from contact_estimation.recordings import RecordingReader, RecordingWriter
 from contact_estimation.recordings.growing import GrowingRecording
 from contact_estimation.recordings.source import RecordingSource
@@ -69,6 +70,14 @@ def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
     assert simulate.main(['--model', str(folder / 'model.yaml'), '--experiment',
                           str(folder / 'short.yaml'), '--output', str(folder / 'a.mcap')]) == 0
     return folder / 'a.mcap'
+
+
+def diagnostics(name: str, values: dict[str, str]) -> bytes:
+    reference = pytest.importorskip('reference_messages')
+    pairs = [reference.new('KeyValue', key, value) for key, value in values.items()]
+    status = reference.new('DiagnosticStatus', 0, name, 'fine', 'sensor', pairs)
+    array = reference.new('DiagnosticArray', reference.header(), [status])
+    return bytes(reference.serialized(array, DIAGNOSTICS_TYPE))
 
 
 def replayed(path: Path) -> ContactLog:
@@ -132,6 +141,32 @@ def test_estimate_and_its_deviation_are_joined_by_their_stamp() -> None:
     on['estimator_node/stiffness_std'](encode(3, 10.0, nan, nan))
     assert log.values['stiffness/estimate'] == ([1, 2, 3], [100.0, 200.0, 300.0])
     np.testing.assert_equal(log.values['stiffness/upper'][1], [120.0, nan, 320.0])
+
+
+def test_status_without_a_stamp_gets_that_of_the_next_wrench() -> None:
+    log = ContactLog()
+    on = {topic: callback for topic, _, callback, _ in LiveContact(log).subscriptions()}
+    on['estimator_node/status'](encode_string('free'))  # latched, before the first wrench
+    assert log.texts == []
+    on['wrench'](WrenchEncoder('tool').encode(5, -1.0, 0.0, 0.0))
+    on['estimator_node/status'](encode_string('estimating'))
+    assert [(said.stamp_ns, said.text) for said in log.texts] == [(5, 'free'), (5, 'estimating')]
+
+
+def test_a_sparing_view_takes_deviations_from_diagnostics() -> None:
+    log, encode = ContactLog(), Vector3StampedEncoder('tool').encode
+    live = LiveContact(log, '/arm/estimator_node', sparing=True)
+    on = {topic: callback for topic, _, callback, _ in live.subscriptions()}
+    assert not any(topic.endswith(('_std', 'model_fit')) for topic in on)
+    on['wrench'](WrenchEncoder('tool').encode(5, -1.0, 0.0, 0.0))
+    for name in ('/arm/estimator_node', '/arm/another_node'):
+        values = {'stiffness_std': '10.0' if 'estimator' in name else '30.0', 'model_fit': '1.5',
+                  'warning_1': 'samples come at 419.5 Hz'}
+        on['/diagnostics'](diagnostics(f'{name}: contact estimation', values))
+    on['/arm/estimator_node/stiffness'](encode(6, 100.0, nan, nan))
+    assert log.values['stiffness/upper'] == ([6], [120.0])
+    assert log.values['model_fit/ratio'] == ([5], [1.5])
+    assert [said.text for said in log.texts] == ['samples come at 419.5 Hz']
 
 
 def test_messages_that_cannot_be_read_are_left_out() -> None:

@@ -41,7 +41,7 @@ from ..ros.loop_summary import gap_explained, summarise
 from ..watch.outputs import WEB, WINDOW
 from ..watch.rerun_sdk import require_rerun
 
-_NICENESS, _PATIENCE_S = 10, 20.0
+_NICENESS, _PATIENCE_S = 10, 60.0  # of the view: a busy machine leaves it little time
 _EQ20_NOTE = 'eq. (20) alone: {law:.1f} N; see reference_law series or force tracking'
 
 

@@ -85,7 +85,7 @@ class LiveContact:
         self._log, self._estimator, self._sparing = log, estimator, sparing
         self._vectors = Vector3StampedDecoder()
         self._trajectories = TrajectoryDecoder()
-        self._axis, self._stamp_ns = 'x', 0
+        self._axis, self._stamp_ns, self._waiting = 'x', 0, ''
         self._stds: dict[str, float] = {}
         self._last = {'stiffness': Reading(0, nan), 'damping': Reading(0, nan)}
         self._parameters = build(EstimationParameters, {})
@@ -122,6 +122,9 @@ class LiveContact:
         if reading is not None:
             self._stamp_ns = max(self._stamp_ns, reading.stamp_ns)
             self._log.add('force/measured', reading.stamp_ns, -reading.value)
+            if self._waiting:
+                self._log.add_status(self._stamp_ns, self._waiting)
+                self._waiting = ''
 
     def _on_joints(self, raw: bytes) -> None:
         reading = self._readings.position(raw) if self._readings else None
@@ -182,14 +185,20 @@ class LiveContact:
                 self._report(values)
 
     def _report(self, values: Mapping[str, str]) -> None:
+        if not self._stamp_ns:
+            return
         active = [text for key, text in values.items() if key.startswith('warning_')]
         self._log.add_checks(self._stamp_ns, {_without_numbers(text): text for text in active})
         self._stds = {key: float(values.get(f'{key}_std', nan)) for key in self._last}
-        if self._sparing and self._stamp_ns:
+        if self._sparing:
             self._log.add('model_fit/ratio', self._stamp_ns, float(values.get('model_fit', nan)))
 
     def _on_status(self, raw: bytes) -> None:
-        self._log.add_status(self._stamp_ns, decode_string(raw))
+        text = decode_string(raw)
+        if self._stamp_ns:
+            self._log.add_status(self._stamp_ns, text)
+        else:
+            self._waiting = text  # without a stamp of its own, for that of the first wrench
 
     def _on_event(self, raw: bytes) -> None:
         event = EstimationEvent.from_text(decode_string(raw))
