@@ -47,7 +47,7 @@ setup(
     data_files=[
         ('share/ament_index/resource_index/packages', ['resource/' + package_name]),
         ('share/' + package_name, ['package.xml']),
-        ('share/' + package_name + '/config', sorted(glob('config/*.yaml'))),
+        ('share/' + package_name + '/config', sorted(glob('config/*'))),
         ('share/' + package_name + '/launch', sorted(glob('launch/*.launch.*'))),
     ],
     entry_points={
@@ -64,6 +64,7 @@ setup(
             'replay = contact_estimation.commands.entry_points:replay',
             'reproduce = contact_estimation.commands.entry_points:reproduce',
             'simulate = contact_estimation.commands.entry_points:simulate',
+            'watch = contact_estimation.commands.entry_points:watch',
         ],
     },
     python_requires='>=3.10',
@@ -111,6 +112,8 @@ setup(
             'matplotlib>=3.6',
             'rosbags>=0.11',
         ],
+        # Needs numpy 2, for which the message packages of an installed ROS 2 Jazzy are not built.
+        'watch': ['rerun-sdk>=0.28'],
         # The linters are those of ament_flake8, ament_pep257 and ament_mypy.
         'test': [
             'distributed>=2023.12',
@@ -131,6 +134,7 @@ setup(
             'pytest>=7.4',
             'pytest-xdist>=3.7',
             'pyarrow>=14.0',
+            'rerun-sdk>=0.28',
             'rosbags>=0.11',
             'setuptools',
             'types-PyYAML',

@@ -25,12 +25,12 @@ import pytest
 
 ROOT = Path(contact_estimation.__file__).parent
 LAYERS = [
-    'exceptions', 'figures', 'parameters', 'messages', 'recordings', 'signals', 'kinematics',
-    'foreign_laws', 'physics', 'reference', 'estimators', 'estimation', 'plant',
+    'exceptions', 'figures', 'scheduling', 'parameters', 'messages', 'recordings', 'signals',
+    'kinematics', 'foreign_laws', 'physics', 'reference', 'estimators', 'estimation', 'plant',
     'several_points', 'reproduction',
     'diagnosis.observe', 'diagnosis.fit', 'diagnosis.conclude', 'diagnosis.report',
     'diagnosis.report.page', 'blind_trials',
-    'fleet', 'fleet.page', 'ros', 'commands', 'benchmarks',
+    'fleet', 'fleet.page', 'watch', 'ros', 'commands', 'benchmarks',
 ]
 
 

@@ -18,7 +18,8 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Any
+import sys
+from typing import Any, Iterator, Mapping
 
 from blind_worlds import answer, short_trial, truth
 from contact_estimation.blind_trials import study
@@ -33,11 +34,13 @@ from contact_estimation.blind_trials.study import (
 from contact_estimation.blind_trials.trial_files import TrialFiles, write_json, write_trial
 from contact_estimation.commands.blind_trials import main
 from contact_estimation.diagnosis.observe.signals import signals_of
+from contact_estimation.exceptions import RecordingError
 from contact_estimation.parameters.file import read_parameter_file
 from contact_estimation.physics import EFFECTS
 from contact_estimation.recordings import RecordingReader
 from contact_estimation.recordings.recorded_signals import read_signals
 from contact_estimation.recordings.source import RecordingSource
+from contact_estimation.scheduling import Answer, Call, ThisProcess
 import numpy as np
 import pytest
 
@@ -138,11 +141,52 @@ def test_a_finished_study_is_only_scored(tmp_path: Path) -> None:
     for planned in trials:
         done(tmp_path, planned, answer(planned.effect) if planned.effect else answer())
     told: list[float] = []
-    scores = run_study(tmp_path, trials, 1, lambda share, _: told.append(share))
+    scores = run_study(tmp_path, trials, ThisProcess(), lambda share, _: told.append(share))
     assert [s.trial for s in scores.exact] == [planned.name for planned in trials]
     assert all(s.found_alone for s in scores.exact if s.effect)
     assert scores.on_rigs == []
     assert told[-1] == 1.0
+
+
+class Backwards:
+    """Workers that finish the last call first."""
+
+    def answers(self, calls: Mapping[str, Call]) -> Iterator[tuple[str, Answer]]:
+        """Run the calls from the last to the first."""
+        return ThisProcess().answers(dict(reversed(list(calls.items()))))
+
+
+def test_scores_do_not_depend_on_the_order_of_the_workers(tmp_path: Path) -> None:
+    trials = plan_study(3, 1, 0, 1)
+    for planned in trials:
+        done(tmp_path, planned, answer(planned.effect) if planned.effect else answer())
+    forwards, backwards = (run_study(tmp_path, trials[:4], own, lambda *_: None)
+                           for own in (ThisProcess(), Backwards()))
+    assert forwards == backwards
+
+
+def test_the_error_of_a_trial_ends_the_study(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*_: Any) -> None:
+        raise RecordingError('disk full')
+
+    monkeypatch.setattr(study, 'run_trial', fail)
+    with pytest.raises(RecordingError, match='disk full'):
+        run_study(tmp_path, plan_study(2, 0, 0), ThisProcess(), lambda *_: None)
+
+
+def test_several_jobs_need_dask_and_one_does_not(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setitem(sys.modules, 'distributed', None)
+    (planned,) = plan_study(0, 1, 0)
+    done(tmp_path, planned, answer())
+    words = ['--count', '0', '--clean', '1', '--output', str(tmp_path)]
+    assert main(words) == 0
+    capsys.readouterr()
+    assert main([*words, '--jobs', '2']) == 1
+    assert 'pip install distributed' in capsys.readouterr().err
 
 
 def test_a_finished_study_of_rigs_is_scored_by_family(

@@ -30,8 +30,8 @@ from contact_estimation.fleet.one_recording import Result
 from contact_estimation.fleet.page.builder import as_html, SECTIONS
 from contact_estimation.fleet.pooling import Pool, PooledResult
 from contact_estimation.fleet.run import Fleet, run_fleet
-from contact_estimation.fleet.scheduling import Answer, Call
 from contact_estimation.fleet.table import as_parquet, rows_of
+from contact_estimation.scheduling import Answer, Call
 from diagnosed_worlds import BEGIN_NS, nominal, recorded, write_model, write_recording
 from fleet_entries import archive, outcome, report
 import pytest
@@ -252,7 +252,7 @@ def test_a_scheduler_that_does_not_answer_is_named(
 ) -> None:
     pytest.importorskip('distributed')
     pytest.importorskip('pyarrow')
-    monkeypatch.setattr('contact_estimation.fleet.scheduling._PATIENCE_S', 0.5)
+    monkeypatch.setattr('contact_estimation.scheduling._PATIENCE_S', 0.5)
     model = write_model(tmp_path / 'model.yaml')
     fleet = Command('fleet', command_module.main, capfd)
     message = fleet.refusal(recordings, '--nominal', model, '--output', tmp_path / 'out',

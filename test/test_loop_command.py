@@ -25,7 +25,9 @@ from typing import Any, NamedTuple
 from contact_estimation.commands import loop
 from contact_estimation.estimation.replay import RecordingReplay
 from contact_estimation.recordings import RecordingReader
+from contact_estimation.recordings.definitions import jazzy_typestore
 from contact_estimation.recordings.source import RecordingSource
+from layout_fields import CONFIG, of_foxglove, of_plotjuggler, RecordedFields
 import pytest
 from ros_processes import descendants, Finished, ModuleProcess, run_module, wait_until
 
@@ -132,6 +134,19 @@ def test_replay_of_the_loop_ends_at_the_estimates_of_the_summary(whole: Run) -> 
     last = {e.stamp_ns: e for e in estimates}[plant['last_contact_stamp_ns']]
     assert (last.stiffness, last.damping) == (whole.summary['stiffness'],
                                               whole.summary['damping'])
+
+
+@pytest.mark.slow
+def test_layouts_read_topics_and_fields_that_the_loop_records(whole: Run) -> None:
+    fields = RecordedFields(whole.folder / 'recording', jazzy_typestore())
+    for name, read in (
+        ('foxglove.json', of_foxglove((CONFIG / 'foxglove.json').read_text())),
+        ('plotjuggler.xml',
+         of_plotjuggler((CONFIG / 'plotjuggler.xml').read_text(), fields.topics)),
+    ):
+        assert len(read) > 9
+        assert [pair for pair in sorted(read) if not fields.has(*pair)] == [], name
+    assert not fields.has('/wrench', 'wrench.force.w') and not fields.has('/wrenches', '')
 
 
 def grown(folder: Path) -> bool:

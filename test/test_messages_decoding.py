@@ -22,6 +22,7 @@ from typing import Any, Callable
 
 from contact_estimation.exceptions import MessageError
 from contact_estimation.messages import (
+    decode_diagnostics,
     decode_string,
     JointStateDecoder,
     SeveralJointsDecoder,
@@ -29,10 +30,12 @@ from contact_estimation.messages import (
     Vector3StampedDecoder,
     WrenchDecoder,
 )
+from contact_estimation.messages.diagnostics import DIAGNOSTICS_TYPE
 import numpy as np
 import pytest
 from reference_messages import (
     deserialized,
+    header,
     joint_state_bytes,
     JOINTS,
     new,
@@ -137,6 +140,24 @@ def test_trajectories_of_every_structure_agree_with_rosbags(
 @pytest.mark.parametrize('text', ['', 'a', 'frozen: weak excitation, ε'])
 def test_string_is_read(foreign: Foreign, text: str) -> None:
     assert decode_string(foreign(serialized(new('String', text), STRING), STRING)) == text
+
+
+@pytest.mark.parametrize('frame_id', ['', 'base'])
+def test_diagnostics_are_read(frame_id: str) -> None:
+    values = [new('KeyValue', 'samples', '5'), new('KeyValue', 'reason', '')]
+    statuses = [new('DiagnosticStatus', level, f'/node: {level}', 'fine', 'sensor', values[level:])
+                for level in (0, 1, 2)]
+    array = new('DiagnosticArray', header(STAMP_NS, frame_id), statuses)
+    read = decode_diagnostics(serialized(array, DIAGNOSTICS_TYPE))
+    assert read == [
+        (0, '/node: 0', 'fine', {'samples': '5', 'reason': ''}),
+        (1, '/node: 1', 'fine', {'reason': ''}), (2, '/node: 2', 'fine', {})]
+
+
+def test_cut_diagnostics_are_malformed() -> None:
+    raw = serialized(new('DiagnosticArray', header(), []), DIAGNOSTICS_TYPE)
+    with pytest.raises(MessageError, match=DIAGNOSTICS_TYPE):
+        decode_diagnostics(raw[:14])
 
 
 def test_empty_text_without_terminator_is_read() -> None:

@@ -16,7 +16,6 @@
 
 from __future__ import annotations
 
-from concurrent.futures import as_completed, ProcessPoolExecutor
 import hashlib
 import json
 import os
@@ -35,6 +34,7 @@ from .scoring import Score, score
 from .trial import draw_trial, plan_effects
 from .trial_files import TrialFiles, write_json, write_rig_trial, write_trial
 from ..foreign_laws import FOREIGN_LAWS, UNKNOWN_LAWS
+from ..scheduling import Call, Workers
 
 _TIMEOUT_S = 1800.0  # of one diagnosis
 _ON_RIG = (2, 3)  # kinds of trials: with effects, clean, unknown, foreign
@@ -119,7 +119,7 @@ def _name(seed: tuple[int, int, int]) -> str:
 
 
 def run_study(
-    folder: Path, trials: Sequence[PlannedTrial], jobs: int,
+    folder: Path, trials: Sequence[PlannedTrial], workers: Workers,
     progress: Callable[[float, str], None], only_write: bool = False,
 ) -> Scores:
     """
@@ -128,11 +128,11 @@ def run_study(
     Parameters
     ----------
     folder : Path
-        Folder of the study.
+        Folder of the study; workers on other machines must see it under the same absolute path.
     trials : sequence of PlannedTrial
         The whole plan.
-    jobs : int
-        Number of processes.
+    workers : Workers
+        What draws and diagnoses the trials.
     progress : callable
         Called with the completed fraction and the name of the trial just finished.
     only_write : bool
@@ -141,18 +141,15 @@ def run_study(
     Returns
     -------
     scores : Scores
-        In the order of the plan; empty if nothing was diagnosed.
+        In the order of the plan, whatever the workers; empty if nothing was diagnosed.
 
     """
-    with ProcessPoolExecutor(jobs) as pool:
-        pending = {pool.submit(run_trial, folder, trial, only_write): trial for trial in trials}
-        try:
-            for done, future in enumerate(as_completed(pending), 1):
-                future.result()
-                progress(done / len(trials), pending[future].name)
-        except BaseException:
-            pool.shutdown(cancel_futures=True)
-            raise
+    calls = {trial.name: Call(run_trial, (folder.absolute(), trial, only_write))
+             for trial in trials}
+    for done, (name, answer) in enumerate(workers.answers(calls), 1):
+        if answer.error is not None:
+            raise answer.error
+        progress(done / len(trials), name)
     if only_write:
         return Scores([], [])
     return Scores([_score(folder, trial) for trial in trials if not trial.on_rig],

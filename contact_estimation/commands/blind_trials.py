@@ -16,9 +16,10 @@
 
 from __future__ import annotations
 
+from contextlib import contextmanager
 import json
 from pathlib import Path
-from typing import Any
+from typing import Any, Iterator
 
 from .command_line import command, new_file, Parser
 from .progress import Progress
@@ -27,6 +28,7 @@ from ..blind_trials.family_report import family_dict, family_text
 from ..blind_trials.report import as_dict, as_text, plot_confusion
 from ..blind_trials.study import plan_study, run_study, Scores
 from ..exceptions import ParameterRangeError
+from ..scheduling import ThisProcess, Workers, workers
 
 _KINDS = ('count', 'clean', 'unknown', 'foreign')
 
@@ -52,7 +54,11 @@ def make_parser() -> Parser:
     parser.add_argument('--only-write', action='store_true',
                         help='write recordings, nominal models and truths; diagnose nothing')
     parser.add_argument('--seed', type=int, default=0, help='seed of all random draws (0)')
-    parser.add_argument('--jobs', type=int, default=1, help='number of parallel processes (1)')
+    parser.add_argument('--jobs', type=int, metavar='N',
+                        help='trials at a time, in processes of this machine (1), or on the '
+                        'workers of --scheduler; more than one needs Dask (extra fleet)')
+    parser.add_argument('--scheduler', metavar='ADDRESS',
+                        help='Dask scheduler whose workers to use, such as tcp://host:8786')
     parser.add_argument('--output', metavar='DIR', default='blind_trials_output',
                         help='folder of recordings, reports, truths, table.txt and confusion.png '
                         '(blind_trials_output)')
@@ -76,8 +82,9 @@ def run(options: Any) -> int:
 
     """
     for name, least in (*((kind, 0) for kind in (*_KINDS, 'seed')), ('jobs', 1)):
-        if getattr(options, name) < least:
-            raise ParameterRangeError(f'--{name} must be >= {least}, got {getattr(options, name)}')
+        value = getattr(options, name)
+        if value is not None and value < least:
+            raise ParameterRangeError(f'--{name} must be >= {least}, got {value}')
     if not any(getattr(options, kind) for kind in _KINDS):
         raise ParameterRangeError(
             '--count, --clean, --unknown and --foreign are all 0; request at least one trial')
@@ -87,7 +94,8 @@ def run(options: Any) -> int:
     progress = Progress('blind_trials')
     trials = plan_study(options.count, options.clean, options.seed, options.unknown,
                         options.foreign)
-    scores = run_study(folder, trials, options.jobs, progress.show, options.only_write)
+    with _workers(options) as started:
+        scores = run_study(folder, trials, started, progress.show, options.only_write)
     progress.done()
     if options.only_write:
         print(f'wrote {len(trials)} trials to {folder / "handed_over"}, truths to '
@@ -104,6 +112,15 @@ def run(options: Any) -> int:
     if scores.on_rigs:
         print(f'wrote {plot_reliability(scores.on_rigs, folder / "reliability.png")}')
     return 0
+
+
+@contextmanager
+def _workers(options: Any) -> Iterator[Workers]:
+    if options.scheduler is None and (options.jobs or 1) == 1:
+        yield ThisProcess()  # Dask would add nothing, and need not be installed
+        return
+    with workers(options.scheduler, options.jobs) as started:
+        yield started
 
 
 def _texts(scores: Scores, folder: str) -> list[str]:

@@ -28,10 +28,10 @@ from ..fleet.fingerprint import Settings
 from ..fleet.finished import write_whole
 from ..fleet.page.builder import as_html
 from ..fleet.run import Fleet, run_fleet
-from ..fleet.scheduling import require_distributed, workers
 from ..fleet.table import as_parquet, require_pyarrow
 from ..physics import effects_that_are_on
 from ..plant.model_file import read_model
+from ..scheduling import require_distributed, workers
 
 _LEAST = {'jobs': 1, 'seed': 0, 'pooled': 0, 'most_samples': 1000}
 

@@ -17,25 +17,31 @@
 
 from __future__ import annotations
 
-import importlib.util
+from contextlib import contextmanager
 import json
+import os
 from pathlib import Path
+import subprocess
 import sys
-from typing import Any, Mapping
+from typing import Any, Iterator, Mapping
 
 from .command_line import command, new_folder, Parser
 from .progress import Progress
+from .watch import rerun_file
 from ..estimators import ESTIMATORS
-from ..exceptions import MissingPackageError, RecordingError
+from ..exceptions import RecordingError
 from ..figures import as_png, require_matplotlib
 from ..recordings.definitions import jazzy_typestore
 from ..reference.experiments import EXPERIMENTS
 from ..ros.loop_configuration import configure, LoopConfiguration, write_parameters
 from ..ros.loop_figure import plot_run
-from ..ros.loop_processes import LoopProcesses
+from ..ros.loop_processes import LoopProcesses, require_rclpy
 from ..ros.loop_run import read_run
 from ..ros.loop_summary import gap_explained, summarise
+from ..watch.outputs import WEB, WINDOW
+from ..watch.rerun_sdk import require_rerun
 
+_NICENESS, _PATIENCE_S = 10, 60.0  # of the view: a busy machine leaves it little time
 _EQ20_NOTE = 'eq. (20) alone: {law:.1f} N; see reference_law series or force tracking'
 
 
@@ -59,6 +65,10 @@ def make_parser() -> Parser:
         help='ROS 2 parameter file with sections estimator_node and plant_node',
     )
     parser.add_argument('--seed', type=int, help='seed of all noise')
+    parser.add_argument(
+        '--watch', nargs='?', const=WINDOW, metavar='web|FILE.rrd',
+        help='show the run live in Rerun: in a window, on a web page, or in a file',
+    )
     return parser
 
 
@@ -78,13 +88,16 @@ def run(options: Any) -> int:
 
     """
     _require_packages()
+    watch = _watch_words(options.watch)
     configuration = configure(options.experiment, options.params, options.estimator,
                               options.duration, options.seed)
     output = new_folder(options.output)
     recording, plant_summary = output / 'recording', output / 'plant_summary.json'
     write_parameters(output / 'parameters.yaml', configuration, recording, plant_summary)
     progress = Progress('loop')
-    failure = LoopProcesses(output / 'parameters.yaml').run(configuration.duration, progress.show)
+    with _watched(recording, watch):
+        processes = LoopProcesses(output / 'parameters.yaml')
+        failure = processes.run(configuration.duration, progress.show)
     progress.done()
     if failure:
         print(f'loop: {failure}', file=sys.stderr)
@@ -106,11 +119,42 @@ def run(options: Any) -> int:
 def _require_packages() -> None:
     require_matplotlib()
     jazzy_typestore()
-    if importlib.util.find_spec('rclpy') is None:
-        raise MissingPackageError(
-            'loop needs ROS 2 (rclpy), which this Python does not have; source your ROS '
-            "installation, or install its wheels, in this project's folder: pip install '.[ros]'"
-        )
+    require_rclpy('loop')
+
+
+def _watch_words(given: str | None) -> list[str] | None:
+    """Return the options of `watch`; None for no view."""
+    if given is None:
+        return None
+    require_rerun()
+    if given in (WINDOW, WEB):
+        return ['--web'] if given == WEB else []
+    return ['--save', rerun_file(given)]
+
+
+@contextmanager
+def _watched(recording: Path, words: list[str] | None) -> Iterator[None]:
+    """
+    Show the recording while it is written, in a process of its own at a low priority.
+
+    It subscribes to nothing: neither estimator nor plant send anything for it.
+
+    """
+    if words is None:
+        yield
+        return
+    watcher = subprocess.Popen(
+        [sys.executable, '-m', 'contact_estimation.commands.watch', str(recording), '--follow',
+         *words],
+        start_new_session=True, preexec_fn=lambda: os.nice(_NICENESS))
+    try:
+        yield
+        watcher.wait(_PATIENCE_S)  # until it has shown the end
+    except subprocess.TimeoutExpired:
+        print('loop: the view did not end and was stopped', file=sys.stderr)
+    finally:
+        watcher.terminate()
+        watcher.wait()
 
 
 def _write_summary(

@@ -18,7 +18,6 @@ from __future__ import annotations
 
 from dataclasses import asdict, dataclass, field
 import hashlib
-from importlib.metadata import PackageNotFoundError, version
 import json
 import os
 from pathlib import Path
@@ -27,22 +26,7 @@ from typing import Any, Mapping
 from ..parameters.values import build, flatten
 from ..plant.plant_parameters import PlantParameters
 from ..recordings.identity import file_sha256
-
-
-def installed_version() -> str:
-    """
-    Return the version of this package.
-
-    Returns
-    -------
-    version : str
-        'unknown' where it runs without being installed.
-
-    """
-    try:
-        return version('contact_estimation')
-    except PackageNotFoundError:
-        return 'unknown'
+from ..scheduling import installed_version
 
 
 @dataclass(frozen=True)

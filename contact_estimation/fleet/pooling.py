@@ -24,8 +24,8 @@ from .changes import Change
 from .entry import distinct, Entry
 from .fingerprint import Settings
 from .one_recording import Outcome, process_pooled
-from .scheduling import Call
 from .trends import by_group
+from ..scheduling import Call
 
 _LEAST = 3  # recordings: two to fit and one to leave out
 

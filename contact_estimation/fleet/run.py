@@ -27,8 +27,8 @@ from .fingerprint import recording_sha256, Settings
 from .finished import Finished
 from .one_recording import Outcome, process, Result
 from .pooling import pooled_calls, PooledResult, pools
-from .scheduling import Answer, Call, Workers
 from .trends import by_group
+from ..scheduling import Answer, Call, Workers
 
 Progress = Callable[[float, str], None]
 

@@ -24,6 +24,7 @@ from .decoding import (
     Vector3StampedDecoder,
     WrenchDecoder,
 )
+from .diagnostics import decode_diagnostics, DiagnosticReading
 from .encoding import (
     encode_float64,
     encode_multi_array,
@@ -39,6 +40,7 @@ from .some_joints import SomeJointsDecoder
 from .transforms import StampedTransform, TransformsDecoder
 
 __all__ = [
+    'DiagnosticReading',
     'FORCE_OF_AXIS',
     'ForceTorqueDecoder',
     'ForceTorqueEncoder',
@@ -57,6 +59,7 @@ __all__ = [
     'WrenchDecoder',
     'WrenchEncoder',
     'WrenchReading',
+    'decode_diagnostics',
     'decode_float64',
     'decode_string',
     'encode_float64',

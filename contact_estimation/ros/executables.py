@@ -27,7 +27,7 @@ import signal
 import sys
 from typing import Any, Callable, Sequence
 
-NODES = ('estimator_node', 'managed_estimator_node', 'plant_node', 'recorder_node')
+NODES = ('estimator_node', 'managed_estimator_node', 'plant_node', 'recorder_node', 'watch_node')
 
 
 def end_quietly(*_: Any) -> None:
@@ -48,6 +48,7 @@ estimator_node = _executable('estimator_node')
 managed_estimator_node = _executable('managed_estimator_node')
 plant_node = _executable('plant_node')
 recorder_node = _executable('recorder_node')
+watch_node = _executable('watch_node')
 
 
 if __name__ == '__main__':

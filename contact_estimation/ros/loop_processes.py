@@ -16,6 +16,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import os
 from pathlib import Path
 import signal
@@ -23,6 +24,8 @@ import subprocess
 import sys
 import time
 from typing import Callable
+
+from ..exceptions import MissingPackageError
 
 _POLL_S = 0.05
 _PATIENCE_S = 10.0
@@ -111,6 +114,28 @@ class LoopProcesses:
             process.wait()
             return False
         return True
+
+
+def require_rclpy(command: str) -> None:
+    """
+    Check that ROS is there.
+
+    Parameters
+    ----------
+    command : str
+        That needs it.
+
+    Raises
+    ------
+    MissingPackageError
+        If rclpy is not installed.
+
+    """
+    if importlib.util.find_spec('rclpy') is None:
+        raise MissingPackageError(
+            f'{command} needs ROS 2 (rclpy), which this Python does not have; source your ROS '
+            "installation, or install its wheels, in this project's folder: pip install '.[ros]'"
+        )
 
 
 def _code_text(code: int) -> str:

@@ -12,17 +12,17 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Tasks on the workers of Dask: those of this machine, or of an existing scheduler."""
+"""Tasks in this process, or on the workers of Dask: of this machine, or of a scheduler."""
 
 from __future__ import annotations
 
 from contextlib import contextmanager
+from importlib import metadata
 import logging
 import os
 from typing import Any, Callable, Iterator, Mapping, NamedTuple, Protocol
 
-from .fingerprint import installed_version
-from ..exceptions import FleetError, MissingPackageError
+from .exceptions import FleetError, MissingPackageError
 
 _PATIENCE_S = 30.0  # until a scheduler and its first worker answer
 _IN_FLIGHT = 2  # tasks submitted for each thread: one runs, one waits
@@ -47,6 +47,19 @@ class Workers(Protocol):
 
     def answers(self, calls: Mapping[str, Call]) -> Iterator[tuple[str, Answer]]:
         """Run calls and yield the answer of each by its key, in any order."""
+
+
+class ThisProcess:
+    """One call after the other, here: needs no other package."""
+
+    def answers(self, calls: Mapping[str, Call]) -> Iterator[tuple[str, Answer]]:
+        """Run calls in their order and yield the answer of each by its key."""
+        for key, (function, arguments) in calls.items():
+            try:
+                answer = Answer(function(*arguments), None)
+            except Exception as error:  # noqa: B902 - as a worker answers with any error
+                answer = Answer(None, error)
+            yield key, answer
 
 
 class DaskWorkers:
@@ -161,8 +174,24 @@ def require_distributed() -> Any:
     try:
         import distributed
     except ImportError as error:
-        raise MissingPackageError.of('distributed', 'fleet') from error
+        raise MissingPackageError.of('distributed', 'working in parallel') from error
     return distributed
+
+
+def installed_version() -> str:
+    """
+    Return the version of this package.
+
+    Returns
+    -------
+    version : str
+        'unknown' where it runs without being installed.
+
+    """
+    try:
+        return metadata.version('contact_estimation')
+    except metadata.PackageNotFoundError:
+        return 'unknown'
 
 
 @contextmanager

@@ -1,0 +1,218 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""`watch`: a running estimator, or a recording, in Rerun."""
+
+from __future__ import annotations
+
+from pathlib import Path
+import signal
+import sys
+from threading import Event
+from typing import Any, Sequence
+
+from .command_line import (
+    add_params_option,
+    add_source_options,
+    chosen_parameters,
+    command,
+    different_files,
+    new_file,
+    Parser,
+    source_of,
+)
+from .progress import Progress
+from ..estimation.replay import RecordingReplay
+from ..estimators import ESTIMATORS
+from ..exceptions import ParameterRangeError, RecordingError, UnknownNameError
+from ..parameters.values import without
+from ..recordings import RecordingReader
+from ..ros.estimator_node_parameters import EstimatorNodeParameters
+from ..ros.loop_processes import require_rclpy
+from ..watch.growing import follow_recording
+from ..watch.outputs import show, WEB, WINDOW
+from ..watch.recorded import show_recording
+from ..watch.rerun_sdk import require_rerun
+from ..watch.view import ContactView
+
+_OF_RECORDINGS = ('follow', 'topic', 'axis', 'joint', 'params', 'estimator')
+_FOLLOWED_S = 20.0  # shown of a recording that is being written
+
+
+def make_parser() -> Parser:
+    """Build the command line of `watch`."""
+    parser = Parser(
+        prog='watch',
+        description='Show force, motion, stiffness and damping with their bands, status and '
+        'checks in Rerun: of a running estimator, or of a recording, which is replayed.',
+        epilog='Words after --ros-args go to ROS 2, such as -r wrench:=/fts/wrench.',
+    )
+    parser.add_argument('recording', metavar='RECORDING', nargs='?',
+                        help='an .mcap file or rosbag2 folder (default: the running estimator)')
+    where = parser.add_mutually_exclusive_group()
+    where.add_argument('--web', action='store_true',
+                       help='serve a web page instead of opening a window')
+    where.add_argument('--save', metavar='FILE.rrd', help='write a file for Rerun instead')
+    parser.add_argument('--follow', action='store_true',
+                        help='show the RECORDING while it is written, with its own estimates')
+    parser.add_argument('--node', default='estimator_node', metavar='NAME',
+                        help='name of the running or recorded estimator (estimator_node)')
+    parser.add_argument('--estimator', help='for a recording: one of ' + ', '.join(ESTIMATORS))
+    add_params_option(parser, ', for a recording')
+    add_source_options(parser)
+    return parser
+
+
+def rerun_file(path: str) -> str:
+    """
+    Check the file of a view.
+
+    Parameters
+    ----------
+    path : str
+        To be written.
+
+    Returns
+    -------
+    path : str
+        Absolute.
+
+    Raises
+    ------
+    RecordingError
+        If it cannot be written or is no .rrd file.
+
+    """
+    if new_file(path).suffix.lower() != '.rrd':
+        raise RecordingError(
+            f'a view is written to a file of Rerun, got {path}; let its name end in .rrd')
+    return str(Path(path).absolute())
+
+
+def run(options: Any) -> int:
+    """
+    Show a recording, or a running estimator until interrupted.
+
+    Parameters
+    ----------
+    options : argparse.Namespace
+        Of `make_parser`, and `ros_args`.
+
+    Returns
+    -------
+    code : int
+        0, or that of the node.
+
+    """
+    require_rerun()
+    target = WEB if options.web else WINDOW
+    if options.save:
+        different_files([options.save], {'the recording': [options.recording]})
+        target = rerun_file(options.save)
+    if options.recording is None:
+        return _watch_live(options, target)
+    if options.follow:
+        _follow(options, target)
+    else:
+        _replay(options, target)
+    return 0
+
+
+def _watch_live(options: Any, target: str) -> int:
+    given = [name for name in _OF_RECORDINGS if getattr(options, name)]
+    if given:
+        raise ParameterRangeError(
+            f'--{given[0]} is for a RECORDING, and none is given; a running estimator is watched '
+            'as it is, topics are remapped with --ros-args -r wrench:=TOPIC')
+    require_rclpy('watch')
+    from ..ros.watch_node import main as watch_node  # imports rclpy
+
+    return watch_node(['--ros-args', '-p', f'show:={target}', '-p', f'estimator:={options.node}',
+                       *options.ros_args])
+
+
+def _replay(options: Any, target: str) -> None:
+    reader, source = RecordingReader(options.recording), source_of(options)
+    replay, progress = RecordingReplay(reader, source, _chosen(options)), Progress('watch')
+    view = _opened(options, target)
+    samples = show_recording(view, reader, source, replay, progress.show)
+    progress.done()
+    print(f'{samples} samples', flush=True)
+    if view.serves:
+        view.stream.flush()
+        print('Ctrl-C ends', flush=True)
+        _interrupted().wait()
+    view.close()
+
+
+def _follow(options: Any, target: str) -> None:
+    interrupted = _interrupted()
+    view = _opened(options, target, _FOLLOWED_S)
+    follow_recording(view, Path(options.recording), options.node, interrupted)
+    view.close()
+
+
+def _opened(options: Any, target: str, follow_s: float | None = None) -> ContactView:
+    view = ContactView(Path(options.recording).name)
+    print(f'watch: {show(view, target, follow_s)}', flush=True)
+    return view
+
+
+def _interrupted() -> Event:
+    event = Event()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda *_: event.set())
+    return event
+
+
+def _chosen(options: Any) -> dict[str, Any]:
+    chosen = without(EstimatorNodeParameters, chosen_parameters(options))
+    if options.estimator:
+        if options.estimator not in ESTIMATORS:
+            raise UnknownNameError.among('estimator', options.estimator, ESTIMATORS)
+        chosen['estimator'] = options.estimator
+    for name in ('axis', 'joint'):
+        if getattr(options, name) is not None:
+            chosen[name] = getattr(options, name)
+    return chosen
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """
+    Run the command.
+
+    Parameters
+    ----------
+    args : sequence of str, optional
+        Command line; that of the process by default.
+
+    Returns
+    -------
+    code : int
+        0, or 1 with one line on stderr.
+
+    """
+    words = list(sys.argv[1:] if args is None else args)
+    at = words.index('--ros-args') if '--ros-args' in words else len(words)
+
+    def parser() -> Parser:
+        made = make_parser()
+        made.set_defaults(ros_args=words[at + 1:])
+        return made
+
+    return command(parser, run)(words[:at])
+
+
+if __name__ == '__main__':
+    raise SystemExit(main())

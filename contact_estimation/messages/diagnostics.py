@@ -1,0 +1,87 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""diagnostic_msgs/msg/DiagnosticArray to plain texts."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from .cdr import CdrCursor, malformed
+
+DIAGNOSTICS_TYPE = 'diagnostic_msgs/msg/DiagnosticArray'
+
+
+class DiagnosticReading(NamedTuple):
+    """
+    One status of a diagnostic message.
+
+    Attributes
+    ----------
+    level : int
+        0 for OK, 1 for WARN, 2 for ERROR, 3 for STALE.
+    name : str
+        Of the component.
+    message : str
+        Its state in a sentence.
+    values : dict of str to str
+        By key.
+
+    """
+
+    level: int
+    name: str
+    message: str
+    values: dict[str, str]
+
+
+def decode_diagnostics(raw: bytes) -> list[DiagnosticReading]:
+    """
+    Read diagnostic_msgs/msg/DiagnosticArray.
+
+    Parameters
+    ----------
+    raw : bytes
+        CDR with its encapsulation header.
+
+    Returns
+    -------
+    statuses : list of DiagnosticReading
+        In the order of the message.
+
+    Raises
+    ------
+    MessageError
+        With reason 'malformed'.
+
+    """
+    try:
+        cursor = CdrCursor(raw)
+        cursor.skip(8, 4)  # stamp
+        cursor.text()
+        statuses = [_status(cursor) for _ in range(cursor.length())]
+        cursor.finish()
+    except ValueError as error:
+        raise malformed(raw, DIAGNOSTICS_TYPE, error) from error
+    return statuses
+
+
+def _status(cursor: CdrCursor) -> DiagnosticReading:
+    level = cursor.raw[cursor.skip(1)]
+    name, message, _ = cursor.text(), cursor.text(), cursor.text()  # the last is the hardware
+    values = {}
+    for _ in range(cursor.length()):
+        key = cursor.text()
+        values[key] = cursor.text()
+    return DiagnosticReading(level, name, message, values)

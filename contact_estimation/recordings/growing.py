@@ -1,0 +1,88 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""A recording that is still being written, read as it grows."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Iterable
+
+from mcap.opcode import Opcode
+
+from .chunk_reader import Channels, read_chunk, RecordedMessage
+from .record_scanner import MAGIC, RecordScanner
+from .topic_names import canonical
+
+_ENDS = (Opcode.DATA_END, Opcode.FOOTER)
+
+
+class GrowingRecording:
+    """
+    Read the messages that a recorder has flushed since the last call.
+
+    Nobody subscribes to anything for it: the nodes that are recorded do not notice.
+
+    Parameters
+    ----------
+    path : Path
+        Folder of an MCAP recording that may not exist yet, or an .mcap file.
+    topics : iterable of str
+        What to read; messages bear these names.
+
+    Attributes
+    ----------
+    finished : bool
+        Whether the recorder has ended the file.
+
+    """
+
+    def __init__(self, path: Path, topics: Iterable[str]) -> None:
+        self._path, self._position = path, len(MAGIC)
+        self._channels = Channels({canonical(topic): topic for topic in topics})
+        self.finished = False
+
+    def new_messages(self) -> list[RecordedMessage]:
+        """
+        Return what has been added.
+
+        Returns
+        -------
+        messages : list of RecordedMessage
+            In file order; empty while there is nothing new.
+
+        """
+        file = self._file()
+        if file is None:
+            return []
+        messages: list[RecordedMessage] = []
+        with open(file, 'rb') as stream:
+            size = stream.seek(0, 2)
+            if size < self._position:
+                return []
+            scanner = RecordScanner(stream, size)
+            scanner.move(self._position, self._position)
+            for record in scanner:
+                if record.opcode == Opcode.CHUNK:
+                    messages += read_chunk(scanner.content(record), self._channels) or []
+                self._position = record.end
+            end = scanner.read(self._position, self._position + 1)
+            self.finished = bool(end) and end[0] in _ENDS
+        return messages
+
+    def _file(self) -> Path | None:
+        """Return the file that is written; None before its begin."""
+        if not self._path.is_dir():
+            return self._path if self._path.is_file() else None
+        return next(iter(sorted(self._path.glob('*.mcap'))), None)

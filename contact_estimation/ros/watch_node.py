@@ -1,0 +1,138 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Watch a running estimator: a process of its own, which the estimator does not know."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+import os
+from threading import Lock
+from typing import Any, Callable, Sequence
+
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+
+from . import topics
+from .data_thread import DataThread, RawSubscriptions
+from .parameters import declare
+from .running import run_node
+from ..parameters.specification import parameter, ParameterGroup, specifications
+from ..parameters.values import build
+from ..watch.live import LiveContact
+from ..watch.outputs import show
+from ..watch.view import ContactView
+
+PURPOSE = 'watch_node: show a running estimator in Rerun'
+_FLUSH_S = 0.1
+_NICENESS = 10
+
+# Best effort: the estimator waits for no acknowledgement of a spectator.
+_QOS = QoSProfile(depth=500, reliability=ReliabilityPolicy.BEST_EFFORT)
+_LATCHED_QOS = QoSProfile(
+    depth=1000, reliability=ReliabilityPolicy.RELIABLE,
+    durability=DurabilityPolicy.TRANSIENT_LOCAL)
+
+
+@dataclass(frozen=True)
+class WatchParameters(ParameterGroup):
+    """What is watched, and where it is shown."""
+
+    estimator: str = parameter(
+        'estimator_node', 'Name of the estimator node that is watched', read_only=True
+    )
+    show: str = parameter(
+        'window', 'window: open the viewer; web: serve a page; else a file to write',
+        read_only=True,
+    )
+    follow_s: float = parameter(
+        20.0, 'Seconds that the plots show', 's', minimum=0.1, read_only=True
+    )
+
+
+class WatchNode(Node):
+    """
+    Raw subscriptions into a view, which is flushed ten times a second.
+
+    Raises
+    ------
+    ContactEstimationError
+        If Rerun is not installed.
+
+    """
+
+    finished = False
+
+    def __init__(self) -> None:
+        super().__init__('watch_node')
+        own = build(WatchParameters, declare(self, specifications(WatchParameters)))
+        self._view, self._lock = ContactView(own.estimator), Lock()
+        print(f'watch: {show(self._view, own.show, own.follow_s)}', flush=True)
+        self._live = LiveContact(self._view.log, own.estimator, sparing=True)
+        self._data = RawSubscriptions(self)
+        for topic, type_name, callback, latched in self._live.subscriptions():
+            self._data.subscribe(topic, type_name, _LATCHED_QOS if latched else _QOS,
+                                 self._locked(callback))
+        self._thread = DataThread(self._data, self._failed)
+        self.create_timer(_FLUSH_S, self._flush)
+
+    def start(self) -> None:
+        """Start watching."""
+        self._thread.start()
+
+    def stop(self) -> None:
+        """Send what has been received."""
+        self._thread.stop()
+        if self._data.dedicated:
+            self._data.take_all()
+        self._view.close()
+
+    def _locked(self, callback: Callable[[bytes], None]) -> Callable[[bytes], None]:
+        def locked(raw: bytes) -> None:
+            with self._lock:
+                callback(raw)
+
+        return locked
+
+    def _flush(self) -> None:
+        with self._lock:
+            self._view.flush()
+
+    def _failed(self, error: Exception) -> None:
+        self.get_logger().warning(f'not shown: {error}', throttle_duration_sec=1.0)
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """
+    Watch until interrupted, at a low priority that the viewer inherits.
+
+    Parameters
+    ----------
+    args : sequence of str, optional
+        Command line; that of the process by default.
+
+    Returns
+    -------
+    code : int
+        0, or 1 with one line on stderr.
+
+    """
+    if hasattr(os, 'nice'):
+        os.nice(_NICENESS)
+    known: Any = list(specifications(WatchParameters))
+    return run_node(WatchNode, PURPOSE, known, args, topics.WRENCH)
+
+
+if __name__ == '__main__':
+    raise SystemExit(main())

@@ -1,0 +1,145 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""What is seen of a contact, collected until a view takes it."""
+
+from __future__ import annotations
+
+from math import isfinite, nan
+from typing import Mapping, NamedTuple
+
+INFO, WARNING = 'INFO', 'WARN'
+STATUS, CHECKS = 'log/status', 'log/checks'
+_AS_EXPECTED = ('free', 'estimating')
+
+
+class Said(NamedTuple):
+    """
+    A text.
+
+    Attributes
+    ----------
+    path : str
+        `STATUS` or `CHECKS`.
+    stamp_ns : int
+        When [ns].
+    text, level : str
+        What, and `INFO` or `WARNING`.
+
+    """
+
+    path: str
+    stamp_ns: int
+    text: str
+    level: str
+
+
+class ContactLog:
+    """
+    Values and texts since the last time that they were taken.
+
+    Attributes
+    ----------
+    values : dict of str to (list of int, list of float)
+        Stamps [ns] and values by keys of plot and curve, as in 'force/measured'.
+    texts : list of Said
+        In order.
+
+    """
+
+    def __init__(self) -> None:
+        self.values: dict[str, tuple[list[int], list[float]]] = {}
+        self.texts: list[Said] = []
+        self._status, self._checks = '', dict[str, str]()
+
+    def add(self, path: str, stamp_ns: int, value: float) -> None:
+        """
+        Add one value of a curve.
+
+        Parameters
+        ----------
+        path : str
+            Keys of plot and curve.
+        stamp_ns : int
+            When [ns].
+        value : float
+            In the unit of the plot; what is not finite leaves a gap.
+
+        """
+        stamps, values = self.values.setdefault(path, ([], []))
+        stamps.append(stamp_ns)
+        values.append(value if isfinite(value) else nan)
+
+    def add_estimate(self, key: str, stamp_ns: int, value: float, std: float) -> None:
+        """
+        Add an estimate and its band of 2 standard deviations.
+
+        Parameters
+        ----------
+        key : str
+            Of the plot: 'stiffness' or 'damping'.
+        stamp_ns : int
+            When [ns].
+        value, std : float
+            Estimate and standard deviation; NaN while unknown.
+
+        """
+        self.add(f'{key}/estimate', stamp_ns, value)
+        # A band wider than the value says that nothing is known yet, and would flatten the plot.
+        band = 2.0 * std if 2.0 * std < abs(value) else nan
+        self.add(f'{key}/upper', stamp_ns, value + band)
+        self.add(f'{key}/lower', stamp_ns, value - band)
+
+    def add_status(self, stamp_ns: int, text: str) -> None:
+        """
+        Add the state of the estimator where it has changed.
+
+        Parameters
+        ----------
+        stamp_ns : int
+            When [ns].
+        text : str
+            State and reason.
+
+        """
+        if text != self._status:
+            self._status = text
+            level = INFO if text.startswith(_AS_EXPECTED) else WARNING
+            self.texts.append(Said(STATUS, stamp_ns, text, level))
+
+    def add_checks(self, stamp_ns: int, active: Mapping[str, str]) -> None:
+        """
+        Add which warnings have begun or ended.
+
+        Parameters
+        ----------
+        stamp_ns : int
+            When [ns].
+        active : mapping of str to str
+            Texts of the active warnings, by what stays the same while their numbers change.
+
+        """
+        for key, text in active.items():
+            if key not in self._checks:
+                self.texts.append(Said(CHECKS, stamp_ns, text, WARNING))
+        for key, text in self._checks.items():
+            if key not in active:
+                self.texts.append(Said(CHECKS, stamp_ns, f'over: {text}', INFO))
+        self._checks = dict(active)
+
+    def take(self) -> tuple[dict[str, tuple[list[int], list[float]]], list[Said]]:
+        """Return `values` and `texts`, and begin anew."""
+        taken = self.values, self.texts
+        self.values, self.texts = {}, []
+        return taken

@@ -1,0 +1,121 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""What is plotted, once for the live view and for the layouts of other viewers."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from ..figures import BLUE, MUTED, ORANGE
+
+BAND = '#8cc8e0'
+"""Of the bounds of an estimate, on a light and on a dark ground."""
+
+
+class Curve(NamedTuple):
+    """
+    One curve of a plot.
+
+    Attributes
+    ----------
+    key : str
+        Name in the view's tree.
+    label : str
+        In the legend.
+    topic : str
+        Where the value comes from, without the leading slash.
+    field : str
+        Of the message, as in 'points[0].positions[0]'.
+    scale : float
+        Factor of the field.
+    colour : str
+        As '#rrggbb'.
+    width : float
+        Of the line, in points.
+    std_topic : str
+        Topic of the standard deviation whose multiple `stds` is added; '' for none.
+    stds : float
+        That multiple.
+
+    """
+
+    key: str
+    label: str
+    topic: str
+    field: str
+    scale: float = 1.0
+    colour: str = MUTED
+    width: float = 1.0
+    std_topic: str = ''
+    stds: float = 0.0
+
+
+class Plot(NamedTuple):
+    """
+    Curves with a common axis.
+
+    Attributes
+    ----------
+    key : str
+        Name in the view's tree.
+    quantity, unit : str
+        What is plotted.
+    curves : tuple of Curve
+        From the lowest to the uppermost.
+    unscaled_unit : str
+        Unit of the fields without the factors of the curves.
+
+    """
+
+    key: str
+    quantity: str
+    unit: str
+    curves: tuple[Curve, ...]
+    unscaled_unit: str = ''
+
+    @property
+    def title(self) -> str:
+        """Quantity and unit."""
+        return f'{self.quantity} [{self.unit}]'
+
+
+def _estimate(key: str, unit: str, symbol: str) -> Plot:
+    own, std = f'estimator_node/{key}', f'estimator_node/{key}_std'
+    return Plot(key, key, unit, (
+        Curve('upper', f'{symbol} + 2 std', own, 'vector.x', 1.0, BAND, 0.8, std, 2.0),
+        Curve('lower', f'{symbol} - 2 std', own, 'vector.x', 1.0, BAND, 0.8, std, -2.0),
+        Curve('estimate', symbol, own, 'vector.x', 1.0, BLUE, 1.8),
+    ))
+
+
+_POSITION = 'points[0].positions[0]'
+PLOTS = (
+    Plot('force', 'pressing force', 'N', (
+        Curve('measured', '-F_e measured', 'wrench', 'wrench.force.x', -1.0, MUTED),
+        Curve('desired', 'F_r desired', 'reference_trajectory', 'points[0].effort[0]', 1.0,
+              ORANGE, 1.5),
+    )),
+    Plot('motion', 'position', 'mm', (
+        Curve('desired', 'x_d desired', 'desired_trajectory', _POSITION, 1e3, BAND, 2.5),
+        Curve('reference', 'x_r reference', 'reference_trajectory', _POSITION, 1e3, ORANGE, 1.5),
+        Curve('measured', 'x measured', 'joint_states', 'position[0]', 1e3, MUTED, 1.5),
+    ), 'm'),
+    _estimate('stiffness', 'N/m', 'K_e'),
+    _estimate('damping', 'N s/m', 'B_e'),
+    Plot('model_fit', 'residual', 'std of the noise', (
+        Curve('ratio', 'model fit', 'estimator_node/model_fit', 'data', 1.0, BLUE, 1.5),
+    )),
+)
+"""All plots, from top to bottom; topics as the loop records them."""

@@ -1,0 +1,161 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Position and force of the contact axis in raw messages, of a single joint or of an arm."""
+
+from __future__ import annotations
+
+from typing import NamedTuple, Protocol
+
+from ..estimation.arm import described_in_file, kinematics_of
+from ..estimation.parameters import EstimationParameters
+from ..exceptions import MessageError
+from ..kinematics.contact_kinematics import ArmSample, ContactKinematics
+from ..messages import (
+    FORCE_OF_AXIS,
+    ForceTorqueDecoder,
+    JointStateDecoder,
+    SomeJointsDecoder,
+    WrenchDecoder,
+)
+from ..signals.joint_merging import JointMerger
+
+
+class Reading(NamedTuple):
+    """
+    One value.
+
+    Attributes
+    ----------
+    stamp_ns : int
+        Header stamp [ns].
+    value : float
+        Force F_e [N] or position [m].
+
+    """
+
+    stamp_ns: int
+    value: float
+
+
+class Readings(Protocol):
+    """The contact axis in raw messages."""
+
+    def force(self, raw: bytes) -> Reading | None:
+        """Return F_e of a wrench; None where it cannot be used."""
+
+    def position(self, raw: bytes) -> Reading | None:
+        """Return x of a joint state; None where it cannot be used."""
+
+
+class AxisReadings:
+    """
+    A single prismatic axis.
+
+    Parameters
+    ----------
+    parameters : EstimationParameters
+        Axis, joint and sign.
+
+    """
+
+    def __init__(self, parameters: EstimationParameters) -> None:
+        self._wrench, self._joints = WrenchDecoder(), JointStateDecoder(parameters.joint)
+        self._component, self._sign = FORCE_OF_AXIS[parameters.axis], parameters.force_sign
+
+    def force(self, raw: bytes) -> Reading | None:
+        """Return F_e of a wrench; None where it cannot be used."""
+        try:
+            wrench = self._wrench.decode(raw)
+        except MessageError:
+            return None
+        return Reading(wrench.stamp_ns, self._sign * self._component(wrench))
+
+    def position(self, raw: bytes) -> Reading | None:
+        """Return x of a joint state; None where it cannot be used."""
+        try:
+            joint = self._joints.decode(raw)
+        except MessageError:
+            return None
+        return Reading(joint.stamp_ns, joint.position)
+
+
+class ArmReadings:
+    """
+    The normal of an arm, by the kinematics that the estimator uses.
+
+    Parameters
+    ----------
+    kinematics : ContactKinematics
+        From base to tip.
+
+    """
+
+    def __init__(self, kinematics: ContactKinematics) -> None:
+        self._kinematics, model = kinematics, kinematics.model
+        self._wrench, self._joints = ForceTorqueDecoder(), SomeJointsDecoder(model.joint_names)
+        self._merger = JointMerger(model.continuous)
+        self._motion: tuple[float, ...] = ()
+
+    def force(self, raw: bytes) -> Reading | None:
+        """Return F_e of a wrench at the last joints; None where it cannot be used."""
+        try:
+            stamp_ns, wrench = self._wrench.decode(raw)
+        except MessageError:
+            return None
+        if not self._motion:
+            return None
+        if not self._kinematics.sensor:
+            self._kinematics.use_sensor(self._wrench.frame_id)
+        sample = ArmSample(stamp_ns, self._motion, wrench)
+        return Reading(stamp_ns, self._kinematics.contact(sample).force)
+
+    def position(self, raw: bytes) -> Reading | None:
+        """Return x of a joint state; None until all joints are known."""
+        try:
+            row = self._merger.add(*self._joints.decode(raw))
+        except MessageError:
+            return None
+        if row is None:
+            return None
+        self._motion = tuple(row[1])
+        return Reading(row[0], self._kinematics.motion(self._motion)[2])
+
+
+def readings_of(parameters: EstimationParameters, description: str = '') -> Readings | None:
+    """
+    Return what reads the messages of a configured estimator.
+
+    Parameters
+    ----------
+    parameters : EstimationParameters
+        Those of the estimator.
+    description : str
+        Text of the URDF of an arm, where it is not in a file.
+
+    Returns
+    -------
+    readings : Readings or None
+        None while the description of an arm is not known.
+
+    Raises
+    ------
+    ContactEstimationError
+        If Pinocchio is missing, or the description does not fit.
+
+    """
+    if not parameters.kinematics.tip:
+        return AxisReadings(parameters)
+    text = description or described_in_file(parameters)
+    return ArmReadings(kinematics_of(parameters, text)) if text else None

@@ -1,0 +1,76 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Watching a running estimator, and the loop with a view."""
+
+from __future__ import annotations
+
+from itertools import count
+from pathlib import Path
+import signal
+import subprocess
+import sys
+
+import pytest
+from ros_processes import joint_state, node_process, Peer, run_module, wait_until, wrench
+
+pytest.importorskip('rerun')
+pytestmark = pytest.mark.slow
+EXPERIMENT = """
+start: -0.002
+segments:
+- {duration: 0.5, position: 0.01}
+- {duration: 0.5, position: -0.002}
+"""
+
+
+def paths_in(file: Path) -> str:
+    """Print what a file of Rerun holds."""
+    return subprocess.run([sys.executable, '-m', 'rerun', 'rrd', 'print', '-v', str(file)],
+                          capture_output=True, text=True, check=True).stdout
+
+
+def test_watch_node_shows_what_is_published(tmp_path: Path) -> None:
+    file = tmp_path / 'view.rrd'
+    peer = Peer()
+    try:
+        with node_process(tmp_path / 'log', 'watch_node', show=str(file)) as node:
+            wait_until(file.exists, 'the view')
+            before, numbers = file.stat().st_size, count(1)
+
+            def seen() -> bool:
+                stamp_ns = peer.begin_ns + 2_000_000 * next(numbers)
+                peer.joints.publish(joint_state(stamp_ns, 0.001, 0.0))
+                peer.wrenches.publish(wrench(stamp_ns, -5.0))
+                return file.stat().st_size > before + 20_000
+
+            wait_until(seen, 'a shown wrench')
+            node.signal(signal.SIGINT)
+            assert node.end().code == 0
+    finally:
+        peer.close()
+    held = paths_in(file)
+    assert '/force/measured' in held and '/motion/measured' in held
+
+
+def test_loop_shows_its_run_and_loses_nothing_of_it(tmp_path: Path) -> None:
+    (tmp_path / 'touch.yaml').write_text(EXPERIMENT)
+    file = tmp_path / 'view.rrd'
+    done = run_module(
+        tmp_path / 'log', 'commands.loop', '--experiment', str(tmp_path / 'touch.yaml'),
+        '--output', str(tmp_path / 'out'), '--watch', str(file))
+    assert (done.code, done.stderr) == (0, '')
+    held = paths_in(file)
+    for path in ('/stiffness/estimate', '/damping/estimate', '/force/measured', '/log/status'):
+        assert path in held
