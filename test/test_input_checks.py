@@ -220,6 +220,29 @@ def test_slow_joint_states_are_named() -> None:
     assert 'come at 50 Hz' in headline(session)[1]
 
 
+def test_joint_states_after_a_clock_jump_are_not_slow() -> None:
+    samples = contact_samples(2.0, K_E, B_E)[:900]  # ends within a block
+    session = ContactSession(EstimationParameters(), generate_reference=False)
+    for begin_s in (10, 1):
+        for stamp, x, v, F in samples:
+            session.add_motion(stamp + begin_s * 10**9, x, v)
+            session.add_wrench(stamp + begin_s * 10**9, F)
+    assert session.time_jumps == 1
+    assert 'joint_rate' not in {found.warned.name for found in session.checks.found_in_order()}
+
+
+def test_checks_are_judged_a_few_at_a_time() -> None:
+    session, _ = fed(HEALTHY[:250])
+    judged: list[int] = []
+    checks = session.checks
+    judge = checks._judge
+    setattr(checks, '_judge', lambda seen, few: (judged.append(len(few)), judge(seen, few)))
+    for stamp, x, v, F in HEALTHY[250:300]:
+        session.add_motion(stamp + 1000 * MILLISECOND, x, v)
+        session.add_wrench(stamp + 1000 * MILLISECOND, F)
+    assert sum(judged) == len(CHECKS) and max(judged) <= 3
+
+
 def test_noise_far_above_the_configured_one_is_named() -> None:
     noise = np.random.default_rng(0).normal(0.0, 1.0, 1000).tolist()
     free = [ContactSample(2 * k * MILLISECOND, -0.01, 0.0, F) for k, F in enumerate(noise)]

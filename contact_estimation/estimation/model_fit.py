@@ -203,7 +203,8 @@ class ModelFitMonitor:
         position_noise: float,
     ) -> None:
         count = self._block * _COLUMNS
-        table = np.array(self._pending[:count]).reshape(-1, _COLUMNS)
+        # One column after the other: the arithmetic runs along them.
+        table = np.array(self._pending[:count]).reshape(-1, _COLUMNS).T.copy()
         del self._pending[:count]
         self._past.append(table)
         if len(self._past) * self._block < _LEAST_ROWS:
@@ -223,9 +224,9 @@ class ModelFitMonitor:
 
     def _window(self, estimator: OnlineEstimator, position_noise: float) -> Window:
         """Return the window with the columns of the estimator."""
-        table = np.concatenate(self._past)
-        rows = table[:, _ROW]
+        table = np.concatenate(self._past, axis=1)
+        rows = table[_ROW].T
         return Window(
-            table[:, 0], rows, estimator.columns_of(rows), table[:, _RAW], table[:, _GAINS],
+            table[0], rows, estimator.columns_of(rows), table[_RAW].T, table[_GAINS].T,
             max(estimator.location_std or 0.0, position_noise),
         )

@@ -268,7 +268,8 @@ class ContactSession:
         """Estimate from samples between which no change takes effect."""
         self.last_stamp_ns, self.last_position, *_ = run[-1][0]
         estimates: list[AxesEstimates] = []
-        for part in self.checks.parts(run):
+        while len(estimates) < len(run):
+            part = run[len(estimates):len(estimates) + self.checks.room()]
             columns = map(
                 EstimationPipeline.process, self._pipelines, zip(*part), self._followed)
             done = list(zip(*columns))

@@ -19,6 +19,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
 from functools import cached_property
+from math import sqrt
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -33,7 +34,9 @@ CLEAR = 8.0
 
 
 _LOADED = 4.0  # standard deviations
-_STD_OF_MEDIAN_DIFFERENCE = 1.0 / (0.6745 * 2.0**0.5)
+_MEDIAN = 0.6745  # of the size of a normal variable of variance 1
+_BELOW_95_PERCENT = 0.759  # mean of the lower 95 % of its squares
+_NOTHING = np.zeros(0)
 
 
 class Warned(NamedTuple):
@@ -120,6 +123,22 @@ class Evidence:
     travel: float = 0.0
     memory: dict[str, Any] = field(default_factory=dict)
 
+    @classmethod
+    def of_state(
+        cls, axis: str, parameters: EstimationParameters, pipeline: Any
+    ) -> Evidence:
+        """
+        Return evidence without samples, for checks of the state of a pipeline.
+
+        Parameters
+        ----------
+        axis, parameters, pipeline
+            As above.
+
+        """
+        return cls(axis, parameters, pipeline, _NOTHING, _NOTHING, _NOTHING, _NOTHING,
+                   np.zeros(0, dtype=np.bool_))
+
     @property
     def configured_noise(self) -> float:
         """Return the configured standard deviation of the force [N]."""
@@ -135,8 +154,29 @@ class Evidence:
         """
         if len(self.force) < 2:
             return self.configured_noise
-        white = float(np.median(np.abs(np.diff(self.force)))) * _STD_OF_MEDIAN_DIFFERENCE
+        white = median_of(np.abs(self.force[1:] - self.force[:-1])) / (_MEDIAN * sqrt(2.0))
         return max(self.configured_noise, white)
+
+    @cached_property
+    def white_noise(self) -> float:
+        """
+        White noise of the force, by second differences, in which motion hardly shows [N].
+
+        The largest are left out: an impact is no noise.
+
+        """
+        f = self.force
+        if len(f) < 3:
+            return 0.0
+        squares = np.square(f[2:] - 2.0 * f[1:-1] + f[:-2])
+        most = max(1, int(0.95 * len(squares)))
+        lower = np.partition(squares, most - 1)[:most]
+        return sqrt(float(np.mean(lower)) / (6.0 * _BELOW_95_PERCENT))
+
+    @cached_property
+    def period(self) -> float:
+        """Usual time between samples [s]."""
+        return median_of(self.t[1:] - self.t[:-1])
 
     @cached_property
     def rate(self) -> Array:
@@ -237,6 +277,20 @@ def spread_of(values: Array) -> float:
     """
     low, high = extremes(values)
     return high - low
+
+
+def median_of(values: Array) -> float:
+    """
+    Return the middle value, the upper one of two; several times as fast as np.median.
+
+    Parameters
+    ----------
+    values : ndarray, shape (N,)
+        Any unit, N > 0.
+
+    """
+    middle = len(values) // 2
+    return float(np.partition(values, middle)[middle])
 
 
 def extremes(values: Array) -> tuple[float, float]:
