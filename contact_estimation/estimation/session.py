@@ -224,12 +224,12 @@ class ContactSession:
         if samples is None:
             return None
         self.checks.joint_stamps.extend(stamps_ns.tolist())
-        estimates: list[AxesEstimates] = []
-        while len(estimates) < len(samples):
-            begin = len(estimates)
-            self._apply_due(samples[begin][0].stamp_ns)
-            end = self._schedule.next_change(samples, begin, self._jumps)
-            estimates += self._estimate(samples[begin:end])
+        estimates = []
+        schedule = self._schedule
+        for axes in samples:
+            if schedule.references or schedule.actions:
+                self._apply_due(axes[0].stamp_ns)
+            estimates.append(self._estimate(axes))
         return estimates
 
     def count_rejected(self, reason: str, text: str = '') -> None:
@@ -246,7 +246,7 @@ class ContactSession:
             if schedule.references or schedule.actions:
                 self._apply_due(paired[0].stamp_ns)
             axes, state = self._along_normal(paired) if self.arm else (paired, None)
-            (estimates,) = self._estimate((axes,))
+            estimates = self._estimate(axes)
             reference_stamp_ns, reference = self.last_stamp_ns + self.stream.period_ns, None
             if self._generates:
                 reference = self.stream.step(axes[0], estimates[0])
@@ -264,19 +264,13 @@ class ContactSession:
             (sample.stamp_ns, *self.arm.components('xyz'.index(self.parameters.axis))))
         return (sample,), self.arm.state
 
-    def _estimate(self, run: Sequence[AxesSample]) -> list[AxesEstimates]:
-        """Estimate from samples between which no change takes effect."""
-        self.last_stamp_ns, self.last_position, *_ = run[-1][0]
-        estimates: list[AxesEstimates] = []
-        while len(estimates) < len(run):
-            part = run[len(estimates):len(estimates) + self.checks.room()]
-            columns = map(
-                EstimationPipeline.process, self._pipelines, zip(*part), self._followed)
-            done = list(zip(*columns))
-            self.checks.add(part, done)
-            estimates += done
+    def _estimate(self, axes: AxesSample) -> AxesEstimates:
+        """Estimate from the next sample, for which all that is due has been applied."""
+        self.last_stamp_ns, self.last_position, _, _ = axes[0]
+        estimates = tuple(map(EstimationPipeline.take, self._pipelines, axes, self._followed))
+        self.checks.add(axes, estimates)
         if self.matrix.runs:
-            self.matrix.process(run, estimates)
+            self.matrix.process(axes, estimates)
         return estimates
 
     def _apply_due(self, stamp_ns: int) -> None:

@@ -19,7 +19,7 @@ from __future__ import annotations
 from collections import deque
 from itertools import chain
 from math import inf, nan
-from typing import Any, Mapping, Sequence
+from typing import Any, Mapping
 
 import numpy as np
 
@@ -51,8 +51,10 @@ class EvidenceWindow:
         Stamps of joint states to come [ns].
     wrenches : deque of (int, float, float, float)
         Stamp [ns] and force along x, y and z [N] of wrenches to come.
-    room : int
-        Number of samples that the present block still takes.
+    samples, estimates : list of AxesSample, AxesEstimates
+        Of the present block; the checks append to them.
+    block : int
+        Number of samples of a block.
 
     """
 
@@ -78,7 +80,7 @@ class EvidenceWindow:
             Nominal [Hz].
 
         """
-        self._block = max(_LEAST_BLOCK, round(_BLOCK_S * sample_rate))
+        self.block = max(_LEAST_BLOCK, round(_BLOCK_S * sample_rate))
         self.joint_stamps.clear()
         self.wrenches.clear()
         self._windows: dict[str, deque[Array]] = {
@@ -88,25 +90,8 @@ class EvidenceWindow:
         self._start_block()
 
     def _start_block(self) -> None:
-        self._samples: list[AxesSample] = []
-        self._estimates: list[AxesEstimates] = []
-        self.room = self._block
-
-    def add(self, samples: Sequence[AxesSample], estimates: Sequence[AxesEstimates]) -> None:
-        """
-        Add processed samples, at most `room`.
-
-        Parameters
-        ----------
-        samples : sequence of AxesSample
-            Consecutive ones.
-        estimates : sequence of AxesEstimates
-            Of the same samples.
-
-        """
-        self._samples += samples
-        self._estimates += estimates
-        self.room -= len(samples)
+        self.samples: list[AxesSample] = []
+        self.estimates: list[AxesEstimates] = []
 
     def most(self, axis: str) -> tuple[float, float]:
         """
@@ -119,7 +104,7 @@ class EvidenceWindow:
 
         """
         place = self._axes.index(axis)
-        pending = [axes[place] for axes in self._samples]
+        pending = [axes[place] for axes in self.samples]
         return (max([self._travel[axis][1], *(sample[1] for sample in pending)]),
                 max([self._pressing[axis], *(-sample[3] for sample in pending)]))
 
@@ -133,12 +118,12 @@ class EvidenceWindow:
             Stamp of its last sample [ns].
 
         """
-        count = len(self._samples)
+        count = len(self.samples)
         for place, axis in enumerate(self._axes):
             table = np.empty((5, count))  # stamp, position, rate, force, whether in contact
-            numbers = chain.from_iterable([axes[place] for axes in self._samples])
+            numbers = chain.from_iterable([axes[place] for axes in self.samples])
             table[:4] = np.fromiter(numbers, float, 4 * count).reshape(count, 4).T
-            table[4] = [axes[place][7] is not _FREE for axes in self._estimates]
+            table[4] = [axes[place][7] is not _FREE for axes in self.estimates]
             low, high = self._travel[axis]
             x = table[1]
             self._travel[axis] = min(low, float(x.min())), max(high, float(x.max()))

@@ -52,8 +52,7 @@ class InputChecks:
     """
     Let `CHECKS` judge the evidence, and withhold estimates that they invalidate.
 
-    Judgements fall at fixed counts of samples, so that they do not depend on how the samples are
-    cut into runs.
+    Judgements fall at fixed counts of samples.
 
     Parameters
     ----------
@@ -107,33 +106,34 @@ class InputChecks:
         elif parameters.sample_rate != old.sample_rate:
             self.restart()
 
-    def room(self) -> int:
-        """Return the number of samples up to the next judgement; a run must end there."""
-        return 1 if self._due else self._window.room
-
-    def add(self, samples: Sequence[AxesSample], estimates: Sequence[AxesEstimates]) -> None:
+    def add(self, axes: AxesSample, estimates: AxesEstimates) -> None:
         """
-        Add processed samples, at most `room()`.
+        Add a processed sample.
 
         Parameters
         ----------
-        samples : sequence of AxesSample
-            Consecutive ones.
-        estimates : sequence of AxesEstimates
-            Of the same samples.
+        axes : AxesSample
+            Of every axis.
+        estimates : AxesEstimates
+            After it.
 
         """
-        self._window.add(samples, estimates)
+        window = self._window
+        window.samples.append(axes)
+        window.estimates.append(estimates)
         if self._due:
             self._judge(*self._due.popleft())
-        elif not self._window.room:
-            self._stamp_ns = samples[-1][0].stamp_ns
-            self._window.close_block(self._stamp_ns)
-            for axis, pipeline in self._pipelines.items():
-                seen = self._window.evidence(axis, self._p, pipeline)
-                self._due.extend(
-                    (seen, CHECKS[first:first + _JUDGED_TOGETHER])
-                    for first in range(0, len(CHECKS), _JUDGED_TOGETHER))
+        elif len(window.samples) >= window.block:
+            self._begin_judgement(axes[0].stamp_ns)
+
+    def _begin_judgement(self, stamp_ns: int) -> None:
+        self._stamp_ns = stamp_ns
+        self._window.close_block(stamp_ns)
+        for axis, pipeline in self._pipelines.items():
+            seen = self._window.evidence(axis, self._p, pipeline)
+            self._due.extend(
+                (seen, CHECKS[first:first + _JUDGED_TOGETHER])
+                for first in range(0, len(CHECKS), _JUDGED_TOGETHER))
 
     def warnings(self) -> list[Warned]:
         """Return the active warnings, the most important first."""
