@@ -221,6 +221,7 @@ class GatedRows:
         """Start afresh with the next sample."""
         self._filter.reset()
         self._tail_left = 0
+        self._left = True  # the relations know no sample
         # The second and third build the columns of K_e and x_e where known physics bend them.
         self._relation, *self._columns = (self._relation_class(self._T) for _ in range(3))
 
@@ -259,15 +260,18 @@ class GatedRows:
 
     def _filtered(self, row: Row | None) -> Row | None:
         self._tail_left = self._tail
-        filtered = self._filter.process((row or _ZEROS,))[0]
+        self._left = False
+        filtered = self._filter.take(row or _ZEROS)
         return filtered if row else None  # the relation may wait for consecutive samples
 
     def leave(self) -> None:
         """Filter the zeros of a sample out of contact, until the response has decayed."""
-        for relation in (self._relation, *self._columns):
-            relation.leave()
+        if not self._left:
+            self._left = True
+            for relation in (self._relation, *self._columns):
+                relation.leave()
         if self._tail_left:
-            self._filter.process((_ZEROS,))
+            self._filter.take(_ZEROS)
             self._tail_left -= 1
             if not self._tail_left:
                 self._filter.reset()
