@@ -204,6 +204,18 @@ def test_warnings_do_not_depend_on_how_samples_are_cut_into_runs() -> None:
     assert session.checks.found == one_by_one.checks.found
 
 
+def test_location_in_a_batch_is_the_one_known_at_its_sample() -> None:
+    shifted = [at(0.001)(sample) for sample in HEALTHY]
+    one_by_one, expected = fed(shifted)
+    session = ContactSession(EstimationParameters(), generate_reference=False)
+    table = np.array(shifted)
+    estimates = session.add_pairs(
+        table[:, 0].astype(np.int64) + 1000 * MILLISECOND, [table[:, 3]], [table[:, 1]],
+        [table[:, 2]])
+    assert abs(one_by_one.pipeline.location_shift - 0.001) < 2e-4
+    assert repr(estimates) == repr(expected)
+
+
 def test_healthy_samples_give_no_warning() -> None:
     for samples in (HEALTHY, SOFT, HEALTHY[300:]):
         names = {warned.name for warned in fed(samples)[0].checks.warnings()}
