@@ -215,6 +215,7 @@ class GatedRows:
                          self._filter.noise_gain(w.rate) / self._T**2)
             for w in relation.weightings
         }
+        self._weighting, self._present_gain = next(iter(self._gains.items()))
         self.restart()
 
     def restart(self) -> None:
@@ -243,7 +244,7 @@ class GatedRows:
 
         """
         row = self._relation.row(dt, delta, velocity, pressing)
-        return self._filtered(row), self._gains[self._relation.weighting]
+        return self._filtered(row), self._gain()
 
     def compensated(self, dt: float, now: CompensatedSample) -> tuple[Row | None, NoiseGain]:
         """Return a row as `in_contact`, columns of K_e and x_e weighted over time as the force."""
@@ -256,7 +257,13 @@ class GatedRows:
             row = row[0], K[0], row[2], c[0], row[4]
         else:
             row = None
-        return self._filtered(row), self._gains[relation.weighting]
+        return self._filtered(row), self._gain()
+
+    def _gain(self) -> NoiseGain:
+        weighting = self._relation.weighting
+        if weighting is not self._weighting:  # nested tuples take long to look up
+            self._weighting, self._present_gain = weighting, self._gains[weighting]
+        return self._present_gain
 
     def _filtered(self, row: Row | None) -> Row | None:
         self._tail_left = self._tail
