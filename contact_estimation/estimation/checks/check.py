@@ -25,6 +25,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from .robust_statistics import loaded_correlation, median_of, spread_of
 from ..parameters import EstimationParameters
 
 Array = NDArray[np.float64]
@@ -32,8 +33,6 @@ Array = NDArray[np.float64]
 CLEAR = 8.0
 """Spread of a force, in standard deviations of its noise, that is clearly no noise."""
 
-
-_LOADED = 4.0  # standard deviations
 _MEDIAN = 0.6745  # of the size of a normal variable of variance 1
 _BELOW_95_PERCENT = 0.759  # mean of the lower 95 % of its squares
 _NOTHING = np.zeros(0)
@@ -241,83 +240,3 @@ class Check(ABC):
             '' where all is well, None where the evidence does not tell: the last text stays.
 
         """
-
-
-def loaded_correlation(x: Array, force: Array, noise: float) -> float:
-    """
-    Return the correlation of force and position over the positions at which there is a force.
-
-    Free flight before a contact would hide it.
-
-    Parameters
-    ----------
-    x, force : ndarray, shape (N,)
-        Position [m] and force [N].
-    noise : float
-        Standard deviation of the force [N].
-
-    """
-    away = np.abs(force - np.mean(force[:max(1, len(force) // 10)]))
-    loaded = away > _LOADED * noise
-    if not loaded.any():
-        return 0.0
-    near = (x >= x[loaded].min()) & (x <= x[loaded].max())
-    return correlation(x[near], force[near])
-
-
-def spread_of(values: Array) -> float:
-    """
-    Return the range of values without their outermost 2 %.
-
-    Parameters
-    ----------
-    values : ndarray, shape (N,)
-        Any unit, N > 0.
-
-    """
-    low, high = extremes(values)
-    return high - low
-
-
-def median_of(values: Array) -> float:
-    """
-    Return the middle value, the upper one of two; several times as fast as np.median.
-
-    Parameters
-    ----------
-    values : ndarray, shape (N,)
-        Any unit, N > 0.
-
-    """
-    middle = len(values) // 2
-    return float(np.partition(values, middle)[middle])
-
-
-def extremes(values: Array) -> tuple[float, float]:
-    """
-    Return the least and the greatest value without the outermost 2 %.
-
-    Parameters
-    ----------
-    values : ndarray, shape (N,)
-        Any unit, N > 0.
-
-    """
-    out = int(0.02 * len(values))
-    ordered = np.sort(values)  # several times as fast as np.quantile
-    return float(ordered[out]), float(ordered[len(values) - 1 - out])
-
-
-def correlation(a: Array, b: Array) -> float:
-    """
-    Return the correlation of two signals; 0 where one is constant.
-
-    Parameters
-    ----------
-    a, b : ndarray, shape (N,)
-        Any units.
-
-    """
-    a, b = a - np.mean(a), b - np.mean(b)
-    size = float(np.sqrt((a @ a) * (b @ b)))
-    return float(a @ b) / size if size > 0.0 else 0.0

@@ -18,7 +18,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from .check import Check, CLEAR, Evidence, median_of
+from .check import Check, CLEAR, Evidence
+from .robust_statistics import median_of
 
 _FEWEST_PER_CUTOFF = 2.0  # sampling theorem
 _SLOWER = 0.9  # than the wrench
