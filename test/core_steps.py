@@ -50,7 +50,7 @@ def learn(
 
 def filtered(bank: Any, rows: Sequence[Sequence[float]]) -> list[Sequence[float]]:
     """Pass rows through a filter bank, one at a time."""
-    return [bank.process([row])[0] for row in rows]
+    return [bank.take(row) for row in rows]
 
 
 def judged(

@@ -54,7 +54,7 @@ def test_residual_variance_is_that_of_the_batch_fit(with_location: bool) -> None
 @pytest.mark.parametrize('cutoff', [20.0, 50.0, 100.0])
 def test_residual_of_filtered_rows_gives_the_noise_before_the_filter(cutoff: float) -> None:
     bank = ButterworthBank(5, cutoff, 500.0)
-    rows = np.array(bank.process(rows_of(50_000).tolist()))[500:]
+    rows = np.array([bank.take(row) for row in rows_of(50_000).tolist()])[500:]
     effective = len(rows) * bank.noise_gain()
     assert residual_variance(rows.T @ rows, effective, False) == pytest.approx(
         SIGMA**2, rel=0.05
@@ -79,7 +79,7 @@ def test_noise_gain_is_the_share_of_white_noise_that_passes(
 ) -> None:
     noise = np.convolve(np.random.default_rng(4).standard_normal(200_000), weights)
     bank = ButterworthBank(1, cutoff, 500.0)
-    passed = np.var(np.array(bank.process(noise[:, None].tolist())))
+    passed = np.var(np.array([bank.take(row) for row in noise[:, None].tolist()]))
     assert bank.noise_gain(weights) == pytest.approx(passed, rel=0.03)
 
 

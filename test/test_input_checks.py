@@ -218,6 +218,18 @@ def test_warnings_do_not_depend_on_how_samples_are_cut_into_runs() -> None:
     assert session.checks.found == one_by_one.checks.found
 
 
+def test_location_in_a_batch_is_the_one_known_at_its_sample() -> None:
+    shifted = [at(0.001)(sample) for sample in HEALTHY]
+    one_by_one, expected = fed(shifted)
+    session = ContactSession(EstimationParameters(), generate_reference=False)
+    table = np.array(shifted)
+    estimates = session.add_pairs(
+        table[:, 0].astype(np.int64) + 1000 * MILLISECOND, [table[:, 3]], [table[:, 1]],
+        [table[:, 2]])
+    assert abs(one_by_one.pipeline.location_shift - 0.001) < 2e-4
+    assert repr(estimates) == repr(expected)
+
+
 def test_healthy_samples_give_no_warning() -> None:
     for samples in (HEALTHY, SOFT, HEALTHY[300:]):
         names = {warned.name for warned in fed(samples)[0].checks.warnings()}
@@ -244,6 +256,33 @@ def test_slow_joint_states_are_named() -> None:
         session.add_wrench(stamp, F)
     assert headline(session)[0] == 'joint_rate'
     assert 'come at 50 Hz' in headline(session)[1]
+
+
+def test_joint_states_after_a_clock_jump_are_not_slow() -> None:
+    samples = contact_samples(2.0, K_E, B_E)[:900]  # ends within a block
+    session = ContactSession(EstimationParameters(), generate_reference=False)
+    for begin_s in (10, 1):
+        for stamp, x, v, F in samples:
+            session.add_motion(stamp + begin_s * 10**9, x, v)
+            session.add_wrench(stamp + begin_s * 10**9, F)
+    assert session.time_jumps == 1
+    assert 'joint_rate' not in {found.warned.name for found in session.checks.found_in_order()}
+
+
+def test_checks_are_judged_a_few_at_a_time() -> None:
+    session, _ = fed(HEALTHY[:250])
+    judged: list[int] = []
+    judge = session.checks._judge
+
+    def noted(seen: Any, checks: Any) -> None:
+        judged.append(len(checks))
+        judge(seen, checks)
+
+    setattr(session.checks, '_judge', noted)
+    for stamp, x, v, F in HEALTHY[250:300]:
+        session.add_motion(stamp + 1000 * MILLISECOND, x, v)
+        session.add_wrench(stamp + 1000 * MILLISECOND, F)
+    assert sum(judged) == len(CHECKS) and max(judged) <= 3
 
 
 def test_noise_far_above_the_configured_one_is_named() -> None:

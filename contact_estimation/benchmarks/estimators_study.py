@@ -16,9 +16,9 @@
 Compare all estimators, and peers of other packages, in worlds that nobody tuned them for.
 
 Walls of 300 to 1e5 N/m, force sensors with one or two poles at 100 to 300 Hz, stamps off by
-0.1 ms, quantised positions, lost samples. The study measures errors, whether the published deviations
-hold, and the time to converge on a wall that is new or changes. What the deviations take from a
-prior is drawn from it: the lag of the force, and x_e where it is not said to be exact.
+0.1 ms, quantised positions, lost samples. The study measures errors, whether the published
+deviations hold, and the time to converge on a wall that is new or changes. What the deviations
+take from a prior is drawn from it: the lag of the force, and x_e where it is not said to be exact.
 """
 
 from __future__ import annotations

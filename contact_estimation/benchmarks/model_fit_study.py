@@ -43,7 +43,6 @@ LEVEL = 5.0
 
 _IN_TIME_S = 2.0
 _HEALTHY_HOLD_S = 20.0
-_RUN = 200  # samples a call
 _STRATA = 40  # of the stiffness
 _SLOW = 4e-4  # speed below which friction is smaller [m/s]
 _WALL_HZ = 0.7
@@ -272,11 +271,11 @@ def _healthy_row(name: str, hours: float, seed: int) -> dict[str, Any]:
         world = make_world(scenario, index % _STRATA, _STRATA, seed + index // _STRATA)
         conditioner = Conditioner(p.contact, p.conditioning, RATE, estimator.relation)
         monitor, samples = ModelFitMonitor(RATE), world.samples
-        for begin in range(0, len(samples), _RUN):
-            run = samples[begin:begin + _RUN]
-            conditioned = conditioner.process(run)
-            ratios = monitor.add(run, conditioned, estimator, p.contact.position_noise)
-            greatest = max(greatest, *ratios)
+        for sample in samples:
+            dt, _, touching, variance, row, gain, _ = conditioner.take(sample)
+            ratio = monitor.take(sample, dt, touching, variance, row, gain, estimator,
+                                 p.contact.position_noise)
+            greatest = max(greatest, ratio)
         seconds, index = seconds + float(world.t[-1]), index + 1
         alarms += monitor.count
         progress.show(seconds / (3600.0 * hours), f'{alarms} alarms')

@@ -33,7 +33,6 @@ from ..parameters.values import changed
 
 Flags = NDArray[np.bool_]
 
-_RUN = 250  # samples a call
 _SETTLED_S = 1.0  # after a touch-down, from which the band must hold
 _AFTER_CHANGE_S = 2.0  # after a change of the wall, likewise
 _BEFORE_END_S = 0.05  # of a contact: the wall is being left
@@ -102,11 +101,8 @@ def _traced_by(changes: Mapping[str, Any]) -> Callable[[World], Trace]:
         parameters = changed(EstimationParameters(), {
             'sample_rate': RATE, **(_EXACT if world.scenario.exact_location else {}), **changes})
         pipeline = EstimationPipeline(parameters)
-        values = []
-        for begin in range(0, len(world.samples), _RUN):
-            estimates = pipeline.process(world.samples[begin:begin + _RUN])
-            values += [(e.stiffness, e.damping, e.stiffness_std, e.damping_std)
-                       for e in estimates]
+        values = [(e.stiffness, e.damping, e.stiffness_std, e.damping_std)
+                  for e in pipeline.process(world.samples)]
         columns = np.array(values).T
         return columns[0], columns[1], columns[2], columns[3]
 

@@ -22,7 +22,6 @@ from typing import Any, Callable, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import savgol_filter
 
 from .arm import described_in_file, kinematics_of, kinematics_of_frames
 from .arm_frames import ArmFrames
@@ -44,6 +43,7 @@ from ..recordings.recorded_signals import (
 )
 from ..recordings.source import RecordingSource
 from ..signals.joint_merging import JointMerger
+from ..signals.smoothing import smoothed_rate
 
 Array = NDArray[np.float64]
 
@@ -208,11 +208,7 @@ def _acceleration(motion: Signal, stamps_ns: NDArray[np.int64]) -> Array:
     at = (stamps_ns - stamps_ns[0]) * 1e-9
     period = float(np.median(np.diff(at)))
     even = np.arange(0.0, at[-1] + period, period)
-    window = min(2 * max(2, round(0.5 * _SMOOTHED_S / period)) + 1, (len(even) - 1) | 1)
-    if window < 3:
-        return np.zeros(len(at))
-    smooth = savgol_filter(np.interp(even, t, v), window, 2, deriv=1, delta=period)
-    return np.interp(at, even, smooth)
+    return np.interp(at, even, smoothed_rate(np.interp(even, t, v), period, _SMOOTHED_S))
 
 
 def _interpolated(

@@ -17,7 +17,7 @@
 from __future__ import annotations
 
 from collections import deque
-from typing import Any, Sequence
+from typing import Any
 
 from .parameters import EstimationParameters
 from .result import AxesEstimates
@@ -69,23 +69,21 @@ class MatrixEstimation:
         if self._estimator:
             self._estimator.reset()
 
-    def process(self, run: Sequence[AxesSample], estimates: Sequence[AxesEstimates]) -> None:
+    def process(self, axes: AxesSample, estimates: AxesEstimates) -> None:
         """
-        Process consecutive samples; the contact axis decides on contact.
+        Process the next sample; the contact axis decides on contact.
 
         Parameters
         ----------
-        run : sequence of tuple of ContactSample
+        axes : tuple of ContactSample
             Samples of all axes.
-        estimates : sequence of tuple of Estimate
-            Of the same samples.
+        estimates : tuple of Estimate
+            Of the same sample.
 
         """
-        if not self.runs:
-            return
-        ordered = [tuple(axes[k] for k in self._order) for axes in run]
-        contact = [axes[0].status is not EstimateStatus.FREE for axes in estimates]
-        found = self._estimator.process(ordered, contact)
+        ordered = tuple(axes[k] for k in self._order)
+        contact = estimates[0].status is not EstimateStatus.FREE
+        found = self._estimator.process([ordered], [contact])
         self._new += found
         self.last = found[-1] if found else self.last
 

@@ -18,14 +18,13 @@ from __future__ import annotations
 
 from collections import deque
 from math import nan
-from typing import NamedTuple, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
 from .residual_smells import smell_of
 from .residual_structure import Array, fit, Window
 from ..estimators.estimator import OnlineEstimator
-from ..signals.conditioning import Conditioned
 from ..signals.contact_sample import ContactSample
 from ..signals.relations import NoiseGain, Row
 
@@ -68,8 +67,7 @@ class ModelFitMonitor:
     """
     Compare the residual of the estimator's model with the noise, over 2 s of contact.
 
-    The edges of a contact are left out: there the dynamics of the force sensor dominate. The
-    judgement depends on the samples alone and not on how they are cut into runs.
+    The edges of a contact are left out: there the dynamics of the force sensor dominate.
 
     Parameters
     ----------
@@ -109,54 +107,23 @@ class ModelFitMonitor:
         self._contact_s = self._free_s = self._t = 0.0
         self._bad = 0
 
-    def add(
-        self, samples: Sequence[ContactSample], conditioned: Conditioned,
-        estimator: OnlineEstimator, position_noise: float,
-    ) -> list[float]:
-        """
-        Add a run of samples.
-
-        Parameters
-        ----------
-        samples : sequence of ContactSample
-            The run.
-        conditioned : Conditioned
-            Of the same samples.
-        estimator : OnlineEstimator
-            Whose model is judged.
-        position_noise : float
-            Standard deviation of the position [m].
-
-        Returns
-        -------
-        ratios : list of float
-            `ModelFit.ratio` after each sample.
-
-        """
-        dts, _, contact, variances, rows, gains, _ = conditioned
-        if not (self._t or any(contact)):
-            return [self.now.ratio] * len(samples)
-        return [
-            self.take(sample, dt, touching, variance, row, gain, estimator, position_noise)
-            for sample, dt, touching, variance, row, gain
-            in zip(samples, dts, contact, variances, rows, gains)
-        ]
-
     def take(
         self, sample: ContactSample, dt: float, touching: bool, noise_variance: float,
         row: Row | None, gain: NoiseGain, estimator: OnlineEstimator, position_noise: float,
     ) -> float:
         """
-        Take one sample, as `add` does many.
+        Take the next sample.
 
         Parameters
         ----------
         sample : ContactSample
             The sample.
         dt, touching, noise_variance, row, gain
-            Of `Conditioned`.
-        estimator, position_noise
-            As for `add`.
+            As of `Conditioner.take`.
+        estimator : OnlineEstimator
+            Whose model is judged.
+        position_noise : float
+            Standard deviation of the position [m].
 
         Returns
         -------
@@ -203,7 +170,8 @@ class ModelFitMonitor:
         position_noise: float,
     ) -> None:
         count = self._block * _COLUMNS
-        table = np.array(self._pending[:count]).reshape(-1, _COLUMNS)
+        # One column after the other: the arithmetic runs along them.
+        table = np.array(self._pending[:count]).reshape(-1, _COLUMNS).T.copy()
         del self._pending[:count]
         self._past.append(table)
         if len(self._past) * self._block < _LEAST_ROWS:
@@ -223,9 +191,9 @@ class ModelFitMonitor:
 
     def _window(self, estimator: OnlineEstimator, position_noise: float) -> Window:
         """Return the window with the columns of the estimator."""
-        table = np.concatenate(self._past)
-        rows = table[:, _ROW]
+        table = np.concatenate(self._past, axis=1)
+        rows = table[_ROW].T
         return Window(
-            table[:, 0], rows, estimator.columns_of(rows), table[:, _RAW], table[:, _GAINS],
+            table[0], rows, estimator.columns_of(rows), table[_RAW].T, table[_GAINS].T,
             max(estimator.location_std or 0.0, position_noise),
         )

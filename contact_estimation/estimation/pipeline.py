@@ -17,31 +17,31 @@
 from __future__ import annotations
 
 import math
-from math import isnan, nan
-from typing import Sequence
+from math import nan
+from typing import Iterable
 
 from .checks.touch_down import TouchDown
 from .model_fit import ModelFitMonitor
 from .parameters import EstimationParameters
 from .supervised_estimator import SupervisedEstimator
 from .surface_search import REACH
-from ..estimators.estimator import Estimate, EstimateStatus, OnlineEstimator, ParameterEstimate
+from ..estimators.estimator import Estimate, EstimateStatus, OnlineEstimator
 from ..estimators.excitation_monitor import ExcitationMonitor
 from ..physics import effects_that_are_on
 from ..physics.compensation import Compensation
 from ..reference.setpoints import Reference
-from ..signals.conditioning import Conditioned, Conditioner
+from ..signals.conditioning import Conditioner
 from ..signals.contact_sample import ContactSample
 
 NO_REFERENCE = Reference(nan, nan, nan)
+_FREE, _FROZEN = EstimateStatus.FREE, EstimateStatus.FROZEN  # an enumeration takes long
 
 
 class EstimationPipeline:
     """
     Condition the samples of one axis, detect contact, update the estimate.
 
-    Deterministic: the estimates depend on the samples, their stamps and the parameters alone,
-    and not on how the samples are cut into runs.
+    Deterministic: the estimates depend on the samples, their stamps and the parameters alone.
 
     Parameters
     ----------
@@ -250,105 +250,49 @@ class EstimationPipeline:
     # -- samples ----------------------------------------------------------------------------
 
     def process(
-        self, samples: Sequence[ContactSample], reference: Reference = NO_REFERENCE
+        self, samples: Iterable[ContactSample], reference: Reference = NO_REFERENCE
     ) -> list[Estimate]:
+        """Take consecutive samples, one after the other; see `take`."""
+        return [self.take(sample, reference) for sample in samples]
+
+    def take(self, sample: ContactSample, reference: Reference = NO_REFERENCE) -> Estimate:
         """
-        Process consecutive samples.
+        Process the next sample.
 
         Parameters
         ----------
-        samples : sequence of ContactSample
-            With increasing stamps after the last one, and finite position and force.
+        sample : ContactSample
+            Stamped after the last one, with finite position and force.
         reference : Reference
-            What the robot follows during all of them; needed where the estimator follows it.
+            What the robot follows then; needed where the estimator follows it.
 
         Returns
         -------
-        estimates : list of Estimate
-            One a sample.
+        estimate : Estimate
+            After the sample.
 
         """
-        if len(samples) == 1 or isnan(self.location):  # it may be taken at any of them
-            return [self._process_one(sample, reference) for sample in samples]
-        conditioned = self._conditioner.process(samples)
-        withheld = self._withheld(samples, conditioned)
-        if withheld:
-            rows = [None if reason else row for reason, row in zip(withheld, conditioned.rows)]
-            conditioned = conditioned._replace(rows=rows)
-        if self._observes:
-            for sample, dt, v in zip(samples, conditioned.dts, conditioned.velocities):
-                self._observe(sample, dt, v, reference)
-        states = self._supervised.process(conditioned)
-        fits = self.model_fit.add(
-            samples, conditioned, self._supervised.estimator, self._position_noise)
-        estimates = [
-            self._estimate(sample[0], *state, moved, fit) for sample, state, moved, fit
-            in zip(samples, states, conditioned.shifts, fits)
-        ]
-        if not withheld:
-            return estimates
-        return [_without_deviations(estimate, reason) if reason else estimate
-                for estimate, reason in zip(estimates, withheld)]
-
-    def _withheld(
-        self, samples: Sequence[ContactSample], conditioned: Conditioned
-    ) -> list[str] | None:
-        """Return why the estimate of each sample is withheld; None: none is."""
-        surface = self.location
-        depths = [sample[1] - surface - moved
-                  for sample, moved in zip(samples, conditioned.shifts)]
-        return self._reasons(
-            samples, conditioned.dts, conditioned.contact, depths, conditioned.variances[0])
-
-    def _reasons(
-        self, samples: Sequence[ContactSample], dts: Sequence[float], contact: Sequence[bool],
-        depths: Sequence[float], variance: float,
-    ) -> list[str] | None:
-        touch_down = self.touch_down
-        if not self.invalid and touch_down.pass_over(dts, contact, depths[-1]):
-            return None
-        reasons = touch_down.add(
-            samples, dts, contact, depths, self.bias, self.location_margin, variance)
-        return [self.invalid] * len(samples) if self.invalid else reasons
-
-    def _process_one(self, sample: ContactSample, reference: Reference) -> Estimate:
-        """Process a sample as it comes, live, without lists in between."""
-        dt, v, touching, variance, row, gain, moved = self._conditioner.take(sample)
-        depth = sample[1] - self._conditioner.location - moved
-        reasons = self._reasons((sample,), (dt,), (touching,), (depth,), variance)
-        if reasons:
-            row = None
-        if self._observes:
-            self._observe(sample, dt, v, reference)
+        conditioner, touch_down = self._conditioner, self.touch_down
         supervised = self._supervised
-        state = supervised.take(dt, touching, variance, row, gain)
+        dt, v, touching, variance, row, gain, moved = conditioner.take(sample)
+        reason = touch_down.take(
+            sample, dt, touching, sample[1] - conditioner.location - moved, conditioner.bias,
+            conditioner.location_margin, variance)
+        withheld = self.invalid or reason
+        if withheld:
+            row = None
+        if self._observes and reference[0] == reference[0]:
+            supervised.estimator.observe(
+                dt, sample[1], v, sample[3] - conditioner.bias, reference)
+        (K, B, K_std, B_std, shift, M), status, reason = supervised.take(
+            dt, touching, variance, row, gain)
         fit = self.model_fit.take(
             sample, dt, touching, variance, row, gain, supervised.estimator,
             self._position_noise)
-        estimate = self._estimate(sample[0], *state, moved, fit)
-        if self.touch_down.found is not None:
-            self._take_location(*self.touch_down.found)
-        return _without_deviations(estimate, reasons[0]) if reasons else estimate
-
-    def _estimate(
-        self, stamp_ns: int, estimate: ParameterEstimate, status: EstimateStatus, reason: str,
-        moved: float, fit: float,
-    ) -> Estimate:
-        K, B, K_std, B_std, shift, M = estimate
-        location = self._conditioner.location + self._supervised.shift + moved + shift
-        return Estimate(stamp_ns, K, B, K_std, B_std, location, M, status, reason, fit)
-
-    def _observe(
-        self, sample: ContactSample, dt: float, velocity: float, reference: Reference
-    ) -> None:
-        if reference.position == reference.position:
-            self.estimator.observe(
-                dt, sample.position, velocity, sample.force - self._conditioner.bias, reference)
-
-
-def _without_deviations(estimate: Estimate, reason: str) -> Estimate:
-    """Return an estimate that is not confident, for a reason."""
-    status = estimate.status
-    if status is not EstimateStatus.FREE:
-        status = EstimateStatus.FROZEN
-    return estimate._replace(stiffness_std=nan, damping_std=nan, status=status, reason=reason)
+        location = conditioner.location + supervised.shift + moved + shift
+        if touch_down.found is not None:
+            self._take_location(*touch_down.found)
+        if withheld:
+            K_std = B_std = nan
+            status, reason = _FREE if status is _FREE else _FROZEN, withheld
+        return Estimate(sample[0], K, B, K_std, B_std, location, M, status, reason, fit)

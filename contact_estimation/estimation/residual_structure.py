@@ -142,7 +142,7 @@ def _residual(window: Window, K: float, B: float) -> Array:
     # The true B_e is at most B + K tau. A force that is early makes the mass positive.
     limits = {own + 1: (-(B + K * tau) * tau, K * tau**2 + B * EARLIEST_FORCE_S),
               own + 2: (-off, off)}
-    y, columns = window.rows[:, 0], np.empty((len(window.t), own + 3))
+    y, columns = window.rows[:, 0], np.empty((own + 3, len(window.t))).T
     columns[:, 0], columns[:, 1:own + 1] = y, window.fitted
     columns[:, own + 1], columns[:, own + 2] = window.acceleration, window.rows[:, 3]
     products = columns.T @ columns

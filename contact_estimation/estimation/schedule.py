@@ -16,12 +16,10 @@
 
 from __future__ import annotations
 
-import bisect
 from collections import deque
-from typing import Callable, NamedTuple, Sequence
+from typing import Callable, NamedTuple
 
 from ..reference.setpoints import Reference
-from ..signals.contact_sample import AxesSample
 
 
 class Moment(NamedTuple):
@@ -79,29 +77,3 @@ class Schedule:
         while self.references and self.references[0][0] <= now:
             newest = self.references.popleft()[1]
         return newest
-
-    def next_change(self, samples: Sequence[AxesSample], begin: int, jumps: int) -> int:
-        """
-        Return the index of the first sample that the next action or reference affects.
-
-        Parameters
-        ----------
-        samples : sequence of AxesSample
-            In the order of their stamps.
-        begin : int
-            Index of a sample for which all that is due has been applied.
-        jumps : int
-            Number of backward clock jumps so far.
-
-        Returns
-        -------
-        end : int
-            Greater than `begin`.
-
-        """
-        if self.references:
-            return begin + 1
-        if not self.actions or self.actions[0][0].jumps > jumps:
-            return len(samples)
-        after_ns = self.actions[0][0].stamp_ns
-        return bisect.bisect_right(samples, after_ns, begin, key=lambda axes: axes[0].stamp_ns)

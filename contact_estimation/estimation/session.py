@@ -17,7 +17,6 @@
 from __future__ import annotations
 
 from collections import Counter
-from itertools import repeat
 from math import nan
 from typing import Any, Callable, Mapping, Sequence
 
@@ -25,10 +24,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .arm import described_in_file, kinematics_of, NO_DESCRIPTION, NO_TRANSFORMS
-from .checks.input_checks import InputChecks
-from .matrix_estimation import MatrixEstimation
+from .axes_estimation import AxesEstimation
 from .parameters import EstimationParameters
-from .pipeline import EstimationPipeline, NO_REFERENCE
 from .reference_stream import ReferenceStream
 from .result import AxesEstimates, Result
 from .schedule import Moment, Schedule
@@ -43,7 +40,7 @@ _BEFORE_ANY = -(2**63)
 
 class ContactSession:
     """
-    One synchroniser, a pipeline for each axis, and the reference generator.
+    One synchroniser, the estimation of all axes, and the reference generator.
 
     All axes share their stamps: forces come in one wrench, positions in one joint state. Each is
     estimated by eq. (3) independently of the others. Live and recorded data pass the same code.
@@ -86,12 +83,9 @@ class ContactSession:
         self, parameters: EstimationParameters, generate_reference: bool = True
     ) -> None:
         self.parameters = parameters
-        self.pipelines = {
-            axis: EstimationPipeline(parameters.of_axis(axis)) for axis in parameters.joints
-        }
-        self._pipelines = list(self.pipelines.values())
-        self.pipeline = self._pipelines[0]
-        self.checks = InputChecks(parameters, self.pipelines)
+        self._axes = AxesEstimation(parameters)
+        self.pipelines, self.checks = self._axes.pipelines, self._axes.checks
+        self.pipeline, self.matrix = self.pipelines[parameters.axis], self._axes.matrix
         self.rejection_texts: dict[str, str] = {}
         self.notices: dict[str, str] = {}
         self.last_stamp_ns, self.last_position, self.last_force = _BEFORE_ANY, nan, nan
@@ -106,9 +100,7 @@ class ContactSession:
             self.describe(described_in_file(parameters))
         self._generates = generate_reference
         self.stream = ReferenceStream(parameters, self._synchroniser.rejected)
-        self.matrix = MatrixEstimation(parameters)
         self._schedule = Schedule()
-        self._follow(NO_REFERENCE)
         self._follows_reference = self.pipeline.estimator.follows_reference
         self._jumps = 0
 
@@ -238,12 +230,12 @@ class ContactSession:
         if samples is None:
             return None
         self.checks.joint_stamps.extend(stamps_ns.tolist())
-        estimates: list[AxesEstimates] = []
-        while len(estimates) < len(samples):
-            begin = len(estimates)
-            self._apply_due(samples[begin][0].stamp_ns)
-            end = self._schedule.next_change(samples, begin, self._jumps)
-            estimates += self._estimate(samples[begin:end])
+        estimates = []
+        schedule = self._schedule
+        for axes in samples:
+            if schedule.references or schedule.actions:
+                self._apply_due(axes[0].stamp_ns)
+            estimates.append(self._estimate(axes))
         return estimates
 
     def count_rejected(self, reason: str, text: str = '') -> None:
@@ -260,7 +252,7 @@ class ContactSession:
             if schedule.references or schedule.actions:
                 self._apply_due(paired[0].stamp_ns)
             axes, state = self._along_normal(paired) if self.arm else (paired, None)
-            (estimates,) = self._estimate((axes,))
+            estimates = self._estimate(axes)
             reference_stamp_ns, reference = self.last_stamp_ns + self.stream.period_ns, None
             if self._generates:
                 reference = self.stream.step(axes[0], estimates[0])
@@ -278,38 +270,22 @@ class ContactSession:
             (sample.stamp_ns, *self.arm.components('xyz'.index(self.parameters.axis))))
         return (sample,), self.arm.state
 
-    def _estimate(self, run: Sequence[AxesSample]) -> list[AxesEstimates]:
-        """Estimate from samples between which no change takes effect."""
-        self.last_stamp_ns, self.last_position, _, self.last_force = run[-1][0]
-        estimates: list[AxesEstimates] = []
-        for part in self.checks.parts(run):
-            columns = map(
-                EstimationPipeline.process, self._pipelines, zip(*part), self._followed)
-            done = list(zip(*columns))
-            self.checks.add(part, done)
-            estimates += done
-        if self.matrix.runs:
-            self.matrix.process(run, estimates)
-        return estimates
+    def _estimate(self, axes: AxesSample) -> AxesEstimates:
+        """Estimate from the next sample, for which all that is due has been applied."""
+        self.last_stamp_ns, self.last_position, _, self.last_force = axes[0]
+        return self._axes.estimate(axes)
 
     def _apply_due(self, stamp_ns: int) -> None:
         reference = self._schedule.apply_due(Moment(self._jumps, stamp_ns))
         if reference is not None:
-            self._follow(reference)
+            self._axes.follow(reference)
 
     def _restart_time(self) -> None:
         self._synchroniser.jumped = False
         self._jumps += 1
-        for pipeline in self._pipelines:
-            pipeline.restart_time()
-        self.checks.restart()
+        self._axes.restart_time()
         self.stream.restart()
-        self._follow(NO_REFERENCE)
         self.last_stamp_ns = _BEFORE_ANY
-
-    def _follow(self, reference: Reference) -> None:
-        """Set the reference in force: x_r is along the contact axis, the others have none."""
-        self._followed = (reference, *repeat(NO_REFERENCE, len(self._pipelines) - 1))
 
     # -- setpoints, references and events ---------------------------------------------------
 
@@ -353,11 +329,8 @@ class ContactSession:
 
         """
         parameters = changed(self.parameters, changes)
-        for axis, pipeline in self.pipelines.items():
-            pipeline.configure(parameters.of_axis(axis))
+        self._axes.configure(parameters)
         self.stream.configure(parameters)
-        self.matrix.configure(parameters)
-        self.checks.configure(parameters)
         self._synchroniser.configure(parameters.synchronisation)
         if self.arm is not None:
             self.arm.configure(parameters.tool)
@@ -366,10 +339,7 @@ class ContactSession:
 
     def reset(self) -> None:
         """Reset K_hat and B_hat to their initial values on every axis."""
-        self.matrix.reset()
-        for pipeline in self._pipelines:
-            pipeline.reset()
-        self.checks.reset()
+        self._axes.reset()
 
     def set_bias(self, bias: Mapping[str, float]) -> None:
         """Set the force by axis that is subtracted from the measured F_e [N], see `tare`."""
@@ -377,25 +347,8 @@ class ContactSession:
             self.pipelines[axis].set_bias(value)
 
     def tare(self) -> tuple[bool, str]:
-        """
-        Set the force bias to the mean force of the last moments of free flight.
-
-        Returns
-        -------
-        done : bool
-            False where an axis is in contact or has not been free long enough: friction of a
-            contact loads the other axes too, so all are tared or none.
-        message : str
-            The new bias, or the reason for refusal.
-
-        """
-        messages = {axis: p.tare_refusal() for axis, p in self.pipelines.items()}
-        done = not any(messages.values())
-        if done:
-            messages = {axis: p.tare()[1] for axis, p in self.pipelines.items()}
-        if len(messages) == 1:
-            return done, messages[self.parameters.axis]
-        return done, '; '.join(f'{axis}: {text}' for axis, text in messages.items() if text)
+        """Set the force bias of all axes, or of none; see `AxesEstimation.tare`."""
+        return self._axes.tare()
 
 
 def _arm_sample(

@@ -17,7 +17,6 @@
 from __future__ import annotations
 
 from math import isfinite
-from typing import Sequence
 
 from .parameters import EstimationParameters
 from .robot_compliance import of_the_wall
@@ -31,10 +30,11 @@ from ..estimators.estimator import (
     TimedRow,
 )
 from ..estimators.excitation_monitor import ExcitationMonitor
-from ..signals.conditioning import Conditioned, stretches
 from ..signals.relations import NoiseGain, Row
 
-_ESTIMATING = EstimateStatus.ESTIMATING  # an enumeration takes long to look up
+# An enumeration takes long to look up.
+_FREE, _ESTIMATING, _FROZEN = (
+    EstimateStatus.FREE, EstimateStatus.ESTIMATING, EstimateStatus.FROZEN)
 _FROZEN_REASONS = {
     Frozen(False, False): '',
     Frozen(False, True): 'damping frozen: weak excitation',
@@ -69,6 +69,7 @@ class SupervisedEstimator:
         self.estimator = self._new_estimator()
         self._supervision = Supervision(parameters, self.estimator)
         self._free_s = 0.0
+        self._kept: ParameterEstimate | None = None  # the estimate, as long as it stays
 
     def _set(self, parameters: EstimationParameters) -> None:
         self._p = parameters
@@ -101,16 +102,19 @@ class SupervisedEstimator:
             self.estimator.environment = parameters.environment
             self.estimator.configure(getattr(parameters.tuning, parameters.estimator))
         self._supervision.configure(parameters, self.estimator)
+        self._kept = None
 
     def reset(self) -> None:
         """Reset the estimate to its initial values, and excitation and noise with it."""
         self.estimator.reset()
         self._supervision = Supervision(self._p, self.estimator)
         self._free_s = 0.0
+        self._kept = None
 
     def take_location(self, std: float) -> None:
         """Use another location of the surface, with its standard deviation [m]."""
         self._supervision.take_location(std)
+        self._kept = None
 
     @property
     def monitor(self) -> ExcitationMonitor:
@@ -134,44 +138,16 @@ class SupervisedEstimator:
 
     # -- samples ----------------------------------------------------------------------------
 
-    def process(self, conditioned: Conditioned) -> list[State]:
-        """
-        Update the estimate with every sample that has a row.
-
-        Parameters
-        ----------
-        conditioned : Conditioned
-            Of a run of samples.
-
-        Returns
-        -------
-        states : list of (ParameterEstimate, EstimateStatus, str)
-            Estimate, status and reason after each sample.
-
-        """
-        dts, _, contact, variances, rows, gains, _ = conditioned
-        if None not in rows:
-            return self._update(dts, rows, gains, variances[0])
-        states: list[State] = []
-        for begin, end in stretches([row is not None for row in rows]):
-            if rows[begin] is None:
-                states += self._keep(dts[begin:end], contact[begin:end])
-            else:
-                states += self._update(
-                    dts[begin:end], rows[begin:end], gains[begin:end], variances[begin]
-                )
-        return states
-
     def take(
         self, dt: float, touching: bool, force_variance: float, row: Row | None, gain: NoiseGain
     ) -> State:
         """
-        Update the estimate with one sample, as `process` does with many.
+        Update the estimate with the next sample, where it has a row.
 
         Parameters
         ----------
         dt, touching, force_variance, row, gain
-            Of `Conditioned`.
+            As of `Conditioner.take`.
 
         Returns
         -------
@@ -180,76 +156,55 @@ class SupervisedEstimator:
 
         """
         if row is None:
-            return self._keep((dt,), (touching,))[0]
-        return self._update((dt,), (row,), (gain,), force_variance)[0]
-
-    def _keep(self, dts: Sequence[float], contact: Sequence[bool]) -> list[State]:
-        """Keep the estimate: out of contact, or while consecutive samples are lacking."""
-        self._free_s += sum(dt for dt, touching in zip(dts, contact) if not touching)
-        now = self._current()
-        free: State = now, EstimateStatus.FREE, ''
-        waiting: State = now, EstimateStatus.FROZEN, _WAITING
-        return [waiting if touching else free for touching in contact]
-
-    def _update(
-        self, dts: Sequence[float], rows: Sequence[Row | None], gains: Sequence[NoiseGain],
-        force_variance: float,
-    ) -> list[State]:
-        longest = self._longest
-        timed: list[TimedRow] = [
-            (dt if dt < longest else longest, row) for dt, row in zip(dts, rows) if row
-        ]
+            return self._keep(dt, touching)
         supervision = self._supervision
+        self._kept = None
         if self._free_s:
             if self._free_s >= _NEW_CONTACT_S:
                 supervision.touch_down()
                 supervision.touched_down = True
             self._free_s = 0.0
-        if len(timed) < supervision.wanted:  # the usual case
-            return self._update_part(timed, gains, force_variance)
-        states: list[State] = []
-        begin = 0
-        while begin < len(timed):
-            part = slice(begin, begin + supervision.wanted)
-            states += self._update_part(timed[part], gains[part], force_variance)
-            begin = part.stop
-            if supervision.wanted == 0:
-                supervision.complete_chunk(force_variance)
-        return states
+        state = self._update((dt if dt < self._longest else self._longest, row), gain,
+                             force_variance)
+        if supervision.wanted == 0:
+            supervision.complete_chunk(force_variance)
+        return state
 
-    def _update_part(
-        self, part: list[TimedRow], gains: Sequence[NoiseGain], force_variance: float
-    ) -> list[State]:
-        """Update with rows of one chunk, where the predicted force is above noise."""
+    def _keep(self, dt: float, touching: bool) -> State:
+        """Keep the estimate: out of contact, or while consecutive samples are lacking."""
+        kept = self._kept
+        if kept is None:
+            kept = self._current()
+            # What is observed out of contact may change an estimate.
+            self._kept = None if self.estimator.follows_reference else kept
+        if touching:
+            return kept, _FROZEN, _WAITING
+        self._free_s += dt
+        return kept, _FREE, ''
+
+    def _update(self, timed: TimedRow, gain: NoiseGain, force_variance: float) -> State:
+        """Update with a row, where the predicted force is above noise."""
         supervision, estimator = self._supervision, self.estimator
-        part = supervision.collect(part, gains)
+        rows = supervision.collect([timed], (gain,))
         frozen = supervision.frozen
-        reason = _FROZEN_REASONS[frozen]
         if frozen is ALL:
-            return [(self._current(), EstimateStatus.FROZEN, reason)] * len(part)
+            return self._current(), _FROZEN, _FROZEN_REASONS[ALL]
+        row, (K, B, floor) = rows[0][1], supervision.prediction
+        if not K * row[1] + B * row[2] > floor:
+            return self._current(), _FROZEN, _NOT_PREDICTED
+        supervision.errors.note_update(frozen)
         variance = supervision.noise.variance
-        if force_variance > variance:
-            variance = force_variance
-        K, B, floor = supervision.prediction
-        predicted = [K * row[1] + B * row[2] > floor for _, row in part]
-        states: list[State] = []
-        parts = stretches(predicted) if False in predicted else ((0, len(part)),)
-        for begin, end in parts:
-            if not predicted[begin]:
-                waits: State = self._current(), EstimateStatus.FROZEN, _NOT_PREDICTED
-                states += [waits] * (end - begin)
-                continue
-            supervision.errors.note_update(frozen)
-            for estimate in self._widen(estimator.update(part[begin:end], variance, frozen)):
-                states.append((estimate, _ESTIMATING, reason))
+        updated = estimator.update(
+            rows, variance if variance > force_variance else force_variance, frozen)
+        (estimate,) = self._widen(updated)
         if isfinite(estimator.stiffness) and isfinite(estimator.damping):
-            return states
-        return self._restarted(len(states))
+            return estimate, _ESTIMATING, _FROZEN_REASONS[frozen]
+        return self._restarted()
 
-    def _restarted(self, count: int) -> list[State]:
+    def _restarted(self) -> State:
         """Reset the estimator, whose estimate is not finite."""
         self.estimator.reset()
-        return [(self._current(), EstimateStatus.FROZEN, _NOT_FINITE)] * count
+        return self._current(), _FROZEN, _NOT_FINITE
 
     def _current(self) -> ParameterEstimate:
         return self._widen([self.estimator.current()])[0]

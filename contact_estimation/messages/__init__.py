@@ -14,16 +14,6 @@
 
 """CDR messages to plain readings and back, with explicit layouts and no message library."""
 
-from .decoding import (
-    decode_float64,
-    decode_string,
-    ForceTorqueDecoder,
-    JointStateDecoder,
-    SeveralJointsDecoder,
-    TrajectoryDecoder,
-    Vector3StampedDecoder,
-    WrenchDecoder,
-)
 from .diagnostics import decode_diagnostics, DiagnosticReading
 from .encoding import (
     encode_float64,
@@ -35,9 +25,12 @@ from .encoding import (
     Vector3StampedEncoder,
     WrenchEncoder,
 )
+from .joint_decoding import JointStateDecoder, SeveralJointsDecoder, TrajectoryDecoder
+from .plain_decoding import decode_float64, decode_string
 from .readings import FORCE_OF_AXIS, JointReading, TrajectoryReading, WrenchReading
 from .some_joints import SomeJointsDecoder
 from .transforms import StampedTransform, TransformsDecoder
+from .wrench_decoding import ForceTorqueDecoder, Vector3StampedDecoder, WrenchDecoder
 
 __all__ = [
     'DiagnosticReading',

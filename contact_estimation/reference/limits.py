@@ -89,6 +89,8 @@ def limited(
         position, velocity, acceleration = deepest, 0.0, 0.0
     before = last.position
     step, most = position - before, speed * dt if dt > 0.0 else 0.0
+    if velocity == 0.0 == acceleration and abs(step) <= most and position == target[0]:
+        return target  # at rest within all limits, the usual case
     if abs(step) > most:
         position = before + copysign(most, step)
         velocity, acceleration = copysign(speed, step), 0.0

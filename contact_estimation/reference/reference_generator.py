@@ -168,7 +168,9 @@ class ReferenceGenerator:
 
         """
         position, velocity, acceleration, force = desired
-        F_r_dot, F_r_ddot = self._differentiate(t, force)
+        F_r_dot = F_r_ddot = 0.0
+        if self._forces or isfinite(force):
+            F_r_dot, F_r_ddot = self._differentiate(t, force)
         compliance = LAWS[self._law] if contact and isfinite(force) else None
         if compliance is not None:
             mode, C = self._law, compliance(

@@ -81,7 +81,7 @@ class PaperAcquisition(Acquisition):
         last = self._last if self._last == self._last else position
         self._last = position
         row = force, position, (position - last) * self._rate
-        ((force, position, velocity),) = self._filter.process((row,))
+        force, position, velocity = self._filter.take(row)
         return min(0.0, force + self._friction), position, velocity
 
 

@@ -90,45 +90,32 @@ class ButterworthBank:
         response = lfilter(b, [1.0, self._a1, self._a2], impulse)
         return float(response @ response)
 
-    def process(self, rows: Sequence[Row]) -> list[Row]:
+    def take(self, row: Row) -> Row:
         """
-        Filter rows, one after the other.
+        Filter the next row.
 
         Parameters
         ----------
-        rows : sequence of sequence of float, each of length channels
-            The signals at successive instants.
+        row : sequence of float, of length channels
+            The signals at one instant.
 
         Returns
         -------
-        filtered : list of sequence of float
-            In the same order.
+        filtered : sequence of float
+            The same filtered.
 
         """
         if self._passes:
-            return list(rows)
+            return row
         b0, a1, a2, s1, s2 = self._b0, self._a1, self._a2, self._s1, self._s2
-        if len(rows) == 1:  # live, samples come one by one
-            row = []
-            for i, x in enumerate(rows[0]):
-                x *= b0
-                y = x + s1[i]
-                s1[i] = x + x - a1 * y + s2[i]
-                s2[i] = x - a2 * y
-                row.append(y)
-            return [row]
-        columns = []
-        for i, column in enumerate(zip(*rows)):  # transposed direct form II, channel by channel
-            p, q, filtered = s1[i], s2[i], []
-            for x in column:
-                x *= b0
-                y = x + p
-                p = x + x - a1 * y + q
-                q = x - a2 * y
-                filtered.append(y)
-            s1[i], s2[i] = p, q
-            columns.append(filtered)
-        return list(zip(*columns))
+        filtered = []
+        for i, x in enumerate(row):
+            x *= b0
+            y = x + s1[i]
+            s1[i] = x + x - a1 * y + s2[i]
+            s2[i] = x - a2 * y
+            filtered.append(y)
+        return filtered
 
 
 def check_cutoff(cutoff_frequency: float, sample_rate: float) -> None:

@@ -25,7 +25,6 @@ from __future__ import annotations
 from collections import deque
 from dataclasses import dataclass
 from math import nan
-from typing import Iterable, NamedTuple, Sequence
 
 from .butterworth import ButterworthBank
 from .compensated_sample import SampleCompensation
@@ -57,44 +56,11 @@ class ConditioningParameters(ParameterGroup):
     )
 
 
-class Conditioned(NamedTuple):
-    """
-    A run of conditioned samples, one entry a sample.
-
-    Attributes
-    ----------
-    dts : list of float
-        Time since the sample before [s].
-    velocities : list of float
-        Measured or estimated rate of x [m/s].
-    contact : list of bool
-        Whether the sample is in contact.
-    variances : list of float
-        Of the force noise, as known at the sample [N^2].
-    rows : list of row or None
-        (y, phi_K, phi_B, phi_c, ...) of samples in contact; None elsewhere, and where the
-        relation does not hold, or not yet.
-    gains : list of NoiseGain
-        How white noise enters the row.
-    shifts : list of float
-        Known displacement of the surface [m].
-
-    """
-
-    dts: list[float]
-    velocities: list[float]
-    contact: list[bool]
-    variances: list[float]
-    rows: list[Row | None]
-    gains: list[NoiseGain]
-    shifts: list[float]
-
-
 class Conditioner:
     """
     Velocity, compensation, contact detection, outliers, relation, gate and filter, in this order.
 
-    Causal, and independent of how the samples are cut into runs.
+    Causal.
 
     Parameters
     ----------
@@ -190,29 +156,11 @@ class Conditioner:
         self._free.clear()
         self.detector.level = 0.0
 
-    def process(self, samples: Sequence[ContactSample]) -> Conditioned:
-        """
-        Condition a run of samples.
-
-        Parameters
-        ----------
-        samples : sequence of ContactSample
-            In the order of their stamps.
-
-        Returns
-        -------
-        conditioned : Conditioned
-            One entry a sample.
-
-        """
-        columns = [list(column) for column in zip(*map(self.take, samples))]
-        return Conditioned(*columns)
-
     def take(
         self, sample: ContactSample
     ) -> tuple[float, float, bool, float, Row | None, NoiseGain, float]:
         """
-        Condition one sample.
+        Condition the next sample.
 
         Parameters
         ----------
@@ -221,20 +169,30 @@ class Conditioner:
 
         Returns
         -------
-        entries : tuple
-            One of each column of `Conditioned`.
+        dt, velocity : float, float
+            Time since the sample before [s], and measured or estimated rate of x [m/s].
+        contact : bool
+            Whether the sample is in contact.
+        variance : float
+            Of the force noise, as known at the sample [N^2].
+        row : row or None
+            (y, phi_K, phi_B, phi_c, ...) of a sample in contact; None elsewhere, and where the
+            relation does not hold, or not yet.
+        gain : NoiseGain
+            How white noise enters the row.
+        shift : float
+            Known displacement of the surface [m].
 
         """
-        stamp_ns, position, velocity, force = sample
-        dt = self._elapsed(stamp_ns)
+        stamp_ns, position, measured, force = sample
+        dt, velocity = self._elapsed(stamp_ns), measured
         if velocity != velocity:
             velocity = self._difference(dt, position)
         self._last_position = position
         delta, pressing, known = position - self.location, self.bias - force, None
         shift = 0.0
         if self.compensation:
-            known = self.compensation.take(
-                stamp_ns, delta, sample[2], force, pressing)
+            known = self.compensation.take(stamp_ns, delta, measured, force, pressing)
             shift, delta, pressing = delta - known.depth, known.depth, known.pressing
         detector = self.detector
         inside = not delta <= -self.location_margin  # anywhere while x_e is unknown
@@ -251,7 +209,7 @@ class Conditioner:
             row, gain = self._rows.compensated(dt, known._replace(rest=rest))
         else:
             row, gain = self._rows.in_contact(
-                dt, delta, sample[2], self.gate.replace(delta, pressing, std))
+                dt, delta, measured, self.gate.replace(delta, pressing, std))
         return dt, velocity, touching, variance, row, gain, shift
 
     def _elapsed(self, stamp_ns: int) -> float:
@@ -268,7 +226,7 @@ class Conditioner:
         """Estimate a velocity for all but the relation, which differentiates on its own."""
         last = self._last_position
         raw = (position - last) / dt if dt > 0.0 and last == last else 0.0
-        return self._velocity_filter.process(((raw,),))[0][0]
+        return self._velocity_filter.take((raw,))[0]
 
     def _leave(self, pressing: float, inside: bool) -> None:
         """Keep the force of free flight, for a tare."""
@@ -276,11 +234,3 @@ class Conditioner:
             self._free.append(pressing)
         self._rows.leave()
         self.gate.leave()
-
-
-def stretches(flags: Sequence[bool]) -> Iterable[tuple[int, int]]:
-    """Return begin and end of each stretch of equal flags."""
-    if flags.count(flags[0]) == len(flags):
-        return ((0, len(flags)),)
-    edges = [0, *[k for k in range(1, len(flags)) if flags[k] is not flags[k - 1]], len(flags)]
-    return zip(edges, edges[1:])

@@ -145,14 +145,18 @@ class ContactDetector:
         return self.contact
 
     def _learn(self, dt: float, measured: float) -> None:
-        limit = _OUTLIER * self.noise_std
-        deviation = max(-limit, min(limit, measured))
-        gain = min(dt / _SETTLING_S, 0.1)
+        limit = _OUTLIER * self.noise_std  # comparisons, not min and max: at every free sample
+        deviation = measured
+        if not -limit < measured < limit:
+            deviation = limit if measured > 0.0 else -limit
+        gain = dt / _SETTLING_S if dt < 0.1 * _SETTLING_S else 0.1
         self.level += gain * deviation
         self.noise_variance += gain * (deviation * deviation - self.noise_variance)
         self._set_thresholds()
 
     def _set_thresholds(self) -> None:
-        self.noise_std = sqrt(max(self.noise_variance, 1e-18))
-        self._on = max(self._p.on_ratio * self.noise_std, self._p.minimum_force)
-        self._off = min(self._p.off_ratio * self.noise_std, self._on)
+        p, variance = self._p, self.noise_variance
+        self.noise_std = std = sqrt(variance if variance > 1e-18 else 1e-18)
+        on, off = p.on_ratio * std, p.off_ratio * std
+        self._on = on if on > p.minimum_force else p.minimum_force
+        self._off = off if off < self._on else self._on

@@ -56,6 +56,7 @@ class OutlierGate:
     def __init__(self, threshold: float, samples: int) -> None:
         self.count = 0
         self._scale = 0.0
+        self._forget()
         self.configure(threshold, samples)
 
     def configure(self, threshold: float, samples: int) -> None:
@@ -65,6 +66,10 @@ class OutlierGate:
 
     def leave(self) -> None:
         """Forget the line, as out of contact; the noise stays."""
+        if self._line is not None:
+            self._forget()
+
+    def _forget(self) -> None:
         self._line: tuple[float, float, float] | None = None  # depth, force there, slope
         self._P = 0.0, 0.0, 0.0  # of force and slope, times the noise variance
         self._course = 0.0, 0.0  # the last two forces, outliers replaced

@@ -215,12 +215,14 @@ class GatedRows:
                          self._filter.noise_gain(w.rate) / self._T**2)
             for w in relation.weightings
         }
+        self._weighting, self._present_gain = next(iter(self._gains.items()))
         self.restart()
 
     def restart(self) -> None:
         """Start afresh with the next sample."""
         self._filter.reset()
         self._tail_left = 0
+        self._left = True  # the relations know no sample
         # The second and third build the columns of K_e and x_e where known physics bend them.
         self._relation, *self._columns = (self._relation_class(self._T) for _ in range(3))
 
@@ -242,7 +244,7 @@ class GatedRows:
 
         """
         row = self._relation.row(dt, delta, velocity, pressing)
-        return self._filtered(row), self._gains[self._relation.weighting]
+        return self._filtered(row), self._gain()
 
     def compensated(self, dt: float, now: CompensatedSample) -> tuple[Row | None, NoiseGain]:
         """Return a row as `in_contact`, columns of K_e and x_e weighted over time as the force."""
@@ -255,19 +257,28 @@ class GatedRows:
             row = row[0], K[0], row[2], c[0], row[4]
         else:
             row = None
-        return self._filtered(row), self._gains[relation.weighting]
+        return self._filtered(row), self._gain()
+
+    def _gain(self) -> NoiseGain:
+        weighting = self._relation.weighting
+        if weighting is not self._weighting:  # nested tuples take long to look up
+            self._weighting, self._present_gain = weighting, self._gains[weighting]
+        return self._present_gain
 
     def _filtered(self, row: Row | None) -> Row | None:
         self._tail_left = self._tail
-        filtered = self._filter.process((row or _ZEROS,))[0]
+        self._left = False
+        filtered = self._filter.take(row or _ZEROS)
         return filtered if row else None  # the relation may wait for consecutive samples
 
     def leave(self) -> None:
         """Filter the zeros of a sample out of contact, until the response has decayed."""
-        for relation in (self._relation, *self._columns):
-            relation.leave()
+        if not self._left:
+            self._left = True
+            for relation in (self._relation, *self._columns):
+                relation.leave()
         if self._tail_left:
-            self._filter.process((_ZEROS,))
+            self._filter.take(_ZEROS)
             self._tail_left -= 1
             if not self._tail_left:
                 self._filter.reset()

@@ -206,7 +206,8 @@ class Synchroniser:
         self._motions.append((stamp_ns, motion))
         if wrenches:
             return self._pair()
-        self._drop_old_motions()
+        if len(self._motions) > 2:
+            self._drop_old_motions()
         return _NOTHING
 
     def add_pairs(

@@ -20,8 +20,9 @@ from typing import NamedTuple, Protocol
 
 from ..estimation.arm import described_in_file, kinematics_of
 from ..estimation.parameters import EstimationParameters
-from ..exceptions import MessageError
+from ..exceptions import MessageError, ParameterRangeError
 from ..kinematics.contact_kinematics import ArmSample, ContactKinematics
+from ..kinematics.robot_model import RobotModel
 from ..messages import (
     FORCE_OF_AXIS,
     ForceTorqueDecoder,
@@ -105,6 +106,7 @@ class ArmReadings:
     def __init__(self, kinematics: ContactKinematics) -> None:
         self._kinematics, model = kinematics, kinematics.model
         self._wrench, self._joints = ForceTorqueDecoder(), SomeJointsDecoder(model.joint_names)
+        assert isinstance(model, RobotModel), 'poses from tf are refused by readings_of'
         self._merger = JointMerger(model.continuous)
         self._motion: tuple[float, ...] = ()
 
@@ -152,10 +154,15 @@ def readings_of(parameters: EstimationParameters, description: str = '') -> Read
     Raises
     ------
     ContactEstimationError
-        If Pinocchio is missing, or the description does not fit.
+        If Pinocchio is missing, the description does not fit, or poses come from tf.
 
     """
     if not parameters.kinematics.tip:
         return AxisReadings(parameters)
+    if parameters.pose_source == 'tf':
+        raise ParameterRangeError(
+            'the live view reads the motion of an arm from its joint states, but pose_source is '
+            'tf; watch a recording of it (watch RECORDING), or set pose_source to joints'
+        )
     text = description or described_in_file(parameters)
     return ArmReadings(kinematics_of(parameters, text)) if text else None

@@ -19,11 +19,13 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
 from functools import cached_property
+from math import sqrt
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .robust_statistics import loaded_correlation, median_of, spread_of
 from ..parameters import EstimationParameters
 
 Array = NDArray[np.float64]
@@ -31,9 +33,9 @@ Array = NDArray[np.float64]
 CLEAR = 8.0
 """Spread of a force, in standard deviations of its noise, that is clearly no noise."""
 
-
-_LOADED = 4.0  # standard deviations
-_STD_OF_MEDIAN_DIFFERENCE = 1.0 / (0.6745 * 2.0**0.5)
+_MEDIAN = 0.6745  # of the size of a normal variable of variance 1
+_BELOW_95_PERCENT = 0.759  # mean of the lower 95 % of its squares
+_NOTHING = np.zeros(0)
 
 
 class Warned(NamedTuple):
@@ -120,6 +122,22 @@ class Evidence:
     travel: float = 0.0
     memory: dict[str, Any] = field(default_factory=dict)
 
+    @classmethod
+    def of_state(
+        cls, axis: str, parameters: EstimationParameters, pipeline: Any
+    ) -> Evidence:
+        """
+        Return evidence without samples, for checks of the state of a pipeline.
+
+        Parameters
+        ----------
+        axis, parameters, pipeline
+            As above.
+
+        """
+        return cls(axis, parameters, pipeline, _NOTHING, _NOTHING, _NOTHING, _NOTHING,
+                   np.zeros(0, dtype=np.bool_))
+
     @property
     def configured_noise(self) -> float:
         """Return the configured standard deviation of the force [N]."""
@@ -135,8 +153,29 @@ class Evidence:
         """
         if len(self.force) < 2:
             return self.configured_noise
-        white = float(np.median(np.abs(np.diff(self.force)))) * _STD_OF_MEDIAN_DIFFERENCE
+        white = median_of(np.abs(self.force[1:] - self.force[:-1])) / (_MEDIAN * sqrt(2.0))
         return max(self.configured_noise, white)
+
+    @cached_property
+    def white_noise(self) -> float:
+        """
+        White noise of the force, by second differences, in which motion hardly shows [N].
+
+        The largest are left out: an impact is no noise.
+
+        """
+        f = self.force
+        if len(f) < 3:
+            return 0.0
+        squares = np.square(f[2:] - 2.0 * f[1:-1] + f[:-2])
+        most = max(1, int(0.95 * len(squares)))
+        lower = np.partition(squares, most - 1)[:most]
+        return sqrt(float(np.mean(lower)) / (6.0 * _BELOW_95_PERCENT))
+
+    @cached_property
+    def period(self) -> float:
+        """Usual time between samples [s]."""
+        return median_of(self.t[1:] - self.t[:-1])
 
     @cached_property
     def rate(self) -> Array:
@@ -201,69 +240,3 @@ class Check(ABC):
             '' where all is well, None where the evidence does not tell: the last text stays.
 
         """
-
-
-def loaded_correlation(x: Array, force: Array, noise: float) -> float:
-    """
-    Return the correlation of force and position over the positions at which there is a force.
-
-    Free flight before a contact would hide it.
-
-    Parameters
-    ----------
-    x, force : ndarray, shape (N,)
-        Position [m] and force [N].
-    noise : float
-        Standard deviation of the force [N].
-
-    """
-    away = np.abs(force - np.mean(force[:max(1, len(force) // 10)]))
-    loaded = away > _LOADED * noise
-    if not loaded.any():
-        return 0.0
-    near = (x >= x[loaded].min()) & (x <= x[loaded].max())
-    return correlation(x[near], force[near])
-
-
-def spread_of(values: Array) -> float:
-    """
-    Return the range of values without their outermost 2 %.
-
-    Parameters
-    ----------
-    values : ndarray, shape (N,)
-        Any unit, N > 0.
-
-    """
-    low, high = extremes(values)
-    return high - low
-
-
-def extremes(values: Array) -> tuple[float, float]:
-    """
-    Return the least and the greatest value without the outermost 2 %.
-
-    Parameters
-    ----------
-    values : ndarray, shape (N,)
-        Any unit, N > 0.
-
-    """
-    out = int(0.02 * len(values))
-    ordered = np.sort(values)  # several times as fast as np.quantile
-    return float(ordered[out]), float(ordered[len(values) - 1 - out])
-
-
-def correlation(a: Array, b: Array) -> float:
-    """
-    Return the correlation of two signals; 0 where one is constant.
-
-    Parameters
-    ----------
-    a, b : ndarray, shape (N,)
-        Any units.
-
-    """
-    a, b = a - np.mean(a), b - np.mean(b)
-    size = float(np.sqrt((a @ a) * (b @ b)))
-    return float(a @ b) / size if size > 0.0 else 0.0

@@ -18,7 +18,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from .check import Check, CLEAR, Evidence, extremes, Forces, loaded_correlation, spread_of
+from .check import Check, CLEAR, Evidence, Forces
+from .robust_statistics import extremes, loaded_correlation, spread_of
 
 _RELATED = 0.8  # correlation of force and position
 _PULLS_LESS = 3.0  # standard deviations that a one-sided force may reach on the other side

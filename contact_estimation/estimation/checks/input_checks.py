@@ -12,29 +12,21 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The checks of a session: evidence collected sample by sample, judged twice a second."""
+"""The checks of a session: judged twice a second, a few at a time."""
 
 from __future__ import annotations
 
 from collections import deque
-from math import inf, nan
 from typing import Any, Mapping, NamedTuple, Sequence
 
-import numpy as np
-
-from .check import Array, Check, Evidence, Forces, Warned
+from .check import Check, Evidence, Warned
+from .evidence_window import EvidenceWindow
 from .order import CHECKS
 from ..parameters import EstimationParameters
 from ..result import AxesEstimates
-from ...estimators.estimator import EstimateStatus
 from ...signals.contact_sample import AxesSample
 
-_BLOCK_S = 0.5
-_LEAST_BLOCK = 25  # samples
-_BLOCKS = 4  # of a window
-_KEPT = 50_000  # wrenches and joint stamps while no sample comes
-_NOTHING = np.zeros(0)
-_FREE = EstimateStatus.FREE
+_JUDGED_TOGETHER = 3  # checks after one sample: all at once would take longer than its period
 _RELEVANT = ('environment', 'further_axes', 'synchronisation', 'contact')
 
 
@@ -58,10 +50,9 @@ class Found(NamedTuple):
 
 class InputChecks:
     """
-    Collect evidence, let `CHECKS` judge it, and withhold estimates that they invalidate.
+    Let `CHECKS` judge the evidence, and withhold estimates that they invalidate.
 
-    Judgements fall at fixed counts of samples, so that they do not depend on how the samples are
-    cut into runs.
+    Judgements fall at fixed counts of samples.
 
     Parameters
     ----------
@@ -85,15 +76,14 @@ class InputChecks:
         self, parameters: EstimationParameters, pipelines: Mapping[str, Any]
     ) -> None:
         self._p, self._pipelines = parameters, pipelines
-        self.joint_stamps: deque[int] = deque(maxlen=_KEPT)
-        self.wrenches: deque[tuple[int, float, float, float]] = deque(maxlen=_KEPT)
+        self._window = EvidenceWindow(pipelines)
+        self.joint_stamps, self.wrenches = self._window.joint_stamps, self._window.wrenches
         self.reset()
 
     def reset(self) -> None:
         """Forget all evidence and all warnings."""
         self.found: dict[tuple[str, str], Found] = {}
-        self._travel = {axis: (inf, -inf) for axis in self._pipelines}
-        self._pressing = {axis: -inf for axis in self._pipelines}
+        self._window.reset()
         self._clear()
 
     def _clear(self) -> None:
@@ -104,13 +94,9 @@ class InputChecks:
 
     def restart(self) -> None:
         """Start a new window, as after a clock jump; warnings stay."""
-        self._block = max(_LEAST_BLOCK, round(_BLOCK_S * self._p.sample_rate))
-        self._samples: list[AxesSample] = []
-        self._estimates: list[AxesEstimates] = []
-        self._windows: dict[str, deque[Array]] = {
-            axis: deque(maxlen=_BLOCKS) for axis in self._pipelines}
-        self._others: deque[Array] = deque(maxlen=_BLOCKS)
-        self._joint_rate, self._block_end_ns = nan, 0
+        self._window.restart(self._p.sample_rate)
+        self._due: deque[tuple[Evidence, Sequence[Check]]] = deque()  # one after each sample
+        self._stamp_ns = 0  # of the evidence
 
     def configure(self, parameters: EstimationParameters) -> None:
         """Set new parameters; warnings that depend on them are judged afresh."""
@@ -120,38 +106,34 @@ class InputChecks:
         elif parameters.sample_rate != old.sample_rate:
             self.restart()
 
-    def parts(self, run: Sequence[AxesSample]) -> Sequence[Sequence[AxesSample]]:
+    def add(self, axes: AxesSample, estimates: AxesEstimates) -> None:
         """
-        Cut a run where the checks judge.
+        Add a processed sample.
 
         Parameters
         ----------
-        run : sequence of AxesSample
-            Consecutive samples.
+        axes : AxesSample
+            Of every axis.
+        estimates : AxesEstimates
+            After it.
 
         """
-        room = self._block - len(self._samples)
-        if len(run) <= room:
-            return (run,)
-        edges = [0, *range(room, len(run), self._block), len(run)]
-        return [run[begin:end] for begin, end in zip(edges, edges[1:])]
+        window = self._window
+        window.samples.append(axes)
+        window.estimates.append(estimates)
+        if self._due:
+            self._judge(*self._due.popleft())
+        elif len(window.samples) >= window.block:
+            self._begin_judgement(axes[0].stamp_ns)
 
-    def add(self, part: Sequence[AxesSample], estimates: Sequence[AxesEstimates]) -> None:
-        """
-        Add processed samples.
-
-        Parameters
-        ----------
-        part : sequence of AxesSample
-            As of `parts`.
-        estimates : sequence of AxesEstimates
-            Of the same samples.
-
-        """
-        self._samples += part
-        self._estimates += estimates
-        if len(self._samples) >= self._block:
-            self._judge()
+    def _begin_judgement(self, stamp_ns: int) -> None:
+        self._stamp_ns = stamp_ns
+        self._window.close_block(stamp_ns)
+        for axis, pipeline in self._pipelines.items():
+            seen = self._window.evidence(axis, self._p, pipeline)
+            self._due.extend(
+                (seen, CHECKS[first:first + _JUDGED_TOGETHER])
+                for first in range(0, len(CHECKS), _JUDGED_TOGETHER))
 
     def warnings(self) -> list[Warned]:
         """Return the active warnings, the most important first."""
@@ -160,7 +142,7 @@ class InputChecks:
             for axis, pipeline in self._pipelines.items():
                 text = self._text(check, axis)
                 if check.of_state:
-                    text = check.judge(self._evidence(axis, pipeline, empty=True)) or ''
+                    text = check.judge(Evidence.of_state(axis, self._p, pipeline)) or ''
                 if text:
                     where = f'axis {axis}: ' if len(self._pipelines) > 1 else ''
                     active.append(Warned(check.name, axis, where + text, check.invalidates))
@@ -181,10 +163,7 @@ class InputChecks:
             One of the pipelines.
 
         """
-        place = list(self._pipelines).index(axis)
-        pending = [axes[place] for axes in self._samples]
-        deepest = max([self._travel[axis][1], *(sample[1] for sample in pending)])
-        pressing = max([self._pressing[axis], *(-sample[3] for sample in pending)])
+        deepest, pressing = self._window.most(axis)
         pipeline = self._pipelines[axis]
         return (f'the largest pressing force is {pressing:.3g} N, where contact begins above '
                 f'{pipeline.contact_threshold:.3g} N; x reaches {deepest:.4g} m, where '
@@ -194,20 +173,15 @@ class InputChecks:
         text, count = self._active.get((check.name, axis), ('', 0))
         return text if count >= check.confirmations else ''
 
-    # -- judgement ----------------------------------------------------------------------------
-
-    def _judge(self) -> None:
-        stamp_ns = self._samples[-1][0].stamp_ns
-        self._close_block(stamp_ns)
-        for axis, pipeline in self._pipelines.items():
-            seen = self._evidence(axis, pipeline)
-            for check in CHECKS:
-                self._note(check, axis, check.judge(seen), stamp_ns)
-            invalid = [self._text(check, axis) for check in CHECKS
+    def _judge(self, seen: Evidence, checks: Sequence[Check]) -> None:
+        for check in checks:
+            self._note(check, seen.axis, check.judge(seen))
+        if checks[-1] is CHECKS[-1]:
+            invalid = [self._text(check, seen.axis) for check in CHECKS
                        if check.invalidates and not check.of_state]
-            pipeline.invalid = next(filter(None, invalid), '')
+            seen.pipeline.invalid = next(filter(None, invalid), '')
 
-    def _note(self, check: Check, axis: str, text: str | None, stamp_ns: int) -> None:
+    def _note(self, check: Check, axis: str, text: str | None) -> None:
         if text is None:
             return
         key = check.name, axis
@@ -216,48 +190,6 @@ class InputChecks:
             return
         self._active[key] = text, self._active.get(key, ('', 0))[1] + 1
         if self._text(check, axis):
-            first_ns = self.found[key].first_ns if key in self.found else stamp_ns
+            first_ns = self.found[key].first_ns if key in self.found else self._stamp_ns
             self.found[key] = Found(
-                Warned(check.name, axis, text, check.invalidates), first_ns, stamp_ns)
-
-    def _close_block(self, end_ns: int) -> None:
-        """Turn the samples of a block into arrays."""
-        for place, axis in enumerate(self._pipelines):
-            table = np.array([axes[place] for axes in self._samples])  # (N, 4)
-            low, high = self._travel[axis]
-            x = table[:, 1]
-            self._travel[axis] = min(low, float(x.min())), max(high, float(x.max()))
-            self._pressing[axis] = max(self._pressing[axis], -float(table[:, 3].min()))
-            touching = [axes[place][7] is not _FREE for axes in self._estimates]
-            self._windows[axis].append(np.column_stack([table, touching]))
-        wrenches = []
-        while self.wrenches and self.wrenches[0][0] <= end_ns:
-            wrenches.append(self.wrenches.popleft())
-        self._others.append(np.array(wrenches).reshape(-1, 4))
-        count = 0
-        while self.joint_stamps and self.joint_stamps[0] <= end_ns:
-            self.joint_stamps.popleft()
-            count += 1
-        begin_ns, self._block_end_ns = self._block_end_ns, end_ns
-        self._joint_rate = count / ((end_ns - begin_ns) * 1e-9) if begin_ns else nan
-        self._samples, self._estimates = [], []
-
-    def _evidence(self, axis: str, pipeline: Any, empty: bool = False) -> Evidence:
-        if empty:
-            return Evidence(axis, self._p, pipeline, _NOTHING, _NOTHING, _NOTHING, _NOTHING,
-                            np.zeros(0, dtype=np.bool_))
-        stamps, x, v, force, touching = np.concatenate(self._windows[axis]).T
-        begin = stamps[0]
-        low, high = self._travel[axis]
-        return Evidence(
-            axis, self._p, pipeline, (stamps - begin) * 1e-9, x, v, force - pipeline.bias,
-            touching > 0.5, self._other_forces(stamps, x), self._joint_rate, high - low)
-
-    def _other_forces(self, stamps: Array, x: Array) -> tuple[Forces, ...]:
-        """Return the components of the wrench that no axis estimates."""
-        table = np.concatenate(self._others)
-        if not len(table):
-            return ()
-        position = np.interp(table[:, 0], stamps, x)
-        return tuple(Forces(other, table[:, 1 + place], position)
-                     for place, other in enumerate('xyz') if other not in self._pipelines)
+                Warned(check.name, axis, text, check.invalidates), first_ns, self._stamp_ns)

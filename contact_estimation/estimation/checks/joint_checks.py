@@ -16,9 +16,12 @@
 
 from __future__ import annotations
 
+from math import ceil, inf
+
 import numpy as np
 
 from .check import Check, CLEAR, Evidence
+from .robust_statistics import median_of
 
 _FEWEST_PER_CUTOFF = 2.0  # sampling theorem
 _SLOWER = 0.9  # than the wrench
@@ -64,9 +67,12 @@ class PositionUnit(Check):
 
     def judge(self, seen: Evidence) -> str | None:
         """Compare speed and penetration with those of any robot."""
-        if not len(seen.x):
+        x, t = seen.x, seen.t
+        if len(x) < 3:
             return None
-        speed = float(np.percentile(np.abs(np.gradient(seen.x, seen.t)), 95.0))
+        speeds = np.abs((x[2:] - x[:-2]) / (t[2:] - t[:-2]))
+        fast = int(0.95 * len(speeds))
+        speed = float(np.partition(speeds, fast)[fast])
         depths = seen.x[seen.contact] - seen.pipeline.location
         depth = float(np.max(depths, initial=0.0))
         if not (speed > _FASTEST or depth > _DEEPEST and not seen.pipeline.touch_down.text):
@@ -90,11 +96,12 @@ class JointVelocity(Check):
         """Compare what velocities add up to in 20 ms with the steps of the positions."""
         if len(seen.x) < 3 or not np.isfinite(seen.v).all() or not seen.joint_rate > 0.0:
             return None
-        count = max(1, round(_STEP_S / float(np.median(np.diff(seen.t)))))
-        path = np.concatenate([[0.0], np.cumsum(
-            0.5 * (seen.v[1:] + seen.v[:-1]) * np.diff(seen.t))])
-        whole = seen.t[count:] - seen.t[:-count] < 2.0 * _STEP_S  # no gap between samples
-        steps, added = ((one[count:] - one[:-count])[whole] for one in (seen.x, path))
+        t, x, v = seen.t, seen.x, seen.v
+        count = max(1, round(_STEP_S / seen.period))
+        path = np.zeros(len(t))
+        np.cumsum(0.5 * (v[1:] + v[:-1]) * (t[1:] - t[:-1]), out=path[1:])
+        whole = t[count:] - t[:-count] < 2.0 * _STEP_S  # no gap between samples
+        steps, added = ((one[count:] - one[:-count])[whole] for one in (x, path))
         noise = _noise_of_joints(seen)
         power = float(steps @ steps)
         if power <= _MOVES**2 * noise**2 * len(steps):
@@ -108,10 +115,9 @@ class JointVelocity(Check):
 
 def _noise_of_joints(seen: Evidence) -> float:
     """Return the noise of positions: samples between joint states lie on straight lines."""
-    period = float(np.median(np.diff(seen.t)))
-    lag = max(1, int(np.ceil(0.99 / (seen.joint_rate * period))))
+    lag = max(1, ceil(0.99 / (seen.joint_rate * seen.period)))
     bends = seen.x[2 * lag:] - 2.0 * seen.x[lag:-lag] + seen.x[:-2 * lag]
-    return float(np.median(np.abs(bends))) + 1e-12 if len(bends) else np.inf
+    return median_of(np.abs(bends)) + 1e-12 if len(bends) else inf
 
 
 class JointRate(Check):

@@ -12,67 +12,18 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""
-Skew between the stamps of wrench and joint states, from force and motion in contact.
-
-A lag tau of the force turns K d + B v into K d(t - tau) + B v(t - tau), to first order a damping
-B - K tau. A line of force over position and rate is fitted with the motion shifted by many lags;
-the lag with the least residual is the skew, where no other physics explains the residual as well.
-
-"""
+"""Skew between the stamps of wrench and joint states."""
 
 from __future__ import annotations
 
-from math import log, sqrt
-from typing import NamedTuple
+from .check import Check, Evidence
+from .lag_search import Skew, skew_of
 
-import numpy as np
-from scipy.signal import savgol_filter
-
-from .check import Array, Check, Evidence
-
-_LONGEST_S = 0.1
-_COARSE = np.linspace(-0.1, 0.1, 21)
-_SMOOTHED_S = 0.04  # of the acceleration
-_FINE = np.linspace(-0.01, 0.01, 21)
-_COARSE[10] = 0.0
-_MOST_SAMPLES = 300
-_LEAST_CONTACT = 100
 _SIGNIFICANT = 60.0  # likelihood ratio
 _BETTER = 0.5  # share of the residual above the noise that the lag takes away
 _LEAST_S = 0.003  # a shorter lag is that of an ordinary sensor, and part of timing_std
 _DEVIATIONS = 3.0  # of timing_std
 _OTHER_PHYSICS = 30.0  # likelihood ratio over the best other explanation
-
-
-class Skew(NamedTuple):
-    """
-    The lag at which the force fits the motion best.
-
-    Attributes
-    ----------
-    seconds : float
-        Positive if the wrench comes late.
-    gain : float
-        Likelihood ratio over no lag, N log(r_0 / r), chi-squared of one without a lag.
-    over_mass, over_physics : float
-        The same over a mass that moves with the wall, and over the best other explanation.
-    mass : float
-        Of that explanation [kg], at least 0.
-    excess_gone : float
-        Share of the residual's power above the noise that the lag takes away.
-    sharpness : float
-        Likelihood ratio over lags of 10 ms more and less.
-
-    """
-
-    seconds: float
-    gain: float
-    over_mass: float
-    over_physics: float
-    mass: float
-    excess_gone: float
-    sharpness: float
 
 
 class StampSkew(Check):
@@ -150,106 +101,3 @@ def _is_none(skew: Skew, seen: Evidence) -> bool:
 
 def _offset(skew: Skew, seen: Evidence) -> float:
     return seen.parameters.synchronisation.offset + skew.seconds
-
-
-def skew_of(seen: Evidence) -> Skew | None:
-    """
-    Estimate the lag of the force.
-
-    Parameters
-    ----------
-    seen : Evidence
-        The last seconds.
-
-    Returns
-    -------
-    skew : Skew or None
-        None where there is too little contact.
-
-    """
-    inner = (seen.t > seen.t[0] + _LONGEST_S) & (seen.t < seen.t[-1] - _LONGEST_S)
-    # In contact by the force alone: the location of the wall may be wrong.
-    chosen = np.flatnonzero(inner & seen.contact & (seen.force < -4.0 * seen.noise))
-    if len(chosen) < _LEAST_CONTACT:
-        return None
-    chosen = chosen[::-(-len(chosen) // _MOST_SAMPLES)]
-    t, x, v = seen.t[chosen], seen.x[chosen], seen.rate[chosen]
-    acceleration = _acceleration(seen)[chosen]
-    y = -seen.force[chosen] - _known_mass(seen) * acceleration
-    floor = max(seen.pipeline.noise_std, 1e-9)**2 * len(y)
-    coarse = _residuals(y, t, seen, _COARSE)
-    none, best = float(coarse[len(_COARSE) // 2]), float(_COARSE[np.argmin(coarse)])
-    if best == 0.0:
-        around = coarse[len(_COARSE) // 2 - 1:len(_COARSE) // 2 + 2:2]
-        sharpness = len(y) * log(float(around.min()) / max(none, 1e-3 * floor))
-        return Skew(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, sharpness)
-    fine = best + _FINE
-    near = _residuals(y, t, seen, fine)
-    best, least = float(fine[np.argmin(near)]), max(float(near.min()), 1e-3 * floor)
-    mass, with_mass = _mass(y, x, v, acceleration)
-
-    def over(other: float) -> float:
-        return len(y) * log(max(other, least) / least)
-
-    return Skew(
-        best, over(none), over(with_mass), over(_left_with_physics(y, x, v)), mass,
-        (none - least) / max(none - floor, 1e-3 * floor), over(float(near[[0, -1]].min())),
-    )
-
-
-def _acceleration(seen: Evidence) -> Array:
-    """Return the acceleration, smoothed: noise of it would make a mass look like a lag."""
-    window = min(2 * round(0.5 * _SMOOTHED_S / _period(seen.t)) + 1, (len(seen.t) - 1) | 1)
-    if window < 5:
-        return np.gradient(seen.rate, seen.t)
-    return np.asarray(savgol_filter(seen.rate, window, 2, deriv=1, delta=_period(seen.t)))
-
-
-def _period(t: Array) -> float:
-    return float(np.median(np.diff(t)))
-
-
-def _known_mass(seen: Evidence) -> float:
-    """Return the mass of the tool beyond the sensor, whose inertia is compensated [kg]."""
-    mass = float(seen.parameters.physics.tool_inertia.mass)
-    return mass if mass == mass else 0.0
-
-
-def _residuals(y: Array, t: Array, seen: Evidence, lags: Array) -> Array:
-    """Return the sum of squares that K x + B v + c leaves at each lag, with B >= 0."""
-    x = np.stack([np.interp(t - lag, seen.t, seen.x) for lag in lags])  # (lags, N)
-    v = np.stack([np.interp(t - lag, seen.t, seen.rate) for lag in lags])
-    # Without their means no constant is needed.
-    x, v, y = x - x.mean(1)[:, None], v - v.mean(1)[:, None], y - y.mean()
-    xx, xv, vv = (np.einsum('ln,ln->l', a, b) for a, b in ((x, x), (x, v), (v, v)))
-    xy, vy, yy = x @ y, v @ y, float(y @ y)
-    xx = np.maximum(xx, 1e-300)
-    alone = yy - xy * xy / xx
-    rest_v, rest_y = np.maximum(vv - xv * xv / xx, 1e-300), vy - xv * xy / xx
-    return np.maximum(alone - np.where(rest_y > 0.0, rest_y**2 / rest_v, 0.0), 1e-12 * yy)
-
-
-def _mass(y: Array, x: Array, v: Array, a: Array) -> tuple[float, float]:
-    """Return mass [kg] and sum of squares of K x + B v + M a + c with M >= 0 and no lag."""
-    ones = np.ones(len(y))
-    theta, left = _solve(y, x, v, ones, a)
-    return (float(theta[3]), left) if theta[3] >= 0.0 else (0.0, _solve(y, x, v, ones)[1])
-
-
-def _left_with_physics(y: Array, x: Array, v: Array) -> float:
-    """Return the least sum of squares with one more term of other physics and no lag."""
-    depth = x - x.min()
-    fast = v / (np.abs(v) + 0.05 * sqrt(float(np.mean(v**2))) + 1e-12)
-    ones = np.ones(len(y))
-    return min(_solve(y, x, v, ones, term)[1] for term in (fast, depth**2, depth * v))
-
-
-def _solve(y: Array, *columns: Array) -> tuple[Array, float]:
-    """Fit by normal equations; columns of any scale."""
-    table = np.stack(columns, 1)
-    scale = np.sqrt(np.mean(table**2, 0)) + 1e-15
-    table = table / scale
-    square = table.T @ table + 1e-12 * len(y) * np.eye(len(columns))
-    theta = np.linalg.solve(square, table.T @ y)
-    rest = y - table @ theta
-    return theta / scale, float(rest @ rest)

@@ -18,7 +18,6 @@ from __future__ import annotations
 
 from collections import deque
 from math import hypot, inf, sqrt
-from typing import Sequence
 
 import numpy as np
 
@@ -81,50 +80,18 @@ class TouchDown:
         self.text, self.found, self._rise = '', None, []
         self._settled = True
 
-    def pass_over(
-        self, dts: Sequence[float], contact: Sequence[bool], last_depth: float
-    ) -> bool:
+    def take(
+        self, sample: ContactSample, dt: float, touching: bool, depth: float, bias: float,
+        margin: float, noise_variance: float,
+    ) -> str:
         """
-        Pass over a run in which nothing is to be judged: nearly every one.
+        Follow a sample.
 
         Parameters
         ----------
-        dts, contact : sequence of float, bool
-            As of `add`.
-        last_depth : float
-            Of the last sample [m].
-
-        Returns
-        -------
-        passed : bool
-            False where `add` must look at each sample.
-
-        """
-        if self.text or self._rise:
-            return False
-        if True in contact:
-            if not self._settled or False in contact:
-                return False
-            self._free_s = 0.0
-            return True
-        if not last_depth <= 0.0:
-            return False
-        self._leave(sum(dts))
-        self._approach.clear()
-        return True
-
-    def add(
-        self, samples: Sequence[ContactSample], dts: Sequence[float], contact: Sequence[bool],
-        depths: Sequence[float], bias: float, margin: float, noise_variance: float,
-    ) -> list[str] | None:
-        """
-        Follow a run of samples.
-
-        Parameters
-        ----------
-        samples : sequence of ContactSample
-            The run.
-        dts, contact, depths : sequence of float, bool, float
+        sample : ContactSample
+            The next one.
+        dt, touching, depth : float, bool, float
             Time since the sample before [s], whether in contact, x - x_e [m] (NaN where unknown).
         bias, margin : float
             Force bias [N], and how far from its location the surface may be [m].
@@ -133,20 +100,22 @@ class TouchDown:
 
         Returns
         -------
-        reasons : list of str or None
-            Why the estimate is withheld, '' where it is not; None: nowhere.
+        reason : str
+            Why the estimate is withheld, '' where it is not.
 
         """
-        reasons = []
-        for sample, dt, touching, depth in zip(samples, dts, contact, depths):
-            if touching:
-                reasons.append(self._touch(sample, dt, depth, bias, margin, noise_variance))
-            else:
-                self._leave(dt)
-                if not depth <= 0.0:
-                    self._approach.append(_point(sample, bias, dt))
-                reasons.append(self.text)
-        return reasons if any(reasons) else None
+        if touching:
+            self._free_s = 0.0
+            if self._settled:  # nearly always
+                return self.text
+            return self._touch(sample, dt, depth, bias, margin, noise_variance)
+        watched = self.text or self._rise
+        self._leave(dt)
+        if not depth <= 0.0:
+            self._approach.append(_point(sample, bias, dt))
+        elif not watched:
+            self._approach.clear()
+        return self.text
 
     def _leave(self, dt: float) -> None:
         self._free_s += dt
@@ -160,10 +129,7 @@ class TouchDown:
         self, sample: ContactSample, dt: float, depth: float, bias: float, margin: float,
         noise_variance: float,
     ) -> str:
-        """Return why the estimate of a sample in contact is withheld."""
-        self._free_s = 0.0
-        if self._settled:
-            return self.text
+        """Return why the estimate of a sample in contact not yet judged is withheld."""
         if self._never_free:
             self._settled = depth == depth
             self.text = '' if self._settled else _NEVER_FREE

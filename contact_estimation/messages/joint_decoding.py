@@ -12,149 +12,16 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Raw messages to readings."""
+"""Raw joint states and trajectories to readings."""
 
 from __future__ import annotations
 
 from functools import partial
-from struct import unpack_from
 from typing import Any, Sequence
 
-from .cdr import CdrCursor, malformed, NS_PER_S, StampedReader
-from .readings import JointReading, TrajectoryReading, WrenchReading
+from .cdr import CdrCursor, NS_PER_S, StampedReader
+from .readings import JointReading, TrajectoryReading
 from ..exceptions import MessageError
-
-FLOAT64_TYPE = 'std_msgs/msg/Float64'
-STRING_TYPE = 'std_msgs/msg/String'
-
-
-class WrenchDecoder:
-    """
-    Read geometry_msgs/msg/WrenchStamped.
-
-    Attributes
-    ----------
-    frame_id : str
-        Frame of the message read last.
-
-    """
-
-    def __init__(self) -> None:
-        self.frame_id = ''
-        self._reader = StampedReader('geometry_msgs/msg/WrenchStamped', _wrench_offsets)
-
-    def decode(self, raw: bytes) -> WrenchReading:
-        """
-        Read one message.
-
-        Parameters
-        ----------
-        raw : bytes
-            CDR with its encapsulation header.
-
-        Returns
-        -------
-        reading : WrenchReading
-            Stamp, frame and force.
-
-        Raises
-        ------
-        MessageError
-            With reason 'malformed'.
-
-        """
-        sec, nanosec, self.frame_id, x, y, z = self._reader.read(raw)
-        return WrenchReading(sec * NS_PER_S + nanosec, self.frame_id, x, y, z)
-
-    def decode_many(self, raws: Sequence[bytes]) -> tuple[Any, ...] | None:
-        """
-        Read many messages of one frame at once.
-
-        Parameters
-        ----------
-        raws : sequence of bytes
-            Messages, at least one.
-
-        Returns
-        -------
-        stamps_ns, x, y, z : ndarray, shape (N,), or None
-            Stamps [ns] and forces [N]; None where they must be read one by one.
-
-        """
-        columns = self._reader.read_many(raws)
-        if columns is None:
-            return None
-        self.frame_id = columns[0]
-        return columns[1:]
-
-
-class ForceTorqueDecoder:
-    """
-    Read force and torque of geometry_msgs/msg/WrenchStamped.
-
-    Attributes
-    ----------
-    frame_id : str
-        Frame of the message read last.
-
-    """
-
-    def __init__(self) -> None:
-        self.frame_id = ''
-        self._reader = StampedReader('geometry_msgs/msg/WrenchStamped', _force_torque_offsets)
-
-    def decode(self, raw: bytes) -> tuple[int, tuple[float, ...]]:
-        """
-        Read one message.
-
-        Parameters
-        ----------
-        raw : bytes
-            CDR with its encapsulation header.
-
-        Returns
-        -------
-        stamp_ns, wrench : int, tuple of float
-            Stamp [ns]; force [N] and torque [N m] along x, y and z.
-
-        Raises
-        ------
-        MessageError
-            With reason 'malformed'.
-
-        """
-        sec, nanosec, self.frame_id, *wrench = self._reader.read(raw)
-        return sec * NS_PER_S + nanosec, tuple(wrench)
-
-
-class Vector3StampedDecoder:
-    """Read geometry_msgs/msg/Vector3Stamped."""
-
-    def __init__(self) -> None:
-        self._reader = StampedReader('geometry_msgs/msg/Vector3Stamped', _vector_offsets)
-
-    def decode(self, raw: bytes) -> tuple[int, float, float, float]:
-        """
-        Read one message.
-
-        Parameters
-        ----------
-        raw : bytes
-            CDR with its encapsulation header.
-
-        Returns
-        -------
-        stamp_ns, x, y, z : int, float, float, float
-            Stamp [ns] and vector.
-
-        Raises
-        ------
-        MessageError
-            With reason 'malformed'.
-
-        """
-        sec, nanosec, _, x, y, z = self._reader.read(raw)
-        return sec * NS_PER_S + nanosec, x, y, z
 
 
 class SeveralJointsDecoder:
@@ -254,25 +121,6 @@ class JointStateDecoder:
         sec, nanosec, _, position, velocity = self._reader.read(raw)
         return JointReading(sec * NS_PER_S + nanosec, position, velocity)
 
-    def decode_many(self, raws: Sequence[bytes]) -> tuple[Any, ...] | None:
-        """
-        Read many messages at once.
-
-        Parameters
-        ----------
-        raws : sequence of bytes
-            Messages, at least one.
-
-        Returns
-        -------
-        stamps_ns, position, velocity : ndarray, shape (N,), or None
-            Stamps [ns], positions [m] and velocities [m/s]; None where they must be read one
-            by one.
-
-        """
-        columns = self._reader.read_many(raws)
-        return None if columns is None else columns[1:]
-
 
 class TrajectoryDecoder:
     """
@@ -311,86 +159,6 @@ class TrajectoryDecoder:
         """
         sec, nanosec, _, *point = self._reader.read(raw)
         return TrajectoryReading(sec * NS_PER_S + nanosec, *point)
-
-
-def decode_float64(raw: bytes) -> float:
-    """
-    Read std_msgs/msg/Float64.
-
-    Parameters
-    ----------
-    raw : bytes
-        CDR with its encapsulation header.
-
-    Returns
-    -------
-    value : float
-        Content of the message.
-
-    Raises
-    ------
-    MessageError
-        With reason 'malformed'.
-
-    """
-    try:
-        cursor = CdrCursor(raw)
-        (begin,) = cursor.doubles(1)
-        cursor.finish()
-    except ValueError as error:
-        raise malformed(raw, FLOAT64_TYPE, error) from error
-    return float(unpack_from(cursor.byte_order + 'd', raw, begin)[0])
-
-
-def decode_string(raw: bytes) -> str:
-    """
-    Read std_msgs/msg/String.
-
-    Parameters
-    ----------
-    raw : bytes
-        CDR with its encapsulation header.
-
-    Returns
-    -------
-    text : str
-        Content of the message.
-
-    Raises
-    ------
-    MessageError
-        With reason 'malformed'.
-
-    """
-    try:
-        cursor = CdrCursor(raw)
-        text = cursor.text()
-        cursor.finish()
-    except ValueError as error:
-        raise malformed(raw, STRING_TYPE, error) from error
-    return text
-
-
-def _wrench_offsets(cursor: CdrCursor) -> Sequence[int]:
-    """Find the force: header, force (x, y, z), torque (x, y, z)."""
-    force = cursor.doubles(3)
-    cursor.doubles(3)  # torque
-    cursor.finish()
-    return force
-
-
-def _force_torque_offsets(cursor: CdrCursor) -> Sequence[int]:
-    """Find force and torque."""
-    wrench = cursor.doubles(6)
-    cursor.finish()
-    return wrench
-
-
-def _vector_offsets(cursor: CdrCursor) -> Sequence[int]:
-    """Find the vector: header, vector (x, y, z)."""
-    vector = cursor.doubles(3)
-    cursor.finish()
-    return vector
 
 
 def _joint_state_offsets(joints: Sequence[str], cursor: CdrCursor) -> list[int | None]:

@@ -1,0 +1,132 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The pipelines of all axes, and what looks at several of them."""
+
+from __future__ import annotations
+
+from itertools import repeat
+
+from .checks.input_checks import InputChecks
+from .matrix_estimation import MatrixEstimation
+from .parameters import EstimationParameters
+from .pipeline import EstimationPipeline, NO_REFERENCE
+from .result import AxesEstimates
+from ..reference.setpoints import Reference
+from ..signals.contact_sample import AxesSample
+
+
+class AxesEstimation:
+    """
+    A pipeline for each axis, the on-line checks of them, and the matrix of three.
+
+    Parameters
+    ----------
+    parameters : EstimationParameters
+        All parameters.
+
+    Attributes
+    ----------
+    pipelines : dict of str to EstimationPipeline
+        By axis, the contact axis first.
+    checks : InputChecks
+        On-line checks of the inputs.
+    matrix : MatrixEstimation
+        Of three coupled axes.
+
+    """
+
+    def __init__(self, parameters: EstimationParameters) -> None:
+        self.pipelines = {
+            axis: EstimationPipeline(parameters.of_axis(axis)) for axis in parameters.joints
+        }
+        self._pipelines = list(self.pipelines.values())
+        self.checks = InputChecks(parameters, self.pipelines)
+        self.matrix = MatrixEstimation(parameters)
+        self.follow(NO_REFERENCE)
+
+    def follow(self, reference: Reference) -> None:
+        """Set the reference in force: x_r is along the contact axis, the others have none."""
+        self._followed = (reference, *repeat(NO_REFERENCE, len(self._pipelines) - 1))
+
+    def estimate(self, axes: AxesSample) -> AxesEstimates:
+        """
+        Estimate from the next sample of all axes.
+
+        Parameters
+        ----------
+        axes : AxesSample
+            Stamped after the last one.
+
+        """
+        estimates = tuple(map(EstimationPipeline.take, self._pipelines, axes, self._followed))
+        self.checks.add(axes, estimates)
+        if self.matrix.runs:
+            self.matrix.process(axes, estimates)
+        return estimates
+
+    def configure(self, parameters: EstimationParameters) -> None:
+        """
+        Set new parameters while running; K_hat and B_hat stay.
+
+        Parameters
+        ----------
+        parameters : EstimationParameters
+            All parameters.
+
+        Raises
+        ------
+        ContactEstimationError
+            If they are inconsistent.
+
+        """
+        for axis, pipeline in self.pipelines.items():
+            pipeline.configure(parameters.of_axis(axis))
+        self.matrix.configure(parameters)
+        self.checks.configure(parameters)
+
+    def restart_time(self) -> None:
+        """Accept stamps before the last one, as when a bag loops; K_hat and B_hat stay."""
+        for pipeline in self._pipelines:
+            pipeline.restart_time()
+        self.checks.restart()
+        self.follow(NO_REFERENCE)
+
+    def reset(self) -> None:
+        """Reset K_hat and B_hat to their initial values."""
+        self.matrix.reset()
+        for pipeline in self._pipelines:
+            pipeline.reset()
+        self.checks.reset()
+
+    def tare(self) -> tuple[bool, str]:
+        """
+        Set the force bias to the mean force of the last moments of free flight.
+
+        Returns
+        -------
+        done : bool
+            False where an axis is in contact or has not been free long enough: friction of a
+            contact loads the other axes too, so all are tared or none.
+        message : str
+            The new bias, or the reason for refusal.
+
+        """
+        messages = {axis: p.tare_refusal() for axis, p in self.pipelines.items()}
+        done = not any(messages.values())
+        if done:
+            messages = {axis: p.tare()[1] for axis, p in self.pipelines.items()}
+        if len(messages) == 1:
+            return done, next(iter(messages.values()))
+        return done, '; '.join(f'{axis}: {text}' for axis, text in messages.items() if text)

@@ -1,0 +1,83 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Raw messages of a single number or text."""
+
+from __future__ import annotations
+
+from struct import unpack_from
+
+from .cdr import CdrCursor, malformed
+
+
+FLOAT64_TYPE = 'std_msgs/msg/Float64'
+STRING_TYPE = 'std_msgs/msg/String'
+
+
+def decode_float64(raw: bytes) -> float:
+    """
+    Read std_msgs/msg/Float64.
+
+    Parameters
+    ----------
+    raw : bytes
+        CDR with its encapsulation header.
+
+    Returns
+    -------
+    value : float
+        Content of the message.
+
+    Raises
+    ------
+    MessageError
+        With reason 'malformed'.
+
+    """
+    try:
+        cursor = CdrCursor(raw)
+        (begin,) = cursor.doubles(1)
+        cursor.finish()
+    except ValueError as error:
+        raise malformed(raw, FLOAT64_TYPE, error) from error
+    return float(unpack_from(cursor.byte_order + 'd', raw, begin)[0])
+
+
+def decode_string(raw: bytes) -> str:
+    """
+    Read std_msgs/msg/String.
+
+    Parameters
+    ----------
+    raw : bytes
+        CDR with its encapsulation header.
+
+    Returns
+    -------
+    text : str
+        Content of the message.
+
+    Raises
+    ------
+    MessageError
+        With reason 'malformed'.
+
+    """
+    try:
+        cursor = CdrCursor(raw)
+        text = cursor.text()
+        cursor.finish()
+    except ValueError as error:
+        raise malformed(raw, STRING_TYPE, error) from error
+    return text

@@ -1,0 +1,173 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Raw wrenches and vectors to readings."""
+
+from __future__ import annotations
+
+from typing import Any, Sequence
+
+from .cdr import CdrCursor, NS_PER_S, StampedReader
+from .readings import WrenchReading
+
+
+class WrenchDecoder:
+    """
+    Read geometry_msgs/msg/WrenchStamped.
+
+    Attributes
+    ----------
+    frame_id : str
+        Frame of the message read last.
+
+    """
+
+    def __init__(self) -> None:
+        self.frame_id = ''
+        self._reader = StampedReader('geometry_msgs/msg/WrenchStamped', _wrench_offsets)
+
+    def decode(self, raw: bytes) -> WrenchReading:
+        """
+        Read one message.
+
+        Parameters
+        ----------
+        raw : bytes
+            CDR with its encapsulation header.
+
+        Returns
+        -------
+        reading : WrenchReading
+            Stamp, frame and force.
+
+        Raises
+        ------
+        MessageError
+            With reason 'malformed'.
+
+        """
+        sec, nanosec, self.frame_id, x, y, z = self._reader.read(raw)
+        return WrenchReading(sec * NS_PER_S + nanosec, self.frame_id, x, y, z)
+
+    def decode_many(self, raws: Sequence[bytes]) -> tuple[Any, ...] | None:
+        """
+        Read many messages of one frame at once.
+
+        Parameters
+        ----------
+        raws : sequence of bytes
+            Messages, at least one.
+
+        Returns
+        -------
+        stamps_ns, x, y, z : ndarray, shape (N,), or None
+            Stamps [ns] and forces [N]; None where they must be read one by one.
+
+        """
+        columns = self._reader.read_many(raws)
+        if columns is None:
+            return None
+        self.frame_id = columns[0]
+        return columns[1:]
+
+
+class ForceTorqueDecoder:
+    """
+    Read force and torque of geometry_msgs/msg/WrenchStamped.
+
+    Attributes
+    ----------
+    frame_id : str
+        Frame of the message read last.
+
+    """
+
+    def __init__(self) -> None:
+        self.frame_id = ''
+        self._reader = StampedReader('geometry_msgs/msg/WrenchStamped', _force_torque_offsets)
+
+    def decode(self, raw: bytes) -> tuple[int, tuple[float, ...]]:
+        """
+        Read one message.
+
+        Parameters
+        ----------
+        raw : bytes
+            CDR with its encapsulation header.
+
+        Returns
+        -------
+        stamp_ns, wrench : int, tuple of float
+            Stamp [ns]; force [N] and torque [N m] along x, y and z.
+
+        Raises
+        ------
+        MessageError
+            With reason 'malformed'.
+
+        """
+        sec, nanosec, self.frame_id, *wrench = self._reader.read(raw)
+        return sec * NS_PER_S + nanosec, tuple(wrench)
+
+
+class Vector3StampedDecoder:
+    """Read geometry_msgs/msg/Vector3Stamped."""
+
+    def __init__(self) -> None:
+        self._reader = StampedReader('geometry_msgs/msg/Vector3Stamped', _vector_offsets)
+
+    def decode(self, raw: bytes) -> tuple[int, float, float, float]:
+        """
+        Read one message.
+
+        Parameters
+        ----------
+        raw : bytes
+            CDR with its encapsulation header.
+
+        Returns
+        -------
+        stamp_ns, x, y, z : int, float, float, float
+            Stamp [ns] and vector.
+
+        Raises
+        ------
+        MessageError
+            With reason 'malformed'.
+
+        """
+        sec, nanosec, _, x, y, z = self._reader.read(raw)
+        return sec * NS_PER_S + nanosec, x, y, z
+
+
+def _wrench_offsets(cursor: CdrCursor) -> Sequence[int]:
+    """Find the force: header, force (x, y, z), torque (x, y, z)."""
+    force = cursor.doubles(3)
+    cursor.doubles(3)  # torque
+    cursor.finish()
+    return force
+
+
+def _force_torque_offsets(cursor: CdrCursor) -> Sequence[int]:
+    """Find force and torque."""
+    wrench = cursor.doubles(6)
+    cursor.finish()
+    return wrench
+
+
+def _vector_offsets(cursor: CdrCursor) -> Sequence[int]:
+    """Find the vector: header, vector (x, y, z)."""
+    vector = cursor.doubles(3)
+    cursor.finish()
+    return vector
