@@ -79,7 +79,7 @@ def test_config_files_hold_a_new_effect_with_comments(facts: Any) -> None:
     lines = (
         '      # The wall hardens suddenly.\n      toy_effect:\n'
         '        # Coefficient of the fifth power [N/m^5]\n        K_5: .nan\n')
-    assert all(lines in text for text in facts['config'].values())
+    assert all(lines in text for name, text in facts['config'].items() if name.endswith('.yaml'))
 
 
 def test_a_new_estimator_runs_under_its_name(facts: Any) -> None:

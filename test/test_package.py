@@ -43,6 +43,7 @@ ROSDEP_KEYS = {
     'rcl_interfaces': 'rcl_interfaces',
     'rclpy': 'rclpy',
     'rosbags': 'python3-rosbags-pip',
+    'tf2_msgs': 'tf2_msgs',
     'scipy': 'python3-scipy',
     'sensor_msgs': 'sensor_msgs',
     'std_msgs': 'std_msgs',
