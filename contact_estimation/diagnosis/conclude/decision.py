@@ -30,6 +30,7 @@ from ..fit.output_error import refine, runs_true
 from ..fit.search import Progress
 from ..fit.selection import Selection, weigh
 from ..fit.uncertainty import standard_deviations
+from ..fit.zeros import ZEROS
 from ..observe.model import Model, names_of
 from ..observe.prepared_recording import Recordings
 from ..observe.residuals import residuals
@@ -101,7 +102,8 @@ def decide(
                     if not shares.agrees(name)
                     or shares.sure(name) <= _least_sure(exact, shares.is_flexible(name))]
         if doubtful:
-            rest = fit(recordings, best.model.without(doubtful[-1]))
+            zeros = [name for name in doubtful if name in ZEROS]  # a law needs no doubtful one
+            rest = fit(recordings, best.model.without((zeros or doubtful)[-1]))
             return decide(selection._replace(best=rest), whole, progress)
         return Decision(best, shares.explained < EXPLAINED, 0.0, shares)
     progress('structure of the residuals')
