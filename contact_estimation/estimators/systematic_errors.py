@@ -21,7 +21,7 @@ from typing import NamedTuple, Sequence
 
 from .estimator import Frozen, OnlineEstimator, ParameterEstimate, UNKNOWN_DAMPING_S
 from .row_sums import sum_of, Window
-from .wall_fit import fit_first_contact, shift_by_lag, wall_of
+from .wall_fit import fit_first_contact, wall_of
 from .window_fit import fit_window, WindowFits
 
 _LOCATION = 3  # column of a row
@@ -158,7 +158,7 @@ class SystematicErrors:
         fits = fit_window(blocks, noise_variance, estimator)
         by_shift = 0.0
         if location_std and not estimator.location_std:
-            by_shift = estimator.stiffness**2 * self._share_of_shift(
+            by_shift = _square(estimator.stiffness) * self._share_of_shift(
                 contact or sum_of(blocks), fits, noise_variance, known_variance,
                 location_std * _by_shift(blocks), estimator)
         if fits is None:  # a tool at rest shows nothing
@@ -225,7 +225,7 @@ class SystematicErrors:
             if fits is None or fits.located is None:
                 return None
             (K, _), offset = fits.located.values, fits.located.offset
-            variance, lag = noise_variance * fits.located.offset_variance, 0.0
+            variance = noise_variance * fits.located.offset_variance
         else:
             fit = fit_first_contact(contact.products, wall_of(estimator), noise_variance)
             if fit is None:
@@ -234,9 +234,8 @@ class SystematicErrors:
             if freedom > _FITTED:  # a surface elsewhere is no noise
                 noise_variance = max(known_variance, fit.offset_left / freedom)
             variance = noise_variance * fit.offset_variance
-            lag = per_shift * shift_by_lag(contact.products, fit.offset_wall, self.timing_std)
         scale = per_shift / max(K, 1e-9)
-        return -offset * scale, variance * correlation * scale * scale + lag * lag
+        return -offset * scale, variance * correlation * scale * scale
 
     def _differences(
         self, fits: WindowFits, noise_variance: float, rate_noise: float, lag: float,

@@ -16,6 +16,7 @@
 
 from __future__ import annotations
 
+from math import isfinite
 from typing import NamedTuple
 
 import numpy as np
@@ -112,6 +113,8 @@ def fit_wall(
     _, B, c, _ = guess
     yy, By, BB, MM = (yy + damping_weight * B * B, By + damping_weight * B, BB + damping_weight,
                       MM + inertia_weight)
+    if not (MM > 0.0 and BB > 0.0 and isfinite(yy + KK + BB + MM)):  # a diverged estimate
+        return None
     m_y, m_K, m_B, m_c = My / MM, KM / MM, BM / MM, cM / MM
     yy, Ky, By, cy = yy - m_y * My, Ky - m_y * KM, By - m_y * BM, cy - m_y * cM
     KK, KB, Kc = KK - m_K * KM, KB - m_K * BM, Kc - m_K * cM
@@ -163,8 +166,10 @@ def fit_first_contact(
     scale = max(wall.stiffness, secant, 1e-9)
     damping_std = max(wall.damping, UNKNOWN_DAMPING_S * scale)
     inertia_std = UNKNOWN_DAMPING_S**2 * scale
+    # Products, not powers: of a diverged estimate they are infinite instead of an error.
     return fit_wall(
-        products, wall, noise_variance / damping_std**2, noise_variance / inertia_std**2)
+        products, wall, noise_variance / (damping_std * damping_std),
+        noise_variance / (inertia_std * inertia_std))
 
 
 def shift_by_lag(products: NDArray[np.float64], wall: Wall, lag: float) -> float:
