@@ -70,7 +70,7 @@ def arguments(folder: Path, *more: str) -> list[str]:
 @pytest.fixture(scope='module')
 def whole(tmp_path_factory: pytest.TempPathFactory) -> Run:
     folder = tmp_path_factory.mktemp('loop')
-    given = arguments(folder, '--duration', '3', '--seed', '4')
+    given = arguments(folder, '--duration', '3', '--seed', '4', '--lockstep')
     return Run(folder / 'out', run_module(folder / 'log', 'commands.loop', *given))
 
 

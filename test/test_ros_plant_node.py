@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+import time
 from typing import Any, Iterator, NamedTuple
 
 import pytest
@@ -145,6 +146,35 @@ def test_reference_is_followed_from_its_stamp_on_and_not_before(
     positions = user.positions()
     assert {x for stamp, x in positions.items() if stamp <= later} == {START}
     assert list(positions.values())[-1] == pytest.approx(-0.05, abs=1e-3)
+
+
+def test_robot_stops_when_its_references_end(tmp_path: Path, user: RobotUser, still: str) -> None:
+    with node_process(tmp_path, 'plant_node', experiment=still, duration=2.0) as process:
+        user.spin_until(lambda: user.heard['wrench'], 'the first sample')
+        user.spin_until(user.follow.get_subscription_count, 'the plant to listen')
+        later = next(iter(user.heard['wrench'])) + 300 * PERIOD_NS
+        user.follow.publish(trajectory(later, -0.09, 0.0, velocity=0.1))
+        user.hear_to_the_end(process, 1000)
+    # 0.1 m/s for the 0.1 s after which a reference is stale, and a sample to notice.
+    assert list(user.positions().values())[-1] == pytest.approx(-0.08, abs=1e-3)
+
+
+def test_plant_in_lockstep_is_as_slow_as_the_answers(
+    tmp_path: Path, user: RobotUser, still: str
+) -> None:
+    file = tmp_path / 'summary.json'
+    with node_process(tmp_path, 'plant_node', experiment=still, duration=0.02, lockstep=True,
+                      summary_file=file) as process:
+        user.spin_until(user.follow.get_subscription_count, 'the plant to listen')
+        for count in range(1, 11):
+            user.spin_until(lambda: len(user.heard['wrench']) >= count, f'{count} samples')
+            time.sleep(10 * PERIOD_NS * 1e-9)  # a slow machine
+            last = list(user.heard['wrench'])[count - 1]
+            user.follow.publish(trajectory(last + PERIOD_NS, START, 0.0))
+        user.hear_to_the_end(process, 10)
+    summary = json.loads(file.read_text())
+    assert (summary['samples_sent'], summary['samples_lost']) == (10, 0)
+    assert summary['rate_hz'] < 50.0
 
 
 def test_force_in_the_effort_presses_a_robot_that_tracks_force(

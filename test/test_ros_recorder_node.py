@@ -117,7 +117,7 @@ def test_existing_output_folder_is_refused(tmp_path: Path) -> None:
     assert [path.name for path in folder.iterdir()] == ['precious.txt']
 
 
-def test_recorder_that_comes_late_still_gets_the_parameters_at_start(tmp_path: Path) -> None:
+def test_late_recorder_still_gets_parameters_at_start_and_status(tmp_path: Path) -> None:
     folder = tmp_path / 'recording'
     for peer in estimator_and_peer(
         tmp_path / 'estimator', environment__initial_stiffness=1234.0, estimator='rls'
@@ -138,3 +138,5 @@ def test_recorder_that_comes_late_still_gets_the_parameters_at_start(tmp_path: P
         for m in RecordingReader(folder).messages(['estimator_node/events'])
     ]
     assert [json.loads(text)['event'] for text in texts] == ['start', 'set_parameters']
+    status, = RecordingReader(folder).messages(['estimator_node/status'])
+    assert decode_string(status.data) == 'free'

@@ -69,7 +69,7 @@ def test_loop_shows_its_run_and_loses_nothing_of_it(tmp_path: Path) -> None:
     file = tmp_path / 'view.rrd'
     done = run_module(
         tmp_path / 'log', 'commands.loop', '--experiment', str(tmp_path / 'touch.yaml'),
-        '--output', str(tmp_path / 'out'), '--watch', str(file))
+        '--output', str(tmp_path / 'out'), '--lockstep', '--watch', str(file))
     assert (done.code, done.stderr) == (0, '')
     held = paths_in(file)
     for path in ('/stiffness/estimate', '/damping/estimate', '/force/measured', '/log/status'):

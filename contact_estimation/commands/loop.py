@@ -66,6 +66,11 @@ def make_parser() -> Parser:
     )
     parser.add_argument('--seed', type=int, help='seed of all noise')
     parser.add_argument(
+        '--lockstep', action='store_true',
+        help='let the plant wait for the answer to each sample; the run is then the same on a '
+        'slow or busy machine, but may take longer',
+    )
+    parser.add_argument(
         '--watch', nargs='?', const=WINDOW, metavar='web|FILE.rrd',
         help='show the run live in Rerun: in a window, on a web page, or in a file',
     )
@@ -90,7 +95,8 @@ def run(options: Any) -> int:
     _require_packages()
     watch = _watch_words(options.watch)
     configuration = configure(options.experiment, options.params, options.estimator,
-                              options.duration, options.seed)
+                              options.duration, options.seed,
+                              lockstep=options.lockstep)
     output = new_folder(options.output)
     recording, plant_summary = output / 'recording', output / 'plant_summary.json'
     write_parameters(output / 'parameters.yaml', configuration, recording, plant_summary)

@@ -80,6 +80,7 @@ class LoopConfiguration(NamedTuple):
 def configure(
     experiment: str, parameter_file: str | None = None, estimator: str | None = None,
     duration: float | None = None, seed: int | None = None, reference_law: str | None = None,
+    lockstep: bool = False,
 ) -> LoopConfiguration:
     """
     Combine a parameter file with options and check the result.
@@ -98,6 +99,8 @@ def configure(
         Of all noise; overrides the file's.
     reference_law : str, optional
         Overrides the file's.
+    lockstep : bool
+        The plant waits for the answer to each sample; otherwise as the file says.
 
     Returns
     -------
@@ -121,6 +124,8 @@ def configure(
     }
     if seed is not None:
         plant_values['seed'] = seed
+    if lockstep:
+        plant_values['lockstep'] = True
     plant = build(PlantParameters, without(PlantNodeParameters, plant_values))
     # The estimator's reference law depends on the robot and must assume the same one.
     estimator_values: dict[str, Any] = {

@@ -45,6 +45,8 @@ from ..reference.setpoints import Reference
 
 PURPOSE = 'plant_node: simulate robot, wall and sensors, and play an experiment on them'
 _SETTLING_S = 0.5  # a publisher may see a match before the subscriber does
+_STALE_S = 0.1  # the robot then stops, as with controllers whose stream of setpoints ends
+_LOCKSTEP_PATIENCE_NS = 1_000_000_000  # then the sample counts as lost
 
 
 def all_specifications() -> list[ParameterSpecification]:
@@ -131,6 +133,8 @@ class PlantNode(Node):
         self.statistics.begin_ns = begin_ns
         for k in range(round(min(self._duration * self._plant.sample_rate, 2**62))):
             self._wait_until(begin + k * self._period_ns)
+            if self._own.lockstep:
+                self._wait_for_answer(k - 1)
             if self._stopping:
                 return
             self._send(k, begin_ns + k * self._period_ns)
@@ -148,6 +152,15 @@ class PlantNode(Node):
             self._idle(0.02)
         self._idle(_SETTLING_S)
 
+    def _wait_for_answer(self, k: int) -> None:
+        """Wait for the reference that answers sample k."""
+        give_up = time.perf_counter_ns() + _LOCKSTEP_PATIENCE_NS
+        while not (self._stopping or self.statistics.has_answer(k)):
+            remaining = give_up - time.perf_counter_ns()
+            if remaining <= 0:
+                return
+            self._receive(remaining)
+
     def _idle(self, seconds: float) -> None:
         self._wait_until(time.perf_counter_ns() + int(seconds * 1e9))
 
@@ -157,10 +170,14 @@ class PlantNode(Node):
             remaining = deadline_ns - time.perf_counter_ns()
             if remaining <= 0:
                 return
-            if self._data.dedicated:
-                self._data.wait(min(remaining, 100_000_000))
-            else:
-                time.sleep(min(remaining, 100_000_000) * 1e-9)
+            self._receive(remaining)
+
+    def _receive(self, timeout_ns: int) -> None:
+        """Wait for references, but not for long: the node may be told to stop."""
+        if self._data.dedicated:
+            self._data.wait(min(timeout_ns, 100_000_000))
+        else:  # the executor receives them in a thread of its own
+            time.sleep(min(timeout_ns, 1_000_000) * 1e-9)
 
     def _send(self, k: int, stamp_ns: int) -> None:
         """Publish sample k, its setpoint first, since the reference depends on it."""
@@ -190,6 +207,10 @@ class PlantNode(Node):
         while self._waiting and self._waiting[0][0] <= now_ns:
             stamp_ns, self._reference = self._waiting.popleft()
             self._followed_since = (stamp_ns - begin_ns) * 1e-9
+        now = k * self._period_ns * 1e-9
+        if now - self._followed_since > _STALE_S:
+            position, _, _, force = extrapolate(self._followed_since, self._reference)(now)
+            self._reference, self._followed_since = Reference(position, 0.0, 0.0, force), now
 
     # -- parameters -------------------------------------------------------------------------
 

@@ -39,6 +39,7 @@ class PlantStatistics:
         self.unusable = 0
         self._sent: list[int] = []
         self._delays: dict[int, int] = {}
+        self._newest = -1
         self._last_contact: int | None = None
 
     def sent(self, k: int, true_force: float) -> None:
@@ -71,6 +72,24 @@ class PlantStatistics:
         k = round((reference_stamp_ns - self.begin_ns) / self._period_ns) - 1
         if 0 <= k < len(self._sent) and k not in self._delays:
             self._delays[k] = now - self._sent[k]
+            self._newest = max(self._newest, k)
+
+    def has_answer(self, k: int) -> bool:
+        """
+        Return whether sample k, or a later one, has been answered.
+
+        Parameters
+        ----------
+        k : int
+            Index of the sample; before the first there is nothing to answer.
+
+        Returns
+        -------
+        answered : bool
+            Whether nothing is to wait for.
+
+        """
+        return k <= self._newest
 
     def summary(self) -> dict[str, Any]:
         """

@@ -93,8 +93,9 @@ def recorded_topics(estimator: str) -> dict[str, tuple[str, QoSProfile]]:
         f'{estimator}/model_fit': (topics.FLOAT64, _ESTIMATE_QOS),
         **{f'{estimator}/{name}': (type_name, _ESTIMATE_QOS)
            for name, type_name in MATRIX_TOPICS.items()},
-        f'{estimator}/status': (topics.STRING, _ESTIMATE_QOS),
-        f'{estimator}/events': (topics.STRING, topics.EVENTS_QOS),
+        # Published on change: what came before the recorder is still wanted.
+        **{f'{estimator}/{name}': (topics.STRING, topics.EVENTS_QOS)
+           for name in ('status', 'events')},
     }
 
 
