@@ -91,16 +91,17 @@ def conclude(fitted: Fitted, seed: int, progress: Progress) -> Diagnosis:
         The result.
 
     """
-    generator, selection = np.random.default_rng(seed), fitted.selection
-    whole = [discounted(one.whole(selection.base.model), selection.base.model)
-             for one in selection.recordings]
-    decision = decide(selection, whole, progress)
-    recordings, base, best = _refined(fitted, decision, progress)
+    generator, base_model = np.random.default_rng(seed), fitted.selection.base.model
+    whole = [discounted(one.whole(base_model), base_model)
+             for one in fitted.selection.recordings]
+    decision = decide(fitted.selection, whole, progress)
+    selection = decision.selection
+    recordings, base, best = _refined(fitted.nominal, decision, progress)
     progress('held-out parts')
     models = (fitted.nominal, base.model, best.model)
     parts, free_runs = _held_out(recordings, whole, fitted.holdouts, models)
     if best.model.effects and _worse(parts, best.model):  # a false name is worse than no name
-        decision = Decision(selection.base, True, decision.predictable, None)
+        decision = Decision(selection, selection.base, True, decision.predictable, None)
         recordings, base, best = selection.recordings, selection.base, selection.base
         models = (fitted.nominal, base.model, base.model)
         parts, free_runs = _held_out(recordings, whole, fitted.holdouts, models)
@@ -131,13 +132,13 @@ def conclude(fitted: Fitted, seed: int, progress: Progress) -> Diagnosis:
 
 
 def _refined(
-    fitted: Fitted, decision: Decision, progress: Progress
+    nominal: Model, decision: Decision, progress: Progress
 ) -> tuple[Recordings, Fit, Fit]:
     """Minimise the output error of an explained recording; return base and best model."""
-    selection = fitted.selection
-    recordings, base, best = selection.recordings, selection.base, decision.best
+    selection, best = decision.selection, decision.best
+    recordings, base = selection.recordings, selection.base
     if decision.unexplained or has_discrepancy(recordings) or not all(
-            one.observed.has_dynamics(fitted.nominal.nominal) for one in recordings):
+            one.observed.has_dynamics(nominal.nominal) for one in recordings):
         return recordings, base, best
     progress('output error')
     if best.model.effects:

@@ -19,6 +19,7 @@ from __future__ import annotations
 from typing import NamedTuple, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .shares import Shares, shares_of
 from ..fit.criteria import enough, explained_share, leaves_noise, noise_scale, THRESHOLD
@@ -35,6 +36,8 @@ from ..observe.model import Model, names_of
 from ..observe.prepared_recording import Recordings
 from ..observe.residuals import residuals
 from ...physics import EFFECTS
+
+Array = NDArray[np.float64]
 
 EXPLAINED = 0.5
 """Least share of the misfit that names must predict on parts left out to explain it."""
@@ -53,6 +56,8 @@ class Decision(NamedTuple):
 
     Attributes
     ----------
+    selection : Selection
+        From which it was made: without effects that were doubtful, what they hid is a discrepancy.
     best : Fit
         The model with the effects that are named; the recalibrated one if none is.
     unexplained : bool
@@ -64,6 +69,7 @@ class Decision(NamedTuple):
 
     """
 
+    selection: Selection
     best: Fit
     unexplained: bool
     predictable: float
@@ -96,28 +102,37 @@ def decide(
         best = _significant(recordings, _confirmed(base, best, recordings, whole))
     if best.model.effects:
         progress('shares')
-        shares = shares_of(recordings, base.model, best.model)
+        in_form = selection.in_form if selection.in_form in best.model.effects else ''
+        shares = shares_of(recordings, base.model, best.model, in_form)
         exact = not has_discrepancy(recordings)
-        doubtful = [name for name in best.model.effects
-                    if not shares.agrees(name)
-                    or shares.sure(name) <= _least_sure(exact, shares.is_flexible(name))]
+        doubtful = [name for name in best.model.effects if name != in_form and (
+            not shares.agrees(name)
+            or shares.sure(name) <= _least_sure(exact, shares.is_flexible(name)))]
         if doubtful:
             zeros = [name for name in doubtful if name in ZEROS]  # a law needs no doubtful one
             rest = fit(recordings, best.model.without((zeros or doubtful)[-1]))
-            return decide(selection._replace(best=rest), whole, progress)
-        return Decision(best, shares.explained < EXPLAINED, 0.0, shares)
+            return decide(_carrying(selection, rest), whole, progress)
+        return Decision(selection, best, shares.explained < EXPLAINED, 0.0, shares)
     progress('structure of the residuals')
     if has_discrepancy(recordings):
         recordings = [discounted(without_discrepancy(one), base.model) for one in recordings]
     carried, _ = weigh(recordings, fit(recordings, best.model))
     if not any(material(one, base.model) for one in carried):
         usual = max(1.0, best.cost / best.residual_count)
-        late = any(power > _HELD_OUT_POWER * usual
-                   for power in _held_out_powers(whole, best.model))
-        return Decision(best, late, 0.0, None)
+        late = _largest(_held_out_powers(whole, best.model)) > _HELD_OUT_POWER * usual
+        return Decision(selection, best, late, 0.0, None)
     unexplained, predictable = _structured(recordings, best)
-    unexplained = unexplained or _is_wrong(_held_out_powers(whole, best.model))
-    return Decision(best, unexplained, predictable, None)
+    late = _largest(_held_out_powers(whole, best.model)) > _HELD_OUT_POWER
+    return Decision(selection, best, unexplained or late, predictable, None)
+
+
+def _carrying(selection: Selection, rest: Fit) -> Selection:
+    """Take a model with fewer effects; what it leaves beyond noise becomes a discrepancy."""
+    if not rest.model.effects or has_discrepancy(selection.recordings):
+        return selection._replace(best=rest)
+    recordings, rest = weigh(selection.recordings, rest)
+    base = fit(recordings, selection.base.model)
+    return selection._replace(recordings=recordings, base=base, best=rest)
 
 
 def _least_sure(exact: bool, flexible: bool) -> float:
@@ -131,10 +146,11 @@ def _confirmed(base: Fit, best: Fit, recordings: Recordings, whole: Recordings) 
     """Return the best model, or the recalibrated one if held-out data contradict the names."""
     if recordings[0].observed.reference is None or releases_contact(recordings, best.model):
         return best
-    powers = _held_out_powers(whole, best.model)
+    powers = [[float(np.mean(part)) for part in _held_out_powers(whole, model)]
+              for model in (base.model, best.model)]
     contradicted = any(
         after > _HELD_OUT_POWER and explained_share(before, after, 1.0) < _HELD_OUT_EXPLAINED
-        for before, after in zip(_held_out_powers(whole, base.model), powers))
+        for before, after in zip(*powers))
     # Where a robot sticks, velocities are not known well enough for the residuals.
     if contradicted and not runs_true(whole, refine(recordings, best)[1].model):
         return base
@@ -178,20 +194,21 @@ def verdict_of(decision: Decision, base: Fit, nominal_cost: float) -> str:
     return 'consistent' if nominal_cost - base.cost < least else 'recalibrate'
 
 
-def _is_wrong(held_out_powers: Sequence[float]) -> bool:
-    return any(power > _HELD_OUT_POWER for power in held_out_powers)
+def _largest(powers: Sequence[Array]) -> float:
+    return max((float(np.max(part)) for part in powers), default=0.0)
 
 
-def _held_out_powers(whole: Recordings, model: Model) -> list[float]:
-    """Return the mean square residual in each channel of each held-out part."""
-    powers: list[float] = []
+def _held_out_powers(whole: Recordings, model: Model) -> list[Array]:
+    """Return the mean square residual of each channel in each held-out part."""
+    powers = []
     for recording in whole:
         if recording.held_out is None:
             continue
         held_out = (recording.held_out.samples & recording.use).astype(float)
         there = recording.blocks(held_out) > 0.5
-        parts = recording.split(residuals(recording, model))[:, there]
-        powers += np.mean(parts**2, axis=1).tolist() if there.any() else []
+        if there.any():
+            part = recording.split(residuals(recording, model))[:, there]
+            powers.append(np.mean(part**2, axis=1))
     return powers
 
 

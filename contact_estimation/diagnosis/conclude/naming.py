@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from .held_out import as_good
 from .location import locate
-from .probability import probabilities
+from .probability import probabilities, probability_in_form
 from .result import NamedEffect, Value
 from .shares import Shares
 from ..fit.criteria import enough, noise_scale, PRICE
@@ -96,6 +96,7 @@ def name_effects(
     likely = dict(zip(best.model.effects, probabilities(
         [shares.of_channel[name] for name in best.model.effects],
         [shares.beside[name] for name in best.model.effects], shares.left, exact)))
+    likely.update({name: probability_in_form(share) for name, share in shares.in_form.items()})
     for name in sorted(best.model.effects, key=lambda name: -shares.of[name].share):
         dropped = fit(recordings, best.model.without(name), steps=8)
         rivals = _rivals(selection, name, recordings)
@@ -107,7 +108,8 @@ def name_effects(
             share.share,
             share.interval, shares.on_parts(name), _values(best, name, stds),
             [rival.model.effects[-1] for rival in alike],
-            locate(shown, dropped.model, cls.port)))
+            locate(shown, dropped.model, cls.port),
+            shares.in_form[name].share if name in shares.in_form else None))
     return Names(effects, rival_models)
 
 

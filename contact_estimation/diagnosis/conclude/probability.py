@@ -77,6 +77,24 @@ def probabilities(
     return found
 
 
+def probability_in_form(share: Share) -> float:
+    """
+    Compute the probability of the family of a law that holds in form alone.
+
+    Parameters
+    ----------
+    share : Share
+        Of the misfit, with a size of its own in each part.
+
+    Returns
+    -------
+    probability : float
+        From half of the lower end: a size for each part explains more by chance.
+
+    """
+    return probability_of(0.5 * min(share.interval[0], 1.0))
+
+
 def _evidence(share: Share, present: float) -> float:
     """Return the mean lower end of a share of the whole misfit and of a present one."""
     sure = min(share.interval[0], 1.0)

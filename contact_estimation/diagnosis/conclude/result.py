@@ -94,6 +94,9 @@ class NamedEffect:
         Effects that predict held-out data as well.
     location : Location
         Of the misfit without it.
+    share_in_form : float or None
+        Of an effect that holds in form alone, its size differing from part to part: the share
+        that it explains with a size of its own in each part.
 
     """
 
@@ -108,6 +111,7 @@ class NamedEffect:
     parameters: dict[str, Value]
     indistinguishable_from: list[str]
     location: Location
+    share_in_form: float | None = None
 
 
 @dataclass(frozen=True)

@@ -28,6 +28,7 @@ from ..fit.discrepancy import weighed
 from ..fit.fitting import Fit, fit
 from ..fit.invariance import (
     channel_of,
+    errors_with_own_size,
     judged_by_channel,
     left_out_errors,
     Share,
@@ -67,6 +68,8 @@ class Shares:
         The same of the misfit in the channel by which the effect is judged.
     beside : dict of str to Share
         In that channel, what the model with all other named effects leaves beyond that.
+    in_form : dict of str to Share
+        Of the effect that holds in form alone: what it explains with its size free on each part.
 
     """
 
@@ -78,6 +81,7 @@ class Shares:
     of: dict[str, Share]
     of_channel: dict[str, Share]
     beside: dict[str, Share]
+    in_form: dict[str, Share]
 
     @property
     def explained(self) -> float:
@@ -121,7 +125,9 @@ class Shares:
         return [values_on(self.recordings, self.best, part).values for part in self.parts]
 
 
-def shares_of(recordings: Recordings, base: Model, best: Model) -> Shares:
+def shares_of(
+    recordings: Recordings, base: Model, best: Model, in_form: str = ''
+) -> Shares:
     """
     Compute the shares of all effects of a model.
 
@@ -131,6 +137,8 @@ def shares_of(recordings: Recordings, base: Model, best: Model) -> Shares:
         As fitted.
     base, best : Model
         Recalibrated, and with effects in the order in which they were taken.
+    in_form : str
+        The last effect, if it holds in form alone.
 
     Returns
     -------
@@ -157,4 +165,8 @@ def shares_of(recordings: Recordings, base: Model, best: Model) -> Shares:
     for name in best.effects[:-1]:
         without = left_out_errors(carried, fit(carried, best.without(name)), parts, base_errors)
         beside[name] = share_of(without, errors, parts, base_errors, channels[name])
-    return Shares(carried, parts, base_errors, found, errors, shares, of_channel, beside)
+    own = dict[str, Share]()
+    if in_form:
+        free = errors_with_own_size(carried, found, parts)
+        own[in_form] = share_of(before, free, parts, base_errors, channels[in_form])
+    return Shares(carried, parts, base_errors, found, errors, shares, of_channel, beside, own)

@@ -22,10 +22,11 @@ contact or a block of time, is left out in turn and predicted by a model fitted 
 
 from __future__ import annotations
 
-from typing import NamedTuple, Sequence
+from typing import Callable, NamedTuple, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import least_squares
 
 from .discrepancy import CHANNELS
 from .fitting import differentiate_by, Fit, residual_function
@@ -40,6 +41,7 @@ Flags = NDArray[np.bool_]
 
 _STEPS = (1.0, 0.5, 0.25, 0.1)  # shares of a Gauss-Newton step that are tried
 _LOOSE, _ROUNDS = 3.0, 3  # a part alone: sizes of a value that its prior allows, steps
+_OWN_STEPS = 8  # of the size of an effect on a part
 _FAINT = 1e-6  # information that keeps an undetermined value finite
 _ROUNDING = 1e-13  # share of the information that rounding may make of nothing
 _TWO_SIDED = 1.96  # standard deviations of a 95 % interval
@@ -133,26 +135,80 @@ def left_out_errors(
         Sum of the squared residuals on each part, left out.
 
     """
-    model = found.model
-    function, values, size = residual_function(recordings, model), model.coordinates, model.steps
-    (low, high), here = model.ranges, function(values)
-    jacobian = differentiate_by(values, size, function, here, most=high)
+    function = residual_function(recordings, found.model)
+    here = function(found.model.coordinates)
+    jacobian = _jacobian(found.model, function, here)
     squares = np.empty((len(parts), CHANNELS))
     for k, part in enumerate(parts):
         rest = ~part.there
-        present = _square(here[rest])
-        change = np.linalg.lstsq(jacobian[rest], -here[rest], rcond=1e-9)[0] * size
-        squares[k] = part.squares(here)
-        for share in _STEPS:
-            there = function(np.clip(values + share * change, low, high))
-            if _square(there[rest]) <= present:
-                squares[k] = part.squares(there)
-                break
+        _, there = _fitted_on(rest, found.model, function, here, jacobian)
+        squares[k] = part.squares(there)
         if before is not None:
             gain = float((before[k] - squares[k]).sum())
             if _spread(part, jacobian, rest, here) > gain:
                 squares[k] = squares[k] if gain < 0.0 else before[k]
     return squares
+
+
+def errors_with_own_size(recordings: Recordings, found: Fit, parts: Sequence[Part]) -> Array:
+    """
+    Predict each part by the model fitted on the others, but for the size of the last effect.
+
+    The first parameter of an effect is its size; it is fitted on the part itself.
+
+    Parameters
+    ----------
+    recordings : sequence of PreparedRecording
+        Fitted together.
+    found : Fit
+        On all parts.
+    parts : sequence of Part
+        Of the recordings.
+
+    Returns
+    -------
+    squares : ndarray, shape (parts, CHANNELS)
+        Sum of the squared residuals on each part.
+
+    """
+    model = found.model
+    function, place = residual_function(recordings, model), model.place(model.effects[-1]).start
+    size = int(np.count_nonzero(model.free[:place]))
+    (low, high), here = model.ranges, function(model.coordinates)
+    jacobian = _jacobian(model, function, here)
+    squares = np.empty((len(parts), CHANNELS))
+    for k, part in enumerate(parts):
+        values, _ = _fitted_on(~part.there, model, function, here, jacobian)
+        weights = np.sqrt(part.weights)
+
+        def with_size(own: Array) -> Array:
+            return np.concatenate((values[:size], own, values[size + 1:]))
+
+        own = least_squares(
+            lambda own: weights * function(with_size(own))[part.there], values[size],
+            x_scale=model.steps[size], bounds=(low[size], high[size]), max_nfev=_OWN_STEPS)
+        squares[k] = part.squares(function(with_size(own.x)))
+    return squares
+
+
+def _jacobian(model: Model, function: Callable[[Array], Array], here: Array) -> Array:
+    return differentiate_by(
+        model.coordinates, model.steps, function, here, most=model.ranges[1])
+
+
+def _fitted_on(
+    rest: Flags, model: Model, function: Callable[[Array], Array], here: Array, jacobian: Array,
+) -> tuple[Array, Array]:
+    """Step from the fit on all parts to that on the rest; return coordinates and residuals."""
+    values, (low, high) = model.coordinates, model.ranges
+    present = _square(here[rest])
+    change = np.linalg.lstsq(jacobian[rest], -here[rest], rcond=1e-9)[0] * model.steps
+    for share in _STEPS:
+        there = np.clip(values + share * change, low, high)
+        residuals = function(there)
+        if _square(residuals[rest]) <= present:
+            return there, residuals
+    return values, here
 
 
 def _spread(part: Part, jacobian: Array, rest: Flags, left: Array) -> float:

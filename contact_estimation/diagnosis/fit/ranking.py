@@ -21,7 +21,7 @@ effects that predict alike, the simplest.
 
 from __future__ import annotations
 
-from typing import Sequence
+from typing import NamedTuple, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,15 +30,16 @@ from .candidate import assess, Candidate
 from .criteria import ADEQUATE, predicts_enough, SHARE
 from .discrepancy import CHANNELS, costs_by_channel, material, noise_by_channel
 from .fitting import Fit, fit
+from .form import law_in_form
 from .invariance import channel_of, judged_by_channel, left_out_errors, share_of
 from .parts import evened, Part, parts_of
-from .zeros import is_zero, resembles_zero, with_zeros, Zeros
+from .zeros import is_zero, resembles_zero, with_zeros, ZEROS, Zeros
 from ..observe.model import Model
 from ..observe.prepared_recording import Recordings
 
 Array = NDArray[np.float64]
 
-_PROMISING = 0.4  # of the largest gain in the fit, to be assessed
+_PROMISING, _ASSESSED = 0.4, 12  # of the largest gain in the fit, to be assessed; at most so many
 # What a curve that fits almost anything must show.
 _FLEXIBLE_SHARE, _FLEXIBLE_HARM = 0.85, 0.01
 
@@ -46,11 +47,29 @@ FLEXIBLE_LEAD = 0.15
 """Share of the misfit by which such a curve must be better than the best law."""
 
 
+class Ranking(NamedTuple):
+    """
+    Candidates for the next effect.
+
+    Attributes
+    ----------
+    found : list of Fit
+        The next effect first, then those that predict as well; none if the best explains too
+        little.
+    in_form : bool
+        Whether the first holds in form alone: its size differs from part to part.
+
+    """
+
+    found: list[Fit]
+    in_form: bool = False
+
+
 def rank_by_prediction(
     recordings: Recordings, present: Fit, base: Model, found: Sequence[Fit]
-) -> list[Fit]:
+) -> Ranking:
     """
-    Return the candidate that best predicts parts left out, and those that do as well.
+    Rank candidates by their prediction of parts left out.
 
     Where the motion lacks something else than the force does, the misfit of the one does not count
     against an effect that shows in the other.
@@ -68,8 +87,8 @@ def rank_by_prediction(
 
     Returns
     -------
-    ranked : list of Fit
-        The next effect first; none if the best explains too little.
+    ranking : Ranking
+        Of the candidates.
 
     """
     groups: dict[int | None, Sequence[Fit]] = {None: found}
@@ -79,7 +98,7 @@ def rank_by_prediction(
     groups = {channel: _promising(recordings, present, group, channel)
               for channel, group in groups.items()}
     if not any(groups.values()):
-        return []
+        return Ranking([])
     first = fit(recordings, with_zeros(base, present.model)) if present.model.effects else present
     parts = parts_of(recordings, first)
     parts, whole = evened(parts, left_out_errors(recordings, first, parts))
@@ -92,13 +111,16 @@ def rank_by_prediction(
         enough = _first_that_predicts(recordings, candidates, zeros, before, whole)
         taken += [] if enough is None else [enough]
     if not taken:
-        return []
+        law = None
+        if not set(present.model.effects) - set(ZEROS):  # only the main misfit is worth a law
+            law = law_in_form(recordings, assessed, zeros.parts, before)
+        return Ranking([law.found], True) if law else Ranking([])
     best = min(taken, key=lambda one: one.total)
     most = best.total + ADEQUATE * (float(before.sum()) - best.total)
     rest = sorted((one for one in assessed
                    if one.name != best.name and not one.flexible and one.total <= most),
                   key=lambda one: one.total)
-    return [best.found, *(one.found for one in rest)]
+    return Ranking([best.found, *(one.found for one in rest)])
 
 
 def _first_that_predicts(
@@ -133,7 +155,8 @@ def _promising(
     gains = [float(np.sum((before - costs_by_channel(recordings, one))[columns]))
              for one in found]
     least = max(SHARE * misfit, _PROMISING * max(gains, default=0.0))
-    return [one for one, gain in zip(found, gains) if gain > least]
+    order = np.argsort(gains, kind='stable')[::-1][:_ASSESSED]
+    return [found[k] for k in sorted(order) if gains[k] > least]
 
 
 def _choose(

@@ -40,7 +40,7 @@ from .criteria import (
 )
 from .discrepancy import has_discrepancy, material, noise_by_channel, weighed
 from .fitting import cost_of, Fit, fit, fit_to_end
-from .ranking import FLEXIBLE_LEAD, rank_by_prediction
+from .ranking import FLEXIBLE_LEAD, rank_by_prediction, Ranking
 from .search import candidates_for, is_pressed, Progress, search
 from .zeros import beside, ZEROS, zeros_lacking
 from ..observe.model import Model
@@ -76,6 +76,8 @@ class Selection(NamedTuple):
         For each effect taken, fits with another in its place, best first.
     evidence : dict of str to float
         Share of the misfit above the noise that one effect alone takes away, by name.
+    in_form : str
+        The effect that holds in form alone, its size differing from part to part; '' if none.
 
     """
 
@@ -84,6 +86,7 @@ class Selection(NamedTuple):
     best: Fit
     rivals: Rivals
     evidence: dict[str, float]
+    in_form: str = ''
 
 
 def select(
@@ -107,7 +110,7 @@ def select(
         The effects taken, and their rivals.
 
     """
-    best, evidence, rivals = base, dict[str, float](), Rivals()
+    best, evidence, rivals, in_form = base, dict[str, float](), Rivals(), ''
     while _law_count(best.model) < MOST_EFFECTS and not _is_explained(recordings, base, best):
         carried, present = _carried(recordings, best)
         found = search(carried, present, _candidates(recordings, best.model), progress)
@@ -123,20 +126,25 @@ def select(
                 best, rivals = exchange(recordings, best, rivals, progress)
         else:
             progress('parts left out')
-            ranked = _ranked(carried, present, base, found) if has_discrepancy(carried) else []
-            if not ranked:
+            ranking = (_ranked(carried, present, base, found) if has_discrepancy(carried)
+                       else Ranking([]))
+            if not ranking.found:
                 break
+            ranked = ranking.found
             if _is_curve(recordings, ranked[0]):
                 ranked = _law_instead(carried, present, base, ranked, progress)
             best = fit(recordings, ranked[0].model)
             rivals[best.model.effects[-1]] = ranked[1:]
+            if ranking.in_form:  # what its size leaves would be taken for something else
+                in_form = best.model.effects[-1]
+                break
     if leaves_noise(best):
         best, rivals = prune(recordings, best, rivals)
         best = fit(recordings, best.model) if best.model.effects else base
         return Selection(recordings, base, best, rivals, evidence)
     carried, best = weigh(recordings, best)
     best = _without_trifles(carried, best)
-    return Selection(carried, fit(carried, base.model), best, rivals, evidence)
+    return Selection(carried, fit(carried, base.model), best, rivals, evidence, in_form)
 
 
 def fitted_again(recordings: Recordings, selection: Selection) -> Selection:
@@ -199,11 +207,11 @@ def _evidence(recordings: Recordings, present: Fit, found: Sequence[Fit]) -> dic
 
 def _ranked(
     recordings: Recordings, present: Fit, base: Fit, found: Sequence[Fit]
-) -> list[Fit]:
+) -> Ranking:
     """Rank the candidates of other families than those of the model by prediction."""
     families = {EFFECTS[name].family for name in present.model.effects}
     others = [one for one in found if EFFECTS[one.model.effects[-1]].family not in families]
-    return rank_by_prediction(recordings, present, base.model, others[:_ASSESSED])
+    return rank_by_prediction(recordings, present, base.model, others)
 
 
 def _is_curve(recordings: Recordings, found: Fit) -> bool:
@@ -219,7 +227,7 @@ def _law_instead(
         return ranked
     level = fit(recordings, beside(present.model, lacking))
     found = search(recordings, level, _candidates(recordings, level.model), progress)
-    laws = _ranked(recordings, level, base, found)
+    laws = _ranked(recordings, level, base, found).found
     most = ranked[0].cost + FLEXIBLE_LEAD * (present.cost - ranked[0].cost)
     if laws and laws[0].cost <= most and not _is_curve(recordings, laws[0]):
         return laws

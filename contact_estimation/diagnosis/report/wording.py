@@ -94,7 +94,11 @@ def share_of(effect: NamedEffect) -> str:
     digits = 0 if share >= 10.0 else 1
     interval = (f' ({low:.{digits}f} to {high:.{digits}f} %)'
                 if isfinite(low) and isfinite(high) else '')
-    return f'predicts {share:.{digits}f} %{interval} of the misfit on parts left out'
+    sentence = f'predicts {share:.{digits}f} %{interval} of the misfit on parts left out'
+    if effect.share_in_form is None:
+        return sentence
+    return (f'{sentence}, but explains {100.0 * effect.share_in_form:.0f} % with a size of its '
+            'own in each part: the size depends on something else, such as speed, depth or time')
 
 
 def remainder(diagnosis: Diagnosis) -> str:
