@@ -26,6 +26,7 @@ from ..parameters.specification import parameter, ParameterGroup
 from ..signals.relations import Row
 
 _SMALLEST = 1e-18
+_LEAST_DETERMINANT = 0.25  # of a d: with instruments nearly out of phase, errors are not normal
 _LARGEST_RELATIVE_STD = 0.5  # above which a solution is rejected
 
 
@@ -156,7 +157,7 @@ class InstrumentalVariable(OnlineEstimator):
         (a, b, y_K), (c, d, y_B) = self._of_K, self._of_B
         a, d, y_K, y_B = a + r_K, d + r_B, y_K + r_K * K_0, y_B + r_B * B_0
         determinant = a * d - b * c
-        if not (a > 0.0 and d > 0.0 and determinant > 0.0):
+        if not (a > 0.0 and d > 0.0 and determinant > _LEAST_DETERMINANT * a * d):
             return False
         K, B = (d * y_K - b * y_B) / determinant, (a * y_B - c * y_K) / determinant
         KK, KB, BB = self._Z
