@@ -20,6 +20,7 @@ from functools import lru_cache
 from typing import Any
 
 from concealed_worlds import ATTACHED, attached, nominal, physics, prepared_from, recorded
+from contact_estimation.diagnosis.fit import search as search_module
 from contact_estimation.diagnosis.fit.criteria import (
     enough,
     noise_scale,
@@ -28,11 +29,12 @@ from contact_estimation.diagnosis.fit.criteria import (
     SHARE,
     THRESHOLD,
 )
+from contact_estimation.diagnosis.fit.exact_laws import prune, Rivals
 from contact_estimation.diagnosis.fit.fitting import Fit, fit
 from contact_estimation.diagnosis.fit.model_uncertainty import discounted
 from contact_estimation.diagnosis.fit.scales import measure_scales
-from contact_estimation.diagnosis.fit.search import candidates_for, search
-from contact_estimation.diagnosis.fit.selection import prune, Rivals, select
+from contact_estimation.diagnosis.fit.search import candidates_for, nearest, search
+from contact_estimation.diagnosis.fit.selection import select
 from contact_estimation.diagnosis.observe.model import Model, names_of
 from contact_estimation.diagnosis.observe.prepared_recording import PreparedRecording
 from contact_estimation.physics import EFFECTS
@@ -117,7 +119,7 @@ def test_search_ranks_the_true_effect_first() -> None:
     recording, base = prepared(*physics('quadratic_damping', 600.0).items())
     told: list[str] = []
     names = ['cubic_stiffness', 'quadratic_damping', 'force_bias', 'force_lag']
-    found = search([recording], base, names, told.append)
+    found = search([recording], base, told.append, names)
     assert told == names
     assert found[0].model.effects == ('quadratic_damping',)
     assert found[0].model.values[-1] == pytest.approx(600.0, rel=0.05)
@@ -127,15 +129,15 @@ def test_search_ranks_the_true_effect_first() -> None:
 @pytest.mark.parametrize('K_2, depth', [(1500.0, 0.006), (300.0, 0.011), (5000.0, 0.009)])
 def test_search_finds_the_depth_of_a_second_spring(K_2: float, depth: float) -> None:
     recording, base = prepared(*physics('bilinear_stiffness', K_2, depth).items())
-    (found,) = search([recording], base, ['bilinear_stiffness'], lambda name: None)
+    (found,) = search([recording], base, lambda name: None, ['bilinear_stiffness'])
     assert found.model.values[2:] == pytest.approx((K_2, depth), rel=0.05)
 
 
 def test_implausible_values_are_not_found(monkeypatch: pytest.MonkeyPatch) -> None:
     recording, base = prepared(*physics('coulomb_friction', 2.0).items())
-    assert not search([recording], base, ['stribeck_friction'], lambda name: None)
+    assert not search([recording], base, lambda name: None, ['stribeck_friction'])
     monkeypatch.setattr(Model, 'plausible', lambda self: True)
-    assert search([recording], base, ['stribeck_friction'], lambda name: None)
+    assert search([recording], base, lambda name: None, ['stribeck_friction'])
 
 
 @pytest.mark.slow
@@ -190,3 +192,21 @@ def test_attached_wall_has_scales_too() -> None:
     scales = measure_scales([recording], fit([recording], model))
     assert scales.spectrum == ()
     assert scales.depth == pytest.approx(float(np.max(np.abs(recording.observed.x))), rel=1e-6)
+
+
+@pytest.mark.parametrize('discrepancy', [True, False])
+def test_best_candidate_of_the_motion_is_fitted_whatever_the_force_lacks(
+    monkeypatch: pytest.MonkeyPatch, discrepancy: bool
+) -> None:
+    near = [with_cost(1000.0 + k, 'robot_friction') for k in range(30)]
+    of_motion = near[-1]  # the worst of all, but for the motion
+
+    def by_channel(recordings: object, found: Fit) -> np.ndarray:
+        motion = 1.0 if found is of_motion else 100.0
+        return np.array([found.cost - motion, motion])
+
+    monkeypatch.setattr(search_module, 'costs_by_channel', by_channel)
+    monkeypatch.setattr(search_module, 'has_discrepancy', lambda recordings: discrepancy)
+    kept = nearest([], near)
+    assert kept[0] is near[0] and len(kept) < 20
+    assert any(one is of_motion for one in kept) is discrepancy

@@ -248,6 +248,28 @@ def _shapes(model: Model) -> NDArray[np.bool_]:
     return shapes[model.free]
 
 
+def fit_at(recordings: Recordings, model: Model) -> Fit:
+    """
+    Evaluate a model at its values.
+
+    Parameters
+    ----------
+    recordings : sequence of PreparedRecording
+        To compare it with.
+    model : Model
+        With its values.
+
+    Returns
+    -------
+    fit : Fit
+        Nothing is searched.
+
+    """
+    left = residual_function(recordings, model)(model.coordinates)
+    count = sum(recording.residual_count for recording in recordings)
+    return Fit(model, _sum_of_squares(left), left, count, False)
+
+
 def cost_of(recordings: Recordings, model: Model) -> float:
     """
     Return the cost of a model at its values.
@@ -255,7 +277,7 @@ def cost_of(recordings: Recordings, model: Model) -> float:
     Parameters
     ----------
     recordings : sequence of PreparedRecording
-        Fitted together.
+        To compare it with.
     model : Model
         With its values.
 
@@ -265,7 +287,7 @@ def cost_of(recordings: Recordings, model: Model) -> float:
         Sum of the squared residuals, in standard deviations.
 
     """
-    return _sum_of_squares(residual_function(recordings, model)(model.coordinates))
+    return fit_at(recordings, model).cost
 
 
 def _sum_of_squares(residuals: Array) -> float:

@@ -21,7 +21,8 @@ from typing import Callable, Sequence
 import numpy as np
 
 from .criteria import noise_scale, penalty
-from .fitting import cost_of, Fit, fit, fit_to_end, step
+from .discrepancy import costs_by_channel, has_discrepancy
+from .fitting import cost_of, Fit, fit, fit_at, fit_to_end, step
 from .scales import measure_scales
 from ..observe.model import Model
 from ..observe.prepared_recording import Recordings
@@ -29,6 +30,7 @@ from ...physics import EFFECTS
 from ...physics.robot_effect import RobotEffect
 
 _STARTED = 14  # candidates that are fitted, the best after one step
+_OF_CHANNEL = 4  # further ones, the best in force or motion alone
 _FOLLOWED, _TO_END = 6, 2  # those that are refined, and those fitted to the end
 _SLACK = 0.02  # of the range, by which a pressed wall may be pulled
 _FAR = 2.0  # times the noise: power of the residuals
@@ -90,7 +92,7 @@ def is_pressed(recordings: Recordings, model: Model) -> bool:
 
 
 def search(
-    recordings: Recordings, base: Fit, names: Sequence[str], progress: Progress
+    recordings: Recordings, base: Fit, progress: Progress, names: Sequence[str] | None = None
 ) -> list[Fit]:
     """
     Fit each candidate beside the effects of a model.
@@ -101,10 +103,10 @@ def search(
         Fitted together.
     base : Fit
         Without the candidates.
-    names : sequence of str
-        Candidates.
     progress : callable
         Called with the name of each.
+    names : sequence of str, optional
+        Candidates; all that may be added by default.
 
     Returns
     -------
@@ -113,13 +115,12 @@ def search(
 
     """
     scales = measure_scales(recordings, base)
-    near: list[Model] = []
-    for name in names:
+    near: list[Fit] = []
+    for name in _candidates(recordings, base.model) if names is None else names:
         progress(name)
         starts = [base.model.with_effect(name, values) for values in EFFECTS[name].starts(scales)]
-        near.append(_best_start(recordings, starts))
-    near.sort(key=lambda model: cost_of(recordings, model) + penalty(model))
-    started = [fit(recordings, model, steps=4) for model in near[:_STARTED]]
+        near.append(fit_at(recordings, _best_start(recordings, starts)))
+    started = [fit(recordings, one.model, steps=4) for one in nearest(recordings, near)]
     started.sort(key=lambda found: found.cost + penalty(found.model))
     fits = [fit(recordings, found.model, steps=8) for found in started[:_FOLLOWED]]
     fits.sort(key=lambda found: found.cost)
@@ -127,6 +128,40 @@ def search(
     fits = [found for found in fits + started[_FOLLOWED:] if found.model.plausible()]
     scale = noise_scale(min(fits, key=lambda found: found.cost)) if fits else 1.0
     return sorted(fits, key=lambda found: found.cost + scale * penalty(found.model))
+
+
+def _candidates(recordings: Recordings, model: Model) -> list[str]:
+    with_robot = any(one.observed.reference is not None for one in recordings)
+    return candidates_for(model, with_robot, is_pressed(recordings, model))
+
+
+def nearest(recordings: Recordings, near: Sequence[Fit]) -> list[Fit]:
+    """
+    Select the candidates that are worth fitting.
+
+    Parameters
+    ----------
+    recordings : sequence of PreparedRecording
+        As fitted.
+    near : sequence of Fit
+        One of each candidate.
+
+    Returns
+    -------
+    nearest : list of Fit
+        The best by penalised cost; with a discrepancy also the best in each channel, since the
+        misfit of the other may be none of theirs.
+
+    """
+    if not near:
+        return []
+    price = [penalty(one.model) for one in near]
+    costs = np.array([costs_by_channel(recordings, one) for one in near])
+    kept = set(np.argsort(costs.sum(axis=1) + price, kind='stable')[:_STARTED].tolist())
+    for of_channel in costs.T if has_discrepancy(recordings) else ():
+        if of_channel.any():
+            kept |= set(np.argsort(of_channel + price, kind='stable')[:_OF_CHANNEL].tolist())
+    return [near[k] for k in sorted(kept)]
 
 
 def _best_start(recordings: Recordings, starts: Sequence[Model]) -> Model:

@@ -27,21 +27,12 @@ from __future__ import annotations
 from typing import NamedTuple, Sequence
 
 from .candidate import is_flexible
-from .criteria import (
-    ADEQUATE,
-    enough,
-    explained_share,
-    leaves_noise,
-    LEFT,
-    noise_scale,
-    penalty,
-    SHARE,
-    THRESHOLD,
-)
+from .criteria import enough, explained_share, leaves_noise, SHARE, THRESHOLD
 from .discrepancy import has_discrepancy, material, noise_by_channel, weighed
-from .fitting import cost_of, Fit, fit, fit_to_end
+from .exact_laws import exact_laws, exchange, laws_before_curves, prune, Rivals
+from .fitting import Fit, fit
 from .ranking import FLEXIBLE_LEAD, rank_by_prediction, Ranking
-from .search import candidates_for, is_pressed, Progress, search
+from .search import Progress, search
 from .zeros import beside, ZEROS, zeros_lacking
 from ..observe.model import Model
 from ..observe.prepared_recording import Recordings
@@ -51,13 +42,7 @@ MOST_EFFECTS = 3
 """Effects that are selected at most."""
 
 _FULLY = 0.995  # share of the misfit from which on the rest is the method's own error
-_EXCHANGE_GAIN = 10.0  # cost, in that of the noise
-_ASSESSED = 12  # candidates that are fitted to the end and predict parts left out
-_NEARLY, _STRICTLY = 3.0, 1.15  # mean squares, in that of the noise: small, and none
-_NEAR_NOISE = 4.0  # mean square, in that of the noise, from which a candidate may be exact
-_NEARLY_EXACT, _POLISHED = 0.1, 5  # of the present cost, likewise; candidates fitted to the noise
-
-Rivals = dict[str, list[Fit]]
+_NEARLY = 3.0  # mean square, in that of the noise, of what is small
 
 
 class Selection(NamedTuple):
@@ -113,10 +98,10 @@ def select(
     best, evidence, rivals, in_form = base, dict[str, float](), Rivals(), ''
     while _law_count(best.model) < MOST_EFFECTS and not _is_explained(recordings, base, best):
         carried, present = _carried(recordings, best)
-        found = search(carried, present, _candidates(recordings, best.model), progress)
+        found = search(carried, present, progress)
         evidence = evidence or _evidence(carried, present, found)
-        exact = (_laws_before_curves(carried, present.cost, found) if leaves_noise(best)
-                 else _exact(recordings, best.cost, found, carried is recordings))
+        exact = (laws_before_curves(carried, present.cost, found) if leaves_noise(best)
+                 else exact_laws(recordings, best.cost, found, carried is recordings))
         if leaves_noise(best) or exact:
             if not exact or not enough(best, exact[0]):
                 break
@@ -193,11 +178,6 @@ def _carried(recordings: Recordings, best: Fit) -> tuple[Recordings, Fit]:
     return carried, present
 
 
-def _candidates(recordings: Recordings, model: Model) -> list[str]:
-    with_robot = any(one.observed.reference is not None for one in recordings)
-    return candidates_for(model, with_robot, is_pressed(recordings, model))
-
-
 def _evidence(recordings: Recordings, present: Fit, found: Sequence[Fit]) -> dict[str, float]:
     """Return the share of the misfit that each candidate takes away."""
     misfit = max(present.cost - float(noise_by_channel(recordings, present.model).sum()),
@@ -226,7 +206,7 @@ def _law_instead(
     if not lacking:
         return ranked
     level = fit(recordings, beside(present.model, lacking))
-    found = search(recordings, level, _candidates(recordings, level.model), progress)
+    found = search(recordings, level, progress)
     laws = _ranked(recordings, level, base, found).found
     most = ranked[0].cost + FLEXIBLE_LEAD * (present.cost - ranked[0].cost)
     if laws and laws[0].cost <= most and not _is_curve(recordings, laws[0]):
@@ -269,98 +249,3 @@ def weigh(recordings: Recordings, found: Fit) -> tuple[Recordings, Fit]:
         recordings = weighed(recordings, found.model)
         found = fit(recordings, found.model)
     return recordings, found
-
-
-def _exact(
-    recordings: Recordings, present: float, found: Sequence[Fit], strictly: bool
-) -> list[Fit]:
-    """Fit the candidates near the noise to it; return them, best first, if one leaves no more."""
-    count = sum(one.residual_count for one in recordings)
-    largest = max(_NEAR_NOISE * count, _NEARLY_EXACT * present)
-    costs = {id(one): cost_of(recordings, one.model) for one in found[:_ASSESSED]}
-    nearest = sorted(found[:_ASSESSED], key=lambda one: costs[id(one)])[:_POLISHED]
-    near = [one for one in nearest if costs[id(one)] < largest] or nearest[:1]
-    fits = [fit_to_end(recordings, fit(recordings, one.model)) for one in near]
-    fits = [one for one in fits if one.model.plausible()]
-    most = _STRICTLY if strictly else 1.0 + LEFT
-    if not any(one.cost <= most * one.residual_count for one in fits):
-        return []
-    fits = _laws_before_curves(recordings, present, fits)
-    if fits[0].cost <= _STRICTLY * count:
-        # The noise is not known exactly: of laws that leave no more, the simplest stands first.
-        return sorted(fits, key=lambda one: (
-            (0.0, penalty(one.model)) if one.cost <= count else (1.0, 0.0)))
-    # Not quite exact: a simpler law that leaves little more stands first.
-    most = fits[0].cost + ADEQUATE * (present - fits[0].cost)
-    return sorted(fits, key=lambda one: (
-        (0.0, penalty(one.model)) if one.cost <= most else (1.0, 0.0)))
-
-
-def _laws_before_curves(
-    recordings: Recordings, present: float, fits: Sequence[Fit]
-) -> list[Fit]:
-    """Sort fits by penalised cost; curves that fit almost any misfit must lead by more."""
-    scale = noise_scale(min(fits, key=lambda one: one.cost)) if fits else 1.0
-    duration = max(float(one.observed.t[-1]) for one in recordings)
-
-    def charged(one: Fit) -> float:
-        lead = FLEXIBLE_LEAD * max(present - one.cost, 0.0)
-        return (one.cost + scale * penalty(one.model)
-                + lead * is_flexible(one.model, duration))
-
-    return sorted(fits, key=charged)
-
-
-def exchange(
-    recordings: Recordings, best: Fit, rivals: Rivals, progress: Progress
-) -> tuple[Fit, Rivals]:
-    """
-    Revise early choices: replace each effect by any other beside the rest.
-
-    Parameters
-    ----------
-    recordings, best, rivals, progress
-        As in `select`.
-
-    Returns
-    -------
-    best : Fit
-        No single exchange makes it better.
-    rivals : dict
-        For each effect, what could stand in its place.
-
-    """
-    rivals = dict(rivals)
-    for name in best.model.effects[:-1]:
-        rest = fit(recordings, best.model.without(name))
-        fits = search(recordings, rest, _candidates(recordings, rest.model), progress)
-        # A wider law always fits a little better: it is charged for its parameters.
-        least = _EXCHANGE_GAIN + (penalty(fits[0].model) - penalty(best.model) if fits else 0.0)
-        if fits and fits[0].cost < best.cost - noise_scale(best) * least:
-            best = fits[0]
-            rivals.pop(name, None)
-            rivals[best.model.effects[-1]] = fits[1:]
-        else:
-            rivals[name] = [found for found in fits if found.model.effects[-1] != name]
-    return best, rivals
-
-
-def prune(recordings: Recordings, best: Fit, rivals: Rivals) -> tuple[Fit, Rivals]:
-    """
-    Drop superfluous effects; parameters as `exchange`.
-
-    Returns
-    -------
-    best : Fit
-        Without any of its effects it would be significantly worse.
-    rivals : dict
-        Of the remaining effects.
-
-    """
-    while len(best.model.effects) > 1:
-        shorter = [fit(recordings, best.model.without(name)) for name in best.model.effects]
-        least = min(shorter, key=lambda found: found.cost)
-        if enough(least, best):
-            break
-        best = least
-    return best, {name: rivals.get(name, []) for name in best.model.effects}

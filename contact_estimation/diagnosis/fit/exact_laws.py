@@ -1,0 +1,166 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Laws that are exact, down to the noise: the likelihood tells them sharply from their rivals."""
+
+from __future__ import annotations
+
+from typing import Sequence
+
+from .candidate import is_flexible
+from .criteria import ADEQUATE, enough, LEFT, noise_scale, penalty
+from .fitting import cost_of, Fit, fit, fit_to_end
+from .ranking import FLEXIBLE_LEAD
+from .search import Progress, search
+from ..observe.prepared_recording import Recordings
+
+_EXCHANGE_GAIN = 10.0  # cost, in that of the noise
+_ASSESSED = 12  # candidates that may be exact
+_STRICTLY = 1.15  # mean square, in that of the noise, of a law that leaves nothing else
+_NEAR_NOISE = 4.0  # the same, from which a candidate may be exact
+_NEARLY_EXACT, _POLISHED = 0.1, 5  # of the present cost, likewise; candidates fitted to the noise
+
+Rivals = dict[str, list[Fit]]
+"""For each effect taken, fits with another in its place, best first."""
+
+
+def exact_laws(
+    recordings: Recordings, present: float, found: Sequence[Fit], strictly: bool
+) -> list[Fit]:
+    """
+    Fit the candidates near the noise to it.
+
+    Parameters
+    ----------
+    recordings : sequence of PreparedRecording
+        Without a discrepancy.
+    present : float
+        Cost without a candidate.
+    found : sequence of Fit
+        Candidates, best first.
+    strictly : bool
+        Whether one must leave the noise alone, not nearly.
+
+    Returns
+    -------
+    fits : list of Fit
+        Best first; none if none leaves so little.
+
+    """
+    count = sum(one.residual_count for one in recordings)
+    largest = max(_NEAR_NOISE * count, _NEARLY_EXACT * present)
+    costs = {id(one): cost_of(recordings, one.model) for one in found[:_ASSESSED]}
+    nearest = sorted(found[:_ASSESSED], key=lambda one: costs[id(one)])[:_POLISHED]
+    near = [one for one in nearest if costs[id(one)] < largest] or nearest[:1]
+    fits = [fit_to_end(recordings, fit(recordings, one.model)) for one in near]
+    fits = [one for one in fits if one.model.plausible()]
+    most = _STRICTLY if strictly else 1.0 + LEFT
+    if not any(one.cost <= most * one.residual_count for one in fits):
+        return []
+    fits = laws_before_curves(recordings, present, fits)
+    if fits[0].cost <= _STRICTLY * count:
+        # The noise is not known exactly: of laws that leave no more, the simplest stands first.
+        return sorted(fits, key=lambda one: (
+            (0.0, penalty(one.model)) if one.cost <= count else (1.0, 0.0)))
+    # Not quite exact: a simpler law that leaves little more stands first.
+    most = fits[0].cost + ADEQUATE * (present - fits[0].cost)
+    return sorted(fits, key=lambda one: (
+        (0.0, penalty(one.model)) if one.cost <= most else (1.0, 0.0)))
+
+
+def laws_before_curves(
+    recordings: Recordings, present: float, fits: Sequence[Fit]
+) -> list[Fit]:
+    """
+    Sort fits by penalised cost; curves that fit almost any misfit must lead by more.
+
+    Parameters
+    ----------
+    recordings : sequence of PreparedRecording
+        As fitted.
+    present : float
+        Cost without them.
+    fits : sequence of Fit
+        With one more effect.
+
+    Returns
+    -------
+    fits : list of Fit
+        Best first.
+
+    """
+    scale = noise_scale(min(fits, key=lambda one: one.cost)) if fits else 1.0
+    duration = max(float(one.observed.t[-1]) for one in recordings)
+
+    def charged(one: Fit) -> float:
+        lead = FLEXIBLE_LEAD * max(present - one.cost, 0.0)
+        return (one.cost + scale * penalty(one.model)
+                + lead * is_flexible(one.model, duration))
+
+    return sorted(fits, key=charged)
+
+
+def exchange(
+    recordings: Recordings, best: Fit, rivals: Rivals, progress: Progress
+) -> tuple[Fit, Rivals]:
+    """
+    Revise early choices: replace each effect by any other beside the rest.
+
+    Parameters
+    ----------
+    recordings, best, rivals, progress
+        As in `select`.
+
+    Returns
+    -------
+    best : Fit
+        No single exchange makes it better.
+    rivals : dict
+        For each effect, what could stand in its place.
+
+    """
+    rivals = dict(rivals)
+    for name in best.model.effects[:-1]:
+        rest = fit(recordings, best.model.without(name))
+        fits = search(recordings, rest, progress)
+        # A wider law always fits a little better: it is charged for its parameters.
+        least = _EXCHANGE_GAIN + (penalty(fits[0].model) - penalty(best.model) if fits else 0.0)
+        if fits and fits[0].cost < best.cost - noise_scale(best) * least:
+            best = fits[0]
+            rivals.pop(name, None)
+            rivals[best.model.effects[-1]] = fits[1:]
+        else:
+            rivals[name] = [found for found in fits if found.model.effects[-1] != name]
+    return best, rivals
+
+
+def prune(recordings: Recordings, best: Fit, rivals: Rivals) -> tuple[Fit, Rivals]:
+    """
+    Drop superfluous effects; parameters as `exchange`.
+
+    Returns
+    -------
+    best : Fit
+        Without any of its effects it would be significantly worse.
+    rivals : dict
+        Of the remaining effects.
+
+    """
+    while len(best.model.effects) > 1:
+        shorter = [fit(recordings, best.model.without(name)) for name in best.model.effects]
+        least = min(shorter, key=lambda found: found.cost)
+        if enough(least, best):
+            break
+        best = least
+    return best, {name: rivals.get(name, []) for name in best.model.effects}
