@@ -16,12 +16,14 @@
 
 from __future__ import annotations
 
-from typing import Callable, Mapping
+from types import SimpleNamespace
+from typing import Any, Callable, Mapping
 
 from concealed_worlds import ATTACHED, attached, nominal, physics, recorded
 from contact_estimation.diagnosis.conclude.diagnose import diagnose
-from contact_estimation.diagnosis.observe.checks import check, CHECKS, examine
+from contact_estimation.diagnosis.observe.checks import check, CHECKS, clock_offset, examine
 from contact_estimation.diagnosis.observe.checks.check import Check
+from contact_estimation.diagnosis.observe.checks.evidence import Lag
 from contact_estimation.diagnosis.observe.signals import Recording, Signals
 from contact_estimation.diagnosis.report.json_report import as_dict
 from contact_estimation.diagnosis.report.page.builder import as_html
@@ -182,6 +184,19 @@ def test_a_wall_that_is_elsewhere_fails_the_location(location: float) -> None:
 ])
 def test_physics_fails_no_check(name: str, values: tuple[float, ...]) -> None:
     assert not failed(recorded(**physics(name, *values)), nominal())
+
+
+@pytest.mark.parametrize('shifted, unshifted, ok', [
+    (0.995, 0.948, False),  # clocks 50 ms apart
+    (0.959, 0.951, True),  # hysteresis, whose force is ahead of the motion
+])
+def test_a_shift_that_leaves_most_of_the_misfit_is_no_offset_of_the_clocks(
+    shifted: float, unshifted: float, ok: bool
+) -> None:
+    overlap = SimpleNamespace(enough=True, spans={}, seconds=9.0)
+    evidence: Any = SimpleNamespace(
+        overlap=overlap, model=nominal(), period=0.002, lag=Lag(-0.05, shifted, unshifted))
+    assert clock_offset.find(evidence).ok is ok
 
 
 @pytest.mark.parametrize('factor', [0.25, 1.0, 4.0])

@@ -42,6 +42,7 @@ Array = NDArray[np.float64]
 _PROMISING, _ASSESSED = 0.4, 12  # of the largest gain in the fit, to be assessed; at most so many
 # What a curve that fits almost anything must show.
 _FLEXIBLE_SHARE, _FLEXIBLE_HARM = 0.85, 0.01
+_WEAK = 0.15  # share of the misfit that one size for all parts fits, of a law that holds in form
 
 FLEXIBLE_LEAD = 0.15
 """Share of the misfit by which such a curve must be better than the best law."""
@@ -95,9 +96,10 @@ def rank_by_prediction(
     if judged_by_channel(recordings, present.model):
         groups = {channel: [one for one in found if channel_of(one.model.effects[-1]) == channel]
                   for channel in range(CHANNELS)}
-    groups = {channel: _promising(recordings, present, group, channel)
-              for channel, group in groups.items()}
-    if not any(groups.values()):
+    promising = {channel: _promising(recordings, present, group, channel, SHARE)
+                 for channel, group in groups.items()}
+    only_zeros = not set(present.model.effects) - set(ZEROS)
+    if not any(promising.values()) and not only_zeros:
         return Ranking([])
     first = fit(recordings, with_zeros(base, present.model)) if present.model.effects else present
     parts = parts_of(recordings, first)
@@ -105,16 +107,20 @@ def rank_by_prediction(
     before = left_out_errors(recordings, present, parts) if present.model.effects else whole
     zeros = Zeros.of(recordings, base, present, parts, before, whole)
     assessed, taken = list[Candidate](), list[Candidate]()
-    for channel, group in groups.items():
+    for channel, group in promising.items():
         candidates = assess(recordings, group, parts, before, channel)
         assessed += candidates
         enough = _first_that_predicts(recordings, candidates, zeros, before, whole)
         taken += [] if enough is None else [enough]
-    if not taken:
-        law = None
-        if not set(present.model.effects) - set(ZEROS):  # only the main misfit is worth a law
-            law = law_in_form(recordings, assessed, zeros.parts, before)
+    if not taken and only_zeros:  # only the main misfit is worth a law that holds in form alone
+        for channel, every in groups.items():
+            weak = [one for one in _promising(recordings, present, every, channel, _WEAK)
+                    if all(one is not other for other in promising[channel])]
+            assessed += assess(recordings, weak, parts, before, channel)
+        law = law_in_form(recordings, assessed, parts, before)
         return Ranking([law.found], True) if law else Ranking([])
+    if not taken:
+        return Ranking([])
     best = min(taken, key=lambda one: one.total)
     most = best.total + ADEQUATE * (float(before.sum()) - best.total)
     rest = sorted((one for one in assessed
@@ -143,7 +149,8 @@ def _first_that_predicts(
 
 
 def _promising(
-    recordings: Recordings, present: Fit, found: Sequence[Fit], channel: int | None
+    recordings: Recordings, present: Fit, found: Sequence[Fit], channel: int | None,
+    least_share: float,
 ) -> list[Fit]:
     """Leave out candidates that fit too little of a channel to predict enough of it."""
     large = {number for one in recordings for number in material(one, present.model)}
@@ -154,7 +161,7 @@ def _promising(
     misfit = float(np.sum((before - noise_by_channel(recordings, present.model))[columns]))
     gains = [float(np.sum((before - costs_by_channel(recordings, one))[columns]))
              for one in found]
-    least = max(SHARE * misfit, _PROMISING * max(gains, default=0.0))
+    least = max(least_share * misfit, _PROMISING * max(gains, default=0.0))
     order = np.argsort(gains, kind='stable')[::-1][:_ASSESSED]
     return [found[k] for k in sorted(order) if gains[k] > least]
 

@@ -22,6 +22,7 @@ from .evidence import Evidence
 _EARLY_S, _LATE_S = 0.03, 0.15  # no sensor is ahead of the motion, or later than that
 _LEAST_SAMPLES = 3.0
 _CORRELATED, _BETTER = 0.85, 0.005  # correlation at the best shift, and its gain
+_LEFT = 0.5  # most of the variance that a shift leaves: dissipation is ahead of the motion too
 
 
 def find(evidence: Evidence) -> Finding:
@@ -51,7 +52,8 @@ def find(evidence: Evidence) -> Finding:
     lag = evidence.lag
     text = f'the force fits the motion best when shifted by {1e3 * lag.seconds:.0f} ms'
     off = lag.seconds > _LATE_S or lag.seconds < -_EARLY_S
-    if (off and abs(lag.seconds) > _LEAST_SAMPLES * evidence.period
+    explains = 1.0 - lag.correlation**2 < _LEFT * (1.0 - lag.unshifted**2)
+    if (off and explains and abs(lag.seconds) > _LEAST_SAMPLES * evidence.period
             and lag.correlation > max(_CORRELATED, lag.unshifted + _BETTER)):
         return Finding(False, f'{text}, expected {-1e3 * _EARLY_S:.0f} to {1e3 * _LATE_S:.0f} ms: '
                               'the clocks of wrench and joint_states differ; synchronise them')
