@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from enum import Enum
 import math
-from math import ceil
+from math import ceil, nan
 from typing import Any, NamedTuple, Sequence
 
 from .plant_parameters import PlantParameters
@@ -111,6 +111,7 @@ class World:
     ) -> None:
         self.t, self._further = begin, further
         self._physics: Any = None
+        self._reference: ReferenceAt | None = None
         self.configure(parameters)
         self._state: State = (position, velocity) + (0.0,) * self._law.states
         self._last_sensed = (-1.0, 0.0)
@@ -138,6 +139,7 @@ class World:
         self._robot = RobotLaw(robot.mass, robot.damping, robot.stiffness, effects)
         self._force_tracking = robot.force_tracking
         self._rate = parameters.integration_rate
+        self._forget()
 
     @property
     def position(self) -> float:
@@ -153,18 +155,18 @@ class World:
         duration : float
             Time to integrate over [s].
         reference : callable
-            From time [s] to the reference.
+            From time [s] to the reference, the same whenever it is asked for a time again.
 
         """
-        self._reference = reference
+        self._follow(reference)
         steps = max(1, ceil(duration * self._rate - 1e-6))
         end, h = self.t + duration, duration / steps
-        now = self._look(self.t, self._state)
+        now = self._present or self._look(self.t, self._state)
         for k in range(steps):
             if self._chain:
                 self._sense(now.force, now.acceleration)
             now = self._step_with_events(h if k < steps - 1 else end - self.t, now)
-        self.t = end
+        self.t, self._present = end, now
 
     def truth(self, reference: ReferenceAt) -> Truth:
         """
@@ -181,9 +183,10 @@ class World:
             State without noise.
 
         """
-        self._reference = reference
+        self._follow(reference)
         x, v, *_ = self._state
-        acceleration, force, _ = self._look(self.t, self._state)
+        self._present = self._present or self._look(self.t, self._state)
+        acceleration, force, _ = self._present
         return Truth(self.t, x, v, acceleration, force, self._sense(force, acceleration))
 
     def _sense(self, force: float, acceleration: float) -> float:
@@ -196,13 +199,26 @@ class World:
         self._last_sensed = (self.t, force)
         return force
 
+    def _follow(self, reference: ReferenceAt) -> None:
+        if reference is not self._reference:
+            self._reference = reference
+            self._forget()
+
+    def _forget(self) -> None:
+        """Drop what was computed under another reference or other parameters."""
+        self._asked, self._answer = nan, (0.0, 0.0, 0.0, 0.0)
+        self._present: _Instant | None = None
+
     # -- equations --------------------------------------------------------------------------
 
     def _control(self, t: float, x: float, v: float) -> float:
         """Eq. (1) without F_e: the force that drives the robot's mass."""
-        x_r, v_r, a_r, F_r = self._reference(t - self._robot.reference_delay)
-        tracked = F_r if self._force_tracking and F_r == F_r else 0.0
-        return float(self._robot.force(x, v, (x_r, v_r, a_r, tracked), math))
+        if t != self._asked:  # a step asks twice for its middle and twice for its end
+            assert self._reference is not None
+            x_r, v_r, a_r, F_r = self._reference(t - self._robot.reference_delay)
+            tracked = F_r if self._force_tracking and F_r == F_r else 0.0
+            self._asked, self._answer = t, (x_r, v_r, a_r, tracked)
+        return float(self._robot.force(x, v, self._answer, math))
 
     def _look(self, t: float, state: State) -> _Instant:
         """Determine which equation of contact holds, and solve it."""
