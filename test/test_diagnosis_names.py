@@ -48,7 +48,7 @@ pytestmark = pytest.mark.slow
 
 WORLDS: dict[str, tuple[float, ...]] = {
     'coulomb_friction': (2.0,),
-    'stribeck_friction': (1.5, 4.0, 0.02),
+    'stribeck_friction': (1.5, 5.0, 0.02),
     'presliding_friction': (3.0, 8000.0),
     'environment_inertia': (1.5,),
     'cubic_stiffness': (3e6,),

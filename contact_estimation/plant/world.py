@@ -17,6 +17,7 @@
 from __future__ import annotations
 
 from enum import Enum
+from functools import partial
 import math
 from math import ceil, nan
 from typing import Any, NamedTuple, Sequence
@@ -138,6 +139,8 @@ class World:
         )
         self._robot = RobotLaw(robot.mass, robot.damping, robot.stiffness, effects)
         self._force_tracking = robot.force_tracking
+        law = self._robot
+        self._drive = law.impedance_force if law.is_linear else partial(law.force, m=math)
         self._rate = parameters.integration_rate
         self._forget()
 
@@ -218,7 +221,7 @@ class World:
             x_r, v_r, a_r, F_r = self._reference(t - self._robot.reference_delay)
             tracked = F_r if self._force_tracking and F_r == F_r else 0.0
             self._asked, self._answer = t, (x_r, v_r, a_r, tracked)
-        return float(self._robot.force(x, v, self._answer, math))
+        return float(self._drive(x, v, self._answer))
 
     def _look(self, t: float, state: State) -> _Instant:
         """Determine which equation of contact holds, and solve it."""
