@@ -54,7 +54,7 @@ PORTS = {'contact': ContactEffect, 'force_sensor': ForceSensorEffect, 'robot': R
 
 
 @lru_cache(maxsize=None)
-def without_effects(**wall: float) -> list[Truth]:
+def without_effects(**wall: Any) -> list[Truth]:
     """Simulate the world without effects once."""
     return simulate(700, plant_with(**wall))
 

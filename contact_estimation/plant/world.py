@@ -113,6 +113,7 @@ class World:
         self.t, self._further = begin, further
         self._physics: Any = None
         self._reference: ReferenceAt | None = None
+        self._present: _Instant | None = None
         self.configure(parameters)
         self._state: State = (position, velocity) + (0.0,) * self._law.states
         self._last_sensed = (-1.0, 0.0)
@@ -210,7 +211,7 @@ class World:
     def _forget(self) -> None:
         """Drop what was computed under another reference or other parameters."""
         self._asked, self._answer = nan, (0.0, 0.0, 0.0, 0.0)
-        self._present: _Instant | None = None
+        self._present = None
 
     # -- equations --------------------------------------------------------------------------
 
