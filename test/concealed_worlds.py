@@ -49,6 +49,7 @@ SENSORS: dict[str, Any] = {
     'sensors.position_quantisation': QUANTUM,
 }
 RATE_HZ, FREE = 250.0, -0.012
+INTEGRATION_HZ = 2000.0  # fine enough for friction, see test_effect_worlds.py
 
 _TONES_HZ = (0.7, 1.3, 2.1, 3.3, 4.7, 6.1)
 _SWING = Multisine(1.0, [2.0 * pi * f for f in _TONES_HZ])
@@ -130,7 +131,8 @@ def _recorded(experiment: Experiment, seed: int, changes: tuple[Any, ...]) -> Si
 
 def _world(seed: int, changes: dict[str, Any]) -> PlantParameters:
     return build(PlantParameters, {
-        **MODEL, **SENSORS, 'sample_rate': RATE_HZ, 'seed': seed, **_dotted(changes),
+        **MODEL, **SENSORS, 'sample_rate': RATE_HZ, 'integration_rate': INTEGRATION_HZ,
+        'seed': seed, **_dotted(changes),
     })
 
 
@@ -170,7 +172,8 @@ _SHAKE = Multisine(25.0, [2.0 * pi * f for f in (0.6, 1.7, 3.1, 5.3, 7.1, 8.3, 9
 @lru_cache(maxsize=None)
 def attached(*changes: tuple[str, float]) -> Signals:
     """Record a permanently attached wall under a known force."""
-    plant = _world(1, {**ATTACHED, 'sensors__force_noise': 0.0, **dict(changes)})
+    plant = _world(1, {**ATTACHED, 'sensors__force_noise': 0.0, 'integration_rate': 5000.0,
+                       **dict(changes)})
     stamps = np.arange(round(8.0 * RATE_HZ)) * round(1e9 / RATE_HZ)
     t = np.asarray(stamps * 1e-9, np.float64)
     force = np.array([_SHAKE.value(now) for now in t.tolist()])

@@ -37,7 +37,7 @@ MODEL: dict[str, Any] = {
     'environment': {'stiffness': 5000.0, 'damping': 100.0},
     'robot': {'mass': 12.0, 'damping': 350.0, 'stiffness': 2500.0},
 }
-RATE_HZ = 250.0
+RATE_HZ, INTEGRATION_HZ = 250.0, 2000.0
 BEGIN_NS = 1_750_000_000_000_000_000
 _TOUCH = (
     Segment(0.8, -0.01),
@@ -70,7 +70,7 @@ def recorded(experiment: Experiment = TWO_TOUCHES, seed: int = 1, **changes: Any
 @lru_cache(maxsize=None)
 def _recorded(experiment: Experiment, seed: int, changes: tuple[Any, ...]) -> Signals:
     plant = world(sensors__force_noise=0.3, sensors__position_noise=3e-6, sample_rate=RATE_HZ,
-                  seed=seed, **dict(changes))
+                  integration_rate=INTEGRATION_HZ, seed=seed, **dict(changes))
 
     def reference(t: float) -> tuple[float, float, float, float]:
         return (*experiment.desired(t)[:3], 0.0)

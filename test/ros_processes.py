@@ -62,7 +62,7 @@ from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint  # noqa: E
 # Beyond 101 the ports of a domain lie among those that Linux hands out for other purposes.
 DOMAIN = int(os.environ.get('CONTACT_ESTIMATION_TEST_DOMAIN', 1 + os.getpid() % 100))
 PERIOD_NS = 2_000_000
-PATIENCE_S = 60.0
+PATIENCE_S = 240.0
 WINDOW = 30  # samples under way at once: less than any queue holds
 FRAME = 'tool'
 JOINT = 'contact_x'

@@ -93,6 +93,7 @@ def replayed(path: Path) -> list[str]:
     return [repr(estimates[0]) for batch in run.estimates() for estimates in batch]
 
 
+@pytest.mark.slow
 def test_motion_and_force_are_those_along_the_normal() -> None:
     live = Live(OF_TF).take(tf_messages())
     truth = [instant.contact for instant in instants()]

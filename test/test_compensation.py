@@ -87,13 +87,19 @@ def parameters_of(told: str, **estimation: Any) -> EstimationParameters:
     })
 
 
+def plant_with(name: str, **changes: Any) -> PlantParameters:
+    """Make a noisy world with an effect; coarser steps suffice, see test_effect_worlds.py."""
+    return build(PlantParameters, {
+        **physics_of(name), 'sensors.force_noise': 0.3, 'integration_rate': 2000.0, **changes})
+
+
 @lru_cache(maxsize=None)
 def in_closed_loop(name: str, told: bool) -> tuple[Estimate, float]:
     """Give the estimate at the last instant of contact, and the greatest pressing force."""
     session = ContactSession(parameters_of(
         name if told else '', estimator='kalman', reference_law='series',
         tuning__kalman__location_std=0.0, environment__location_std=0.0))  # else x_e mends it
-    plant = build(PlantParameters, {**physics_of(name), 'sensors.force_noise': 0.3})
+    plant = plant_with(name)
     run = run_closed_loop(plant, session, TOUCH, TOUCH.duration)
     assert run.last_contact is not None
     return run.results[run.last_contact].estimate, -min(t.force for t in run.truths)
@@ -102,10 +108,8 @@ def in_closed_loop(name: str, told: bool) -> tuple[Estimate, float]:
 @lru_cache(maxsize=None)
 def recorded(name: str, with_velocity: bool = True) -> tuple[list[ContactSample], int]:
     """Record a touch on the smooth command, and count the samples to the end of contact."""
-    plant = build(PlantParameters, {
-        **physics_of(name), 'sensors.force_noise': 0.3, 'sensors.position_noise': 1e-6,
-        'sensors.publish_velocity': with_velocity,
-    })
+    plant = plant_with(name, **{
+        'sensors.position_noise': 1e-6, 'sensors.publish_velocity': with_velocity})
     truths, recording = run_open_loop(plant, command, -0.02, 3.0)
     return list(recording), max(k for k, t in enumerate(truths) if t.force < 0.0) + 1
 

@@ -133,6 +133,7 @@ def accepted(changes: Iterable[dict[str, Any]]) -> list[dict[str, Any]]:
     return wrong
 
 
+@pytest.mark.slow
 def test_every_parameter_can_be_changed_in_contact() -> None:
     assert not problems((spec.name, other_value(spec)) for spec in CHANGEABLE)
 

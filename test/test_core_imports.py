@@ -43,3 +43,13 @@ def test_core_imports_without_ros() -> None:
     count, _, imported = run.stdout.strip().partition(' ')
     assert imported == '[]', run.stdout + run.stderr
     assert int(count) > len(CORE) > 100
+
+
+def test_core_of_the_nodes_imports_without_scipy() -> None:
+    """It takes longer to import than all else; what needs it imports it when first called."""
+    names = ('estimation.session', 'estimation.replay', 'plant.closed_loop', 'recordings')
+    code = '; '.join([*(f'import contact_estimation.{name}' for name in names),
+                      'import sys', 'print([name for name in sys.modules if "scipy" in name])'])
+    run = subprocess.run(
+        [sys.executable, '-c', code], cwd=PACKAGE.parent, capture_output=True, text=True)
+    assert run.stdout == '[]\n', run.stdout + run.stderr

@@ -99,6 +99,7 @@ def test_signals_that_are_no_numbers_are_refused(row: str, value: float) -> None
         diagnosed(changed(**{row: values}))
 
 
+@pytest.mark.slow
 def test_one_touch_is_enough() -> None:
     once = touches((0.03, 1.5))
     found = diagnosed(recorded(once, **physics('coulomb_friction', 2.0)))

@@ -17,6 +17,7 @@
 from __future__ import annotations
 
 from functools import lru_cache
+from typing import Any
 
 from concealed_worlds import (
     ATTACHED,
@@ -84,6 +85,8 @@ WORLDS: dict[str, tuple[float, ...]] = {
 }
 """Parameters at which an effect is felt: it leaves 1 to 5 N, or as much in the motion."""
 
+# Its v_s feels the steps of the integration.
+FINER: dict[str, dict[str, Any]] = {'stribeck_friction': {'integration_rate': 5000.0}}
 BOUND, WIDE = 0.04, {('bouc_wen_hysteresis', 'gamma'): 0.15}
 EVERY = pytest.mark.parametrize('name', EFFECTS)
 
@@ -91,7 +94,7 @@ EVERY = pytest.mark.parametrize('name', EFFECTS)
 @lru_cache(maxsize=None)
 def of_world(name: str) -> Diagnosis:
     """Diagnose the world of an effect once."""
-    return diagnosed(recorded(**physics(name, *WORLDS[name])))
+    return diagnosed(recorded(**physics(name, *WORLDS[name]), **FINER.get(name, {})))
 
 
 @lru_cache(maxsize=None)

@@ -80,6 +80,13 @@ def page(request: pytest.FixtureRequest) -> tuple[str, str]:
     return request.param, as_html(diagnosed(request.param), 'a.mcap')
 
 
+@pytest.fixture
+def blank_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Plot all figures, but render none: the test looks at the text."""
+    pytest.importorskip('matplotlib')
+    monkeypatch.setattr(builder, 'as_data_uri', lambda figure: 'data:image/png;base64,')
+
+
 def test_page_is_self_contained(page: tuple[str, str]) -> None:
     name, text = page
     assert len(text) < 1.5e6
@@ -109,8 +116,8 @@ def test_page_gives_verdict_effects_and_held_out_errors(page: tuple[str, str]) -
     assert f'{d.noise_floor:.3g} N' in shown
 
 
+@pytest.mark.usefixtures('blank_pictures')
 def test_page_begins_with_the_headline_and_ends_with_the_next_experiment() -> None:
-    pytest.importorskip('matplotlib')
     d = replace(diagnosed('unknown'), next_experiment='press harder')
     shown = Page(as_html(d, 'a.mcap', 'b.yaml')).text
     titles = (headline(d), 'Model parameters', 'Recording and simulations',
@@ -121,16 +128,16 @@ def test_page_begins_with_the_headline_and_ends_with_the_next_experiment() -> No
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures('blank_pictures')
 def test_sections_without_content_are_left_out() -> None:
-    pytest.importorskip('matplotlib')
     text = as_html(replace(diagnosed('clean'), evidence={}), 'a.mcap')
     assert 'class="effect"' not in text
     assert 'Next experiment' not in text and 'Candidate effects' not in text
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures('blank_pictures')
 def test_text_from_outside_is_escaped() -> None:
-    pytest.importorskip('matplotlib')
     hostile = '<script>"&'
     d = diagnosed('friction')
     effect = replace(d.effects[0], indistinguishable_from=['stribeck_friction'])
@@ -144,8 +151,8 @@ def test_text_from_outside_is_escaped() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures('blank_pictures')
 def test_parts_left_out_have_a_figure_for_each_name_and_a_sentence_on_the_rest() -> None:
-    pytest.importorskip('matplotlib')
     d = diagnosed('friction')
     place = Location('robot', [(1.0, 2.0)], 'hold', 'small |v|', (5.0, 40.0))
     parsed = Page(as_html(replace(d, remainder=Remainder(0.123, place, '')), 'a.mcap'))
@@ -169,8 +176,8 @@ def test_refused_recording_has_a_page_without_figures() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures('blank_pictures')
 def test_mean_square_is_not_compared_with_noise_beside_a_discrepancy() -> None:
-    pytest.importorskip('matplotlib')
     d = diagnosed('unknown')
     weighed = replace(d, recordings=[replace(d.recordings[0], force_discrepancy=1.0)])
     texts = [Page(as_html(one, 'a.mcap')).text

@@ -133,6 +133,7 @@ def output_of(code: str, **environment: str) -> str:
     return done.stdout.strip().splitlines()[-1]
 
 
+@pytest.mark.slow
 def test_importing_the_library_leaves_the_environment_unchanged() -> None:
     code = """
 from importlib import import_module, util

@@ -39,8 +39,7 @@ def page_of(name: str) -> str:
     return fleet_page(made_up()) if name == 'fleet' else diagnosis_page(diagnosed(name), name)
 
 
-@pytest.mark.parametrize('dark', [False, True])
-@pytest.mark.parametrize('width', [1200, 400])
+@pytest.mark.parametrize('width, dark', [(1200, False), (400, True)])
 @pytest.mark.parametrize('name', ['fleet', 'friction'])
 def test_page_shows_its_pictures_and_fits(
     name: str, width: int, dark: bool, tmp_path: Path

@@ -17,6 +17,7 @@
 from __future__ import annotations
 
 import dataclasses
+from functools import lru_cache
 import math
 from math import isnan, nan
 from typing import Any
@@ -30,6 +31,7 @@ from contact_estimation.physics.effect import Effect
 from contact_estimation.physics.force_sensor_effect import ForceSensorEffect
 from contact_estimation.physics.robot_effect import RobotEffect
 from contact_estimation.plant.plant_parameters import PlantParameters
+from contact_estimation.plant.world import Truth
 from effect_examples import example
 import numpy as np
 import pytest
@@ -49,6 +51,12 @@ VANISHING = {  # where 0 or the neutral value is out of range, or another has to
 WITHOUT_DAMPING = {name for name, cls in EFFECTS.items()
                    if getattr(cls, 'replaces_damping', False)}
 PORTS = {'contact': ContactEffect, 'force_sensor': ForceSensorEffect, 'robot': RobotEffect}
+
+
+@lru_cache(maxsize=None)
+def without_effects(**wall: Any) -> list[Truth]:
+    """Simulate the world without effects once."""
+    return simulate(700, plant_with(**wall))
 
 
 @dataclasses.dataclass(frozen=True)
@@ -100,7 +108,7 @@ def test_effect_is_off_without_its_parameters(name: str) -> None:
 
 @EACH
 def test_effect_that_is_on_changes_the_world(name: str) -> None:
-    assert simulate(700, with_effect(name)) != simulate(700, plant_with())
+    assert simulate(700, with_effect(name)) != without_effects()
 
 
 @EACH
@@ -111,7 +119,7 @@ def test_effect_with_neutral_parameters_changes_nothing(name: str) -> None:
                     for key in names}
     neutral.update(VANISHING.get(name, {}))
     got = np.array(simulate(700, plant_with(**wall, **neutral)))
-    nominal = np.array(simulate(700, plant_with(**wall)))
+    nominal = np.array(without_effects(**wall))
     np.testing.assert_allclose(got, nominal, rtol=1e-9, atol=1e-9)
 
 

@@ -24,6 +24,8 @@ from core_runs import contact_samples
 import pytest
 from ros_processes import ESTIMATES, estimator_and_peer, moved, Peer, PERIOD_NS, session_results
 
+pytestmark = pytest.mark.slow
+
 K_E, B_E = 4800.0, 200.0
 FREE = contact_samples(0.0)[:80]  # before the approach begins
 TOUCH = contact_samples(0.5, force_noise=0.1)
@@ -59,7 +61,6 @@ def test_published_estimates_are_those_of_the_session_bit_for_bit(peer: Peer) ->
     assert list(peer.values('damping').values()) == [e.damping for e in estimates]
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize('estimator', ESTIMATORS)
 def test_estimates_converge_to_the_truth(peer: Peer, estimator: str) -> None:
     peer.change(estimator=estimator)
@@ -110,7 +111,6 @@ def test_desired_trajectory_that_nobody_renews_is_a_place_to_rest_at(peer: Peer)
     assert [list(n) for n in numbers] == [[0.125], [0.0], [0.0]]
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize('law, K_t', [('eq20', None), ('series', 4000.0)])
 def test_force_law_holds_in_contact_with_effort(
     peer: Peer, law: str, K_t: float | None
@@ -150,7 +150,6 @@ def test_switch_of_the_estimator_in_contact_leaves_no_gap_and_keeps_stiffness(
     assert stiffness[stamps[-1]] == pytest.approx(K_E, rel=0.02)
 
 
-@pytest.mark.slow
 def test_reset_goes_back_to_the_first_guess(peer: Peer) -> None:
     samples = moved(LONG, peer.begin_ns)
     peer.feed(samples[:600])

@@ -58,6 +58,19 @@ class RobotUser(Listener):
         """Measured forces in order."""
         return [message.wrench.force.x for message in self.heard['wrench'].values()]
 
+    def soon(self) -> int:
+        """Return a stamp 0.6 s ahead, once the plant listens and is heard [ns]."""
+        self.spin_until(self.follow.get_subscription_count, 'the plant to listen')
+        before = len(self.heard['wrench'])
+        self.spin_until(lambda: len(self.heard['wrench']) > before, 'a sample')
+        return max(self.heard['wrench']) + 300 * PERIOD_NS
+
+    def hear_until(self, stamp_ns: int) -> None:
+        """Listen to samples of both topics up to a stamp."""
+        self.spin_until(
+            lambda: all(max(self.heard[name]) > stamp_ns for name in ('wrench', 'joints')),
+            f'samples up to {stamp_ns}')
+
     def positions(self) -> dict[int, float]:
         """Measured positions by their stamps."""
         return {stamp: message.position[0] for stamp, message in self.heard['joints'].items()}
@@ -137,24 +150,20 @@ def test_noise_is_that_of_the_seed(
 def test_reference_is_followed_from_its_stamp_on_and_not_before(
     tmp_path: Path, user: RobotUser, still: str
 ) -> None:
-    with node_process(tmp_path, 'plant_node', experiment=still, duration=2.0) as process:
-        user.spin_until(lambda: user.heard['wrench'], 'the first sample')
-        user.spin_until(user.follow.get_subscription_count, 'the plant to listen')
-        later = next(iter(user.heard['wrench'])) + 300 * PERIOD_NS
+    with node_process(tmp_path, 'plant_node', experiment=still, repeat=True):
+        later = user.soon()
         user.follow.publish(trajectory(later, -0.05, 0.0))
-        user.hear_to_the_end(process, 1000)
+        user.hear_until(later + 700 * PERIOD_NS)
     positions = user.positions()
     assert {x for stamp, x in positions.items() if stamp <= later} == {START}
     assert list(positions.values())[-1] == pytest.approx(-0.05, abs=1e-3)
 
 
 def test_robot_stops_when_its_references_end(tmp_path: Path, user: RobotUser, still: str) -> None:
-    with node_process(tmp_path, 'plant_node', experiment=still, duration=2.0) as process:
-        user.spin_until(lambda: user.heard['wrench'], 'the first sample')
-        user.spin_until(user.follow.get_subscription_count, 'the plant to listen')
-        later = next(iter(user.heard['wrench'])) + 300 * PERIOD_NS
+    with node_process(tmp_path, 'plant_node', experiment=still, repeat=True):
+        later = user.soon()
         user.follow.publish(trajectory(later, -0.09, 0.0, velocity=0.1))
-        user.hear_to_the_end(process, 1000)
+        user.hear_until(later + 700 * PERIOD_NS)
     # 0.1 m/s for the 0.1 s after which a reference is stale, and a sample to notice.
     assert list(user.positions().values())[-1] == pytest.approx(-0.08, abs=1e-3)
 
@@ -183,12 +192,11 @@ def test_force_in_the_effort_presses_a_robot_that_tracks_force(
     touching = tmp_path / 'touching.yaml'
     touching.write_text('start: 0.0\nsegments: [{duration: 9.0, position: 0.0}]\n')
     with node_process(
-        tmp_path, 'plant_node', experiment=touching, duration=2.5, robot__force_tracking=True
-    ) as process:
-        user.spin_until(lambda: user.heard['wrench'], 'the first sample')
-        first = next(iter(user.heard['wrench']))
-        user.follow.publish(trajectory(first, 0.0, 49.0))
-        user.hear_to_the_end(process, 1250)
+        tmp_path, 'plant_node', experiment=touching, repeat=True, robot__force_tracking=True
+    ):
+        later = user.soon()
+        user.follow.publish(trajectory(later, 0.0, 49.0))
+        user.hear_until(later + 1000 * PERIOD_NS)
     # K_t x = F_r - K_e x: the wall takes K_e / (K_e + K_t) of the force.
     assert user.forces()[-1] == pytest.approx(-49.0 * 4800.0 / 9800.0, rel=0.01)
 

@@ -16,6 +16,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from math import pi, sqrt
 
 from contact_estimation.estimators import OFFLINE_ESTIMATORS
@@ -34,6 +35,7 @@ import numpy as np
 import pytest
 
 TARGET = TargetImpedance()
+recorded = lru_cache(maxsize=None)(step_recording)
 
 
 def response(w_d: float, decay: float, offset: float = 0.0, count: int = 2000) -> ContactRecording:
@@ -82,7 +84,7 @@ def test_settling_time_is_the_last_instant_outside_five_percent() -> None:
 
 @pytest.mark.slow
 def test_as_written_it_shows_the_paper_s_stiffness_error() -> None:
-    errors = [100.0 * (estimate('signal_processing', step_recording(s)).stiffness / K_E - 1.0)
+    errors = [100.0 * (estimate('signal_processing', recorded(s)).stiffness / K_E - 1.0)
               for s in range(3)]
     assert all(12.0 < error < 15.0 for error in errors)
 
@@ -90,7 +92,7 @@ def test_as_written_it_shows_the_paper_s_stiffness_error() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize('seed', range(3))
 def test_refined_it_is_within_three_standard_deviations(seed: int) -> None:
-    found = estimate('signal_processing_refined', step_recording(seed))
+    found = estimate('signal_processing_refined', recorded(seed))
     assert abs(found.stiffness - K_E) < min(3.0 * found.stiffness_std, 0.015 * K_E)
     assert abs(found.damping - B_E) < min(3.0 * found.damping_std, 0.03 * B_E)
 

@@ -92,9 +92,11 @@ def test_points_are_known_to_touch_where_they_do() -> None:
 
 @pytest.mark.slow
 def test_command_prints_the_estimates_and_draws_them(
-    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+    tmp_path: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     pytest.importorskip('matplotlib')
+    monkeypatch.setattr(command, 'simulate', lambda seed: simulated())
+    monkeypatch.setattr(command, 'estimate', lambda instants, variant: estimates(variant))
     assert command.main(['--output', str(tmp_path / 'new')]) == 0
     out = capfd.readouterr().out
     assert all(out.count(f'  {variant} ') == 2 for variant in VARIANTS)

@@ -18,7 +18,6 @@ from __future__ import annotations
 
 from typing import NamedTuple, Sequence
 
-from scipy.spatial.transform import Rotation
 
 from .parameters import EstimationParameters
 from .result import Result
@@ -100,6 +99,8 @@ def target_pose(result: Result, limits: PoseLimits) -> TargetPose | None:
     step = step_along(measured, normal, reference.position - result.sample.position, limits)
     if step is None:
         return None
+    from scipy.spatial.transform import Rotation  # slow to import, and only arms need it
+
     position = [p + step * n for p, n in zip(measured, normal)]
     quaternion = Rotation.from_matrix(arm.R).as_quat().tolist()
     return TargetPose(result.reference_stamp_ns, position, quaternion)

@@ -21,7 +21,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import least_squares
 
 from .offline_estimator import OfflineEstimate, OfflineEstimator, TargetImpedance
 from .signal_processing import dominant_frequency, environment_of, step_response
@@ -75,6 +74,8 @@ class SignalProcessingRefined(OfflineEstimator):
     def _fit(
         t: NDArray[np.float64], force: NDArray[np.float64], w_d: float, decay: float, scale: float
     ) -> Any:
+        from scipy.optimize import least_squares  # slow to import, and no node needs it
+
         return least_squares(
             lambda p: force - fitted(t, force, float(p[0]), float(p[1])),
             (w_d, decay), loss='soft_l1', f_scale=0.5 * scale, x_scale=(w_d, decay),

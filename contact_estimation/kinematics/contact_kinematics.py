@@ -21,7 +21,6 @@ from typing import NamedTuple, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from .robot_model import RobotModel
 from .tool_load import cross_matrix, load_map, STANDARD_GRAVITY, ToolParameters
@@ -120,6 +119,8 @@ class ContactKinematics:
         self, model: RobotModel | TransformModel, contact: ContactParameters, tool: ToolParameters,
         force_sign: float = 1.0, mount: Sequence[float] = (0.0, 0.0, 0.0),
     ) -> None:
+        from scipy.spatial.transform import Rotation  # slow to import, and only arms need it
+
         self.model, self.held, self.sensor = model, False, ''
         self.state: ArmState | None = None
         self._own_normal = unit_normal(contact)

@@ -147,6 +147,10 @@ class ContactLaw:
             Contact state and forces.
 
         """
+        if self._is_plain and not self._tails:
+            d = x - self._x_e
+            contact = d > 0.0 if self.unilateral else True
+            return Touch(contact, self._K_e * d + self._B_e * v, 0.0)
         d, v, engaged = self.penetration(t, x, v, states, m)
         return self._touch(t, d, v, engaged, states, m)
 

@@ -21,7 +21,6 @@ from math import exp
 from typing import Any
 
 import numpy as np
-from scipy.signal import lfilter
 
 from .force_sensor_effect import ForceSensorEffect
 from .numeric import Array
@@ -63,6 +62,8 @@ class ForceLag(ForceSensorEffect):
 
     def sense_along(self, t: Array, force: Array, acceleration: Array) -> Array:
         """Filter F, interpolated linearly; see `ForceSensorEffect.sense_along`."""
+        from scipy.signal import lfilter  # slow to import, and no node needs it
+
         decay, begin, end = self._weights(float(t[1] - t[0]))
         push = np.concatenate(([force[0]], begin * force[:-1] + end * force[1:]))
         return np.asarray(lfilter([1.0], [1.0, -decay], push))

@@ -24,7 +24,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.random import Generator
-from scipy.signal import lfilter
 
 from .contact_effect import ContactEffect
 from .numeric import Array, Flags, Number
@@ -140,6 +139,8 @@ class FractionalRelaxation(ContactEffect):
 
     def states_along(self, t: Array, d: Array, v: Array, contact: Flags) -> Array:
         """Solve the branches exactly, v straight between samples in contact."""
+        from scipy.signal import lfilter  # slow to import, and no node needs it
+
         h = float(t[1] - t[0])
         moves, bends = np.zeros(len(t)), np.zeros(len(t))
         moves[1:] = np.diff(np.where(contact, d, 0.0))

@@ -22,7 +22,6 @@ from typing import Any
 
 import numpy as np
 from numpy.random import Generator
-from scipy.signal import lfilter
 
 from .contact_effect import ContactEffect
 from .numeric import Array, Flags, Number, stretches
@@ -69,6 +68,8 @@ class ViscoelasticRelaxation(ContactEffect):
 
     def states_along(self, t: Array, d: Array, v: Array, contact: Flags) -> Array:
         """Solve the linear equation stretch by stretch, v straight between samples."""
+        from scipy.signal import lfilter  # slow to import, and no node needs it
+
         h = float(t[1] - t[0])
         tau, K_1 = self.values.tau, self.values.K_1
         decay = exp(-h / tau)

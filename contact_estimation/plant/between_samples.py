@@ -27,7 +27,6 @@ from typing import Callable
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import lfilter
 
 Array = NDArray[np.float64]
 
@@ -59,6 +58,8 @@ def smooth(force: Array) -> Array:
     # A tone's area over an interval is tan(u) / u times that under the line, u = omega h / 2. With
     # q = sin(u)^2, which is -1/4 of the second difference, it is 1 + q / 3 / (1 - 11 q / 15) to a
     # hundredth for four samples a period or more (a compact scheme, Lele 1992).
+    from scipy.signal import lfilter  # slow to import, and no node needs it
+
     bend = np.zeros(len(force))
     bend[1:-1] = np.diff(force, 2) / -12.0
     forward = lfilter([_GAIN], [1.0, -_POLE], bend)

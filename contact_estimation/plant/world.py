@@ -16,11 +16,12 @@
 
 from __future__ import annotations
 
-from enum import Enum
+from functools import partial
 import math
-from math import ceil
+from math import ceil, nan
 from typing import Any, NamedTuple, Sequence
 
+from .contact_mode import FREE, HELD, Instant, Mode, PRESSING, SLACK
 from .plant_parameters import PlantParameters
 from .runge_kutta import combine, shift, State
 from ..physics import effects_that_are_on
@@ -33,29 +34,6 @@ from ..reference.setpoints import ReferenceAt
 _BISECTIONS = 30
 _MOST_SWITCHES = 4.0
 _CREDIT_A_STEP = 0.1  # a backlash resting at its end would switch at every step
-
-
-class Mode(Enum):
-    """Which equation of contact holds; each equation is smooth."""
-
-    FREE = 'free'
-    PRESSING = 'pressing'
-    SLACK = 'slack'
-    """The surface is reached, but the force is 0 or at the largest pull."""
-
-    HELD = 'held'
-    """Out of contact, but the wall still pulls."""
-
-
-_FREE, _PRESSING, _SLACK, _HELD = Mode  # attribute access of an enumeration is slow
-
-
-class _Instant(NamedTuple):
-    """Acceleration [m/s^2] and F_e [N] under the equation that holds."""
-
-    acceleration: float
-    force: float
-    mode: Mode
 
 
 class Truth(NamedTuple):
@@ -111,6 +89,8 @@ class World:
     ) -> None:
         self.t, self._further = begin, further
         self._physics: Any = None
+        self._reference: ReferenceAt | None = None
+        self._present: Instant | None = None
         self.configure(parameters)
         self._state: State = (position, velocity) + (0.0,) * self._law.states
         self._last_sensed = (-1.0, 0.0)
@@ -137,7 +117,10 @@ class World:
         )
         self._robot = RobotLaw(robot.mass, robot.damping, robot.stiffness, effects)
         self._force_tracking = robot.force_tracking
+        law = self._robot
+        self._drive = law.impedance_force if law.is_linear else partial(law.force, m=math)
         self._rate = parameters.integration_rate
+        self._forget()
 
     @property
     def position(self) -> float:
@@ -153,18 +136,18 @@ class World:
         duration : float
             Time to integrate over [s].
         reference : callable
-            From time [s] to the reference.
+            From time [s] to the reference, the same whenever it is asked for a time again.
 
         """
-        self._reference = reference
+        self._follow(reference)
         steps = max(1, ceil(duration * self._rate - 1e-6))
         end, h = self.t + duration, duration / steps
-        now = self._look(self.t, self._state)
+        now = self._present or self._look(self.t, self._state)
         for k in range(steps):
             if self._chain:
                 self._sense(now.force, now.acceleration)
             now = self._step_with_events(h if k < steps - 1 else end - self.t, now)
-        self.t = end
+        self.t, self._present = end, now
 
     def truth(self, reference: ReferenceAt) -> Truth:
         """
@@ -181,9 +164,10 @@ class World:
             State without noise.
 
         """
-        self._reference = reference
+        self._follow(reference)
         x, v, *_ = self._state
-        acceleration, force, _ = self._look(self.t, self._state)
+        self._present = self._present or self._look(self.t, self._state)
+        acceleration, force, _ = self._present
         return Truth(self.t, x, v, acceleration, force, self._sense(force, acceleration))
 
     def _sense(self, force: float, acceleration: float) -> float:
@@ -196,42 +180,55 @@ class World:
         self._last_sensed = (self.t, force)
         return force
 
+    def _follow(self, reference: ReferenceAt) -> None:
+        if reference is not self._reference:
+            self._reference = reference
+            self._forget()
+
+    def _forget(self) -> None:
+        """Drop what was computed under another reference or other parameters."""
+        self._asked, self._answer = nan, (0.0, 0.0, 0.0, 0.0)
+        self._present = None
+
     # -- equations --------------------------------------------------------------------------
 
     def _control(self, t: float, x: float, v: float) -> float:
         """Eq. (1) without F_e: the force that drives the robot's mass."""
-        x_r, v_r, a_r, F_r = self._reference(t - self._robot.reference_delay)
-        tracked = F_r if self._force_tracking and F_r == F_r else 0.0
-        return float(self._robot.force(x, v, (x_r, v_r, a_r, tracked), math))
+        if t != self._asked:  # a step asks twice for its middle and twice for its end
+            assert self._reference is not None
+            x_r, v_r, a_r, F_r = self._reference(t - self._robot.reference_delay)
+            tracked = F_r if self._force_tracking and F_r == F_r else 0.0
+            self._asked, self._answer = t, (x_r, v_r, a_r, tracked)
+        return float(self._drive(x, v, self._answer))
 
-    def _look(self, t: float, state: State) -> _Instant:
+    def _look(self, t: float, state: State) -> Instant:
         """Determine which equation of contact holds, and solve it."""
         law, mass = self._law, self._robot.mass
         x, v = state[0], state[1]
         u = self._control(t, x, v)
         contact, resistance, free = law.touch(t, x, v, state[2:], math)
         if not contact:
-            return _Instant((u + free) / mass, free, _HELD if free else _FREE)
+            return Instant((u + free) / mass, free, HELD if free else FREE)
         a = (u - resistance) / (mass + law.inertia)
         force = -(resistance + law.inertia * a)
         if force < law.pull or not law.unilateral:
-            return _Instant(a, force, _PRESSING)
-        return _Instant((u + law.pull) / mass, law.pull, _SLACK)
+            return Instant(a, force, PRESSING)
+        return Instant((u + law.pull) / mass, law.pull, SLACK)
 
     def _acceleration(self, t: float, x: float, v: float, states: State, mode: Mode) -> float:
         """Solve for the acceleration under the equation of a mode."""
         u, law, mass = self._control(t, x, v), self._law, self._robot.mass
-        if mode is _FREE:
+        if mode is FREE:
             return u / mass
-        if mode is _PRESSING:
+        if mode is PRESSING:
             resistance: float = law.resistance(t, x, v, states, math)
             return (u - resistance) / (mass + law.inertia)
-        pull: float = law.pull if mode is _SLACK else law.touch(t, x, v, states, math).free_force
+        pull: float = law.pull if mode is SLACK else law.touch(t, x, v, states, math).free_force
         return (u + pull) / mass
 
     # -- integration ------------------------------------------------------------------------
 
-    def _runge_kutta(self, t: float, state: State, h: float, now: _Instant) -> State:
+    def _runge_kutta(self, t: float, state: State, h: float, now: Instant) -> State:
         """Step under the equation of the mode at the step's beginning."""
         if len(state) > 2:
             return self._runge_kutta_with_states(t, state, h, now)
@@ -247,7 +244,7 @@ class World:
         return (x + sixth * (v + 2.0 * v_2 + 2.0 * v_3 + v_4),
                 v + sixth * (a + 2.0 * a_2 + 2.0 * a_3 + a_4))
 
-    def _runge_kutta_with_states(self, t: float, state: State, h: float, now: _Instant) -> State:
+    def _runge_kutta_with_states(self, t: float, state: State, h: float, now: Instant) -> State:
         half, mode = 0.5 * h, now.mode
         x, v, *_ = state
         k1: State = (v, now.acceleration, *self._law.rates(t, x, v, state[2:]))
@@ -262,7 +259,7 @@ class World:
         states = state[2:]
         return (v, self._acceleration(t, x, v, states, mode), *self._law.rates(t, x, v, states))
 
-    def _step_with_events(self, h: float, now: _Instant) -> _Instant:
+    def _step_with_events(self, h: float, now: Instant) -> Instant:
         """Step, split at switches of the contact equation unless it chatters."""
         t, end = self.t, self.t + h
         self._credit = min(_MOST_SWITCHES, self._credit + _CREDIT_A_STEP)
@@ -283,7 +280,7 @@ class World:
         self._state, self.t = after, end
         return then
 
-    def _until_switch(self, t: float, h: float, now: _Instant) -> float:
+    def _until_switch(self, t: float, h: float, now: Instant) -> float:
         """Return the time until another equation holds [s], by bisection."""
         low, high = 0.0, h
         for _ in range(_BISECTIONS):

@@ -31,6 +31,7 @@ import numpy as np
 
 from .arm_models import Arm, Array, mujoco, mujoco_model, TIP
 from .motion import poses, Reference, touches
+from ...kinematics.tool_load import cross_matrix
 
 TIMESTEP = 1e-3
 WALL_DISTANCE = 0.012  # from the home pose [m]
@@ -177,13 +178,14 @@ class ArmSimulation:
         """Apply a force at the tip, beyond the sensor; MuJoCo takes it at the body's centre."""
         body = self._data.body(TIP)
         arm = self._data.site(TIP).xpos - body.xipos
-        body.xfrc_applied[:] = np.concatenate([force, np.cross(arm, force)])
+        body.xfrc_applied[:] = np.concatenate([force, cross_matrix(arm) @ force])
 
     def _impedance_torque(self, x_r: float, v_r: float, a_r: float, F_e: float) -> Array:
         data, J = self._data, self._jacobian()
         R, p = self._tip_pose()
         v = J @ data.qvel
-        turned = 0.5 * sum(np.cross(R[:, k], self._R0[:, k]) for k in range(3))
+        S = R @ self._R0.T  # half the sum of the cross products of both frames' axes
+        turned = 0.5 * np.array([S[1, 2] - S[2, 1], S[2, 0] - S[0, 2], S[0, 1] - S[1, 0]])
         error = np.concatenate([self._E @ (self._p0 - p), self._E @ turned])
         wanted = _STIFF**2 * error - 2.0 * _STIFF * v
         x = float(self.normal @ p)
