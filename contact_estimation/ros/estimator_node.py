@@ -35,6 +35,7 @@ from .estimator_node_parameters import EstimatorNodeParameters
 from .node_log import NodeLog
 from .parameters import declare, serve_changes
 from .running import run_node
+from ..estimation.compensated_wrench import CompensatedWrench
 from ..estimation.events import biases, CHANGE, EstimationEvent, event_now, LOCATION
 from ..estimation.events import RESET, set_location, START, TARE
 from ..estimation.inputs import MessageInputs
@@ -85,6 +86,7 @@ class EstimatorNode(Node):
         parameters = self._session.parameters
         self._axes = ''.join(self._session.pipelines)
         self._outputs = EstimatePublishers(self, parameters.joint)
+        self._outputs.compensated = CompensatedWrench(parameters)
         self._outputs.use(parameters.frame_id, self._axes)
         self._events = self.create_publisher(String, '~/events', topics.EVENTS_QOS)
         self._event(event_now(self._session, START, flatten(self._session.parameters)))
@@ -202,6 +204,7 @@ class EstimatorNode(Node):
             self._check(new_own)
             if estimation:
                 self._session.change_parameters(estimation)
+                self._outputs.compensated = CompensatedWrench(self._session.parameters)
                 self._event(event_now(self._session, self._kind, estimation))
             self._own = new_own
             self._diagnostics.silence_s = new_own.silence_s
