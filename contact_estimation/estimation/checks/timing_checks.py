@@ -19,11 +19,12 @@ from __future__ import annotations
 from .check import Check, Evidence
 from .lag_search import Skew, skew_of
 
-_SIGNIFICANT = 60.0  # likelihood ratio
+_SIGNIFICANT = 40.0  # likelihood ratio
 _BETTER = 0.5  # share of the residual above the noise that the lag takes away
 _LEAST_S = 0.003  # a shorter lag is that of an ordinary sensor, and part of timing_std
 _DEVIATIONS = 3.0  # of timing_std
-_OTHER_PHYSICS = 30.0  # likelihood ratio over the best other explanation
+_OTHER_PHYSICS = 20.0  # likelihood ratio over the best other explanation but a mass
+_OVER_MASS = 30.0  # likelihood ratio over a mass
 
 
 class StampSkew(Check):
@@ -43,7 +44,7 @@ class StampSkew(Check):
         skew = _remembered(seen)
         if skew is None or not _is_clear(skew, seen):
             return '' if skew and _is_none(skew, seen) else None
-        if skew.over_mass < _OTHER_PHYSICS:
+        if skew.over_mass < _OVER_MASS:
             return None
         when = 'late' if skew.seconds > 0.0 else 'early'
         return (f'the stamps of the wrench are {1e3 * abs(skew.seconds):.2g} ms {when} against '
@@ -67,7 +68,7 @@ class StampSkewOrMass(Check):
         skew = _remembered(seen)
         if skew is None or not _is_clear(skew, seen):
             return '' if skew and _is_none(skew, seen) else None
-        if skew.over_mass >= _OTHER_PHYSICS:
+        if skew.over_mass >= _OVER_MASS:
             return ''
         when = 'late' if skew.seconds > 0.0 else 'early'
         return (f'the stamps of the wrench are {1e3 * abs(skew.seconds):.2g} ms {when} against '
