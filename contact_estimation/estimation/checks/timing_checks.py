@@ -23,6 +23,7 @@ _SIGNIFICANT = 40.0  # likelihood ratio
 _BETTER = 0.5  # share of the residual above the noise that the lag takes away
 _LEAST_S = 0.003  # a shorter lag is that of an ordinary sensor, and part of timing_std
 _DEVIATIONS = 3.0  # of timing_std
+_OF_PERIOD = 0.5  # of the joint states
 _OTHER_PHYSICS = 20.0  # likelihood ratio over the best other explanation but a mass
 _OVER_MASS = 30.0  # likelihood ratio over a mass
 
@@ -85,8 +86,9 @@ def _remembered(seen: Evidence) -> Skew | None:
 
 
 def _limit(seen: Evidence) -> float:
-    """Return the lag of an ordinary sensor [s]."""
-    return max(_LEAST_S, _DEVIATIONS * seen.parameters.synchronisation.timing_std)
+    """Return the lag of an ordinary sensor, or of sparse joint states as interpolated [s]."""
+    sparse = _OF_PERIOD / seen.joint_rate if seen.joint_rate > 0.0 else 0.0  # NaN: not yet known
+    return max(_LEAST_S, _DEVIATIONS * seen.parameters.synchronisation.timing_std, sparse)
 
 
 def _is_clear(skew: Skew, seen: Evidence) -> bool:
