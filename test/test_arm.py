@@ -23,7 +23,7 @@ from typing import Any, Mapping
 from arm_contact import (
     B_E, CENTRE, instants, K_E, LOCATION, MASS, messages, NORMAL, PARAMETERS, START,
 )
-from contact_estimation.estimation.inputs_of import inputs_of
+from contact_estimation.estimation.inputs import MessageInputs
 from contact_estimation.estimation.parameters import EstimationParameters
 from contact_estimation.estimation.result import Result
 from contact_estimation.estimation.session import ContactSession
@@ -54,9 +54,9 @@ def process(
 ) -> tuple[ContactSession, list[Result]]:
     session = ContactSession(build(EstimationParameters, {**PARAMETERS, **estimation}))
     session.describe(urdf())
-    inputs, results = inputs_of(session), []
+    inputs, results = MessageInputs(session), []
     for topic, _, raw in messages(every, split):
-        take = inputs.process_wrench if topic == '/wrench' else inputs.process_joints
+        take = inputs.process_wrench if topic == '/wrench' else inputs.process_motion
         results += take(raw)
     return session, results
 
@@ -159,18 +159,18 @@ def test_velocity_that_is_not_reported_is_not_measured() -> None:
 def test_joints_that_never_come_are_named() -> None:
     session = ContactSession(build(EstimationParameters, PARAMETERS))
     session.describe(urdf())
-    inputs = inputs_of(session)
+    inputs = MessageInputs(session)
     for number in range(20):
-        inputs.process_joints(joint_state_bytes(['elbow'], [0.0], stamp_ns=number))
+        inputs.process_motion(joint_state_bytes(['elbow'], [0.0], stamp_ns=number))
     assert 'no joint state has shoulder, wrist' in session.rejection_texts['joint_lacking']
 
 
 def test_other_joints_on_the_topic_are_of_no_concern() -> None:
     session = ContactSession(build(EstimationParameters, PARAMETERS))
     session.describe(urdf())
-    inputs = inputs_of(session)
-    inputs.process_joints(messages()[0][2])
-    inputs.process_joints(joint_state_bytes(['finger_joint'], [0.0], stamp_ns=10**12))
+    inputs = MessageInputs(session)
+    inputs.process_motion(messages()[0][2])
+    inputs.process_motion(joint_state_bytes(['finger_joint'], [0.0], stamp_ns=10**12))
     assert 'joint_states_joint_unknown' not in session.rejected
 
 
@@ -184,16 +184,16 @@ def test_components_of_the_force_are_those_of_the_wall() -> None:
 
 def test_messages_before_the_description_are_counted() -> None:
     session = ContactSession(build(EstimationParameters, PARAMETERS))
-    inputs = inputs_of(session)
+    inputs = MessageInputs(session)
     for topic, _, raw in messages()[:4]:
-        (inputs.process_wrench if topic == '/wrench' else inputs.process_joints)(raw)
+        (inputs.process_wrench if topic == '/wrench' else inputs.process_motion)(raw)
     assert session.rejected == {'robot_description_missing': 4}
 
 
 def test_a_wrench_in_an_unknown_frame_is_refused_with_the_reason() -> None:
     session = ContactSession(build(EstimationParameters, PARAMETERS))
     session.describe(urdf())
-    inputs = inputs_of(session)
+    inputs = MessageInputs(session)
     inputs.process_wrench(wrench_bytes([0.0] * 3, frame_id='senser'))
     assert "'senser'; did you mean 'sensor'" in session.rejection_texts['wrench_frame_unknown']
     assert session.rejected == {'wrench_frame_unknown': 1}

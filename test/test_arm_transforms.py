@@ -24,14 +24,12 @@ from arm_contact import B_E, instants, K_E, LOCATION, messages, PARAMETERS
 from arm_transforms import OF_TF, static_bytes, tf_messages
 from contact_estimation.commands import replay
 from contact_estimation.diagnosis.observe.read_recording import read_recording
-from contact_estimation.estimation.arm_inputs import ArmInputs
 from contact_estimation.estimation.events import EstimationEvent, event_now, START
-from contact_estimation.estimation.inputs_of import inputs_of
+from contact_estimation.estimation.inputs import MessageInputs
 from contact_estimation.estimation.parameters import EstimationParameters
 from contact_estimation.estimation.replay import RecordingReplay
 from contact_estimation.estimation.result import Result
 from contact_estimation.estimation.session import ContactSession
-from contact_estimation.estimation.transform_inputs import TransformInputs
 from contact_estimation.exceptions import ParameterRangeError
 from contact_estimation.messages import encode_string
 from contact_estimation.parameters.values import build, flatten
@@ -53,7 +51,7 @@ class Live:
     def __init__(self, parameters: Mapping[str, Any]) -> None:
         self.session = ContactSession(
             build(EstimationParameters, parameters), generate_reference=False)
-        self.inputs = inputs_of(self.session)
+        self.inputs = MessageInputs(self.session)
         self.results: list[Result] = []
         self.recorded: list[Message] = []
         self._event(event_now(self.session, START, flatten(self.session.parameters)))
@@ -61,17 +59,16 @@ class Live:
     def take(self, listed: Iterable[Message]) -> 'Live':
         """Process messages, and list them with the events that the node would publish."""
         process = {'/wrench': self.inputs.process_wrench,
-                   '/joint_states': self.inputs.process_joints}
-        if isinstance(self.inputs, ArmInputs):
-            process['/tf_static'] = self.inputs.process_static_transforms
-        if isinstance(self.inputs, TransformInputs):
-            process['/tf'] = self.inputs.process_transforms
+                   f'/{self.session.motion_topic}': self.inputs.process_motion}
+        arm = self.inputs.arm
         for topic, stamp_ns, raw in listed:
             self.recorded.append((topic, stamp_ns, raw))
-            self.results += process[topic](raw)
-            for event in self.inputs.events:
-                self._event(event)
-            self.inputs.events.clear()
+            if topic in process:
+                self.results += process[topic](raw)
+            elif arm is not None:
+                arm.process_static_transforms(raw)
+            while arm is not None and arm.events:
+                self._event(arm.events.pop(0))
         return self
 
     def _event(self, event: EstimationEvent) -> None:

@@ -183,6 +183,20 @@ def test_tare_is_refused_too_soon_after_contact() -> None:
     assert not done and '0.5 s' in message
 
 
+def test_tare_removes_a_bias_where_the_surface_is_to_be_taken_at_first_touch() -> None:
+    pipeline = pipeline_with(environment__location=np.nan)
+    estimates_of(free_flight(1000, level=1.0), pipeline)
+    assert pipeline.tare()[0]
+    assert pipeline.bias == pytest.approx(1.0, abs=0.1)
+
+
+def test_tare_inside_the_wall_is_refused_with_the_reason() -> None:
+    pipeline = pipeline_with()
+    estimates_of(free_flight(1000, position=0.03), pipeline)
+    done, message = pipeline.tare()
+    assert not done and '30 mm inside environment.location' in message
+
+
 def test_tare_survives_a_reset() -> None:
     pipeline = pipeline_with()
     estimates_of(free_flight(1000, level=3.0), pipeline)

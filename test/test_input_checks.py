@@ -21,6 +21,8 @@ import re
 from typing import Any, Callable, Sequence
 
 from contact_estimation.estimation.checks import CHECKS, REJECTIONS, Rejections
+from contact_estimation.estimation.checks.check import Evidence
+from contact_estimation.estimation.checks.force_checks import ForceSign
 from contact_estimation.estimation.events import apply_event, EstimationEvent, event_now
 from contact_estimation.estimation.events import LOCATION, set_location
 from contact_estimation.estimation.parameters import EstimationParameters
@@ -35,6 +37,7 @@ import pytest
 
 K_E, B_E = 5000.0, 100.0
 HEALTHY = contact_samples(2.0, K_E, B_E, force_noise=0.6, position_noise=1e-6)
+WEAK = contact_samples(3.0, 100.0, 4.0, depth=0.016, amplitude=0.002, force_noise=0.6)
 SOFT = contact_samples(1.5, 200.0, 4.0, depth=0.08, amplitude=0.01, force_noise=0.6)
 MILLISECOND = 1_000_000
 Change = Callable[[ContactSample], ContactSample]
@@ -76,6 +79,7 @@ MISTAKES: list[tuple[str, str, dict[str, Any]]] = [
     ('force_sign', 'change the sign of the position',
      {'change': lambda s: s._replace(position=-s.position, velocity=-s.velocity)}),
     ('stamp_skew', '10 ms late .*offset to [+]0.010', {'wrench_late_ms': 10}),
+    ('stamp_skew', ' [56] ms late .*offset to [+]0.00[56]', {'wrench_late_ms': 5}),
     ('stamp_skew', '5[01] ms late .*offset to [+]0.05', {'wrench_late_ms': 50}),
     ('stamp_skew', '50 ms early .*offset to -0.05', {'wrench_late_ms': -50}),
     ('joint_still', 'has not changed since the start',
@@ -290,6 +294,39 @@ def test_noise_far_above_the_configured_one_is_named() -> None:
     free = [ContactSample(2 * k * MILLISECOND, -0.01, 0.0, F) for k, F in enumerate(noise)]
     session, _ = fed(free, contact__force_noise=0.05)
     assert headline(session)[0] == 'force_noise'
+
+
+@pytest.mark.parametrize('mass, told', [(0.0, True), (1.2, False)])
+def test_the_weight_of_a_tool_that_turns_is_told_beside_a_wrong_sign(
+    mass: float, told: bool
+) -> None:
+    parameters = build(EstimationParameters, {
+        'kinematics.base': 'base_link', 'kinematics.tip': 'tool',
+        'contact.normal': [0.0, 0.0, -1.0], 'tool.mass': mass})
+    x = np.linspace(-0.02, 0.0, 500)
+    force = 800.0 * (x + 0.02) + np.random.default_rng(0).normal(0.0, 0.6, 500)
+    seen = Evidence('x', parameters, None, np.arange(500) / 500.0, x, np.full(500, 0.02), force,
+                    np.zeros(500, bool))
+    said = ForceSign().judge(seen)
+    assert said is not None and 'change the sign of the wrench' in said
+    assert ('run calibrate_tool' in said) == told
+
+
+@pytest.mark.parametrize('level', [20.0, 2.0, -2.0])
+def test_an_offset_of_the_sensor_is_told_before_the_first_touch(level: float) -> None:
+    noise = np.random.default_rng(0).normal(level, 0.6, 260)
+    flight = [ContactSample(2 * MILLISECOND * k, -0.02 + 1e-5 * k, 0.005, force)
+              for k, force in enumerate(noise.tolist())]
+    session, _ = fed(flight)
+    assert headline(session)[0] == 'force_bias'
+    assert float(headline(session)[1].split()[3]) == pytest.approx(level, abs=0.2)
+
+
+def test_a_soft_wall_below_the_threshold_is_no_offset_of_the_sensor() -> None:
+    session, _ = fed(WEAK)
+    name, text = headline(session)
+    assert name == 'weak_contact' and 'mm inside the wall' in text
+    assert 'force_bias' not in {one.name for one in session.checks.warnings()}
 
 
 @pytest.mark.parametrize('counts, name, part', [

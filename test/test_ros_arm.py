@@ -188,7 +188,8 @@ def test_replay_of_its_recording_returns_what_the_node_published(
     messages = RecordingReader(folder / 'again.mcap').messages(['/estimator_node/damping'])
     again = {stamp: x for stamp, x, _, _ in (decode(message.data) for message in messages)}
     published = {stamp: m.vector.x for stamp, m in peer.heard['damping'].items()}
-    assert again == published
+    first = min(published)  # the node may know the peer's wrenches before the peer hears it
+    assert {stamp: x for stamp, x in again.items() if stamp >= first} == published
 
 
 # After all that replays the recording: the node goes on with the description it started with.

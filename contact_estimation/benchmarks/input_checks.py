@@ -118,6 +118,8 @@ MISTAKES = (
             lambda k, m: m._replace(forces=(0.0, 0.0, m.forces[0]))),
     Mistake('position sign flipped', ('force_sign',),
             lambda k, m: m._replace(position=-m.position, velocity=-m.velocity)),
+    Mistake('wrench 5 ms late', ('stamp_skew', 'stamp_skew_or_mass'), _late(5)),
+    Mistake('wrench 5 ms early', ('stamp_skew', 'stamp_skew_or_mass'), _late(-5)),
     Mistake('wrench 10 ms late', ('stamp_skew', 'stamp_skew_or_mass'), _late(10)),
     Mistake('wrench 10 ms early', ('stamp_skew', 'stamp_skew_or_mass'), _late(-10)),
     Mistake('wrench 50 ms late', ('stamp_skew', 'stamp_skew_or_mass'), _late(50)),

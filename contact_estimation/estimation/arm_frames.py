@@ -18,6 +18,8 @@ from __future__ import annotations
 
 from typing import Any, Iterable, Mapping, Sequence
 
+import numpy as np
+
 from ..exceptions import UnknownNameError
 from ..kinematics.contact_kinematics import ContactKinematics
 from ..kinematics.frame_tree import FrameTree
@@ -107,7 +109,7 @@ class ArmFrames:
                 text += f' ({self.unreadable})' if self.unreadable else ''
                 self._refused = frame, text
                 raise UnknownNameError(text) from error
-            arm.use_sensor(found[0], matrix_of(found[1]))
+            arm.use_sensor(found[0], matrix_of(found[1]), np.array(found[1][:3]))
             self.used = True
 
 

@@ -204,7 +204,7 @@ def apply_event(session: ContactSession, event: EstimationEvent) -> None:
     session : ContactSession
         The session to change.
     event : EstimationEvent
-        The event; those of the arm have no effect here, see `ArmInputs`, and 'start' none,
+        The event; those of the arm have no effect here, see `ArmStage`, and 'start' none,
         since it must be known before the first sample.
 
     """

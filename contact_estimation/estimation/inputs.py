@@ -21,18 +21,20 @@ from typing import Any, Callable, Sequence
 
 import numpy as np
 
-from .events import EstimationEvent
+from .arm_joints import ArmJoints
+from .arm_stage import ArmStage
+from .arm_transforms import ArmTransforms
 from .result import AxesEstimates, Result
 from .session import ContactSession
 from ..exceptions import MessageError
-from ..messages import SeveralJointsDecoder, WrenchDecoder
+from ..messages import ForceTorqueDecoder, SeveralJointsDecoder, WrenchDecoder
 
 _FORCES = {'x': 2, 'y': 3, 'z': 4}  # places in a WrenchReading
 
 
 class MessageInputs:
     """
-    The entrance of raw wrenches and joint states to a session.
+    The entrance of raw wrenches and motion to a session, of prismatic axes and of arms.
 
     A message that cannot be used is counted as rejected and gives no result.
 
@@ -45,24 +47,29 @@ class MessageInputs:
     ----------
     frame_id : str
         Frame of the wrenches: as configured, else that of the first wrench; '' before it.
-    events : list of EstimationEvent
-        Always empty, see `ArmInputs`.
+    arm : ArmStage or None
+        Of an arm, where one is configured: takes its motion, and waits for what describes it.
 
     """
 
     def __init__(self, session: ContactSession) -> None:
         self._session = session
-        self.events: list[EstimationEvent] = []
         self._wrenches = session.checks.wrenches
         self.frame_id = session.parameters.frame_id
+        self.arm = _stage_of(session)
+        self._wrench: ForceTorqueDecoder | WrenchDecoder
+        self._forces: Callable[..., Any]
+        if self.arm is not None:
+            self._wrench, self._forces = ForceTorqueDecoder(), itemgetter(1)
+            return
         joints = session.parameters.joints
         self._wrench = WrenchDecoder()
         self._joints = SeveralJointsDecoder(list(joints.values()))
         places = [_FORCES[axis] for axis in joints]
         self._columns = ['xyz'.index(axis) for axis in joints]
-        self._sign = session.parameters.force_sign
+        self._sign, self._components = session.parameters.force_sign, itemgetter(0, 2, 3, 4)
         one = slice(places[0], places[0] + 1)
-        self._forces: Callable[..., Any] = itemgetter(*places if len(places) > 1 else (one,))
+        self._forces = itemgetter(*places if len(places) > 1 else (one,))
 
     def process_wrench(self, raw: bytes) -> list[Result]:
         """
@@ -79,37 +86,41 @@ class MessageInputs:
             One for each sample completed by this wrench.
 
         """
+        decoder, arm = self._wrench, self.arm
         try:
-            reading = self._wrench.decode(raw)
+            reading = decoder.decode(raw)
         except MessageError as error:
             self._session.count_rejected(f'wrench_{error.reason}', str(error))
             return []
-        if reading.frame_id != self.frame_id and not self._accepts(reading.frame_id):
-            self._session.count_rejected(
-                'wrench_frame_id', f'expected {self.frame_id!r}, got {reading.frame_id!r}; set '
-                'frame_id')
+        if arm is not None and not arm.admits(reading[0]):
             return []
-        self._wrenches.append((reading[0], reading[2], reading[3], reading[4]))
+        if decoder.frame_id != self.frame_id or arm is not None and not arm.has_sensor:
+            if not self._accepts(reading[0], decoder.frame_id):
+                return []
         forces = self._forces(reading)
-        if self._sign < 0.0:
-            forces = [-force for force in forces]
-        return self._session.add_wrench(reading.stamp_ns, *forces)
+        if arm is None:
+            self._wrenches.append(self._components(reading))
+            if self._sign < 0.0:
+                forces = [-force for force in forces]
+        return self._session.add_wrench(reading[0], *forces)
 
-    def process_joints(self, raw: bytes) -> list[Result]:
+    def process_motion(self, raw: bytes) -> list[Result]:
         """
-        Process a raw joint state.
+        Process a raw joint state or, where the poses of an arm come from tf, raw transforms.
 
         Parameters
         ----------
         raw : bytes
-            CDR of sensor_msgs/msg/JointState.
+            CDR of sensor_msgs/msg/JointState or tf2_msgs/msg/TFMessage.
 
         Returns
         -------
         results : list of Result
-            One for each sample completed by this joint state.
+            One for each sample completed by this motion.
 
         """
+        if self.arm is not None:
+            return self.arm.process_motion(raw)
         try:
             stamp_ns, positions, velocities = self._joints.decode(raw)
         except MessageError as error:
@@ -131,14 +142,17 @@ class MessageInputs:
         Returns
         -------
         estimates : list of tuple of Estimate, or None
-            One a pair; None where the messages are irregular and must be processed one by one.
+            One a pair; None where the messages are irregular, or those of an arm, and must be
+            processed one by one.
 
         """
+        if not isinstance(self._wrench, WrenchDecoder):
+            return None
         forces = self._wrench.decode_many(wrenches)
         motions = self._joints.decode_many(joints) if forces else None
         if not forces or not motions or not np.array_equal(forces[0], motions[0]):
             return None
-        if not self._accepts(self._wrench.frame_id):
+        if not self._adopts(self._wrench.frame_id):
             return None
         stamps_ns, *components = forces
         columns = [self._sign * components[column] for column in self._columns]
@@ -149,7 +163,24 @@ class MessageInputs:
                 self._wrenches.pop()
         return estimates
 
-    def _accepts(self, frame_id: str) -> bool:
-        """Check the frame of a wrench; without a configured frame the first one is adopted."""
+    def _accepts(self, stamp_ns: int, frame_id: str) -> bool:
+        """Check the frame of a wrench, in whose axes an arm must know its sensor."""
+        if not self._adopts(frame_id):
+            self._session.count_rejected(
+                'wrench_frame_id', f'expected {self.frame_id!r}, got {frame_id!r}; set frame_id')
+            return False
+        if self.arm is not None and not self.arm.place_sensor(stamp_ns, frame_id):
+            self.frame_id = self._session.parameters.frame_id
+            return False
+        return True
+
+    def _adopts(self, frame_id: str) -> bool:
+        """Compare with the frame expected; without a configured frame the first one is adopted."""
         self.frame_id = self.frame_id or frame_id
         return frame_id == self.frame_id
+
+
+def _stage_of(session: ContactSession) -> ArmStage | None:
+    if session.parameters.pose_source == 'tf':
+        return ArmTransforms(session)
+    return ArmJoints(session) if session.parameters.kinematics.tip else None

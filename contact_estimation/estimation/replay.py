@@ -21,16 +21,14 @@ from functools import partial
 from typing import Any, Iterator, Mapping
 
 from .arm_frames import static_of_parameters
-from .arm_inputs import ArmInputs
 from .events import apply_event, EstimationEvent, STATIC
-from .inputs_of import inputs_of
+from .inputs import MessageInputs
 from .parameters import EstimationParameters
 from .recorded_arm import recorded_description, recorded_parameters, recorded_static
 from .recorded_arm import refused_at_start
 from .result import AxesEstimates
 from .session import ContactSession
 from .start_up import StartUp
-from .transform_inputs import TransformInputs
 from ..estimators import ESTIMATORS
 from ..exceptions import MessageError
 from ..messages import decode_string, TrajectoryDecoder
@@ -77,16 +75,14 @@ class RecordingReplay:
         of_tf = parameters.pose_source == 'tf'
         if parameters.kinematics.tip and self.session.arm is None and not of_tf:
             self.session.describe(recorded_description(reader, source))
-        self._inputs = inputs_of(self.session)
-        if isinstance(self._inputs, ArmInputs):
-            self._inputs.use_static(recorded_static(reader, source))
-            self._inputs.ignored = StartUp(**refused_at_start(reader, source))
+        self._inputs = MessageInputs(self.session)
+        arm = self._inputs.arm
+        if arm is not None:
+            arm.use_static(recorded_static(reader, source))
+            arm.ignored = StartUp(**refused_at_start(reader, source))
         self._process_of = {
             source.wrench: self._inputs.process_wrench,
-            **(
-                {source.tf: self._inputs.process_transforms}
-                if isinstance(self._inputs, TransformInputs)
-                else {source.joint_states: self._inputs.process_joints}),
+            source.tf if of_tf else source.joint_states: self._inputs.process_motion,
         }
         self._references = TrajectoryDecoder()
         self._left_over: list[RecordedMessage] = []
@@ -158,8 +154,8 @@ class RecordingReplay:
         kept = {k: v for k, v in event.parameters.items() if k not in self._chosen}
         event = event._replace(parameters=kept)
         apply = partial(apply_event, self.session, event)
-        if event.kind == STATIC and isinstance(self._inputs, ArmInputs):
-            apply = partial(self._inputs.use_static, static_of_parameters(kept))
+        if event.kind == STATIC and self._inputs.arm is not None:
+            apply = partial(self._inputs.arm.use_static, static_of_parameters(kept))
         self.session.schedule(event.moment, apply)
 
     def _add_reference(self, raw: bytes) -> None:

@@ -63,7 +63,15 @@ class ArmState(NamedTuple):
     normal : ndarray, shape (3,)
         Unit vector into the wall, in the base frame.
     wrench : ndarray, shape (6,)
-        Without the load of the tool, in the sensor's frame [N], [N m].
+        Without the weight of the tool and the zero of the sensor, in the sensor's frame [N],
+        [N m].
+    twist : tuple of ndarray, shapes (3,)
+        Velocity of the tip's origin [m/s] and angular velocity of the tip [rad/s], in the base
+        frame; NaN where joints have no measured velocity.
+    R_sensor : ndarray, shape (3, 3)
+        Axes of the sensor in the base frame.
+    sensor : ndarray, shape (3,)
+        Origin of the sensor in the tip's frame [m].
 
     """
 
@@ -71,6 +79,12 @@ class ArmState(NamedTuple):
     p: Array
     normal: Array
     wrench: Array
+    twist: tuple[Array, Array]
+    R_sensor: Array
+    sensor: Array
+
+
+_NOT_MEASURED = np.full(3, nan), np.full(3, nan)
 
 
 class ContactKinematics:
@@ -131,6 +145,7 @@ class ContactKinematics:
         self.configure(tool)
         self._sign = force_sign
         self._axes = self._mount = Rotation.from_euler('xyz', mount).as_matrix()
+        self._offset: Array | None = None
         self._gravity = model.root_axes.T @ np.array([0.0, 0.0, -STANDARD_GRAVITY])
 
     def configure(self, tool: ToolParameters) -> None:
@@ -138,7 +153,9 @@ class ContactKinematics:
         self._load, self._bias = load_map(tool)
         self._weighs = bool(self._load.any())
 
-    def use_sensor(self, frame: str, mounting: Array | None = None) -> None:
+    def use_sensor(
+        self, frame: str, mounting: Array | None = None, offset: Array | None = None
+    ) -> None:
         """
         Set the link in whose axes the wrench is measured.
 
@@ -148,6 +165,8 @@ class ContactKinematics:
             A link of the description.
         mounting : ndarray, shape (3, 3), optional
             Axes of the sensor in that link; those of the link by default.
+        offset : ndarray, shape (3,), optional
+            Origin of the sensor in that link [m]; that of the link by default.
 
         Raises
         ------
@@ -157,7 +176,11 @@ class ContactKinematics:
         """
         fixed = self.model.in_tip(frame)
         self._axes = self._mount if mounting is None else mounting @ self._mount
-        self._fixed = None if fixed is None else fixed @ self._axes
+        self._offset = offset
+        self._fixed = None
+        if fixed is not None:
+            self._fixed = fixed[0] @ self._axes
+            self._origin = fixed[1] if offset is None else fixed[1] + fixed[0] @ offset
         self.sensor = frame
 
     def contact(self, sample: ArmSample) -> ContactSample:
@@ -177,10 +200,11 @@ class ContactKinematics:
         """
         stamp_ns, motion, measured = sample
         R, p, x, v = self.motion(motion)
-        R_sensor = self.sensor_axes(motion, R)
+        R_sensor = self._sensor_axes(motion, R, p)
         wrench = self._compensated(measured, R_sensor)
         self._force = R_sensor @ wrench[:3]
-        self.state = ArmState(R, p, self._normal, wrench)
+        self.state = ArmState(
+            R, p, self._normal, wrench, self._twist, R_sensor, self._origin)
         return ContactSample(stamp_ns, x, v, float(self._normal @ self._force))
 
     def components(self, place: int) -> tuple[float, float, float]:
@@ -224,6 +248,7 @@ class ContactKinematics:
         q, q_dot = np.array(motion[:count], float), np.array(motion[count:], float)
         measured = not np.isnan(q_dot).any()
         R, p, p_dot, omega = self.model.velocity(q, q_dot if measured else np.zeros(count))
+        self._twist = (p_dot, omega) if measured else _NOT_MEASURED
         if self._in_tip and not self.held:
             self._normal, self._wall = R @ self._own_normal, None
         normal, point, rate = self._normal, p, p_dot
@@ -232,11 +257,15 @@ class ContactKinematics:
             point, rate = p + lever, p_dot + cross_matrix(omega) @ lever
         return R, p, float(normal @ point), float(normal @ rate) if measured else nan
 
-    def sensor_axes(self, motion: Sequence[float], R: Array) -> Array:
-        """Return R_s, shape (3, 3), from a motion and the tip's axes R that belong to it."""
+    def _sensor_axes(self, motion: Sequence[float], R: Array, p: Array) -> Array:
+        """Return R_s, shape (3, 3), from a motion and the tip's pose that belongs to it."""
         if self._fixed is not None:
             return R @ self._fixed
-        axes, _ = self.model.pose(motion[:len(motion) // 2], self.sensor)
+        axes, origin = self.model.pose(motion[:len(motion) // 2], self.sensor)
+        if self._offset is not None:
+            origin = origin + axes @ self._offset
+        # A joint lies between tip and sensor: the twist of the tip is not that of the sensor.
+        self._origin, self._twist = R.T @ (origin - p), _NOT_MEASURED
         return axes @ self._axes
 
     def _compensated(self, measured: Sequence[float], R_sensor: Array) -> Array:

@@ -203,9 +203,9 @@ class RobotModel:
             self._model, self._data, self._configuration(q), place, self._aligned)
         return np.vstack([self._from_root @ J[:3], self._from_root @ J[3:]])
 
-    def in_tip(self, frame: str) -> Array | None:
+    def in_tip(self, frame: str) -> Pose | None:
         """
-        Return the axes of a frame that is fixed to the tip.
+        Return the pose of a frame that is fixed to the tip.
 
         Parameters
         ----------
@@ -214,8 +214,8 @@ class RobotModel:
 
         Returns
         -------
-        R : ndarray, shape (3, 3), or None
-            Its axes in the tip's frame; None where a joint lies between them.
+        R, p : ndarray, shapes (3, 3) and (3,), or None
+            Its axes and origin [m] in the tip's frame; None where a joint lies between them.
 
         Raises
         ------
@@ -226,8 +226,8 @@ class RobotModel:
         other, tip = (self._model.frames[place] for place in (self._place(frame), self._tip))
         if other.parentJoint != tip.parentJoint:
             return None
-        R: Array = tip.placement.rotation.T @ other.placement.rotation
-        return R
+        pose = tip.placement.actInv(other.placement)
+        return pose.rotation, pose.translation
 
     def _in_base(self, place: int) -> Pose:
         pose = self._library.updateFramePlacement(self._model, self._data, place)

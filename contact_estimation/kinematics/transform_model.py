@@ -119,9 +119,9 @@ class TransformModel:
         unknown = np.full(3, np.nan)
         return (*self.pose(q), unknown, unknown)
 
-    def in_tip(self, frame: str) -> Array | None:
+    def in_tip(self, frame: str) -> tuple[Array, Array] | None:
         """
-        Return the axes of a frame that is fixed to the tip.
+        Return the pose of a frame that is fixed to the tip.
 
         Parameters
         ----------
@@ -130,8 +130,9 @@ class TransformModel:
 
         Returns
         -------
-        R : ndarray, shape (3, 3), or None
-            Its axes in the tip's frame; None where a moving frame lies between them.
+        R, p : ndarray, shapes (3, 3) and (3,), or None
+            Its axes and origin [m] in the tip's frame; None where a moving frame lies between
+            them.
 
         Raises
         ------
@@ -143,7 +144,8 @@ class TransformModel:
         steps = self._tree.path(self.tip, frame) or []
         if any(step.child for step in steps):
             return None
-        return matrix_of(self._product(steps, []))
+        pose = self._product(steps, [])
+        return matrix_of(pose), np.array(pose[:3])
 
     def _steps_to(self, frame: str) -> list[Step]:
         if frame not in self._steps:

@@ -27,10 +27,9 @@ from .data_thread import RawSubscriptions
 from .message_classes import has_transforms
 from ..estimation.arm import NO_DESCRIPTION
 from ..estimation.arm_frames import NOT_INSTALLED
-from ..estimation.arm_inputs import ArmInputs
+from ..estimation.arm_stage import ArmStage
 from ..estimation.events import DESCRIPTION, EstimationEvent, event_now
 from ..estimation.session import ContactSession
-from ..estimation.transform_inputs import TransformInputs
 from ..exceptions import ContactEstimationError, MissingPackageError
 from ..kinematics.contact_kinematics import ContactKinematics
 from ..kinematics.transform_model import TransformModel
@@ -41,7 +40,7 @@ CHANGED = 'robot_description_changed'
 
 class ArmTopics:
     """
-    Subscriptions that tell the inputs of a session about the arm.
+    Subscriptions that tell a session about its arm.
 
     Parameters
     ----------
@@ -49,8 +48,8 @@ class ArmTopics:
         Owner of the subscriptions.
     session : ContactSession
         With an arm configured.
-    inputs : ArmInputs
-        Of the session.
+    stage : ArmStage
+        Of the inputs of the session.
     lock : threading.Lock
         Held while the session is used.
     publish : callable
@@ -59,17 +58,17 @@ class ArmTopics:
     """
 
     def __init__(
-        self, node: Node, session: ContactSession, inputs: ArmInputs, lock: Lock,
+        self, node: Node, session: ContactSession, stage: ArmStage, lock: Lock,
         publish: Callable[[EstimationEvent], None],
     ) -> None:
-        self._node, self._session, self._inputs = node, session, inputs
+        self._node, self._session, self._stage = node, session, stage
         self._lock, self._publish = lock, publish
         self._said: ContactKinematics | None = None
         if session.arm is not None:
             self._describe(session.description)
 
     def subscribe(
-        self, data: RawSubscriptions, on_transforms: Callable[[bytes], None]
+        self, data: RawSubscriptions, on_motion: Callable[[bytes], None]
     ) -> None:
         """
         Subscribe to the description, where it is missing, and to tf, where it is installed.
@@ -78,7 +77,7 @@ class ArmTopics:
         ----------
         data : RawSubscriptions
             Of the node.
-        on_transforms : callable
+        on_motion : callable
             Takes raw messages of /tf, where poses come from it.
 
         Raises
@@ -87,17 +86,18 @@ class ArmTopics:
             If poses are to come from tf and its messages are not installed.
 
         """
-        of_poses, installed = isinstance(self._inputs, TransformInputs), has_transforms()
+        of_poses = self._session.parameters.pose_source == 'tf'
+        installed = has_transforms()
         if of_poses and not installed:
             raise MissingPackageError(f'pose_source tf: {NOT_INSTALLED}')
         if installed:
             data.subscribe(topics.TF_STATIC, TRANSFORMS_TYPE, topics.TF_STATIC_QOS,
                            self._on_static, wakes=False, overrides=True)
         else:
-            self._inputs.frames.unreadable = NOT_INSTALLED
+            self._stage.frames.unreadable = NOT_INSTALLED
         if of_poses:
             data.subscribe(
-                topics.TF, TRANSFORMS_TYPE, topics.INPUT_QOS, on_transforms, overrides=True)
+                topics.TF, TRANSFORMS_TYPE, topics.INPUT_QOS, on_motion, overrides=True)
         if self._session.problem == NO_DESCRIPTION:
             topic = topics.ROBOT_DESCRIPTION
             self._node.create_subscription(
@@ -105,11 +105,16 @@ class ArmTopics:
             self._node.get_logger().info(
                 f'waiting for the robot description on {self._node.resolve_topic_name(topic)}')
 
+    @property
+    def has_news(self) -> bool:
+        """Whether something has become known that is not announced yet."""
+        return bool(self._stage.events) or self._session.arm is not self._said
+
     def announce(self) -> None:
         """Publish and log what has become known."""
-        for event in self._inputs.events:
+        for event in self._stage.events:
             self._publish(event)
-        self._inputs.events.clear()
+        self._stage.events.clear()
         arm = self._session.arm
         if arm is not self._said and arm is not None:
             self._said = arm
@@ -120,7 +125,7 @@ class ArmTopics:
 
     def _on_static(self, raw: bytes) -> None:
         with self._lock:
-            self._inputs.process_static_transforms(raw)
+            self._stage.process_static_transforms(raw)
             self.announce()
 
     def _on_description(self, message: String) -> None:

@@ -25,6 +25,7 @@ from rclpy.node import Node
 from .message_classes import message_class
 from .topics import FLOAT64, OUTPUT_QOS, overridable, REFERENCE, STATUS_QOS, STRING
 from .topics import TRAJECTORY, VECTOR3, WRENCH_TYPE
+from ..estimation.compensated_wrench import CompensatedWrench
 from ..estimation.matrix_messages import encode_matrices, MATRIX_TOPICS
 from ..estimation.result import Result
 from ..estimation.target_pose import TargetPose
@@ -60,10 +61,16 @@ class EstimatePublishers:
     joint : str
         Name of the contact axis in `reference_trajectory`.
 
+    Attributes
+    ----------
+    compensated : CompensatedWrench or None
+        What makes `~/compensated_wrench`, which is not published without.
+
     """
 
     def __init__(self, node: Node, joint: str) -> None:
         self._joint = joint or 'contact_axis'
+        self.compensated: CompensatedWrench | None = None
         vector = message_class(VECTOR3)
         self._publishers = {
             name: node.create_publisher(
@@ -78,7 +85,7 @@ class EstimatePublishers:
         self._status = node.create_publisher(
             message_class(STRING), '~/status', STATUS_QOS, qos_overriding_options=overridable())
         self._pose = node.create_publisher(PoseStamped, '~/target_pose', OUTPUT_QOS)
-        self._compensated = node.create_publisher(
+        self._of_contact = node.create_publisher(
             message_class(WRENCH_TYPE), '~/compensated_wrench', OUTPUT_QOS)
         self._matrices = {
             name: node.create_publisher(message_class(type_name), f'~/{name}', OUTPUT_QOS)
@@ -114,7 +121,7 @@ class EstimatePublishers:
             if self._publishers[name].get_subscription_count() > 0:
                 wanted.append((self._publishers[name], get))
         self._wanted = wanted
-        self._wrench_wanted = self._compensated.get_subscription_count() > 0
+        self._wrench_wanted = self._of_contact.get_subscription_count() > 0
         self._fit_wanted = self._publishers['model_fit'].get_subscription_count() > 0
 
     def publish(self, result: Result) -> None:
@@ -142,9 +149,9 @@ class EstimatePublishers:
             publisher.publish(encode(stamp_ns, *vector))
         if self._fit_wanted:
             self._publishers['model_fit'].publish(encode_float64(estimate.model_fit))
-        if self._wrench_wanted and result.arm is not None:
-            self._compensated.publish(
-                self._wrenches.encode(stamp_ns, result.arm.wrench.tolist()))
+        if self._wrench_wanted and self.compensated is not None and result.arm is not None:
+            self._of_contact.publish(
+                self._wrenches.encode(stamp_ns, self.compensated.take(stamp_ns, result.arm)))
         self.publish_status(estimate.status.value, self._reason(result))
 
     def publish_matrices(self, estimate: MatrixEstimate) -> None:

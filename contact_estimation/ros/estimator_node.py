@@ -35,15 +35,14 @@ from .estimator_node_parameters import EstimatorNodeParameters
 from .node_log import NodeLog
 from .parameters import declare, serve_changes
 from .running import run_node
-from ..estimation.arm_inputs import ArmInputs
+from ..estimation.compensated_wrench import CompensatedWrench
 from ..estimation.events import biases, CHANGE, EstimationEvent, event_now, LOCATION
 from ..estimation.events import RESET, set_location, START, TARE
-from ..estimation.inputs_of import inputs_of
+from ..estimation.inputs import MessageInputs
 from ..estimation.parameters import EstimationParameters
 from ..estimation.result import Result
 from ..estimation.session import ContactSession
 from ..estimation.target_pose import check_target_pose, target_pose
-from ..estimation.transform_inputs import TransformInputs
 from ..exceptions import MessageError
 from ..messages import TrajectoryDecoder
 from ..parameters.specification import ParameterSpecification, specifications
@@ -87,6 +86,7 @@ class EstimatorNode(Node):
         parameters = self._session.parameters
         self._axes = ''.join(self._session.pipelines)
         self._outputs = EstimatePublishers(self, parameters.joint)
+        self._outputs.compensated = CompensatedWrench(parameters)
         self._outputs.use(parameters.frame_id, self._axes)
         self._events = self.create_publisher(String, '~/events', topics.EVENTS_QOS)
         self._event(event_now(self._session, START, flatten(self._session.parameters)))
@@ -108,18 +108,18 @@ class EstimatorNode(Node):
         self._log.started(parameters)
 
     def _subscribe(self) -> None:
-        self._inputs = inputs_of(self._session)
+        self._inputs = MessageInputs(self._session)
         self._desired = TrajectoryDecoder()
         data = RawSubscriptions(self, self._own.dedicated_wait_set)
         # Served in this order: setpoint and motion of an instant precede its wrench.
         self._subscribe_raw(data, topics.DESIRED, topics.TRAJECTORY, self._on_desired, False)
         self._arm_topics: ArmTopics | None = None
-        if isinstance(self._inputs, ArmInputs):
+        if self._inputs.arm is not None:
             self._arm_topics = ArmTopics(
-                self, self._session, self._inputs, self._lock, self._event)
-            self._arm_topics.subscribe(data, self._on_transforms)
-        if not isinstance(self._inputs, TransformInputs):
-            self._subscribe_raw(data, topics.JOINT_STATES, topics.JOINTS_TYPE, self._on_joints)
+                self, self._session, self._inputs.arm, self._lock, self._event)
+            self._arm_topics.subscribe(data, self._on_motion)
+        if self._session.parameters.pose_source != 'tf':
+            self._subscribe_raw(data, topics.JOINT_STATES, topics.JOINTS_TYPE, self._on_motion)
         self._subscribe_raw(data, topics.WRENCH, topics.WRENCH_TYPE, self._on_wrench)
         self._thread = DataThread(data, self._diagnostics.failed)
 
@@ -143,22 +143,16 @@ class EstimatorNode(Node):
         self._diagnostics.arrived()
         with self._lock:
             results = self._inputs.process_wrench(raw)
-            if self._inputs.events and self._arm_topics is not None:
+            if self._arm_topics is not None and self._arm_topics.has_news:
                 self._arm_topics.announce()
             if self._inputs.frame_id != self._outputs.frame_id:
                 self._use_frame(self._inputs.frame_id)
             self._publish(results)
 
-    def _on_joints(self, raw: bytes) -> None:
+    def _on_motion(self, raw: bytes) -> None:
         with self._lock:
-            self._publish(self._inputs.process_joints(raw))
-
-    def _on_transforms(self, raw: bytes) -> None:
-        with self._lock:
-            assert isinstance(self._inputs, TransformInputs) and self._arm_topics is not None
-            known = self._session.arm
-            self._publish(self._inputs.process_transforms(raw))
-            if self._session.arm is not known:
+            self._publish(self._inputs.process_motion(raw))
+            if self._arm_topics is not None and self._arm_topics.has_news:
                 self._arm_topics.announce()
 
     def _on_desired(self, raw: bytes) -> None:
@@ -210,6 +204,7 @@ class EstimatorNode(Node):
             self._check(new_own)
             if estimation:
                 self._session.change_parameters(estimation)
+                self._outputs.compensated = CompensatedWrench(self._session.parameters)
                 self._event(event_now(self._session, self._kind, estimation))
             self._own = new_own
             self._diagnostics.silence_s = new_own.silence_s

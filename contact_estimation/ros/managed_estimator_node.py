@@ -90,13 +90,9 @@ class ManagedEstimatorNode(EstimatorNode, LifecycleNodeMixin):
         if self._active:
             super()._on_wrench(raw)
 
-    def _on_joints(self, raw: bytes) -> None:
+    def _on_motion(self, raw: bytes) -> None:
         if self._active:
-            super()._on_joints(raw)
-
-    def _on_transforms(self, raw: bytes) -> None:
-        if self._active:
-            super()._on_transforms(raw)
+            super()._on_motion(raw)
 
     def _on_desired(self, raw: bytes) -> None:
         if self._active:

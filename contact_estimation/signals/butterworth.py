@@ -79,6 +79,13 @@ class ButterworthBank:
         self._s1 = [0.0 for _ in self._channels]
         self._s2 = [0.0 for _ in self._channels]
 
+    def settle(self, row: Row) -> None:
+        """Set the state as if all signals had always been as in a row."""
+        if not self._passes:
+            # y = x in take; the gain at 0 Hz is 1: 4 b0 = 1 + a1 + a2.
+            self._s1 = [(1.0 - self._b0) * x for x in row]
+            self._s2 = [(self._b0 - self._a2) * x for x in row]
+
     def noise_gain(self, weights: Sequence[float] = (1.0,)) -> float:
         """
         Return the share of the variance of white noise that passes.

@@ -146,6 +146,10 @@ class Conditioner:
         """Return why no tare is possible now, '' where it is."""
         if self.detector.contact:
             return 'in contact; move away from the wall and try again'
+        inside_m = self._last_position - self.location
+        if inside_m > -self.location_margin:
+            return (f'x is {1e3 * inside_m:.3g} mm inside environment.location, where a force may '
+                    'be that of the wall; move away from it, or correct the location')
         if len(self._free) < (self._free.maxlen or 0):
             return f'out of contact for less than {_TARE_S} s; wait and try again'
         return ''
@@ -230,7 +234,7 @@ class Conditioner:
 
     def _leave(self, pressing: float, inside: bool) -> None:
         """Keep the force of free flight, for a tare."""
-        if not inside:
+        if not inside or self.location != self.location:  # NaN: free unless in contact
             self._free.append(pressing)
         self._rows.leave()
         self.gate.leave()

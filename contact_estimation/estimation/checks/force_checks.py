@@ -17,16 +17,19 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
-from .check import Check, CLEAR, Evidence, Forces
-from .robust_statistics import extremes, loaded_correlation, spread_of
+from .check import Array, Check, CLEAR, Evidence, Forces
+from .robust_statistics import extremes, loaded_correlation, median_of, spread_of
 
 _RELATED = 0.8  # correlation of force and position
 _PULLS_LESS = 3.0  # standard deviations that a one-sided force may reach on the other side
 _STRONGER = 3.0  # than the force of the contact axis
 _TILTED = 0.7  # tangent of 35 degrees, more than the friction of most pairs
 _NOISY = 10.0  # times the configured noise
-_TARE_DUE = 2.0  # standard deviations of the force noise; the level is a mean over 0.5 s
+_TARE_DUE = 2.0  # standard deviations of the force noise
+_LEAST_FREE = 50  # samples
+_MEDIAN = 0.6745  # of the size of a normal variable of variance 1
 
 
 class ForceSign(Check):
@@ -51,10 +54,10 @@ class ForceSign(Check):
         low, high = extremes(seen.force)
         if low > -_PULLS_LESS * seen.noise and not seen.contact.any():
             return (f'force grows to {high:+.3g} N with penetration, but F_e is negative while '
-                    'pressing; change the sign of the wrench')
+                    f'pressing; change the sign of the wrench{_unless_weight(seen)}')
         if high < _PULLS_LESS * seen.noise:
             return (f'the tool presses with {-low:.3g} N where x is smallest, but +x points into '
-                    'the wall; change the sign of the position')
+                    f'the wall; change the sign of the position{_unless_weight(seen)}')
         return None
 
 
@@ -77,7 +80,8 @@ class OtherAxis(Check):
                 size = spread_of(other.force)
                 return (f'force follows the motion along {other.axis} ({size:.3g} N) but not '
                         f'along {seen.axis} ({seen.spread:.3g} N); set axis to {other.axis}, or '
-                        f'publish the wrench in a frame whose {seen.axis} is the contact normal')
+                        f'publish the wrench in a frame whose {seen.axis} is the contact normal'
+                        f'{_unless_weight(seen)}')
         return None
 
     @staticmethod
@@ -142,7 +146,7 @@ class OutsideForce(Check):
             return None
         return (f'the tool presses with {pressing:.3g} N at x = {x:.4g} m, {1e3 * outside:.3g} mm '
                 'outside the wall; set environment.location to the surface, or to nan to take it '
-                'at first touch')
+                f'at first touch{_unless_weight(seen)}')
 
 
 class ForceNoise(Check):
@@ -172,12 +176,73 @@ class ForceBias(Check):
     message = 'the sensor reads 3.1 N in free flight; call ~/tare there'
     cause = 'The force sensor has an offset, or carries the weight of the tool.'
     remedy = 'Call `~/tare` out of contact.'
-    of_state = True
 
-    def judge(self, seen: Evidence) -> str:
+    def judge(self, seen: Evidence) -> str | None:
         """Compare the force of free flight with its noise."""
-        pipeline = seen.pipeline
-        if abs(pipeline.free_flight_level) <= max(_TARE_DUE * pipeline.noise_std, 1e-3):
+        free = _free_flight(seen)
+        if free.sum() < _LEAST_FREE:
+            return None
+        level, noise = _level(seen.force[free], seen)
+        if abs(level) <= max(_TARE_DUE * noise, 1e-3):
             return ''
-        level = -pipeline.free_flight_level
-        return f'the sensor reads {level:.3g} N in free flight; call ~/tare there'
+        remedy = 'call ~/tare there'
+        if _may_be_weight(seen):
+            remedy = f'run calibrate_tool, or without a tool {remedy}'
+        return f'the sensor reads {level:.3g} N in free flight; {remedy}'
+
+
+class WeakContact(Check):
+    """The tool does not press without a contact being detected."""
+
+    name = 'weak_contact'
+    message = ('the tool presses with 1.6 N, 16 mm inside the wall, where contact begins above '
+               '2.4 N; press harder, or lower contact.force_noise or contact.on_ratio')
+    cause = ('A soft wall, or a slight touch: the force is below the threshold of contact. Or the '
+             'tool is free, and the sensor has an offset or the wall is elsewhere.')
+    remedy = ('Press harder; or set `contact.force_noise` to the noise of the sensor, or lower '
+              '`contact.on_ratio`. Do not tare there.')
+
+    def judge(self, seen: Evidence) -> str | None:
+        """Look for a steady force inside the wall that is no contact, and not the sensor's."""
+        inside = ~seen.contact & (seen.x > seen.pipeline.location)
+        if inside.sum() < _LEAST_FREE:
+            return '' if seen.contact.any() else None
+        level, noise = _level(seen.force[inside], seen)
+        free = _free_flight(seen)
+        if free.sum() >= _LEAST_FREE:
+            level -= _level(seen.force[free], seen)[0]
+        if level >= -_TARE_DUE * noise:
+            return ''
+        depth = float(np.median(seen.x[inside])) - seen.pipeline.location
+        return (f'the tool presses with {-level:.2g} N, {1e3 * depth:.2g} mm inside the wall, '
+                f'where contact begins above {seen.pipeline.contact_threshold:.2g} N; press '
+                'harder, or lower contact.force_noise or contact.on_ratio')
+
+
+def _unless_weight(seen: Evidence) -> str:
+    """Return what else a force that follows the motion of an arm may be, '' without an arm."""
+    if not _may_be_weight(seen):
+        return ''
+    return '; or, in free flight, run calibrate_tool: it is the weight of the tool, as it turns'
+
+
+def _may_be_weight(seen: Evidence) -> bool:
+    """Return whether the weight of a tool is in the force, which turns with an arm."""
+    return bool(seen.parameters.kinematics.tip) and not seen.parameters.tool.mass
+
+
+def _free_flight(seen: Evidence) -> NDArray[np.bool_]:
+    """Return the samples that touch nothing, as far as the location of the wall is known."""
+    return ~seen.contact & ~(seen.x > seen.pipeline.location)
+
+
+def _level(force: Array, seen: Evidence) -> tuple[float, float]:
+    """
+    Return the middle of a force without contact, and its noise, at least as configured [N].
+
+    What the detector learns is no measure: it takes time, and takes an offset for noise at first.
+
+    """
+    middle = median_of(force)
+    spread = median_of(np.abs(force - middle)) / _MEDIAN
+    return middle, max(spread, seen.configured_noise)

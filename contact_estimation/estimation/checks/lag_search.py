@@ -39,7 +39,9 @@ _FINE = np.linspace(-0.01, 0.01, 21)
 _SMOOTHED_S = 0.04  # of the acceleration
 _MOST_SAMPLES = 300
 _LEAST_CONTACT = 100
-_WHITE = 1.15  # variance of the residual over the white noise's: below, no lag is significant
+_WHITE = 1.15  # variance of the residual over the white noise's: above, a lag may be in it
+_NEIGHBOUR = 20.0  # likelihood ratio of a lag of 10 ms over none, from which one is searched too
+_NO_LAG_S = 5e-4  # half of the finest step
 
 
 class Skew(NamedTuple):
@@ -99,15 +101,13 @@ def skew_of(seen: Evidence) -> Skew | None:
         y -= known_mass * _acceleration(seen)[chosen]
     floor = max(seen.pipeline.noise_std, 1e-9)**2 * len(y)
     before, none, after = _residuals(y, t, seen, _NEAREST).tolist()
-    best = 0.0
-    if none > _WHITE * seen.white_noise**2 * len(y):
-        best = float(_COARSE[np.argmin(_residuals(y, t, seen, _COARSE))])
-    if best == 0.0:
-        sharpness = len(y) * log(min(before, after) / max(none, 1e-3 * floor))
+    sharpness = len(y) * log(min(before, after) / max(none, 1e-3 * floor))
+    best, near = 0.0, np.array([none])
+    if none > _WHITE * seen.white_noise**2 * len(y) or sharpness < -_NEIGHBOUR:
+        best, near = _searched(y, t, seen)
+    if abs(best) < _NO_LAG_S:
         return Skew(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, sharpness)
-    fine = best + _FINE
-    near = _residuals(y, t, seen, fine)
-    best, least = float(fine[np.argmin(near)]), max(float(near.min()), 1e-3 * floor)
+    least = max(float(near.min()), 1e-3 * floor)
     x, v, acceleration = seen.x[chosen], seen.rate[chosen], _acceleration(seen)[chosen]
     mass, with_mass = _mass(y, x, v, acceleration)
 
@@ -118,6 +118,13 @@ def skew_of(seen: Evidence) -> Skew | None:
         best, over(none), over(with_mass), over(_left_with_physics(y, x, v)), mass,
         (none - least) / max(none - floor, 1e-3 * floor), over(float(near[[0, -1]].min())),
     )
+
+
+def _searched(y: Array, t: Array, seen: Evidence) -> tuple[float, Array]:
+    """Return the best lag [s], and what the lags up to 10 ms from the best coarse one leave."""
+    fine = _COARSE[np.argmin(_residuals(y, t, seen, _COARSE))] + _FINE  # of 4 ms: around none
+    near = _residuals(y, t, seen, fine)
+    return float(fine[np.argmin(near)]), near
 
 
 def _acceleration(seen: Evidence) -> Array:

@@ -17,7 +17,8 @@
 from __future__ import annotations
 
 from .check import Check
-from .force_checks import ForceBias, ForceDirection, ForceNoise, ForceSign, OtherAxis, OutsideForce
+from .force_checks import ForceBias, ForceDirection, ForceNoise, ForceSign, OtherAxis
+from .force_checks import OutsideForce, WeakContact
 from .joint_checks import JointRate, JointStill, JointVelocity, PositionUnit
 from .state_checks import EstimatorHindrance, ModelMismatch, SampleRate
 from .surface_checks import Surface, SurfaceLine, SurfaceShifted, SurfaceUnchecked
@@ -26,7 +27,7 @@ from .timing_checks import StampSkew, StampSkewOrMass
 CHECKS: tuple[Check, ...] = (
     JointStill(), PositionUnit(), JointVelocity(), ForceSign(), OtherAxis(), OutsideForce(),
     ForceDirection(), Surface(), SurfaceLine(), StampSkew(), StampSkewOrMass(), JointRate(),
-    ForceNoise(), ForceBias(), SampleRate(), ModelMismatch(), EstimatorHindrance(),
+    ForceBias(), ForceNoise(), WeakContact(), SampleRate(), ModelMismatch(), EstimatorHindrance(),
     SurfaceShifted(), SurfaceUnchecked(),
 )
 """Every check of an axis; the first active one is the headline."""

@@ -19,11 +19,13 @@ from __future__ import annotations
 from .check import Check, Evidence
 from .lag_search import Skew, skew_of
 
-_SIGNIFICANT = 60.0  # likelihood ratio
+_SIGNIFICANT = 40.0  # likelihood ratio
 _BETTER = 0.5  # share of the residual above the noise that the lag takes away
 _LEAST_S = 0.003  # a shorter lag is that of an ordinary sensor, and part of timing_std
 _DEVIATIONS = 3.0  # of timing_std
-_OTHER_PHYSICS = 30.0  # likelihood ratio over the best other explanation
+_OF_PERIOD = 0.5  # of the joint states
+_OTHER_PHYSICS = 20.0  # likelihood ratio over the best other explanation but a mass
+_OVER_MASS = 30.0  # likelihood ratio over a mass
 
 
 class StampSkew(Check):
@@ -43,7 +45,7 @@ class StampSkew(Check):
         skew = _remembered(seen)
         if skew is None or not _is_clear(skew, seen):
             return '' if skew and _is_none(skew, seen) else None
-        if skew.over_mass < _OTHER_PHYSICS:
+        if skew.over_mass < _OVER_MASS:
             return None
         when = 'late' if skew.seconds > 0.0 else 'early'
         return (f'the stamps of the wrench are {1e3 * abs(skew.seconds):.2g} ms {when} against '
@@ -67,7 +69,7 @@ class StampSkewOrMass(Check):
         skew = _remembered(seen)
         if skew is None or not _is_clear(skew, seen):
             return '' if skew and _is_none(skew, seen) else None
-        if skew.over_mass >= _OTHER_PHYSICS:
+        if skew.over_mass >= _OVER_MASS:
             return ''
         when = 'late' if skew.seconds > 0.0 else 'early'
         return (f'the stamps of the wrench are {1e3 * abs(skew.seconds):.2g} ms {when} against '
@@ -84,8 +86,9 @@ def _remembered(seen: Evidence) -> Skew | None:
 
 
 def _limit(seen: Evidence) -> float:
-    """Return the lag of an ordinary sensor [s]."""
-    return max(_LEAST_S, _DEVIATIONS * seen.parameters.synchronisation.timing_std)
+    """Return the lag of an ordinary sensor, or of sparse joint states as interpolated [s]."""
+    sparse = _OF_PERIOD / seen.joint_rate if seen.joint_rate > 0.0 else 0.0  # NaN: not yet known
+    return max(_LEAST_S, _DEVIATIONS * seen.parameters.synchronisation.timing_std, sparse)
 
 
 def _is_clear(skew: Skew, seen: Evidence) -> bool:

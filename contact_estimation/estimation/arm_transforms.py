@@ -12,16 +12,16 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Raw messages of an arm whose poses come from tf, as inputs of a session."""
+"""The poses of an arm that come from tf, as inputs of a session."""
 
 from __future__ import annotations
 
 from itertools import repeat
 from math import nan
-from typing import Sequence
+from typing import ClassVar, Sequence
 
 from .arm import kinematics_of_frames
-from .arm_inputs import ArmInputs
+from .arm_stage import ArmStage
 from .result import Result
 from .session import ContactSession
 from ..exceptions import ContactEstimationError, MessageError
@@ -30,9 +30,9 @@ from ..kinematics.transform_model import TransformModel
 from ..messages import StampedTransform
 
 
-class TransformInputs(ArmInputs):
+class ArmTransforms(ArmStage):
     """
-    The entrance of raw wrenches and transforms to a session.
+    The stage of an arm whose poses come from tf.
 
     The poses of the moving frames between `kinematics.base` and `kinematics.tip` take the place of
     joints: each is interpolated to the stamp of the wrench, and their product is the pose of the
@@ -46,7 +46,7 @@ class TransformInputs(ArmInputs):
 
     """
 
-    _lacking = 'transforms_missing'
+    lacking: ClassVar[str] = 'transforms_missing'
 
     def __init__(self, session: ContactSession) -> None:
         super().__init__(session)
@@ -54,11 +54,7 @@ class TransformInputs(ArmInputs):
         self._model: TransformModel | None = None
         self._moving: MovingFrames | None = None
 
-    def process_joints(self, raw: bytes) -> list[Result]:
-        """Ignore joint states: poses come from tf."""
-        return []
-
-    def process_transforms(self, raw: bytes) -> list[Result]:
+    def process_motion(self, raw: bytes) -> list[Result]:
         """
         Process raw transforms of tf.
 

@@ -1,0 +1,121 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+from typing import Any
+
+from arm_contact import CENTRE, instants, MASS, NORMAL, PARAMETERS, START
+from contact_estimation.estimation.arm import kinematics_of
+from contact_estimation.estimation.compensated_wrench import CompensatedWrench
+from contact_estimation.estimation.parameters import EstimationParameters
+from contact_estimation.kinematics.contact_kinematics import ArmSample
+from contact_estimation.kinematics.tool_load import tool_wrench, ToolParameters
+from contact_estimation.parameters.values import build
+from contact_estimation.physics.compensation import Compensation
+from contact_estimation.physics.tool_inertia import ToolInertia
+from contact_estimation.signals.butterworth import ButterworthBank
+import numpy as np
+from numpy.typing import NDArray
+import pytest
+from scipy.spatial.transform import Rotation
+from small_arm import pose, urdf
+
+Array = NDArray[np.float64]
+STEP = 1e-3  # [s]
+WITH_INERTIA: dict[str, Any] = {
+    **PARAMETERS, 'force_sensor.frame': 'sensor', 'physics.tool_inertia.mass': MASS,
+    'conditioning.cutoff_frequency': 0.0}
+TOOL = ToolParameters(mass=MASS, centre=tuple(CENTRE.tolist()))
+
+
+def published(rows: Any, parameters: dict[str, Any]) -> Array:
+    """Return the wrenches published for rows of stamp [ns], q, q_dot and measured wrench."""
+    given = build(EstimationParameters, parameters)
+    arm, outputs = kinematics_of(given, urdf()), CompensatedWrench(given)
+    found = []
+    for stamp_ns, q, q_dot, wrench in rows:
+        arm.contact(ArmSample(stamp_ns, [*q, *q_dot], wrench))
+        assert arm.state is not None
+        found.append(outputs.take(stamp_ns, arm.state))
+    return np.array(found)
+
+
+def swing(t: float) -> tuple[Array, Array]:
+    """Return joints and their rates of a motion that turns and accelerates the tool."""
+    amplitude, rate = np.array([0.3, 0.4, 0.5]), np.array([7.0, 9.0, 11.0])
+    return 0.5 + amplitude * np.sin(rate * t), amplitude * rate * np.cos(rate * t)
+
+
+def felt(t: float) -> Array:
+    """Return what the sensor of a swinging arm feels of its tool, from its poses alone."""
+    h = 1e-4
+    T = [pose(tuple(swing(t + k * h)[0]), 'sensor', 'world') for k in (-1, 0, 1)]
+    a = (T[2][:3, 3] - 2.0 * T[1][:3, 3] + T[0][:3, 3]) / h**2
+    turned = [Rotation.from_matrix(T[1][:3, :3].T @ each[:3, :3]).as_rotvec() for each in T]
+    w, alpha = (turned[2] - turned[0]) / (2.0 * h), (turned[2] + turned[0]) / h**2
+    return tool_wrench(TOOL, T[1][:3, :3], a, w, alpha)
+
+
+@pytest.mark.parametrize('measured', [True, False], ids=['rates measured', 'positions alone'])
+def test_a_tool_swung_in_free_flight_leaves_no_wrench(measured: bool) -> None:
+    times = STEP * np.arange(300)
+    rows = [(round(t * 1e9), q, q_dot if measured else np.full(3, np.nan), felt(t))
+            for t in times for q, q_dot in [swing(t)]]
+    inertia = published(rows, {**WITH_INERTIA, 'physics.tool_inertia.mass': np.nan})
+    left = published(rows, WITH_INERTIA)[2:]
+    assert np.abs(inertia[:, :3]).max() > 20.0
+    np.testing.assert_allclose(left[:, :3], 0.0, atol=5e-3)
+    np.testing.assert_allclose(left[:, 3:], 0.0, atol=5e-4)
+
+
+def test_along_the_normal_it_is_the_force_that_the_estimator_fits() -> None:
+    rows = [(i.contact.stamp_ns, i.q, i.q_dot, i.wrench) for i in instants()]
+    R, p = pose(START, 'sensor')[:3, :3], pose(START, 'sensor')[:3, 3]
+    at_tip = (R.T @ (pose(START)[:3, 3] - p)).tolist()  # the estimator accelerates the tip
+    forces = published(rows, {**WITH_INERTIA, 'tool.centre': at_tip})[:, :3]
+    along = [NORMAL @ pose(tuple(q), 'sensor')[:3, :3] @ f for (_, q, *_), f in zip(rows, forces)]
+    known = Compensation([ToolInertia(ToolInertia.Parameters(mass=MASS))], 4800.0, 0.3)
+    fitted = []
+    for stamp_ns, x, v, force in (i.contact for i in instants()):
+        fitted.append(-known.take(stamp_ns, x, v, force, -force).rest)
+    np.testing.assert_allclose(along[2:], fitted[2:], atol=5e-3)
+
+
+def test_the_average_passes_the_filter_of_the_estimator_from_its_first_value_on() -> None:
+    rows = [(i.contact.stamp_ns, i.q, i.q_dot, i.wrench) for i in instants()[:200]]
+    averaged = published(rows, WITH_INERTIA)[2:]
+    rate = 1e9 / (rows[1][0] - rows[0][0])
+    bank = ButterworthBank(6, 50.0, rate)
+    for _ in range(2000):
+        bank.take(averaged[0].tolist())
+    expected = [bank.take(row) for row in averaged.tolist()]
+    filtered = published(rows, {
+        **WITH_INERTIA, 'conditioning.cutoff_frequency': 50.0, 'sample_rate': rate})[2:]
+    np.testing.assert_allclose(filtered, expected, atol=1e-9)
+
+
+def test_without_the_mass_it_is_that_of_the_sample_alone() -> None:
+    rows = [(i.contact.stamp_ns, i.q, i.q_dot, i.wrench) for i in instants()[:5]]
+    given = {**PARAMETERS, 'force_sensor.frame': 'sensor'}
+    truth = NORMAL * instants()[4].contact.force
+    in_base = pose(tuple(rows[4][1]), 'sensor')[:3, :3] @ published(rows, given)[4][:3]
+    np.testing.assert_allclose(in_base, truth, atol=1e-9)
+
+
+def test_a_gap_starts_the_accelerations_again() -> None:
+    rows = [(i.contact.stamp_ns + (10**9 if k > 9 else 0), i.q, i.q_dot, i.wrench)
+            for k, i in enumerate(instants()[:13])]
+    plain = published(rows, {**WITH_INERTIA, 'physics.tool_inertia.mass': np.nan})
+    found = published(rows, WITH_INERTIA)
+    np.testing.assert_array_equal(found[10:12], plain[10:12])
+    assert not np.array_equal(found[12], plain[12])
