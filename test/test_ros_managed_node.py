@@ -21,7 +21,8 @@ from typing import Iterator
 
 from core_runs import contact_samples
 import pytest
-from ros_processes import moved, node_process, Peer, WrenchStamped
+from rclpy.duration import Duration
+from ros_processes import moved, node_process, PATIENCE_S, Peer
 
 lifecycle = pytest.importorskip('lifecycle_msgs.srv')
 messages = pytest.importorskip('lifecycle_msgs.msg')
@@ -29,6 +30,9 @@ messages = pytest.importorskip('lifecycle_msgs.msg')
 pytestmark = pytest.mark.slow
 
 SAMPLES = contact_samples(1.0)
+RELIABLE = {f'qos_overrides./{topic}.subscription.reliability': 'reliable'
+            for topic in ('wrench', 'joint_states')}  # it then tells what has arrived
+PATIENCE = Duration(seconds=PATIENCE_S)
 Transition = messages.Transition
 
 
@@ -47,8 +51,7 @@ def change(peer: Peer, transition: int) -> bool:
 
 
 def test_managed_node_estimates_only_while_it_is_active(tmp_path: Path, peer: Peer) -> None:
-    peer.listen('echo', WrenchStamped, 'wrench')
-    with node_process(tmp_path, 'managed_estimator_node') as node:
+    with node_process(tmp_path, 'managed_estimator_node', **RELIABLE) as node:
         assert change(peer, Transition.TRANSITION_CONFIGURE)
         assert change(peer, Transition.TRANSITION_ACTIVATE)
         peer.meet()
@@ -57,7 +60,8 @@ def test_managed_node_estimates_only_while_it_is_active(tmp_path: Path, peer: Pe
         assert change(peer, Transition.TRANSITION_DEACTIVATE)
         for sample in fed[300:310]:
             peer.send(sample)
-        peer.spin_until(lambda: fed[309].stamp_ns in peer.heard['echo'], 'the ignored wrenches')
+        for publisher in (peer.wrenches, peer.joints):
+            assert publisher.wait_for_all_acked(PATIENCE)
         assert change(peer, Transition.TRANSITION_ACTIVATE)
         peer.feed(fed[310:])
         estimated = peer.heard['stiffness']

@@ -43,6 +43,7 @@ except (ImportError, AttributeError):  # pragma: no cover - another rclpy than J
     HAS_WAIT_SET = False
 
 Callback = Callable[[bytes], None]
+_PATIENCE_S = 5.0  # of who waits for a thread that a busy machine starves
 _WAKE_NS = 100_000_000  # so that a stop is noticed without traffic
 
 
@@ -175,7 +176,8 @@ class DataThread:
         self, subscriptions: RawSubscriptions, on_error: Callable[[Exception], None]
     ) -> None:
         self._subscriptions, self._on_error = subscriptions, on_error
-        self._stop = Event()
+        self._stop, self._served = Event(), Event()
+        self._served.set()
         self._thread = Thread(target=self._run, name='data', daemon=True)
 
     def start(self) -> None:
@@ -189,11 +191,20 @@ class DataThread:
         if self._thread.is_alive():
             self._thread.join()
 
+    def catch_up(self) -> None:
+        """Wait until all that has arrived is served; not to be called by a callback of data."""
+        if self._thread.is_alive():
+            self._served.clear()
+            self._served.wait(_PATIENCE_S)
+
     def _run(self) -> None:
         context = self._subscriptions._node.context
         while not self._stop.is_set() and context.ok():
             try:
                 self._subscriptions.wait(_WAKE_NS)
+                if not self._served.is_set():
+                    self._subscriptions.take_all()
+                    self._served.set()
             except Exception as error:  # noqa: B902 - the node continues after any error
                 if context.ok():
                     self._on_error(error)

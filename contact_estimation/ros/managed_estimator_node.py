@@ -65,6 +65,7 @@ class ManagedEstimatorNode(EstimatorNode, LifecycleNodeMixin):
 
     def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Take data from now on."""
+        self._thread.catch_up()  # what arrived before is ignored, also if it is not served yet
         self._diagnostics.arrived()  # silence counts from here
         self._active = True
         self.get_logger().info('active')
