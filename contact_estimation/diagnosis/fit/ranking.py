@@ -105,13 +105,14 @@ def rank_by_prediction(
     parts = parts_of(recordings, first)
     parts, whole = evened(parts, left_out_errors(recordings, first, parts))
     before = left_out_errors(recordings, present, parts) if present.model.effects else whole
-    zeros = Zeros.of(recordings, base, present, parts, before, whole)
     assessed, taken = list[Candidate](), list[Candidate]()
-    for channel, group in promising.items():
-        candidates = assess(recordings, group, parts, before, channel)
-        assessed += candidates
-        enough = _first_that_predicts(recordings, candidates, zeros, before, whole)
-        taken += [] if enough is None else [enough]
+    if any(promising.values()):
+        zeros = Zeros.of(recordings, base, present, parts, before, whole)
+        for channel, group in promising.items():
+            candidates = assess(recordings, group, parts, before, channel)
+            assessed += candidates
+            enough = _first_that_predicts(recordings, candidates, zeros, before, whole)
+            taken += [] if enough is None else [enough]
     if not taken and only_zeros:  # only the main misfit is worth a law that holds in form alone
         for channel, every in groups.items():
             weak = [one for one in _promising(recordings, present, every, channel, _WEAK)
