@@ -190,13 +190,18 @@ def test_what_was_never_updated_has_no_deviation() -> None:
     assert isnan(got.stiffness_std) and isnan(got.damping_std)
 
 
-def test_rows_at_rest_claim_nothing() -> None:
+@pytest.mark.parametrize('stiffness', [K, 2e3])
+def test_rows_at_rest_show_the_stiffness_and_no_damping(stiffness: float) -> None:
     at_rest = np.full(500, 0.01)
     errors = SystematicErrors(0.0)
     blocks = blocks_of(K * at_rest, at_rest, np.zeros(500))
-    errors.judge(blocks, SIGMA**2, SIGMA**2, 0.0, 0.0, estimator_at(2e3, B))
-    errors.note_update(BOTH)
-    assert errors.widen([EXACT]) == [EXACT]
+    errors.judge(blocks, 25.0 * SIGMA**2, SIGMA**2, 0.0, 0.0, estimator_at(stiffness, 2.0 * B))
+    errors.note_update(Frozen(False, True))
+    got = errors.widen([EXACT._replace(stiffness=stiffness)])[0]
+    # Of a residual beyond the noise, which may be friction.
+    floor = 2.0 * np.sqrt(25.0 - 4.0) * SIGMA / 0.01
+    assert got.stiffness_std == pytest.approx(np.hypot(K - stiffness, floor), rel=0.01)
+    assert isnan(got.damping_std)
 
 
 def window_of(rows: Array, rate_noise: float = 0.0) -> Window:
@@ -252,6 +257,25 @@ def test_a_surface_not_known_weighs_as_the_whole_contact_shows_it() -> None:
         z.append((K_hat - K) / errors.widen([EXACT])[0].stiffness_std)
     assert 0.9 <= np.mean(np.abs(z) < 2.0)
     assert np.mean(np.square(z)) > 0.3  # nor much too wide
+
+
+def test_a_lag_of_the_force_weighs_on_a_surface_that_was_found() -> None:
+    lag, prior_std, seen = 1e-3, 2e-3, 0.15  # of the wall's B_e / K_e, large for a lag to show
+    t = np.arange(0.0, 1000) * T
+    d, v, a = (0.01 + 0.001 * np.sin(OMEGA * t), 0.001 * OMEGA * np.cos(OMEGA * t),
+               -0.001 * OMEGA**2 * np.sin(OMEGA * t))
+    late = K * (d - lag * v) + seen * K * (v - lag * a)
+    phi = np.column_stack([d, v, np.ones_like(d)])
+    K_hat, B_hat, offset = np.linalg.lstsq(phi, late, rcond=None)[0]
+    moved = d + offset / K_hat  # to where this line meets 0
+    blocks = blocks_of(late, moved, v)
+    errors = SystematicErrors(lag)
+    errors.judge(blocks[-10:], SIGMA**2, SIGMA**2, 0.0, prior_std,
+                 estimator_at(float(K_hat), float(B_hat)), sum_of(blocks))
+    errors.note_update(BOTH)
+    assert K_hat - K > 0.04 * K  # and a surface 0.4 mm too deep
+    got = errors.widen([EXACT._replace(stiffness=float(K_hat), damping=float(B_hat))])[0]
+    assert got.stiffness_std == pytest.approx(K_hat - K, rel=0.15)
 
 
 def test_a_surface_that_is_known_weighs_nothing() -> None:

@@ -21,7 +21,7 @@ from typing import NamedTuple, Sequence
 
 from .estimator import Frozen, OnlineEstimator, ParameterEstimate, UNKNOWN_DAMPING_S
 from .row_sums import sum_of, Window
-from .wall_fit import fit_first_contact, wall_of
+from .wall_fit import fit_first_contact, shift_by_lag, wall_of
 from .window_fit import fit_window, WindowFits
 
 _LOCATION = 3  # column of a row
@@ -122,6 +122,7 @@ class SystematicErrors:
                 moved = max(KK - Kc * Kc / cc, 0.0) / cc if cc > 0.0 else 0.0
                 noise = position_noise * position_noise
                 offset = noise / sqrt(noise + moved) * Kc / KK if noise > 0.0 else 0.0
+                offset = min(offset, _WIDEST)  # of a wall that was never pressed
             if estimator.biased_by_position_noise:
                 # Errors in variables: least squares divides by the power of signal and noise.
                 noise = position_noise**2 * window.rate_noise
@@ -159,9 +160,9 @@ class SystematicErrors:
         by_shift = 0.0
         if location_std and not estimator.location_std:
             by_shift = _square(estimator.stiffness) * self._share_of_shift(
-                contact or sum_of(blocks), fits, noise_variance, known_variance,
+                contact or sum_of(blocks), noise_variance, known_variance,
                 location_std * _by_shift(blocks), estimator)
-        if fits is None:  # a tool at rest shows nothing
+        if fits is None:
             self._set(by_shift, 0.0)
             return
         excess = max(noise_variance - _EXPLAINED**2 * known_variance, 0.0)
@@ -171,7 +172,8 @@ class SystematicErrors:
         K_lag = lag * fits.mean.by_acceleration
         self._note_correlations(fits, noise_variance)
         K_error, B_error = self._differences(fits, noise_variance, rate_noise, lag, estimator)
-        of_K, of_B = (excess * variance for variance in fits.mean.variances)
+        of_K, of_B = (excess * variance if isfinite(variance) else 0.0
+                      for variance in fits.mean.variances)
         B_error += UNKNOWN_DAMPING_S**2 * K_error  # B was fitted beside a wrong K
         self._coupled = estimator.fits_linear_damping
         if not self._coupled:
@@ -196,8 +198,8 @@ class SystematicErrors:
                     correlation[k] += _SMOOTHING * (fit.scatter[k] / white - correlation[k])
 
     def _share_of_shift(
-        self, contact: Window, fits: WindowFits | None, noise_variance: float,
-        known_variance: float, prior_std: float, estimator: OnlineEstimator,
+        self, contact: Window, noise_variance: float, known_variance: float, prior_std: float,
+        estimator: OnlineEstimator,
     ) -> float:
         """
         Return the mean square of the share of K_hat by which the surface may be elsewhere.
@@ -206,36 +208,33 @@ class SystematicErrors:
         be moved to, or not certain. `prior_std` and shifts are relative to the depth.
 
         """
-        prior = min(prior_std, _WIDEST)**2
-        shown = self._shown(contact, fits, noise_variance, known_variance, estimator)
+        prior_std = min(prior_std, _WIDEST)
+        shown = self._shown(contact, noise_variance, known_variance, estimator)
         if shown is None:
-            return prior
+            return _square(_share_of_stiffness(prior_std))
         shift, seen = shown
-        kept = prior / (prior + seen)
-        shift *= kept
-        return _square(shift / max(1.0 - shift, _SHALLOWEST)) + kept * seen
+        kept = prior_std * prior_std / (prior_std * prior_std + seen)
+        return _square(_share_of_stiffness(kept * shift)) + kept * seen
 
     def _shown(
-        self, contact: Window, fits: WindowFits | None, noise_variance: float,
-        known_variance: float, estimator: OnlineEstimator,
+        self, contact: Window, noise_variance: float, known_variance: float,
+        estimator: OnlineEstimator,
     ) -> tuple[float, float] | None:
         """Return the shift of the surface that the rows show, and its variance."""
+        if estimator.linearisation():  # an exponent explains an offset as well
+            return None
+        fit = fit_first_contact(contact.products, wall_of(estimator), noise_variance)
+        if fit is None:
+            return None
+        wall, freedom = fit.offset_wall, contact.effective_samples - _FITTED
+        if freedom > _FITTED:  # a surface elsewhere is no noise
+            noise_variance = max(known_variance, fit.offset_left / freedom)
         correlation, per_shift = max(self._correlations[2][0], 1.0), _by_shift([contact])
-        if estimator.linearisation():  # rows of the past belong to another law
-            if fits is None or fits.located is None:
-                return None
-            (K, _), offset = fits.located.values, fits.located.offset
-            variance = noise_variance * fits.located.offset_variance
-        else:
-            fit = fit_first_contact(contact.products, wall_of(estimator), noise_variance)
-            if fit is None:
-                return None
-            freedom, (K, _, offset, _) = contact.effective_samples - _FITTED, fit.offset_wall
-            if freedom > _FITTED:  # a surface elsewhere is no noise
-                noise_variance = max(known_variance, fit.offset_left / freedom)
-            variance = noise_variance * fit.offset_variance
-        scale = per_shift / max(K, 1e-9)
-        return -offset * scale, variance * correlation * scale * scale
+        scale = per_shift / max(wall.stiffness, 1e-9)
+        lagging = per_shift * shift_by_lag(contact.products, wall, self.timing_std)
+        return (-wall.offset * scale,
+                noise_variance * fit.offset_variance * correlation * scale * scale
+                + lagging * lagging)
 
     def _differences(
         self, fits: WindowFits, noise_variance: float, rate_noise: float, lag: float,
@@ -303,6 +302,11 @@ class SystematicErrors:
             widened.append(ParameterEstimate(
                 K, B, sqrt(K_variance), sqrt(B_variance), shift, inertia))
         return widened
+
+
+def _share_of_stiffness(shift: float) -> float:
+    """Return the share of K_hat that a shift of the surface, relative to the depth, adds."""
+    return min(shift / max(1.0 - shift, _SHALLOWEST), _WIDEST)
 
 
 def _square(value: float) -> float:

@@ -16,7 +16,7 @@
 
 from __future__ import annotations
 
-from math import nan, sqrt
+from math import inf, nan, sqrt
 from typing import NamedTuple, Sequence
 
 import numpy as np
@@ -27,7 +27,7 @@ from ..signals.relations import TustinRelation
 
 _LEAST_BLOCKS = 2  # beyond the fitted parameters, for the scatter of the blocks
 _RIDGE = 1e-10  # relative; keeps the fit finite without motion
-_LOCATION, _MASS = 3, 4  # columns of a row
+_DAMPING, _LOCATION, _MASS = 2, 3, 4  # columns of a row
 _TREND = 5  # column of K_e times time, behind them
 _SMALLEST = 1e-24  # power of a column relative to that of phi_B, in SI units
 
@@ -41,15 +41,12 @@ class WindowFit(NamedTuple):
     values : tuple of float
         K [N/m] and B [N s/m].
     variances : tuple of float
-        Of both, for white noise of variance 1 before the filter.
+        Of both, for white noise of variance 1 before the filter; infinite for B of a tool at rest.
     scatter : tuple of float
         Of both, from the scatter of the blocks: right for correlated residuals too. NaN where
-        there are too few blocks.
+        there are too few blocks, and for B of a tool at rest.
     by_acceleration : float
         Change of K for a force m a that is not fitted, per m.
-    offset, offset_variance : float
-        Force at phi_K = 0 [N], and its variance for white noise of variance 1; 0 where x_e is
-        not fitted.
 
     """
 
@@ -57,8 +54,6 @@ class WindowFit(NamedTuple):
     variances: tuple[float, float]
     scatter: tuple[float, float]
     by_acceleration: float
-    offset: float
-    offset_variance: float
 
 
 class WindowFits(NamedTuple):
@@ -122,7 +117,7 @@ class _Sums:
         Parameters
         ----------
         columns : sequence of sequence of int
-            Of each fit, those of K and B among them.
+            Of each fit, that of K among them.
         information : float
             Of the prior of the location.
         by_parts : bool
@@ -147,13 +142,13 @@ class _Sums:
         weights[1:] = -theta.T
         scores = (self._blocks @ weights)[:, 1:] * used[:, 1:].T  # (n, 5, k)
         spread = ((inverse[:, :2] @ scores.transpose(2, 1, 0)) ** 2).sum(axis=2)  # (k, 2)
-        unit = self.scale[1:4]
+        unit = self.scale[1:3]
         return tuple(
             self._fit(values, variances, scatter, chosen, by_parts)
             for values, variances, scatter, chosen in zip(
-                (theta[:, :3] * unit).tolist(),
-                (inverse[:, (0, 1, 2), (0, 1, 2)] * unit**2).tolist(),
-                (spread * unit[:2] ** 2).tolist(), columns)
+                (theta[:, :2] * unit).tolist(),
+                (inverse[:, (0, 1), (0, 1)] * unit**2).tolist(),
+                (spread * unit**2).tolist(), columns)
         )
 
     def _fit(
@@ -165,10 +160,10 @@ class _Sums:
         correction = count / freedom if freedom >= _LEAST_BLOCKS else nan
         # sum of d a = -sum of v v, by parts, where no mass is fitted
         lacking = -self.powers[2] * variances[0] if by_parts else 0.0
+        moves = _DAMPING in fitted
         return WindowFit(
-            (values[0], values[1]), (variances[0], variances[1]),
-            (scatter[0] * correction, scatter[1] * correction), lacking,
-            *((values[2], variances[2]) if _LOCATION in fitted else (0.0, 0.0)))
+            (values[0], values[1]), (variances[0], variances[1] if moves else inf),
+            (scatter[0] * correction, scatter[1] * correction if moves else nan), lacking)
 
 
 def fit_window(
@@ -189,15 +184,15 @@ def fit_window(
     Returns
     -------
     fits : WindowFits or None
-        None where the window holds no motion.
+        None where the wall is not pressed.
 
     """
     sums = _Sums(blocks)
-    if sums.powers[1] <= _SMALLEST or sums.powers[2] <= _SMALLEST:
+    if sums.powers[1] <= _SMALLEST:
         return None
     location_std = estimator.location_std
-    has_mass = sums.powers[_MASS] > _SMALLEST
-    fitted = [1, 2, *([_LOCATION] if location_std else []), *([_MASS] if has_mass else [])]
+    shown = [column for column in (_DAMPING, _MASS) if sums.powers[column] > _SMALLEST]
+    fitted = [1, *shown, *([_LOCATION] if location_std else [])]
     information = 0.0
     if location_std:
         scale = estimator.stiffness * location_std
