@@ -249,7 +249,9 @@ class WallTracker:
         self._since = 0
         damping_std = sqrt(variance * fit.damping_variance)
         told = damping_std < _DETERMINED * wall.damping
-        K, B = estimator.within_limits(wall.stiffness, wall.damping if told else estimator.damping)
+        softer = min(wall.stiffness / max(estimator.stiffness, 1e-9), 1.0)  # damps less, too
+        K, B = estimator.within_limits(
+            wall.stiffness, wall.damping if told else softer * estimator.damping)
         K_std, B_std = _spread(K, B, _UNKNOWN)
         if not estimator.weighs_data:  # it does not learn the same rows twice
             K_std = max(_WIDER * sqrt(variance * fit.stiffness_variance), _DIFFERENT * K)

@@ -223,7 +223,8 @@ class SystematicErrors:
         """Return the shift of the surface that the rows show, and its variance."""
         if estimator.linearisation():  # an exponent explains an offset as well
             return None
-        fit = fit_first_contact(contact.products, wall_of(estimator), noise_variance)
+        estimated = wall_of(estimator)
+        fit = fit_first_contact(contact.products, estimated, noise_variance)
         if fit is None:
             return None
         wall, freedom = fit.offset_wall, contact.effective_samples - _FITTED
@@ -231,7 +232,7 @@ class SystematicErrors:
             noise_variance = max(known_variance, fit.offset_left / freedom)
         correlation, per_shift = max(self._correlations[2][0], 1.0), _by_shift([contact])
         scale = per_shift / max(wall.stiffness, 1e-9)
-        lagging = per_shift * shift_by_lag(contact.products, wall, self.timing_std)
+        lagging = per_shift * shift_by_lag(contact.products, estimated, self.timing_std)
         return (-wall.offset * scale,
                 noise_variance * fit.offset_variance * correlation * scale * scale
                 + lagging * lagging)
