@@ -125,10 +125,20 @@ def test_law_is_named_by_its_form_if_it_leads_all_other_families(
     assert (law.name if law else None) == named
 
 
-@pytest.mark.parametrize('share, flexible', [(0.05, False), (0.2, True)])
-def test_law_that_predicts_nothing_or_any_curve_is_not_named_by_its_form(
-    monkeypatch: pytest.MonkeyPatch, share: float, flexible: bool
-) -> None:
+def test_curve_is_not_named_by_its_form(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(form, 'errors_with_own_size', lambda *_: 0.1 * BEFORE)
-    law = candidate('hunt_crossley_damping', share, flexible)
+    law = candidate('hunt_crossley_damping', 0.2, flexible=True)
     assert law_in_form([], [law], PARTS, BEFORE) is None
+
+
+@pytest.mark.parametrize('own, rival, named', [(0.8, 0.4, True), (0.7, 0.2, False),
+                                               (0.8, 0.6, False)])
+def test_law_that_predicts_nothing_must_explain_three_quarters_of_every_part_and_lead_by_far(
+    monkeypatch: pytest.MonkeyPatch, own: float, rival: float, named: bool
+) -> None:
+    shares = {'hunt_crossley_damping': own, 'coulomb_friction': rival}
+    monkeypatch.setattr(
+        form, 'errors_with_own_size',
+        lambda _, found, parts: (1.0 - shares[found.model.effects[-1]]) * BEFORE)
+    law = law_in_form([], [candidate(name, -1.0) for name in shares], PARTS, BEFORE)
+    assert (law is not None) is named

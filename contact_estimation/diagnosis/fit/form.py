@@ -41,6 +41,7 @@ Array = NDArray[np.float64]
 _LEAST, _LEAST_OF_PART = 0.5, 0.3  # share of the misfit: lower end for all parts, and of each part
 _LEAST_PREDICTED = 0.1  # share of the squared error on parts left out, with one size for all
 _LEAD = 0.15  # share of the misfit, before the best effect of another family
+_SURE, _SURE_LEAD = 0.75, 0.3  # of one that predicts nothing with one size: its parts are too few
 
 
 def holds_in_form(share: Share) -> bool:
@@ -88,15 +89,15 @@ def law_in_form(
                        one.channel) for one in candidates]
     most = (1.0 - _LEAST_PREDICTED) * float(before.sum())
     holding = [(one, share) for one, share in zip(candidates, shares)
-               if not one.flexible and not resembles_zero(one.name) and one.total <= most
-               and holds_in_form(share)]
+               if not one.flexible and not resembles_zero(one.name) and holds_in_form(share)
+               and (one.total <= most or float(np.min(share.parts)) >= _SURE)]
     if not holding:
         return None
     best, leading = max(holding, key=lambda pair: pair[1].share)
     family = EFFECTS[best.name].family
     others = [share.share for one, share in zip(candidates, shares)
               if EFFECTS[one.name].family != family]
-    if leading.share < max(others, default=0.0) + _LEAD:
+    if leading.share < max(others, default=0.0) + (_LEAD if best.total <= most else _SURE_LEAD):
         return None
     alike = [one for one, share in holding
              if EFFECTS[one.name].family == family and share.share > leading.share - _LEAD]
