@@ -24,7 +24,7 @@ from contact_estimation.estimation.parameters import EstimationParameters
 from contact_estimation.estimation.pipeline import EstimationPipeline
 from contact_estimation.estimation.result import Result
 from contact_estimation.estimation.session import ContactSession
-from contact_estimation.estimators.estimator import Estimate
+from contact_estimation.estimators.estimate import Estimate
 from contact_estimation.parameters.values import build
 from contact_estimation.plant.closed_loop import run_closed_loop
 from contact_estimation.plant.plant_parameters import PlantParameters

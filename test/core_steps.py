@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple, Sequence
 
-from contact_estimation.estimators.estimator import Frozen
+from contact_estimation.estimators.estimate import Frozen
 from contact_estimation.signals.contact_sample import ContactSample
 from contact_estimation.signals.relations import COLUMNS, NO_GAIN
 

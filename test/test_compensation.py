@@ -23,7 +23,7 @@ from typing import Any
 from contact_estimation.estimation.parameters import EstimationParameters
 from contact_estimation.estimation.pipeline import EstimationPipeline
 from contact_estimation.estimation.session import ContactSession
-from contact_estimation.estimators.estimator import Estimate, EstimateStatus
+from contact_estimation.estimators.estimate import Estimate, EstimateStatus
 from contact_estimation.parameters.values import build
 from contact_estimation.physics import EFFECTS
 from contact_estimation.plant.closed_loop import run_closed_loop

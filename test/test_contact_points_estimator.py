@@ -19,7 +19,7 @@ from __future__ import annotations
 from functools import lru_cache
 from typing import Any, Sequence
 
-from contact_estimation.estimators.estimator import EstimateStatus
+from contact_estimation.estimators.estimate import EstimateStatus
 from contact_estimation.exceptions import SignalShapeError
 from contact_estimation.several_points.contact_points import (
     contact_forces,

@@ -16,8 +16,8 @@
 
 from __future__ import annotations
 
+from contact_estimation.estimators.environment_parameters import EnvironmentParameters
 from contact_estimation.estimators.equation_noise import EquationNoise, residual_variance
-from contact_estimation.estimators.estimator import EnvironmentParameters
 from contact_estimation.estimators.indirect_adaptive import (
     IndirectAdaptive,
     IndirectAdaptiveParameters,

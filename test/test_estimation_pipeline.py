@@ -22,7 +22,7 @@ from typing import Any
 from contact_estimation.estimation.parameters import EstimationParameters
 from contact_estimation.estimation.pipeline import EstimationPipeline
 from contact_estimation.estimators import ESTIMATORS
-from contact_estimation.estimators.estimator import Estimate, EstimateStatus
+from contact_estimation.estimators.estimate import Estimate, EstimateStatus
 from contact_estimation.parameters.values import build, changed
 from contact_estimation.signals.contact_sample import ContactSample
 from core_runs import (

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from typing import Iterable
 
-from contact_estimation.estimators.estimator import Frozen
+from contact_estimation.estimators.estimate import Frozen
 from contact_estimation.estimators.excitation_monitor import (
     ExcitationMonitor,
     ExcitationParameters,

@@ -21,7 +21,8 @@ from typing import Any
 from contact_estimation.estimation.parameters import EstimationParameters
 from contact_estimation.estimation.pipeline import EstimationPipeline
 from contact_estimation.estimation.session import ContactSession
-from contact_estimation.estimators.estimator import EnvironmentParameters, Frozen
+from contact_estimation.estimators.environment_parameters import EnvironmentParameters
+from contact_estimation.estimators.estimate import Frozen
 from contact_estimation.estimators.hunt_crossley import HuntCrossley, HuntCrossleyParameters
 from contact_estimation.parameters.values import build
 from contact_estimation.plant.closed_loop import run_closed_loop

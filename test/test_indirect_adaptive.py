@@ -18,7 +18,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from contact_estimation.estimators.estimator import EnvironmentParameters, Frozen
+from contact_estimation.estimators.environment_parameters import EnvironmentParameters
+from contact_estimation.estimators.estimate import Frozen
 from contact_estimation.estimators.indirect_adaptive import (
     IndirectAdaptive,
     IndirectAdaptiveParameters,

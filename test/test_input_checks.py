@@ -28,7 +28,7 @@ from contact_estimation.estimation.events import LOCATION, set_location
 from contact_estimation.estimation.parameters import EstimationParameters
 from contact_estimation.estimation.result import AxesEstimates
 from contact_estimation.estimation.session import ContactSession
-from contact_estimation.estimators.estimator import EstimateStatus
+from contact_estimation.estimators.estimate import EstimateStatus
 from contact_estimation.parameters.values import build
 from contact_estimation.signals.contact_sample import ContactSample
 from core_runs import contact_samples

@@ -21,7 +21,8 @@ from typing import Any
 
 from contact_estimation.estimation.parameters import EstimationParameters
 from contact_estimation.estimation.session import ContactSession
-from contact_estimation.estimators.estimator import EnvironmentParameters, Frozen
+from contact_estimation.estimators.environment_parameters import EnvironmentParameters
+from contact_estimation.estimators.estimate import Frozen
 from contact_estimation.estimators.indirect_adaptive import (
     IndirectAdaptive,
     IndirectAdaptiveParameters,

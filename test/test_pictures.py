@@ -21,7 +21,7 @@ from pathlib import Path
 from contact_estimation.commands import replay, simulate
 from contact_estimation.estimation.contact_figure import plot_contact
 from contact_estimation.estimation.estimate_trace import EstimateTrace
-from contact_estimation.estimators.estimator import Estimate, EstimateStatus
+from contact_estimation.estimators.estimate import Estimate, EstimateStatus
 import numpy as np
 import pytest
 from run_commands import Command

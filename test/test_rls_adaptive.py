@@ -19,7 +19,8 @@ from __future__ import annotations
 from functools import lru_cache
 from typing import Any
 
-from contact_estimation.estimators.estimator import EnvironmentParameters, Frozen
+from contact_estimation.estimators.environment_parameters import EnvironmentParameters
+from contact_estimation.estimators.estimate import Frozen
 from contact_estimation.estimators.rls_adaptive import (
     AdaptiveLeastSquares,
     AdaptiveLeastSquaresParameters,

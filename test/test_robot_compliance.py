@@ -21,7 +21,7 @@ from contact_estimation.estimation.robot_compliance import (
     RobotParameters,
     seen_by_the_robot,
 )
-from contact_estimation.estimators.estimator import ParameterEstimate
+from contact_estimation.estimators.estimate import ParameterEstimate
 from core_runs import contact_samples, estimates_of, pipeline_with
 import numpy as np
 import pytest

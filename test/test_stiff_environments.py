@@ -19,7 +19,7 @@ from __future__ import annotations
 from math import isnan
 from typing import Any
 
-from contact_estimation.estimators.estimator import Estimate, EstimateStatus
+from contact_estimation.estimators.estimate import Estimate, EstimateStatus
 from contact_estimation.signals.contact_sample import ContactSample
 from core_runs import closed_loop, contact_samples, estimates_of, pipeline_with
 import numpy as np

@@ -18,11 +18,8 @@ from __future__ import annotations
 
 from math import isnan
 
-from contact_estimation.estimators.estimator import (
-    EnvironmentParameters,
-    Frozen,
-    ParameterEstimate,
-)
+from contact_estimation.estimators.environment_parameters import EnvironmentParameters
+from contact_estimation.estimators.estimate import Frozen, ParameterEstimate
 from contact_estimation.estimators.indirect_adaptive import (
     IndirectAdaptive,
     IndirectAdaptiveParameters,

@@ -22,7 +22,7 @@ import subprocess
 import sys
 
 from contact_estimation.commands import three_contacts as command
-from contact_estimation.estimators.estimator import EstimateStatus
+from contact_estimation.estimators.estimate import EstimateStatus
 from contact_estimation.several_points.contact_points_estimator import ContactPointsEstimate
 from contact_estimation.several_points.three_contacts import (
     ALL_TOUCH_S,

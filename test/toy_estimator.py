@@ -20,12 +20,8 @@ from dataclasses import dataclass
 from math import nan
 from typing import Sequence
 
-from contact_estimation.estimators.estimator import (
-    Frozen,
-    OnlineEstimator,
-    ParameterEstimate,
-    TimedRow,
-)
+from contact_estimation.estimators.estimate import Frozen, ParameterEstimate
+from contact_estimation.estimators.estimator import OnlineEstimator, TimedRow
 from contact_estimation.parameters.specification import parameter, ParameterGroup
 
 

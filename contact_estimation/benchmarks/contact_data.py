@@ -22,7 +22,8 @@ from .simulated_samples import pressing, RATE
 from ..estimation.parameters import EstimationParameters
 from ..estimation.pipeline import EstimationPipeline
 from ..estimation.result import Result
-from ..estimators.estimator import EstimateStatus, Frozen, TimedRow
+from ..estimators.estimate import EstimateStatus, Frozen
+from ..estimators.estimator import TimedRow
 from ..parameters.values import build
 from ..reference.setpoints import Reference
 from ..signals.contact_sample import ContactSample

@@ -25,7 +25,7 @@ from .contact_data import ContactData, estimator_input, settled_pipeline
 from .simulated_samples import RATE
 from ..estimation.parameters import EstimationParameters
 from ..estimation.session import ContactSession
-from ..estimators.estimator import Frozen
+from ..estimators.estimate import Frozen
 from ..parameters.values import build
 
 Steps = Callable[[int, int], None]

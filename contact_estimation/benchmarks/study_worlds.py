@@ -29,7 +29,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import butter, lfilter
 
-from ..estimators.estimator import EnvironmentParameters
+from ..estimators.environment_parameters import EnvironmentParameters
 from ..signals.contact_sample import ContactSample
 from ..signals.synchronisation import SynchronisationParameters, Synchroniser
 

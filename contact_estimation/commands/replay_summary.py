@@ -26,7 +26,7 @@ from ..estimation.estimate_files import stamp_text
 from ..estimation.model_fit import ModelFitMonitor
 from ..estimation.replay import RecordingReplay
 from ..estimation.result import AxesEstimates
-from ..estimators.estimator import Estimate, EstimateStatus
+from ..estimators.estimate import Estimate, EstimateStatus
 from ..exceptions import RecordingError
 from ..recordings import RecordingReader
 

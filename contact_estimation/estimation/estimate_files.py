@@ -22,7 +22,7 @@ from typing import Sequence
 
 from .matrix_messages import encode_matrices, MATRIX_TOPICS
 from .result import AxesEstimates
-from ..estimators.estimator import Estimate
+from ..estimators.estimate import Estimate
 from ..estimators.stiffness_matrix import MatrixEstimate
 from ..messages import encode_float64, encode_string, Vector3StampedEncoder
 from ..recordings.writing import RecordingWriter

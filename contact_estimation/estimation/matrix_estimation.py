@@ -22,7 +22,7 @@ from typing import Any
 from .parameters import EstimationParameters
 from .result import AxesEstimates
 from ..estimators import MATRIX_ESTIMATORS
-from ..estimators.estimator import EstimateStatus
+from ..estimators.estimate import EstimateStatus
 from ..estimators.stiffness_matrix import MatrixEstimate
 from ..signals.contact_sample import AxesSample
 

@@ -25,7 +25,7 @@ from .axis_parameters import check_axes, check_matrix, FurtherAxesParameters
 from .robot_compliance import RobotParameters
 from .wall_tracking import TrackingParameters
 from ..estimators import ESTIMATORS, EstimatorsTuning, MATRIX_ESTIMATORS
-from ..estimators.estimator import EnvironmentParameters
+from ..estimators.environment_parameters import EnvironmentParameters
 from ..estimators.excitation_monitor import ExcitationParameters
 from ..estimators.stiffness_matrix import StiffnessMatrixParameters
 from ..kinematics.parameters import ForceSensorParameters, KinematicsParameters

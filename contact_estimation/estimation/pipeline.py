@@ -25,7 +25,8 @@ from .model_fit import ModelFitMonitor
 from .parameters import EstimationParameters
 from .supervised_estimator import SupervisedEstimator
 from .surface_search import REACH
-from ..estimators.estimator import Estimate, EstimateStatus, OnlineEstimator
+from ..estimators.estimate import Estimate, EstimateStatus
+from ..estimators.estimator import OnlineEstimator
 from ..estimators.excitation_monitor import ExcitationMonitor
 from ..physics import effects_that_are_on
 from ..physics.compensation import Compensation

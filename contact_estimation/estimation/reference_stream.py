@@ -21,7 +21,7 @@ from math import inf, isfinite, isnan, nan
 
 from .parameters import EstimationParameters
 from .robot_compliance import seen_by_the_robot
-from ..estimators.estimator import Estimate, EstimateStatus
+from ..estimators.estimate import Estimate, EstimateStatus
 from ..reference.reference_generator import ReferenceGenerator
 from ..reference.setpoints import Desired, Reference
 from ..signals.contact_sample import ContactSample

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from ..estimators.estimator import Estimate
+from ..estimators.estimate import Estimate
 from ..kinematics.contact_kinematics import ArmState
 from ..reference.setpoints import Reference
 from ..signals.contact_sample import ContactSample

@@ -19,7 +19,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import hypot
 
-from ..estimators.estimator import ParameterEstimate
+from ..estimators.estimate import ParameterEstimate
 from ..parameters.specification import parameter, ParameterGroup
 
 _LEAST_SHARE = 0.02

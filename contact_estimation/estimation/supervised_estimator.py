@@ -22,13 +22,8 @@ from .parameters import EstimationParameters
 from .robot_compliance import of_the_wall
 from .supervision import ALL, Supervision
 from ..estimators import ESTIMATORS
-from ..estimators.estimator import (
-    EstimateStatus,
-    Frozen,
-    OnlineEstimator,
-    ParameterEstimate,
-    TimedRow,
-)
+from ..estimators.estimate import EstimateStatus, Frozen, ParameterEstimate
+from ..estimators.estimator import OnlineEstimator, TimedRow
 from ..estimators.excitation_monitor import ExcitationMonitor
 from ..signals.relations import NoiseGain, Row
 

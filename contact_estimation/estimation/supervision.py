@@ -22,7 +22,8 @@ from typing import Sequence
 from .parameters import EstimationParameters
 from .wall_tracking import Change, WallTracker
 from ..estimators.equation_noise import EquationNoise
-from ..estimators.estimator import Frozen, OnlineEstimator, TimedRow
+from ..estimators.estimate import Frozen
+from ..estimators.estimator import OnlineEstimator, TimedRow
 from ..estimators.excitation_monitor import ExcitationMonitor
 from ..estimators.row_sums import RECENT
 from ..estimators.systematic_errors import SystematicErrors

@@ -12,22 +12,20 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Base of the on-line estimators and the estimates that they return."""
+"""Base of the on-line estimators."""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
-from enum import Enum
-from functools import cached_property
 from math import nan
-from typing import Callable, ClassVar, Mapping, NamedTuple, Sequence
+from typing import Callable, ClassVar, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..exceptions import ParameterRangeError
-from ..parameters.specification import parameter, ParameterGroup
+from .environment_parameters import EnvironmentParameters
+from .estimate import Frozen, ParameterEstimate
+from ..parameters.specification import ParameterGroup
 from ..reference.setpoints import Reference
 from ..signals.relations import Relation, Row, VelocityRelation
 
@@ -35,125 +33,6 @@ TimedRow = tuple[float, Row]
 
 UNKNOWN_DAMPING_S = 1e-2
 """Prior standard deviation of a B_e not excited so far, relative to K_hat [s]."""
-
-
-class EstimateStatus(str, Enum):
-    """Whether the estimate was updated with a sample: out of contact, updated or frozen."""
-
-    FREE = 'free'
-    ESTIMATING = 'estimating'
-    FROZEN = 'frozen'
-
-
-class Estimate(NamedTuple):
-    """
-    The published estimate of the environment after one sample.
-
-    Attributes
-    ----------
-    stamp_ns : int
-        Stamp of the wrench used [ns].
-    stiffness, damping : float
-        K_hat [N/m] and B_hat [N s/m].
-    stiffness_std, damping_std : float
-        Their standard deviations; NaN before the first update of the parameter.
-    location : float
-        x_e: estimated where the estimator does so, else as configured [m].
-    inertia : float
-        M_hat [kg]; NaN where not estimated.
-    status : EstimateStatus
-        Free, estimating or frozen.
-    reason : str
-        Why the estimate is frozen, or which parameter is; '' otherwise.
-    model_fit : float
-        Rms of the residual over that of the noise in the last 2 s of contact; NaN while unknown.
-
-    """
-
-    stamp_ns: int
-    stiffness: float
-    damping: float
-    stiffness_std: float
-    damping_std: float
-    location: float
-    inertia: float
-    status: EstimateStatus
-    reason: str
-    model_fit: float = nan
-
-
-class ParameterEstimate(NamedTuple):
-    """
-    The parameters as estimated after one row; NaN for what is not estimated.
-
-    Attributes
-    ----------
-    stiffness, damping : float
-        K_hat [N/m], B_hat [N s/m].
-    stiffness_std, damping_std : float
-        Their standard deviations.
-    location_shift : float
-        Estimated x_e less the configured one [m]; 0 where not estimated.
-    inertia : float
-        M_hat [kg].
-
-    """
-
-    stiffness: float
-    damping: float
-    stiffness_std: float
-    damping_std: float
-    location_shift: float
-    inertia: float
-
-
-class Frozen(NamedTuple):
-    """Parameters not updated for lack of excitation: consider parameters (Schmidt)."""
-
-    stiffness: bool
-    damping: bool
-
-
-@dataclass(frozen=True)
-class EnvironmentParameters(ParameterGroup):
-    """Initial values and limits of the environment."""
-
-    location: float = parameter(
-        0.0, 'Surface of the untouched wall, x_e; NaN: it is taken at the first touch', 'm',
-        nan_is_off=True,
-    )
-    location_std: float = parameter(
-        0.002,
-        'Standard deviation of location. A surface up to 3 of them away is found from the offset '
-        'of the force against position where the contact shows it; 0: location is exact',
-        'm', minimum=0.0, maximum=1.0,
-    )
-    initial_stiffness: float = parameter(
-        3000.0, 'Initial K_hat; too soft rather than too stiff, or the force overshoots', 'N/m',
-        minimum=1e-3, maximum=1e9,
-    )
-    initial_damping: float = parameter(
-        50.0, 'Initial B_hat', 'N s/m', minimum=0.0, maximum=1e9
-    )
-    minimum_stiffness: float = parameter(1.0, 'Lower limit of K_hat', 'N/m', minimum=1e-3)
-    maximum_stiffness: float = parameter(1e8, 'Upper limit of K_hat', 'N/m', minimum=1.0)
-    maximum_damping: float = parameter(
-        1e6, 'Upper limit of B_hat; the lower is 0', 'N s/m', minimum=1.0
-    )
-
-    def __post_init__(self) -> None:
-        """Check that the lower limit is below the upper."""
-        super().__post_init__()
-        if self.minimum_stiffness > self.maximum_stiffness:
-            raise ParameterRangeError(
-                'environment.minimum_stiffness must be <= environment.maximum_stiffness '
-                f'({self.maximum_stiffness:g} N/m), got {self.minimum_stiffness:g}'
-            )
-
-    @cached_property
-    def limits(self) -> tuple[float, float, float]:
-        """Least and greatest K_hat [N/m] and greatest B_hat [N s/m]."""
-        return self.minimum_stiffness, self.maximum_stiffness, self.maximum_damping
 
 
 class OnlineEstimator(ABC):

@@ -19,7 +19,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import inf, sqrt
 
-from .estimator import Frozen
+from .estimate import Frozen
 from .row_sums import RowSums
 from ..parameters.specification import parameter, ParameterGroup
 

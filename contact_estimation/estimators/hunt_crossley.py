@@ -23,7 +23,8 @@ from typing import Callable, Mapping, NamedTuple, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from .estimator import Frozen, OnlineEstimator, ParameterEstimate, TimedRow
+from .estimate import Frozen, ParameterEstimate
+from .estimator import OnlineEstimator, TimedRow
 from .three_states import constrain, correct, Covariance, diagonal, State
 from ..parameters.specification import parameter, ParameterGroup
 from ..signals.relations import Row

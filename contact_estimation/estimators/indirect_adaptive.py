@@ -23,7 +23,8 @@ from typing import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from .estimator import Frozen, OnlineEstimator, ParameterEstimate, TimedRow, UNKNOWN_DAMPING_S
+from .estimate import Frozen, ParameterEstimate
+from .estimator import OnlineEstimator, TimedRow, UNKNOWN_DAMPING_S
 from .gradient_speed import limitation_of, starvation
 from ..parameters.specification import parameter, ParameterGroup
 

@@ -21,7 +21,8 @@ from dataclasses import dataclass
 from math import exp, nan, sqrt
 from typing import Sequence
 
-from .estimator import Frozen, OnlineEstimator, ParameterEstimate, TimedRow
+from .estimate import Frozen, ParameterEstimate
+from .estimator import OnlineEstimator, TimedRow
 from ..parameters.specification import parameter, ParameterGroup
 from ..signals.relations import Row
 

@@ -20,7 +20,8 @@ from dataclasses import dataclass
 from math import copysign, inf, nan, sqrt
 from typing import Sequence
 
-from .estimator import Frozen, OnlineEstimator, ParameterEstimate, TimedRow
+from .estimate import Frozen, ParameterEstimate
+from .estimator import OnlineEstimator, TimedRow
 from .three_states import constrain, correct, Covariance, diagonal, State
 from ..parameters.specification import parameter, ParameterGroup
 

@@ -23,7 +23,9 @@ from typing import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from .estimator import EnvironmentParameters, Frozen, OnlineEstimator, ParameterEstimate, TimedRow
+from .environment_parameters import EnvironmentParameters
+from .estimate import Frozen, ParameterEstimate
+from .estimator import OnlineEstimator, TimedRow
 from .gradient_speed import limitation_of, starvation
 from .model_following import ModelFollowing, ModelFollowingParameters
 from ..parameters.specification import group, parameter, ParameterGroup

@@ -20,7 +20,8 @@ from dataclasses import dataclass
 from math import nan, sqrt
 from typing import Sequence
 
-from .estimator import Frozen, OnlineEstimator, ParameterEstimate, TimedRow, UNKNOWN_DAMPING_S
+from .estimate import Frozen, ParameterEstimate
+from .estimator import OnlineEstimator, TimedRow, UNKNOWN_DAMPING_S
 from .three_states import grow
 from ..parameters.specification import parameter, ParameterGroup
 from ..signals.relations import TustinRelation

@@ -19,7 +19,8 @@ from __future__ import annotations
 from math import isfinite, nan, sqrt
 from typing import NamedTuple, Sequence
 
-from .estimator import Frozen, OnlineEstimator, ParameterEstimate, UNKNOWN_DAMPING_S
+from .estimate import Frozen, ParameterEstimate
+from .estimator import OnlineEstimator, UNKNOWN_DAMPING_S
 from .row_sums import sum_of, Window
 from .wall_fit import fit_first_contact, shift_by_lag, wall_of
 from .window_fit import fit_window, WindowFits

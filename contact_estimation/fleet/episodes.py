@@ -20,7 +20,7 @@ from math import isfinite
 from typing import Any, Iterable, Mapping
 
 from ..estimation.replay import RecordingReplay
-from ..estimators.estimator import Estimate, EstimateStatus
+from ..estimators.estimate import Estimate, EstimateStatus
 from ..exceptions import RecordingError
 from ..recordings import RecordingReader
 from ..recordings.estimation_metadata import from_metadata

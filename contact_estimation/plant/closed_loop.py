@@ -24,7 +24,7 @@ from .sensors import Sensors
 from .world import Truth, World
 from ..estimation.result import Result
 from ..estimation.session import ContactSession
-from ..estimators.estimator import Estimate
+from ..estimators.estimate import Estimate
 from ..exceptions import ParameterRangeError
 from ..reference.experiment import Experiment
 from ..reference.setpoints import Reference, ReferenceAt

@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 from .paper import B_E, K_E, NOISE_VARIANCE
 from ..estimation.parameters import EstimationParameters
 from ..estimation.session import ContactSession
-from ..estimators.estimator import Estimate
+from ..estimators.estimate import Estimate
 from ..estimators.offline_estimator import OfflineEstimate, TargetImpedance
 from ..parameters.values import build
 from ..plant.closed_loop import ClosedLoopRun

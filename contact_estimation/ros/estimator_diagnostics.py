@@ -28,7 +28,7 @@ from ..estimation.arm import NO_DESCRIPTION
 from ..estimation.checks import Rejections
 from ..estimation.model_fit import ModelFitMonitor
 from ..estimation.session import ContactSession
-from ..estimators.estimator import Estimate
+from ..estimators.estimate import Estimate
 
 _LATENCIES_KEPT = 2000
 _STARTING_S = 5.0  # in which the log does not complain of a sensor that starts after the node

@@ -22,7 +22,7 @@ from .contact_log import ContactLog
 from .view import ContactView
 from ..estimation.arm_signals import read_contact_signals
 from ..estimation.replay import RecordingReplay
-from ..estimators.estimator import Estimate
+from ..estimators.estimate import Estimate
 from ..recordings import RecordingReader
 from ..recordings.recorded_signals import RecordedSignals, Signal
 from ..recordings.source import RecordingSource

@@ -32,7 +32,7 @@ from .simulation import Run, World
 from ...commands.calibrate_tool import main as calibrate_tool
 from ...estimation.replay import RecordingReplay
 from ...estimation.schedule import Moment
-from ...estimators.estimator import Estimate, EstimateStatus
+from ...estimators.estimate import Estimate, EstimateStatus
 from ...exceptions import EstimationError
 from ...recordings import RecordingReader
 from ...recordings.source import RecordingSource

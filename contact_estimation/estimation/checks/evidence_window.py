@@ -26,7 +26,7 @@ import numpy as np
 from .check import Array, Evidence, Forces
 from ..parameters import EstimationParameters
 from ..result import AxesEstimates
-from ...estimators.estimator import EstimateStatus
+from ...estimators.estimate import EstimateStatus
 from ...signals.contact_sample import AxesSample
 
 _BLOCK_S = 0.5

@@ -1,0 +1,65 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Initial values and limits of the environment."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+from ..exceptions import ParameterRangeError
+from ..parameters.specification import parameter, ParameterGroup
+
+
+@dataclass(frozen=True)
+class EnvironmentParameters(ParameterGroup):
+    """Initial values and limits of the environment."""
+
+    location: float = parameter(
+        0.0, 'Surface of the untouched wall, x_e; NaN: it is taken at the first touch', 'm',
+        nan_is_off=True,
+    )
+    location_std: float = parameter(
+        0.002,
+        'Standard deviation of location. A surface up to 3 of them away is found from the offset '
+        'of the force against position where the contact shows it; 0: location is exact',
+        'm', minimum=0.0, maximum=1.0,
+    )
+    initial_stiffness: float = parameter(
+        3000.0, 'Initial K_hat; too soft rather than too stiff, or the force overshoots', 'N/m',
+        minimum=1e-3, maximum=1e9,
+    )
+    initial_damping: float = parameter(
+        50.0, 'Initial B_hat', 'N s/m', minimum=0.0, maximum=1e9
+    )
+    minimum_stiffness: float = parameter(1.0, 'Lower limit of K_hat', 'N/m', minimum=1e-3)
+    maximum_stiffness: float = parameter(1e8, 'Upper limit of K_hat', 'N/m', minimum=1.0)
+    maximum_damping: float = parameter(
+        1e6, 'Upper limit of B_hat; the lower is 0', 'N s/m', minimum=1.0
+    )
+
+    def __post_init__(self) -> None:
+        """Check that the lower limit is below the upper."""
+        super().__post_init__()
+        if self.minimum_stiffness > self.maximum_stiffness:
+            raise ParameterRangeError(
+                'environment.minimum_stiffness must be <= environment.maximum_stiffness '
+                f'({self.maximum_stiffness:g} N/m), got {self.minimum_stiffness:g}'
+            )
+
+    @cached_property
+    def limits(self) -> tuple[float, float, float]:
+        """Least and greatest K_hat [N/m] and greatest B_hat [N s/m]."""
+        return self.minimum_stiffness, self.maximum_stiffness, self.maximum_damping

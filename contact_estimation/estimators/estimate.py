@@ -1,0 +1,98 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""What an estimator returns after each sample."""
+
+from __future__ import annotations
+
+from enum import Enum
+from math import nan
+from typing import NamedTuple
+
+
+class EstimateStatus(str, Enum):
+    """Whether the estimate was updated with a sample: out of contact, updated or frozen."""
+
+    FREE = 'free'
+    ESTIMATING = 'estimating'
+    FROZEN = 'frozen'
+
+
+class Estimate(NamedTuple):
+    """
+    The published estimate of the environment after one sample.
+
+    Attributes
+    ----------
+    stamp_ns : int
+        Stamp of the wrench used [ns].
+    stiffness, damping : float
+        K_hat [N/m] and B_hat [N s/m].
+    stiffness_std, damping_std : float
+        Their standard deviations; NaN before the first update of the parameter.
+    location : float
+        x_e: estimated where the estimator does so, else as configured [m].
+    inertia : float
+        M_hat [kg]; NaN where not estimated.
+    status : EstimateStatus
+        Free, estimating or frozen.
+    reason : str
+        Why the estimate is frozen, or which parameter is; '' otherwise.
+    model_fit : float
+        Rms of the residual over that of the noise in the last 2 s of contact; NaN while unknown.
+
+    """
+
+    stamp_ns: int
+    stiffness: float
+    damping: float
+    stiffness_std: float
+    damping_std: float
+    location: float
+    inertia: float
+    status: EstimateStatus
+    reason: str
+    model_fit: float = nan
+
+
+class ParameterEstimate(NamedTuple):
+    """
+    The parameters as estimated after one row; NaN for what is not estimated.
+
+    Attributes
+    ----------
+    stiffness, damping : float
+        K_hat [N/m], B_hat [N s/m].
+    stiffness_std, damping_std : float
+        Their standard deviations.
+    location_shift : float
+        Estimated x_e less the configured one [m]; 0 where not estimated.
+    inertia : float
+        M_hat [kg].
+
+    """
+
+    stiffness: float
+    damping: float
+    stiffness_std: float
+    damping_std: float
+    location_shift: float
+    inertia: float
+
+
+class Frozen(NamedTuple):
+    """Parameters not updated for lack of excitation: consider parameters (Schmidt)."""
+
+    stiffness: bool
+    damping: bool
