@@ -29,7 +29,7 @@ from ..fit.flexible import autocorrelation, predictable_share
 from ..fit.model_uncertainty import discounted
 from ..fit.output_error import refine, runs_true
 from ..fit.search import Progress
-from ..fit.selection import Selection, weigh
+from ..fit.selection import fitted_again, Selection, weigh
 from ..fit.uncertainty import standard_deviations
 from ..fit.zeros import ZEROS
 from ..observe.model import Model, names_of
@@ -128,11 +128,10 @@ def decide(
 
 def _carrying(selection: Selection, rest: Fit) -> Selection:
     """Take a model with fewer effects; what it leaves beyond noise becomes a discrepancy."""
+    fewer = selection._replace(best=rest)
     if not rest.model.effects or has_discrepancy(selection.recordings):
-        return selection._replace(best=rest)
-    recordings, rest = weigh(selection.recordings, rest)
-    base = fit(recordings, selection.base.model)
-    return selection._replace(recordings=recordings, base=base, best=rest)
+        return fewer
+    return fitted_again(selection.recordings, fewer)
 
 
 def _least_sure(exact: bool, flexible: bool) -> float:
