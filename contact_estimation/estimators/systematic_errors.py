@@ -68,7 +68,8 @@ class SystematicErrors:
     - A constant error of the position, as by quantisation at rest, is a share of K_hat. Noise of
       the differentiated position biases the B_hat of least squares by a share of it.
     - A lag of the force that is not compensated acts as damping -K tau, and as mass -B tau, which
-      moves K where no mass is fitted. Its standard deviation is `timing_std`.
+      moves K where no mass is fitted, and a surface that the offset of the force has shown. Its
+      standard deviation is `timing_std`.
     - Correlated residuals: the variance from the scatter of the blocks of the window, relative to
       that of white noise, multiplies that of the estimator.
     - An estimate that differs from a fit of the window by more than both allow has not followed

@@ -30,6 +30,7 @@ _RIDGE = 1e-10  # relative; keeps the fit finite without motion
 _DAMPING, _LOCATION, _MASS = 2, 3, 4  # columns of a row
 _TREND = 5  # column of K_e times time, behind them
 _SMALLEST = 1e-24  # power of a column relative to that of phi_B, in SI units
+_LARGEST = 1e24  # power of a column; larger ones come from impossible parameters
 
 
 class WindowFit(NamedTuple):
@@ -184,11 +185,11 @@ def fit_window(
     Returns
     -------
     fits : WindowFits or None
-        None where the wall is not pressed.
+        None where the wall is not pressed, or sums are too large for squares of them.
 
     """
     sums = _Sums(blocks)
-    if sums.powers[1] <= _SMALLEST:
+    if sums.powers[1] <= _SMALLEST or not all(power < _LARGEST for power in sums.powers):
         return None
     location_std = estimator.location_std
     shown = [column for column in (_DAMPING, _MASS) if sums.powers[column] > _SMALLEST]

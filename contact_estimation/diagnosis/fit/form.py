@@ -19,7 +19,7 @@ Where the damping of a contact depends on the speed of its impact, or the motion
 no law with constant parameters predicts a part left out. The form of one may: with all that shapes
 it fixed by the other parts, it explains each part by its size there. That spends one number a
 part, so it must explain most of every part, and clearly more than effects of other families that
-are given the same freedom.
+are given the same freedom; all the more where one size for all parts predicts nothing.
 """
 
 from __future__ import annotations
