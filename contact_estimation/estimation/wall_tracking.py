@@ -33,7 +33,7 @@ from numpy.typing import NDArray
 
 from .surface_search import SurfaceSearch
 from ..estimators.estimator import OnlineEstimator, UNKNOWN_DAMPING_S
-from ..estimators.row_sums import RowSums, Window
+from ..estimators.row_sums import LARGEST, RowSums, Window
 from ..estimators.wall_fit import fit_first_contact, misfit, Wall, wall_of, WallFit
 from ..parameters.specification import parameter, ParameterGroup
 from ..signals.relations import Row
@@ -48,7 +48,6 @@ _DIFFERENT, _DIFFERENT_STD = 0.02, 5.0  # of the stiffness of the window: share,
 _ESCALATION, _CALMING_S = 2.0, 1.0  # of the above after each, for laws other than eq. (3)
 _JUDGEMENTS = 5  # before which a change cannot have entered the noise
 _SETTLED = 10  # judgements without a restart, after which most may wait
-_LARGEST = 1e24  # sum of squares; larger ones come from impossible parameters
 _DETERMINED = 0.2  # relative deviation below which a fit determines B_e
 _UNKNOWN = 2.0  # share of a value that says nothing
 _WIDER = 2.0  # than a change that the estimator has to follow
@@ -188,7 +187,7 @@ class WallTracker:
         if not (self._p.restarts and estimator.may_restart):
             return Change.NONE
         window, wall = sums.window(), wall_of(estimator)
-        if not window.products.max() < _LARGEST:
+        if not window.products.max() < LARGEST:
             return Change.NONE
         known = force_variance + self.position_variance(window, wall)
         # The noise as it was before a change could enter it.

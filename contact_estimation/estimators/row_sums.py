@@ -32,6 +32,9 @@ _FADING = 0.97  # per block, of the rows before the window: those of about three
 RECENT = 20
 """Number of rows that show a change."""
 
+LARGEST = 1e24
+"""Sum of squares; larger ones come from impossible parameters, and overflow when squared."""
+
 
 class Window(NamedTuple):
     """

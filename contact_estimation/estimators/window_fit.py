@@ -22,7 +22,7 @@ from typing import NamedTuple, Sequence
 import numpy as np
 
 from .estimator import OnlineEstimator
-from .row_sums import Window
+from .row_sums import LARGEST, Window
 from ..signals.relations import TustinRelation
 
 _LEAST_BLOCKS = 2  # beyond the fitted parameters, for the scatter of the blocks
@@ -30,7 +30,6 @@ _RIDGE = 1e-10  # relative; keeps the fit finite without motion
 _DAMPING, _LOCATION, _MASS = 2, 3, 4  # columns of a row
 _TREND = 5  # column of K_e times time, behind them
 _SMALLEST = 1e-24  # power of a column relative to that of phi_B, in SI units
-_LARGEST = 1e24  # power of a column; larger ones come from impossible parameters
 
 
 class WindowFit(NamedTuple):
@@ -189,7 +188,7 @@ def fit_window(
 
     """
     sums = _Sums(blocks)
-    if sums.powers[1] <= _SMALLEST or not all(power < _LARGEST for power in sums.powers):
+    if sums.powers[1] <= _SMALLEST or not all(power < LARGEST for power in sums.powers):
         return None
     location_std = estimator.location_std
     shown = [column for column in (_DAMPING, _MASS) if sums.powers[column] > _SMALLEST]
