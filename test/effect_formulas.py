@@ -94,6 +94,15 @@ def sticking(t: Array, x: Array, v: Array, a: Array, F_a: float) -> Array:
     return cut(x, K_e * x + B_e * v, F_a) + np.where(neck, F_a * (1.0 + x / 0.0015), 0.0)
 
 
+def attracting(t: Array, x: Array, v: Array, a: Array, F_a: float, reach: float) -> Array:
+    """Pull by F_a in contact; then F_a (1 + d / reach) while withdrawing."""
+    def step(stuck: float, k: int) -> float:
+        return 1.0 if x[k] > 0.0 else (0.0 if x[k] <= -reach else stuck)
+
+    neck = (followed(step, len(t)) > 0.0) & (x <= 0.0) & (v < 0.0)
+    return cut(x, K_e * x + B_e * v - F_a, F_a) + np.where(neck, F_a * (1.0 + x / reach), 0.0)
+
+
 def play(t: Array, x: Array, v: Array, a: Array, gap: float) -> Array:
     """Take the force of y and its rate where abs(x - y) = gap / 2; y(0) = x(0)."""
     y = followed(lambda y, k: float(min(max(y, x[k] - gap / 2), x[k] + gap / 2)) if k else x[0],
@@ -140,6 +149,8 @@ FORMULAS: dict[str, Formula] = {
     'cubic_stiffness': lambda t, x, v, a, K_3: cut(x, K_e * x + B_e * v + K_3 * x**3),
     'power_law_stiffness': lambda t, x, v, a, n, K_n: cut(
         x, K_n * np.maximum(x, 0.0) ** n + B_e * v),
+    'polynomial_stiffness': lambda t, x, v, a, K_2, K_3: cut(
+        x, K_e * x + B_e * v + K_2 * x**2 + K_3 * x**3),
     'exponential_stiffness': lambda t, x, v, a, A, depth: cut(
         x, K_e * x + B_e * v + A * (np.exp(x / depth) - 1.0 - x / depth)),
     'hunt_crossley_damping': lambda t, x, v, a, chi: cut(x, K_e * x + chi * x * v),
@@ -154,6 +165,7 @@ FORMULAS: dict[str, Formula] = {
         x - offset, K_e * (x - offset) + B_e * v),
     'moving_environment': swinging,
     'adhesion': sticking,
+    'dmt_adhesion': attracting,
     'dead_zone': lambda t, x, v, a, gap: cut(x, K_e * np.maximum(x - gap, 0.0) + B_e * v),
     'backlash': play,
     'bilinear_stiffness': lambda t, x, v, a, K_2, depth: cut(

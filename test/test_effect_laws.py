@@ -200,6 +200,13 @@ def test_wall_does_not_reach_for_an_approaching_tool() -> None:
     assert force[1] > 0.0 == force[2]
 
 
+def test_an_attracting_wall_pulls_while_it_is_pressed_too() -> None:
+    x = np.array([0.001, 1e-9, -0.0015, -0.003])
+    v = np.array([0.0, -1e-9, -1.0, -1.0])
+    force = law_of('dmt_adhesion').force(instants(4), x, v, np.zeros(4))
+    np.testing.assert_allclose(force, [5.0 - K_e * 0.001, 5.0, 2.5, 0.0], atol=1e-4)
+
+
 def test_dead_zone_damps_before_its_spring_begins() -> None:
     force = law_of('dead_zone').force(
         np.array([0.0, 0.002]), np.array([0.001, 0.003]), np.array([0.1, 0.1]), np.zeros(2))

@@ -62,6 +62,8 @@ INDEPENDENT: dict[str, Callable[..., dict[str, Any]]] = {
     'environment_inertia': lambda M_e: {'M_e': M_e},
     'cubic_stiffness': resisting(lambda t, d, v, K_3: K_3 * d**3),
     'power_law_stiffness': resisting(lambda t, d, v, n, K_n: K_n * max(d, 0.0)**n - K_e * d),
+    'polynomial_stiffness': resisting(
+        lambda t, d, v, K_2, K_3: K_2 * d**2 + K_3 * d**3),
     'exponential_stiffness': resisting(
         lambda t, d, v, A, depth: A * (np.exp(d / depth) - 1.0 - d / depth)),
     'hunt_crossley_damping': resisting(lambda t, d, v, chi: chi * d * v - B_e * v),
@@ -92,7 +94,7 @@ RATES: dict[str, Callable[..., float]] = {
 }
 TRANSFORMED = {'fractional_relaxation'}
 # Facts about them: test_effect_laws.py
-NOT_SMOOTH = {'adhesion', 'backlash', 'plastic_set', 'unloading_hysteresis'}
+NOT_SMOOTH = {'adhesion', 'backlash', 'dmt_adhesion', 'plastic_set', 'unloading_hysteresis'}
 
 
 @lru_cache(maxsize=None)

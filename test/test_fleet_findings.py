@@ -24,6 +24,7 @@ from contact_estimation.fleet.changes import changes, holm
 from contact_estimation.fleet.differences import differences
 from contact_estimation.fleet.entry import Entry, in_time
 from contact_estimation.fleet.pooling import pools
+from contact_estimation.fleet.page.wording import signed_percents
 from contact_estimation.fleet.trends import trends
 from fleet_entries import archive, group_of, outcome, report
 import numpy as np
@@ -72,6 +73,15 @@ def test_only_wear_is_a_significant_trend() -> None:
 def test_broken_recordings_count_for_the_slope() -> None:
     with_gap = [None if k in (3, 4) else report(4800.0 - 10.0 * k) for k in range(12)]
     assert trends(archive(b=with_gap))[0].slope == pytest.approx(-10.0)
+
+
+def test_a_trend_is_shown_to_the_width_of_its_interval() -> None:
+    noise = np.random.default_rng(2).normal(0.0, 0.002, 20)
+    steady = archive(b=[report(4800.0 + value) for value in noise])
+    slope, low, high, _ = signed_percents(trends(steady)[0])
+    assert low != high and float(low) <= float(slope) <= float(high) and len(low) <= 12
+    assert signed_percents(trends(archive(b=WORN[:5]))[0]) == ('', '', '', '')
+    assert signed_percents(trends(archive(b=WORN))[0])[0].startswith('-0.19')
 
 
 def test_too_few_recordings_have_no_trend() -> None:

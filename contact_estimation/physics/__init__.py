@@ -28,6 +28,7 @@ from .contact_offset import ContactOffset
 from .coulomb_friction import CoulombFriction
 from .cubic_stiffness import CubicStiffness
 from .dead_zone import DeadZone
+from .dmt_adhesion import DmtAdhesion
 from .effect import Effect
 from .environment_inertia import EnvironmentInertia
 from .exponential_stiffness import ExponentialStiffness
@@ -41,6 +42,7 @@ from .hunt_crossley_damping import HuntCrossleyDamping
 from .impedance_mismatch import ImpedanceMismatch
 from .moving_environment import MovingEnvironment
 from .plastic_set import PlasticSet
+from .polynomial_stiffness import PolynomialStiffness
 from .power_law_damping import PowerLawDamping
 from .power_law_stiffness import PowerLawStiffness
 from .presliding_friction import PreslidingFriction
@@ -62,6 +64,7 @@ EFFECTS: dict[str, type[Effect]] = {
     'environment_inertia': EnvironmentInertia,
     'cubic_stiffness': CubicStiffness,
     'power_law_stiffness': PowerLawStiffness,
+    'polynomial_stiffness': PolynomialStiffness,
     'exponential_stiffness': ExponentialStiffness,
     'hunt_crossley_damping': HuntCrossleyDamping,
     'power_law_damping': PowerLawDamping,
@@ -73,6 +76,7 @@ EFFECTS: dict[str, type[Effect]] = {
     'contact_offset': ContactOffset,
     'moving_environment': MovingEnvironment,
     'adhesion': Adhesion,
+    'dmt_adhesion': DmtAdhesion,
     'dead_zone': DeadZone,
     'backlash': Backlash,
     'bilinear_stiffness': BilinearStiffness,

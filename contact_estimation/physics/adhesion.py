@@ -52,23 +52,24 @@ class Adhesion(ContactEffect):
     def __init__(self, values: AdhesionParameters) -> None:
         super().__init__(values)
         self.pull = values.F_a
+        self.reach = NECK
 
     def tail(self, d: Number, v: Number, state: Any, m: Any) -> Number:
         """Return the pull of the neck; see `ContactEffect.tail`."""
-        holds = (state[0] > 0.5) * (v < 0.0) * (d > -NECK)
-        return holds * self.values.F_a * (1.0 + d / NECK)
+        holds = (state[0] > 0.5) * (v < 0.0) * (d > -self.reach)
+        return holds * self.values.F_a * (1.0 + d / self.reach)
 
     def settle(
         self, d: float, v: float, contact: bool, state: tuple[float, ...]
     ) -> tuple[float, ...]:
         """Stick on contact, tear at the end of the neck."""
-        return (1.0,) if contact else (state[0] if d > -NECK else 0.0,)
+        return (1.0,) if contact else (state[0] if d > -self.reach else 0.0,)
 
     def states_along(self, t: Array, d: Array, v: Array, contact: Flags) -> Array:
         """Return 1 where contact is more recent than the end of the neck, else 0."""
         index = np.arange(1, len(t) + 1)
         touched = np.maximum.accumulate(np.where(contact, index, 0))
-        torn = np.maximum.accumulate(np.where(d <= -NECK, index, 0))
+        torn = np.maximum.accumulate(np.where(d <= -self.reach, index, 0))
         return (touched > torn).astype(float)[None, :]
 
     @classmethod

@@ -108,12 +108,26 @@ def diagnose(
                 between, prepared, selection, nominal, progress)
             nominal_cost = cost_of(prepared, nominal)
     selection = _smooth_again(fitted, prepared, selection, nominal, progress)
-    # The largest misfit first: that recording is located and shown.
-    largest = sorted(selection.recordings, key=lambda one: -cost_of([one], selection.base.model)
-                     / one.residual_count)
-    selection = selection._replace(recordings=largest)
-    fits = Fitted(nominal, nominal_cost, selection, others)
-    return replace(conclude(fits, seed, progress), checks=examined.checks)
+
+    def concluded(selected: Selection) -> Diagnosis:
+        # The largest misfit first: that recording is located and shown.
+        largest = sorted(selected.recordings, key=lambda one: -cost_of([one], selected.base.model)
+                         / one.residual_count)
+        fits = Fitted(nominal, nominal_cost, selected._replace(recordings=largest), others)
+        return replace(conclude(fits, seed, progress), checks=examined.checks)
+
+    diagnosis = concluded(selection)
+    if _refuted(selection, diagnosis):
+        by_prediction = concluded(
+            select(selection.recordings, selection.base, progress, by_likelihood=False))
+        return by_prediction if by_prediction.effects else diagnosis
+    return diagnosis
+
+
+def _refuted(selection: Selection, diagnosis: Diagnosis) -> bool:
+    """Return whether laws that fit down to the noise fail on parts that they were not fitted on."""
+    likely = selection.best.model.effects and not has_discrepancy(selection.recordings)
+    return bool(likely) and not diagnosis.effects and diagnosis.verdict == 'unexplained'
 
 
 def _refuse_wrong_input(

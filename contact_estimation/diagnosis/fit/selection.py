@@ -75,7 +75,8 @@ class Selection(NamedTuple):
 
 
 def select(
-    recordings: Recordings, base: Fit, progress: Progress = lambda name: None,
+    recordings: Recordings, base: Fit, progress: Progress = lambda name: None, *,
+    by_likelihood: bool = True,
 ) -> Selection:
     """
     Select the effects that recordings ask for.
@@ -88,6 +89,8 @@ def select(
         Recalibrated model without effects.
     progress : callable
         Called with the name of each candidate.
+    by_likelihood : bool
+        Whether laws down to the noise are told by their likelihood; else all are by prediction.
 
     Returns
     -------
@@ -100,8 +103,10 @@ def select(
         carried, present = _carried(recordings, best)
         found = search(carried, present, progress)
         evidence = evidence or _evidence(carried, present, found)
-        exact = (laws_before_curves(carried, present.cost, found) if leaves_noise(best)
-                 else exact_laws(recordings, best.cost, found, carried is recordings))
+        exact = list[Fit]()
+        if by_likelihood:
+            exact = (laws_before_curves(carried, present.cost, found) if leaves_noise(best)
+                     else exact_laws(recordings, best.cost, found, carried is recordings))
         if leaves_noise(best) or exact:
             if not exact or not enough(best, exact[0]):
                 break

@@ -38,6 +38,7 @@ Array = NDArray[np.float64]
 
 _WITHIN = np.linspace(-0.5, 0.5, 9)  # of a sample, within which a force may jump
 _SLOW = 10.0 * SIGN_VELOCITY  # beyond, drag no longer depends on the direction's smoothing
+_FARTHEST = 3.0  # times the largest force that the motion shows
 _CONVERGED = 1e-9  # change of the motion by a round, of the largest position
 
 
@@ -78,7 +79,11 @@ class DrivenWall:
 
     def _nearest_line(self) -> tuple[float, float]:
         """Fit B v + K x + constant to the restoring force; keep both above 0."""
-        damping, stiffness = (self._observed.nearest_line @ self._at_measured).tolist()
+        # A wall far stiffer than what was measured would hold the prediction at the measurement.
+        most = _FARTHEST * (np.max(np.abs(self._push))
+                            + self._mass * np.max(np.abs(self._observed.a)))
+        restoring = np.clip(self._at_measured, -most, most)
+        damping, stiffness = (self._observed.nearest_line @ restoring).tolist()
         if not isfinite(damping + stiffness):
             return self._damping, self._stiffness
         return max(damping, 0.0), max(stiffness, 0.0)

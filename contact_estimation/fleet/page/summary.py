@@ -19,7 +19,7 @@ from __future__ import annotations
 from collections import Counter
 from typing import Any
 
-from .wording import signed_percent, words
+from .wording import signed_percents, words
 from ..differences import differences
 from ..run import Fleet
 from ..trends import QUANTITIES, Trend, trends
@@ -51,8 +51,7 @@ def prepare(fleet: Fleet) -> dict[str, Any]:
 
 
 def _of_trend(trend: Trend) -> str:
-    slope, low, high = (signed_percent(trend.percent(value))
-                        for value in (trend.slope, trend.low, trend.high))
+    slope, low, high, _ = signed_percents(trend)
     return (f'{trend.group}: {QUANTITIES[trend.quantity][0]} changes by {slope} % per recording '
             f'(95 % interval {low} to {high})')
 

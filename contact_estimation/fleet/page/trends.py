@@ -20,7 +20,7 @@ from math import isfinite
 from typing import Any
 
 from .figures import plot_trend
-from .wording import signed_percent
+from .wording import signed_percents
 from ..run import Fleet
 from ..trends import QUANTITIES, Trend, trends
 
@@ -43,9 +43,7 @@ def prepare(fleet: Fleet) -> dict[str, Any] | None:
 
 def _row(trend: Trend) -> dict[str, Any]:
     symbol, unit = QUANTITIES[trend.quantity]
-    slope, low, high, per_day = (
-        signed_percent(trend.percent(value)) if isfinite(value) else ''
-        for value in (trend.slope, trend.low, trend.high, trend.per_day))
+    slope, low, high, per_day = signed_percents(trend)
     return {
         'group': trend.group, 'symbol': f'{symbol} [{unit}]', 'count': len(trend.values),
         'first': trend.intercept + trend.slope * float(trend.numbers[0]),

@@ -17,10 +17,13 @@
 from __future__ import annotations
 
 from datetime import datetime, timezone
+from math import floor, isfinite, log10
 
 from ..entry import Entry
+from ..trends import Trend
 
 _YEAR_NS = 31_557_600 * 10**9
+_MOST_DECIMALS = 9
 
 
 def words(name: str) -> str:
@@ -49,10 +52,34 @@ def start_of(entry: Entry) -> str:
     return datetime.fromtimestamp(start_ns // 10**9, timezone.utc).strftime('%Y-%m-%d %H:%M')
 
 
-def signed_percent(value: float) -> str:
-    """Return a percentage with its sign to three decimals, without one where these are zeros."""
-    text = f'{value:+.3f}'
-    return '0.000' if float(text) == 0.0 else text
+def signed_percents(trend: Trend) -> tuple[str, str, str, str]:
+    """
+    Return a trend as percentages with their signs.
+
+    Parameters
+    ----------
+    trend : Trend
+        Of a quantity of a group.
+
+    Returns
+    -------
+    slope, low, high, per_day : str
+        With the decimals that show the width of the interval, at least three; a zero has no sign,
+        and what is not known is ''.
+
+    """
+    width = abs(trend.percent(trend.high) - trend.percent(trend.low))
+    shown = isfinite(width) and width > 0.0
+    decimals = min(max(3, 1 - floor(log10(width))), _MOST_DECIMALS) if shown else 3
+    slope, low, high, per_day = (
+        _signed(trend.percent(value), decimals)
+        for value in (trend.slope, trend.low, trend.high, trend.per_day))
+    return slope, low, high, per_day
+
+
+def _signed(value: float, decimals: int) -> str:
+    text = f'{value:+.{decimals}f}' if isfinite(value) else ''
+    return text[1:] if text and float(text) == 0.0 else text
 
 
 def probability(chance: float) -> str:

@@ -1,0 +1,69 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Spring that softens, then hardens, or the reverse."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from numpy.random import Generator
+
+from .contact_effect import ContactEffect
+from .numeric import Number
+from .random_strength import Strength
+from .scales import Scales
+from ..parameters.specification import optional_parameter, ParameterGroup
+
+
+@dataclass(frozen=True)
+class PolynomialStiffnessParameters(ParameterGroup):
+    """Parameters of `PolynomialStiffness`."""
+
+    K_2: float = optional_parameter('Stiffness that grows with the depth', 'N/m^2')
+    K_3: float = optional_parameter('Stiffness that grows with its square', 'N/m^3')
+
+
+class PolynomialStiffness(ContactEffect):
+    """
+    F_e -= K_2 d |d| + K_3 d^3.
+
+    The shortest series with a plateau: foam buckles (K_2 < 0), then its cells touch (K_3 > 0), see
+    Gibson and Ashby, Cellular Solids, 1997.
+
+    """
+
+    name = 'polynomial_stiffness'
+    equation = 'F_e -= K_2 d |d| + K_3 d^3'
+    family = 'elastic_law'
+    description = 'The wall softens and then hardens with depth, or the reverse.'
+    Parameters = PolynomialStiffnessParameters
+
+    def resistance(self, t: Number, d: Number, v: Number, state: Any, m: Any) -> Number:
+        """Return K_2 d |d| + K_3 d^3; see `ContactEffect.resistance`."""
+        return (self.values.K_2 * abs(d) + self.values.K_3 * d * d) * d
+
+    @classmethod
+    def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
+        """Start near 0 with opposite signs; the law is linear in both."""
+        K = 0.01 * scales.spring / scales.depth
+        return [(-K, K / scales.depth)]
+
+    @classmethod
+    def draw(cls, scales: Scales, rng: Generator) -> Strength:
+        """Draw the depth at which it is as soft as it gets, where some stiffness is left."""
+        softest = float(rng.uniform(0.3, 0.6)) * scales.depth
+        return lambda s: {'K_2': -0.9 * min(s, 1.0) * scales.stiffness / softest,
+                          'K_3': 0.3 * min(s, 1.0) * scales.stiffness / softest**2}
