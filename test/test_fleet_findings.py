@@ -23,8 +23,8 @@ from math import comb
 from contact_estimation.fleet.changes import changes, holm
 from contact_estimation.fleet.differences import differences
 from contact_estimation.fleet.entry import Entry, in_time
-from contact_estimation.fleet.pooling import pools
 from contact_estimation.fleet.page.wording import signed_percents
+from contact_estimation.fleet.pooling import pools
 from contact_estimation.fleet.trends import trends
 from fleet_entries import archive, group_of, outcome, report
 import numpy as np

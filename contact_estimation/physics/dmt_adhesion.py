@@ -21,18 +21,17 @@ from typing import Any
 
 from numpy.random import Generator
 
-from .adhesion import Adhesion
+from .adhesion import Adhesion, AdhesionParameters
 from .numeric import Number
 from .random_strength import Strength
 from .scales import Scales
-from ..parameters.specification import optional_parameter, ParameterGroup
+from ..parameters.specification import optional_parameter
 
 
 @dataclass(frozen=True)
-class DmtAdhesionParameters(ParameterGroup):
+class DmtAdhesionParameters(AdhesionParameters):
     """Parameters of `DmtAdhesion`."""
 
-    F_a: float = optional_parameter('Pull of the wall while touching', 'N', minimum=0.0)
     reach: float = optional_parameter(
         'Distance from the surface at which the pull ends', 'm', minimum=1e-12)
 

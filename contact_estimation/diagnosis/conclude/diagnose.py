@@ -125,7 +125,7 @@ def diagnose(
 
 
 def _refuted(selection: Selection, diagnosis: Diagnosis) -> bool:
-    """Return whether laws that fit down to the noise fail on parts that they were not fitted on."""
+    """Return whether laws that fit down to the noise fail on parts left out of the fit."""
     likely = selection.best.model.effects and not has_discrepancy(selection.recordings)
     return bool(likely) and not diagnosis.effects and diagnosis.verdict == 'unexplained'
 
