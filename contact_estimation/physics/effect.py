@@ -59,6 +59,8 @@ class Effect(ABC):
         Whether the law holds for x beyond x_e only, in a permanently attached environment too.
     base_parameter : str
         Name of the parameter of the wall that describes the same physics; '' if there is none.
+    is_series : bool
+        Whether the law is the beginning of a series, to which a law of its family is preferred.
     either_sign : bool
         Whether the first parameter is drawn with either sign.
 
@@ -80,6 +82,7 @@ class Effect(ABC):
     needs_touch: ClassVar[bool] = False
     needs_penetration: ClassVar[bool] = False
     base_parameter: ClassVar[str] = ''
+    is_series: ClassVar[bool] = False
     either_sign: ClassVar[bool] = False
 
     def __init__(self, values: ParameterGroup) -> None:

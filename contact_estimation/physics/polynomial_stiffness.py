@@ -50,6 +50,7 @@ class PolynomialStiffness(ContactEffect):
     family = 'elastic_law'
     description = 'The wall softens and then hardens with depth, or the reverse.'
     Parameters = PolynomialStiffnessParameters
+    is_series = True
 
     def resistance(self, t: Number, d: Number, v: Number, state: Any, m: Any) -> Number:
         """Return K_2 d |d| + K_3 d^3; see `ContactEffect.resistance`."""

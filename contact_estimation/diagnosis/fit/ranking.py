@@ -36,12 +36,14 @@ from .parts import evened, Part, parts_of
 from .zeros import is_zero, resembles_zero, with_zeros, ZEROS, Zeros
 from ..observe.model import Model
 from ..observe.prepared_recording import Recordings
+from ...physics import EFFECTS
 
 Array = NDArray[np.float64]
 
 _PROMISING, _ASSESSED = 0.4, 12  # of the largest gain in the fit, to be assessed; at most so many
 # What a curve that fits almost anything must show.
 _FLEXIBLE_SHARE, _FLEXIBLE_HARM = 0.85, 0.01
+_OF_SERIES = 0.8  # share of the gain of a series that a law of its family must have
 _WEAK = 0.15  # share of the misfit that one size for all parts fits, of a law that holds in form
 
 FLEXIBLE_LEAD = 0.15
@@ -185,6 +187,7 @@ def _choose(
             return curve
     if winner is None:
         return None
+    winner = _instead_of_series(laws, winner, float(before.sum()))
     gain = float(before.sum()) - winner.total
     adequate = [one for one in laws if one.total <= winner.total + ADEQUATE * gain]
     attached = not winner.found.model.nominal.environment.unilateral
@@ -192,6 +195,19 @@ def _choose(
         winner = next((one for one in adequate if one.name == 'force_bias'), winner)
     simpler = [one for one in adequate if one.size < winner.size]
     return min(simpler, key=lambda one: (one.size, one.total), default=winner)
+
+
+def _instead_of_series(
+    laws: Sequence[Candidate], winner: Candidate, before: float
+) -> Candidate:
+    """Return the best law of the family of a series, if one predicts most of what that does."""
+    if not EFFECTS[winner.name].is_series:
+        return winner
+    most = winner.total + (1.0 - _OF_SERIES) * (before - winner.total)
+    family = EFFECTS[winner.name].family
+    return min((one for one in laws if not EFFECTS[one.name].is_series
+                and EFFECTS[one.name].family == family and one.total <= most),
+               key=lambda one: one.total, default=winner)
 
 
 def _simpler_beside_an_offset(
