@@ -37,6 +37,7 @@ from contact_estimation.diagnosis.fit.search import candidates_for, nearest, sea
 from contact_estimation.diagnosis.fit.selection import select
 from contact_estimation.diagnosis.observe.model import Model, names_of
 from contact_estimation.diagnosis.observe.prepared_recording import PreparedRecording
+from contact_estimation.diagnosis.observe.residuals import residuals
 from contact_estimation.physics import EFFECTS
 import numpy as np
 import pytest
@@ -160,6 +161,13 @@ def test_selection_of_an_effect_has_rivals_and_evidence() -> None:
 
 
 @pytest.mark.slow
+def test_a_law_is_selected_by_prediction_alone_too() -> None:
+    recording, base = prepared(*physics('coulomb_friction', 2.0).items())
+    assert select([recording], base, by_likelihood=False).best.model.effects == (
+        'coulomb_friction',)
+
+
+@pytest.mark.slow
 def test_wider_law_does_not_take_the_place_of_the_true_one() -> None:
     pair = {**physics('coulomb_friction', 2.0), **physics('force_delay', 0.006)}
     recording, base = prepared(*pair.items())
@@ -192,6 +200,15 @@ def test_attached_wall_has_scales_too() -> None:
     scales = measure_scales([recording], fit([recording], model))
     assert scales.spectrum == ()
     assert scales.depth == pytest.approx(float(np.max(np.abs(recording.observed.x))), rel=1e-6)
+
+
+def test_a_stop_that_no_force_shows_does_not_hold_the_prediction_at_the_measurement() -> None:
+    recording, model = prepared_from(attached(), nominal(**ATTACHED))
+    depth = 0.7 * float(np.max(recording.observed.x))
+    costs = [float(np.sum(residuals(
+        recording, model.with_effect('bilinear_stiffness', (K_2, depth))) ** 2))
+        for K_2 in (1e8, 1e10)]
+    assert costs[1] > 1e3 * costs[0]
 
 
 @pytest.mark.parametrize('discrepancy', [True, False])
