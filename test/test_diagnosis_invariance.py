@@ -89,6 +89,20 @@ def test_left_out_error_is_that_of_a_full_refit() -> None:
         assert error.sum() == pytest.approx(float(left @ left), rel=0.02)
 
 
+def test_a_part_that_the_rest_does_not_determine_is_not_predicted_but_widens_nothing() -> None:
+    there = np.ones(100, bool)
+    parts = [part_of(str(k), there)._replace(noise=np.zeros(2)) for k in range(4)]
+    before = np.column_stack([np.full(4, 100.0), np.zeros(4)])
+    after = np.column_stack([[100.0, 10.0, 12.0, 8.0], np.zeros(4)])
+    share = share_of(before, after, parts, before)
+    determined = share_of(before[1:], after[1:], parts[1:], before[1:])
+    assert share.share == pytest.approx(0.675)
+    assert share.parts[0] == 0.0 and share.harm == 0.0
+    assert np.array(share.interval) == pytest.approx(0.75 * np.array(determined.interval))
+    assert share_of(before, np.minimum(before, [[100.0, 0.0]] * 3 + [[5.0, 0.0]]), parts,
+                    before).interval == (-np.inf, np.inf)
+
+
 def test_law_takes_nearly_all_of_every_part_and_has_the_same_parameter_there() -> None:
     recording, base, found = rubbing()
     parts = parts_of([recording], base)

@@ -56,7 +56,8 @@ class Share(NamedTuple):
     share : float
         Of the squared misfit above the noise, over all parts; below 0 if it predicts worse.
     interval : (float, float)
-        95 %, by the jackknife over the parts.
+        95 %, by the jackknife over the parts; a part of which the others determine no prediction
+        counts as not predicted, which is no matter of chance.
     parts : ndarray, shape (parts,)
         Part by part.
     harm : float
@@ -252,10 +253,11 @@ def share_of(
     misfit = above_noise(whole, parts, columns)
     share = float(gain.sum() / misfit.sum())
     harm = float(np.maximum(-gain, 0.0).sum() / misfit.sum())
-    count = len(parts)
+    known = gain != 0.0
+    count, seen = int(np.count_nonzero(known)), float(misfit[known].sum())
     if count < 2:
         return Share(share, (-np.inf, np.inf), gain / misfit, harm)
-    without = (gain.sum() - gain) / (misfit.sum() - misfit)
+    without = (gain.sum() - gain[known]) / (seen - misfit[known]) * (seen / misfit.sum())
     spread = float(np.sqrt((count - 1) / count * np.sum((without - without.mean()) ** 2)))
     reach = _TWO_SIDED * spread
     return Share(share, (share - reach, share + reach), gain / misfit, harm)
