@@ -128,6 +128,8 @@ def test_loop_writes_recording_and_figure(whole: Run) -> None:
 @pytest.mark.slow
 def test_replay_of_the_loop_ends_at_the_estimates_of_the_summary(whole: Run) -> None:
     reader = RecordingReader(whole.folder / 'recording')
+    assert len(list(reader.messages(['wrench']))) == whole.summary['samples_sent']
+    assert whole.summary['samples_lost'] == 0  # in lockstep
     replay = RecordingReplay(reader, RecordingSource(), {})
     estimates = [estimate for batch in replay.estimates() for estimate, in batch]
     plant = json.loads((whole.folder / 'plant_summary.json').read_text())

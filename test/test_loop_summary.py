@@ -143,6 +143,16 @@ def test_configuration_gives_the_estimator_the_robot_of_the_plant(tmp_path: Path
     assert plant['seed'] == 3 and plant['summary_file'] == str(tmp_path / 'plant.json')
 
 
+def test_lockstep_loses_no_sample_to_quality_of_service(tmp_path: Path) -> None:
+    for lockstep in (False, True):
+        write_parameters(tmp_path / 'out.yaml', configure('sine', lockstep=lockstep), tmp_path)
+        for node in ('estimator_node', 'recorder_node'):
+            quality = [value for name, value in
+                       read_parameter_file(tmp_path / 'out.yaml', node).items()
+                       if name.startswith('qos_overrides.')]
+            assert quality == (['reliable'] * 3 if lockstep else [])
+
+
 def test_duration_beyond_one_experiment_repeats_it() -> None:
     once = configure('sine')
     twice = configure('sine', duration=2.0 * once.duration)

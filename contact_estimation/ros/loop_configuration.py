@@ -35,6 +35,9 @@ from ..reference.experiments import experiment_named, EXPERIMENTS
 from ..reference.reference_generator import refuse_double_tracking
 
 _LONGEST_S = 1e6
+_RELIABLY = {f'qos_overrides./{topic}.subscription.reliability': 'reliable'
+             for topic in ('wrench', 'joint_states', 'desired_trajectory')}
+"""What the plant offers; best effort, as of any robot, may lose samples of a busy machine."""
 
 
 def _names(*groups: type[ParameterGroup]) -> set[str]:
@@ -183,10 +186,11 @@ def write_parameters(
 
     """
     estimator, plant = (configuration.sections[f'{name}_node'] for name in ('estimator', 'plant'))
+    quality = _RELIABLY if plant.get('lockstep') else {}
     nodes = {
-        'estimator_node': estimator,
+        'estimator_node': {**quality, **estimator},
         'plant_node': {**plant, 'summary_file': str(plant_summary or '')},
-        'recorder_node': {'output': str(recording)},
+        'recorder_node': {**quality, 'output': str(recording)},
     }
     nested = {node: {'ros__parameters': dict(values)} for node, values in nodes.items()}
     path.write_text(yaml.safe_dump(nested, sort_keys=False))

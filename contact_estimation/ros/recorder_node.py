@@ -123,7 +123,8 @@ class RecorderNode(Node):
         self._writer = RecordingWriter.folder(own.output)
         self._data = RawSubscriptions(self)
         for topic, (type_name, qos) in recorded_topics(own.estimator).items():
-            self._data.subscribe(topic, type_name, qos, self._recording(topic, type_name, qos))
+            self._data.subscribe(topic, type_name, qos, self._recording(topic, type_name, qos),
+                                 overrides=qos is _ANY_QOS)
         self._thread = DataThread(self._data, self._failed)
         self.create_timer(_FLUSH_S, self._flush)
 
