@@ -27,6 +27,7 @@ from contact_estimation.diagnosis.conclude.candidates import (
     Reach,
     scaling_test,
 )
+from contact_estimation.diagnosis.conclude.naming import advice
 from contact_estimation.diagnosis.conclude.next_experiment import choose, Judge, reach_of
 from contact_estimation.diagnosis.conclude.result import Diagnosis
 from contact_estimation.diagnosis.fit.fitting import fit, residual_function
@@ -175,10 +176,20 @@ def test_models_that_are_the_same_are_not_promised_apart() -> None:
     assert proposal is not None and 'it is hard to tell' in proposal.text
 
 
+@pytest.mark.parametrize('touching, again', [(True, 'contact'), (False, 'motion')])
+def test_advice_does_not_deny_what_is_named(touching: bool, again: str) -> None:
+    effects = diagnosed('friction').effects
+    text = advice(effects, 'unexplained', touching)
+    assert text.startswith('coulomb_friction explains only a part of this. Repeat the same '
+                           f'{again} at half and at twice the speed')
+    assert advice([], 'unexplained', touching).startswith('No effect of the library')
+
+
 def test_unexplained_gets_two_depths_at_two_speeds(tmp_path: Path) -> None:
     proposal = choose(diagnosed('unknown'))
     assert proposal is not None
     assert 'half and twice the speed' in proposal.text
+    assert proposal.text.startswith('No effect of the library explains this. Press ')
     reach = reach_of(diagnosed('unknown'))
     positions = {segment.position for segment in written(proposal.experiment, tmp_path).segments}
     assert positions == {reach.start, reach.position(reach.depth),

@@ -41,6 +41,7 @@ class ContactOffset(ContactEffect):
     description = 'The surface is not where the model places it.'
     Parameters = ContactOffsetParameters
     either_sign = True
+    needs_spring = True
 
     def surface(self, t: Number, state: Any, m: Any) -> tuple[Any, Any]:
         """Return the constant shift; see `ContactEffect.surface`."""

@@ -57,6 +57,8 @@ class Effect(ABC):
         Whether the effect cannot be identified in a permanently attached environment.
     needs_penetration : bool
         Whether the law holds for x beyond x_e only, in a permanently attached environment too.
+    needs_spring : bool
+        Whether the effect is without one a constant force, or nothing at all.
     base_parameter : str
         Name of the parameter of the wall that describes the same physics; '' if there is none.
     is_series : bool
@@ -81,6 +83,7 @@ class Effect(ABC):
     in_logarithm: ClassVar[tuple[str, ...]] = ()
     needs_touch: ClassVar[bool] = False
     needs_penetration: ClassVar[bool] = False
+    needs_spring: ClassVar[bool] = False
     base_parameter: ClassVar[str] = ''
     is_series: ClassVar[bool] = False
     either_sign: ClassVar[bool] = False

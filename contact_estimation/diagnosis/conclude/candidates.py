@@ -213,8 +213,7 @@ def scaling_test(reach: Reach) -> Candidate:
     depths = (reach.depth, 0.5 * reach.depth)
     speeds = (0.5 * reach.touch_down_speed, 2.0 * reach.touch_down_speed)
     words = (
-        'No effect of the library explains this. Press '
-        f'{1e3 * depths[0]:.2g} and {1e3 * depths[1]:.2g} mm deep, each at up to '
+        f'Press {1e3 * depths[0]:.2g} and {1e3 * depths[1]:.2g} mm deep, each at up to '
         f'{speeds[0]:.2g} and {speeds[1]:.2g} m/s (half and twice the speed of the present '
         'touch-downs): residuals that grow with depth point to the spring, with speed to damping '
         'or sensor timing, with neither to friction or an offset.'

@@ -122,7 +122,9 @@ def conclude(fitted: Fitted, seed: int, progress: Progress) -> Diagnosis:
         damping=Value(best.model.damping, stds[1], 'N s/m'),
         noise_floor=float(np.mean([one.force_noise for one in recordings])),
         force=force, motion=motion, improvement=improvement, holdouts=by_part(parts),
-        next_experiment=advice(names.effects, verdict), rivals=names.rivals,
+        next_experiment=advice(
+            names.effects, verdict, models[0].nominal.environment.unilateral),
+        rivals=names.rivals,
         evidence=selection.evidence, residual_power=best.cost / best.residual_count,
         predictable=decision.predictable,
         dependences={name: dependences(whole[0], by_name[name], generator)

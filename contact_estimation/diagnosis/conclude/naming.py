@@ -151,7 +151,7 @@ def _alike(
     return alike[:_MOST_RIVALS]
 
 
-def advice(names: Sequence[NamedEffect], verdict: str) -> str:
+def advice(names: Sequence[NamedEffect], verdict: str, touching: bool) -> str:
     """
     Recommend what to run next.
 
@@ -161,6 +161,8 @@ def advice(names: Sequence[NamedEffect], verdict: str) -> str:
         Of the diagnosis.
     verdict : str
         Of the diagnosis.
+    touching : bool
+        Whether the environment is touched and left; False if it is permanently attached.
 
     Returns
     -------
@@ -172,9 +174,32 @@ def advice(names: Sequence[NamedEffect], verdict: str) -> str:
     if pairs:
         return f'To tell {pairs}, run an experiment in which their predictions differ most.'
     if verdict == 'unexplained':
-        return ('No effect of the library explains this. Repeat the same contact at half and at '
-                'twice the speed and depth: how the residuals scale shows what is missing.')
+        again = 'contact at half and at twice the speed and depth' if touching else (
+            'motion at half and at twice the speed and amplitude')
+        return (f'{what_is_explained(names)} Repeat the same {again}: how the residuals scale '
+                'shows what is missing.')
     return ''
+
+
+def what_is_explained(names: Sequence[NamedEffect]) -> str:
+    """
+    Say how far the library explains a mismatch whose verdict is 'unexplained'.
+
+    Parameters
+    ----------
+    names : sequence of NamedEffect
+        Of the diagnosis.
+
+    Returns
+    -------
+    sentence : str
+        One sentence.
+
+    """
+    if not names:
+        return 'No effect of the library explains this.'
+    verb = 'explains' if len(names) == 1 else 'explain'
+    return f'{" and ".join(effect.name for effect in names)} {verb} only a part of this.'
 
 
 def indistinguishable_pairs(names: Sequence[NamedEffect]) -> str:

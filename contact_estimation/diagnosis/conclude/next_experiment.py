@@ -30,7 +30,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .candidates import Candidate, candidates, Reach, scaling_test
-from .naming import indistinguishable_pairs
+from .naming import indistinguishable_pairs, what_is_explained
 from .result import Diagnosis
 from ..fit.criteria import THRESHOLD
 from ..fit.fitting import differentiate_by, residual_function
@@ -108,7 +108,8 @@ def choose(diagnosis: Diagnosis) -> Proposal | None:
         return _separating(diagnosis)
     if diagnosis.verdict == 'unexplained':
         candidate = scaling_test(reach_of(diagnosis))
-        return Proposal(candidate.words, candidate.experiment)
+        words = f'{what_is_explained(diagnosis.effects)} {candidate.words}'
+        return Proposal(words, candidate.experiment)
     return None
 
 

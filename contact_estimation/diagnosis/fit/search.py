@@ -55,7 +55,8 @@ def candidates_for(model: Model, with_robot: bool, pressed: bool = False) -> lis
     -------
     names : list of str
         In the order of the registry; effects of touching only for a unilateral wall, those of
-        penetration also for an attached one that is only pressed.
+        penetration also for an attached one that is only pressed, those of a spring not for a
+        drive, whose K_e is 0.
 
     """
     wall = model.nominal.environment
@@ -65,6 +66,7 @@ def candidates_for(model: Model, with_robot: bool, pressed: bool = False) -> lis
         and (with_robot or not issubclass(cls, RobotEffect))
         and (wall.unilateral or not cls.needs_touch)
         and (wall.unilateral or pressed or not cls.needs_penetration)
+        and (wall.unilateral or wall.stiffness or not cls.needs_spring)
         and not (cls.base_parameter == 'inertia' and model.with_inertia)
     ]
 
