@@ -67,6 +67,8 @@ WINDOW = 30  # samples under way at once: less than any queue holds
 FRAME = 'tool'
 JOINT = 'contact_x'
 ESTIMATES = ('stiffness', 'damping')
+RELIABLE = {f'qos_overrides./{topic}.subscription.reliability': 'reliable'
+            for topic in ('wrench', 'joint_states', 'desired_trajectory')}
 _KNOCK_S = 0.02
 _NUMBERS = count()
 _QOS = QoSProfile(depth=2000)
@@ -168,8 +170,13 @@ def run_module(folder: Path, module: str, *arguments: str) -> Finished:
 
 
 def node_process(folder: Path, node: str, **parameters: Any) -> ModuleProcess:
-    """Start a node; double underscores stand for the dots of parameter names."""
+    """
+    Start a node; double underscores stand for the dots of parameter names.
+
+    It subscribes reliably: a busy machine loses samples of best effort, and tests compare all.
+    """
     named = {name.replace('__', '.'): value for name, value in parameters.items()}
+    named = {**(RELIABLE if node != 'plant_node' else {}), **named}
     return ModuleProcess(folder, f'ros.{node}', *parameter_arguments(named))
 
 

@@ -30,8 +30,6 @@ messages = pytest.importorskip('lifecycle_msgs.msg')
 pytestmark = pytest.mark.slow
 
 SAMPLES = contact_samples(1.0)
-RELIABLE = {f'qos_overrides./{topic}.subscription.reliability': 'reliable'
-            for topic in ('wrench', 'joint_states')}  # it then tells what has arrived
 PATIENCE = Duration(seconds=PATIENCE_S)
 Transition = messages.Transition
 
@@ -51,7 +49,7 @@ def change(peer: Peer, transition: int) -> bool:
 
 
 def test_managed_node_estimates_only_while_it_is_active(tmp_path: Path, peer: Peer) -> None:
-    with node_process(tmp_path, 'managed_estimator_node', **RELIABLE) as node:
+    with node_process(tmp_path, 'managed_estimator_node') as node:
         assert change(peer, Transition.TRANSITION_CONFIGURE)
         assert change(peer, Transition.TRANSITION_ACTIVATE)
         peer.meet()

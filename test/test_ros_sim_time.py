@@ -16,6 +16,7 @@
 
 from __future__ import annotations
 
+from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -48,6 +49,17 @@ class Simulator(Listener):
         """Return the last report; None before the first."""
         return next(reversed(self.heard['diagnostics'].values()), None)
 
+    def meet(self) -> int:
+        """Advance the clock until a report has come, and return the time after it [ns]."""
+        times = count(10**12, STEP_NS)
+
+        def reported() -> bool:
+            self.clock.publish(clock_messages.Clock(clock=to_stamp(next(times))))
+            return self.newest() is not None
+
+        self.spin_until(reported, 'the first report')
+        return next(times)
+
     def advance_to(self, now_ns: int) -> None:
         """Set the clock and wait until the node reports at that time: its timer follows it."""
         def reported() -> bool:
@@ -71,7 +83,8 @@ def test_latency_is_that_of_the_simulated_clock(tmp_path: Path) -> None:
     with node_process(tmp_path, 'estimator_node', use_sim_time=True, diagnostics_rate=10.0):
         simulator = Simulator()
         try:
-            for now_ns in range(10**12, 10**12 + 5 * STEP_NS, STEP_NS):
+            begin_ns = simulator.meet()
+            for now_ns in range(begin_ns, begin_ns + 5 * STEP_NS, STEP_NS):
                 simulator.advance_to(now_ns)
                 simulator.measure(now_ns - LATE_NS)
             simulator.advance_to(now_ns + STEP_NS)
