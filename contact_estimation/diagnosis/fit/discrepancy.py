@@ -43,6 +43,7 @@ CHANNELS = 2
 force has its motion only, which then comes first."""
 
 _OUTLIER = 5.0  # standard deviations beyond which a residual counts as one at that distance
+_REWEIGHTED = 5  # times; the discrepancy and its weights depend on each other
 _MOST_LAGS = 200
 _WIDENED = 0.75  # with 1 the innovations would be little but the noise of the position
 _MATERIAL = 0.006  # of the range of the force
@@ -69,7 +70,7 @@ def with_discrepancy(recording: PreparedRecording, model: Model) -> PreparedReco
     if plain.driven_by_force(model):
         plain, unknown = _widened(plain, model)
     left = plain.split(residuals(plain, model, robust=False))
-    stds = [_std(part, channel) for part, channel in zip(left, plain.channels(model))]
+    stds = [std_beyond_noise(part, channel) for part, channel in zip(left, plain.channels(model))]
     if plain.driven_by_force(model):
         return replace(plain, motion_discrepancy=stds[0], force_discrepancy=unknown)
     return replace(plain, force_discrepancy=stds[0], motion_discrepancy=sum(stds[1:]))
@@ -228,16 +229,37 @@ def has_discrepancy(recordings: Recordings) -> bool:
     return any(one.force_discrepancy > 0.0 or one.motion_discrepancy > 0.0 for one in recordings)
 
 
-def _std(left: Array, channel: Channel) -> float:
-    """Return the standard deviation of block means beyond the noise, robust to outliers."""
+def std_beyond_noise(left: Array, channel: Channel) -> float:
+    """
+    Estimate the standard deviation of block means beyond the noise, robust to outliers.
+
+    Where the noise differs from block to block, those count most that tell most (DerSimonian and
+    Laird 1986).
+
+    Parameters
+    ----------
+    left : ndarray, shape (blocks,)
+        Residuals of the channel, in standard deviations.
+    channel : Channel
+        Without a discrepancy.
+
+    Returns
+    -------
+    std : float
+        In the unit of the channel's noise; 0 where the noise explains all.
+
+    """
     there = channel.filled
-    means = (left * channel.noise / np.sqrt(np.maximum(channel.counts, 1.0)))[there]
-    noise = channel.noise**2 / channel.counts[there]
-    if not len(means):
+    if not there.any():
         return 0.0
-    variance = float(np.mean(means**2))
-    variance = float(np.mean(np.minimum(means**2, _OUTLIER**2 * variance)))
-    return float(np.sqrt(max(variance - float(np.mean(noise)), 0.0)))
+    noise = channel.noise_of_means[there] ** 2
+    squares = left[there] ** 2 * noise
+    unknown = max(float(np.mean(squares - noise)), 0.0)
+    squares = np.minimum(squares, _OUTLIER**2 * (noise + unknown))
+    for _ in range(_REWEIGHTED):
+        weights = (noise + unknown) ** -2.0
+        unknown = max(float(weights @ (squares - noise) / weights.sum()), 0.0)
+    return float(np.sqrt(unknown))
 
 
 def correlation_time(left: Array) -> float:

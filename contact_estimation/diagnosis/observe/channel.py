@@ -36,7 +36,7 @@ class Channel:
     noise : float
         Standard deviation of the error of a correct model, a sample [N] or [m].
     spread : ndarray, shape (N,)
-        Factor by which jitter of the stamps widens the noise of each sample.
+        Factor by which jitter of the stamps widens the noise of each sample, not the discrepancy.
     use : ndarray of bool, shape (N,)
         Samples that count.
     block : int
@@ -69,6 +69,20 @@ class Channel:
         counts = np.maximum(self.counts, 1.0)
         return np.hypot(self.noise * np.sqrt(counts), self.discrepancy * counts)
 
+    @cached_property
+    def noise_of_means(self) -> Array:
+        """Return the standard deviation by noise of each block's mean, shape (blocks,)."""
+        counts = np.maximum(self.counts, 1.0)
+        inverse = sum_blocks(self.use / self.spread, self.block) + ~self.filled
+        return np.asarray(self.noise * np.sqrt(counts) / inverse)
+
+    @cached_property
+    def _weights(self) -> Array:
+        """Return the weight of each sample in the mean of its block, shape (N,)."""
+        unknown = self.discrepancy * np.sqrt(self.block)
+        widened = np.hypot(self.noise * self.spread, unknown)
+        return np.asarray(np.hypot(self.noise, unknown) / widened * self.use)
+
     @property
     def error(self) -> float:
         """Return the standard deviation of a sample: noise and discrepancy."""
@@ -87,8 +101,8 @@ class Channel:
     @property
     def noise_share(self) -> Array:
         """Part of the variance of each block's mean that is noise, shape (blocks,)."""
-        counts = np.maximum(self.counts, 1.0)
-        return np.asarray(self.noise**2 * counts / self._sum_std**2 * self.filled)
+        noise = self.noise_of_means**2
+        return np.asarray(noise / (noise + self.discrepancy**2) * self.filled)
 
     def average(self, error: Array) -> Array:
         """
@@ -105,7 +119,7 @@ class Channel:
             In standard deviations of a block's mean; 0 for empty blocks.
 
         """
-        return sum_blocks(error / self.spread * self.use, self.block) / self._sum_std
+        return sum_blocks(error * self._weights, self.block) / self._sum_std
 
 
 def sum_blocks(signal: Array, block: int) -> Array:

@@ -1,0 +1,76 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""What a channel counts as noise, and what beyond it as a discrepancy."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from contact_estimation.diagnosis.fit.discrepancy import std_beyond_noise
+from contact_estimation.diagnosis.observe.channel import Channel
+import numpy as np
+from numpy.typing import NDArray
+import pytest
+
+COUNT, NOISE, UNKNOWN = 24_000, 0.02, 0.5
+
+
+def channel(spread: NDArray[np.float64], block: int, discrepancy: float = 0.0) -> Channel:
+    """Make a channel of which a tenth of the samples do not count."""
+    use = np.random.default_rng(2).random(COUNT) > 0.1
+    return Channel(NOISE, spread, use, block, discrepancy)
+
+
+def errors(spread: NDArray[np.float64], block: int, unknown: float) -> NDArray[np.float64]:
+    """Draw noise, and a discrepancy that is the same throughout a block."""
+    rng = np.random.default_rng(1)
+    same = np.repeat(rng.normal(size=COUNT // block), block)
+    return NOISE * spread * rng.normal(size=COUNT) + unknown * same
+
+
+@pytest.mark.parametrize('block', [1, 8])
+@pytest.mark.parametrize('widest', [1.0, 150.0])
+@pytest.mark.parametrize('unknown', [0.0, UNKNOWN])
+def test_residuals_have_variance_one(block: int, widest: float, unknown: float) -> None:
+    spread = np.repeat(np.geomspace(1.0, widest, COUNT // block), block)
+    found = channel(spread, block, unknown)
+    left = found.average(errors(spread, block, unknown))[found.filled]
+    assert np.mean(left**2) == pytest.approx(1.0, abs=0.06)
+
+
+@pytest.mark.parametrize('block', [1, 8])
+@pytest.mark.parametrize('widest', [1.0, 150.0])
+def test_discrepancy_is_found_beside_noise_of_any_spread(block: int, widest: float) -> None:
+    spread = np.repeat(np.geomspace(1.0, widest, COUNT // block), block)
+    plain = channel(spread, block)
+    assert std_beyond_noise(
+        plain.average(errors(spread, block, UNKNOWN)), plain) == pytest.approx(UNKNOWN, rel=0.06)
+    assert std_beyond_noise(
+        plain.average(errors(spread, block, 0.0)), plain) < 0.3 * NOISE
+
+
+def test_jitter_does_not_hide_samples_whose_error_is_not_noise() -> None:
+    spread = np.where(np.arange(COUNT) % 2, 100.0, 1.0)  # noise of 2 and of 0.02
+    gross = replace(channel(spread, 1), use=np.ones(COUNT, dtype=bool), discrepancy=50.0)
+    even, odd = gross.average(np.ones(COUNT))[:2]
+    assert odd == pytest.approx(even, rel=1e-3)
+    assert gross.noise_share[:2] == pytest.approx([1.6e-7, 1.6e-3], rel=0.01)
+
+
+def test_empty_blocks_have_no_residual() -> None:
+    nothing = replace(channel(np.ones(COUNT), 8), use=np.zeros(COUNT, dtype=bool))
+    assert not nothing.average(np.ones(COUNT)).any()
+    assert not nothing.noise_share.any()
+    assert std_beyond_noise(np.zeros(COUNT // 8), nothing) == 0.0
