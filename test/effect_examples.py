@@ -54,6 +54,7 @@ EXAMPLES: dict[str, tuple[float, ...]] = {
     'unloading_hysteresis': (0.4,),
     'tool_inertia': (2.0,),
     'force_lag': (0.02,),
+    'force_creep': (0.1, 0.5),
     'force_delay': (0.0123,),
     'force_bias': (3.0,),
     'force_drift': (-2.0,),

@@ -183,6 +183,7 @@ SENSED: dict[str, Any] = {
     'settling_bias': lambda t, F, a, change, tau, bias: F + bias + change * np.exp(-t / tau),
     'force_saturation': lambda t, F, a, limit: np.minimum(limit, np.maximum(-limit, F)),
     'force_delay': lambda t, F, a, delay: np.interp(t - delay, t, F),
+    'force_creep': lambda t, F, a, share, tau: F + share * SENSED['force_lag'](t, F, a, tau),
     'force_lag': lambda t, F, a, tau: F[0] + followed(
         lambda y, k: y + (t[1] - t[0]) / tau * (F[k] - F[0] - y), len(t)),
 }

@@ -74,6 +74,7 @@ WORLDS: dict[str, tuple[float, ...]] = {
     'unloading_hysteresis': (0.15,),
     'tool_inertia': (1.0,),
     'force_lag': (0.006,),
+    'force_creep': (0.1, 0.4),
     'force_delay': (0.006,),
     'force_bias': (2.0,),
     'force_drift': (0.3,),

@@ -45,6 +45,7 @@ VANISHING = {  # where 0 or the neutral value is out of range, or another has to
     'viscoelastic_relaxation': {'physics__viscoelastic_relaxation__tau': 1.0},
     'fractional_relaxation': {'physics__fractional_relaxation__alpha': 0.5},
     'settling_bias': {'physics__settling_bias__tau': 1.0},
+    'force_creep': {'physics__force_creep__tau': 1.0},
     'dmt_adhesion': {'physics__dmt_adhesion__reach': 1.0},
     'force_saturation': {'physics__force_saturation__limit': 1e9},
     'actuator_saturation': {'physics__actuator_saturation__limit': 1e5},

@@ -33,6 +33,7 @@ from .effect import Effect
 from .environment_inertia import EnvironmentInertia
 from .exponential_stiffness import ExponentialStiffness
 from .force_bias import ForceBias
+from .force_creep import ForceCreep
 from .force_delay import ForceDelay
 from .force_drift import ForceDrift
 from .force_lag import ForceLag
@@ -85,6 +86,7 @@ EFFECTS: dict[str, type[Effect]] = {
     'tool_inertia': ToolInertia,
     'force_lag': ForceLag,
     'force_delay': ForceDelay,
+    'force_creep': ForceCreep,
     'force_bias': ForceBias,
     'force_drift': ForceDrift,
     'settling_bias': SettlingBias,

@@ -1,0 +1,95 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Creep of the force sensor."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.random import Generator
+
+from .force_lag import ForceLag
+from .numeric import Array
+from .random_strength import log_uniform, Strength
+from .scales import Scales
+from ..parameters.specification import optional_parameter, ParameterGroup
+
+_FASTEST_S = 0.05  # of creep; what is faster is dynamics of the sensor
+
+
+@dataclass(frozen=True)
+class ForceCreepParameters(ParameterGroup):
+    """Parameters of `ForceCreep`."""
+
+    share: float = optional_parameter(
+        'Force that appears in time, as a share of that at once', '1', minimum=0.0)
+    tau: float = optional_parameter('Time constant of the creep', 's', minimum=0.0)
+
+
+class ForceCreep(ForceLag):
+    """
+    F + share y, tau y' + y = F.
+
+    Bartel and Yaniv, J. Research of the National Bureau of Standards 102(3), 1997: creep of load
+    cells. A sensor whose force decays (share < 0) cannot be told from a wall that relaxes.
+
+    """
+
+    name = 'force_creep'
+    equation = "F_measured = F_e + share y, tau y' + y = F_e"
+    family = 'relaxation'
+    description = 'The force sensor creeps: part of a force appears with time.'
+    Parameters = ForceCreepParameters
+
+    def sense(self, t: float, dt: float, force: float, acceleration: float) -> float:
+        """Add the part that follows; see `ForceSensorEffect.sense`."""
+        return force + float(self.values.share * super().sense(t, dt, force, acceleration))
+
+    def sense_along(self, t: Array, force: Array, acceleration: Array) -> Array:
+        """Add the part that follows; see `ForceSensorEffect.sense_along`."""
+        return np.asarray(force + self.values.share * super().sense_along(t, force, acceleration))
+
+    def undo_along(self, t: Array, measured: Array) -> Array:
+        """Invert the discrete filter; see `ForceSensorEffect.undo_along`."""
+        from scipy.signal import lfilter, lfilter_zi  # slow to import, and no node needs it
+
+        decay, begin, end = self._weights(float(t[1] - t[0]))
+        share = self.values.share
+        system = [1.0, -decay], [1.0 + share * end, share * begin - decay]
+        rest = lfilter_zi(*system) * measured[0]
+        return np.asarray(lfilter(*system, measured, zi=rest)[0])
+
+    @classmethod
+    def plausible(cls, values: Any) -> bool:
+        """Return whether a sensor creeps so slowly."""
+        return bool(values.tau > _FASTEST_S)
+
+    @classmethod
+    def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
+        """Spread tau; the law is linear in the share."""
+        return [(0.05, tau) for tau in scales.time_constants()[::2]]
+
+    @classmethod
+    def largest(cls, scales: Scales) -> float:
+        """Return a half."""
+        return 0.5
+
+    @classmethod
+    def draw(cls, scales: Scales, rng: Generator) -> Strength:
+        """Draw tau."""
+        tau = log_uniform(rng, 0.02, 0.2) * scales.duration
+        return lambda s: {'share': 0.5 * s, 'tau': tau}
