@@ -44,6 +44,7 @@ _PROMISING, _ASSESSED = 0.4, 12  # of the largest gain in the fit, to be assesse
 # What a curve that fits almost anything must show.
 _FLEXIBLE_SHARE, _FLEXIBLE_HARM = 0.85, 0.01
 _OF_SERIES = 0.8  # share of the gain of a series that a law of its family must have
+_BESIDE_ZEROS = 3  # laws that are tried for each offset that the model lacks
 _WEAK = 0.15  # share of the misfit that one size for all parts fits, of a law that holds in form
 
 FLEXIBLE_LEAD = 0.15
@@ -148,6 +149,12 @@ def _first_that_predicts(
             beside = best if resembles_zero(best.name) else zeros.beside(best)
             if beside is not None:
                 return beside
+    # Where neither a law nor an offset predicts enough alone, both together may.
+    laws = [one for one in candidates if not one.flexible and not resembles_zero(one.name)]
+    for one in sorted(laws, key=lambda one: one.total)[:_BESIDE_ZEROS * len(zeros.names)]:
+        beside = zeros.beside(one)
+        if beside is not None and len(beside.found.model.effects) > len(one.found.model.effects):
+            return beside
     return None
 
 
