@@ -183,6 +183,13 @@ def test_effects_act_in_the_order_of_the_registry() -> None:
     assert chain == ['tool_inertia', 'force_saturation']
 
 
+def test_creep_beyond_the_force_itself_is_implausible() -> None:
+    model = Model.of(nominal())
+    assert model.with_effect('force_creep', (0.2, 3.0)).plausible()
+    assert not model.with_effect('force_creep', (80.0, 8.0)).plausible()
+    assert not model.with_effect('force_creep', (0.2, 0.001)).plausible()
+
+
 def test_friction_that_rises_is_implausible() -> None:
     model = Model.of(nominal())
     assert model.with_effect('stribeck_friction', (1.0, 2.0, 0.01)).plausible()

@@ -75,8 +75,8 @@ class ForceCreep(ForceLag):
 
     @classmethod
     def plausible(cls, values: Any) -> bool:
-        """Return whether a sensor creeps so slowly."""
-        return bool(values.tau > _FASTEST_S)
+        """Return whether a sensor creeps so slowly, and by less than the force itself."""
+        return bool(values.tau > _FASTEST_S and values.share < 1.0)
 
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
