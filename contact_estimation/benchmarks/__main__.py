@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Benchmarks of node, estimators and replay, each against a reference in the same run."""
+"""Benchmarks of node, estimators, replay and view, each against a reference in the same run."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from ..estimation.parameters import EstimationParameters
 from ..estimators import ESTIMATORS
 from ..exceptions import ParameterRangeError
 
-BENCHMARKS = ('estimators', 'node', 'replay')
+BENCHMARKS = ('estimators', 'node', 'watch', 'replay')
 _DEFAULT = EstimationParameters().estimator
 _CONTACTS = ('mixed', 'always')
 
@@ -37,18 +37,19 @@ def make_parser() -> Parser:
         prog='benchmarks',
         description='Measure run times and their ratios to a reference measured in the same run: '
         "estimators against filterpy's KalmanFilter, the node against an rclpy node that only "
-        'echoes, replay against rosbags deserialising the same file. Other load on the machine '
-        'affects all times; the ratios are the most robust.',
+        'echoes, the loop with a live view against that without, replay against rosbags '
+        'deserialising the same file. Other load on the machine affects all times; the ratios are '
+        'the most robust.',
     )
     parser.add_argument(
         'which', nargs='*', metavar='BENCHMARK', help='any of ' + ', '.join(BENCHMARKS) + ' (all)'
     )
     parser.add_argument('--json', metavar='FILE', help='write all results as JSON')
-    parser.add_argument('--rounds', type=int, help='repetitions (node 2, replay 3)')
-    node = parser.add_argument_group('node')
+    parser.add_argument('--rounds', type=int, help='repetitions (node and watch 2, replay 3)')
+    node = parser.add_argument_group('node and watch')
     node.add_argument('--seconds', type=float, default=15.0, help='duration of each run [s] (15)')
     node.add_argument('--estimator', choices=tuple(ESTIMATORS), default=_DEFAULT,
-                      help=f'estimator of the node ({_DEFAULT})')
+                      help=f'estimator of the node, but for watch ({_DEFAULT})')
     replay = parser.add_argument_group('replay')
     replay.add_argument('--recording',
                         help='recording with wrench and joint_states (a simulated one)')
@@ -111,6 +112,10 @@ def _run_one(name: str, options: Any) -> dict[str, Any]:
         from .node_benchmark import run_node_benchmark
 
         return run_node_benchmark(options.seconds, options.rounds or 2, options.estimator)
+    if name == 'watch':
+        from .watch_benchmark import run_watch_benchmark
+
+        return run_watch_benchmark(options.seconds, options.rounds or 2)
     if name == 'replay':
         from .replay_benchmark import run_replay_benchmark
 

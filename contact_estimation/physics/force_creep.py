@@ -22,7 +22,8 @@ from typing import Any
 import numpy as np
 from numpy.random import Generator
 
-from .force_lag import ForceLag
+from .force_lag import ForceLag, ForceLagParameters
+from .force_sensor_effect import ForceSensorEffect
 from .numeric import Array
 from .random_strength import log_uniform, Strength
 from .scales import Scales
@@ -40,7 +41,7 @@ class ForceCreepParameters(ParameterGroup):
     tau: float = optional_parameter('Time constant of the creep', 's', minimum=0.0)
 
 
-class ForceCreep(ForceLag):
+class ForceCreep(ForceSensorEffect):
     """
     F + share y, tau y' + y = F.
 
@@ -55,19 +56,26 @@ class ForceCreep(ForceLag):
     description = 'The force sensor creeps: part of a force appears with time.'
     Parameters = ForceCreepParameters
 
+    memory = True
+
+    def __init__(self, values: ForceCreepParameters) -> None:
+        super().__init__(values)
+        self._lag = ForceLag(ForceLagParameters(tau=values.tau))
+
     def sense(self, t: float, dt: float, force: float, acceleration: float) -> float:
         """Add the part that follows; see `ForceSensorEffect.sense`."""
-        return force + float(self.values.share * super().sense(t, dt, force, acceleration))
+        return force + float(self.values.share * self._lag.sense(t, dt, force, acceleration))
 
     def sense_along(self, t: Array, force: Array, acceleration: Array) -> Array:
         """Add the part that follows; see `ForceSensorEffect.sense_along`."""
-        return np.asarray(force + self.values.share * super().sense_along(t, force, acceleration))
+        followed = self._lag.sense_along(t, force, acceleration)
+        return np.asarray(force + self.values.share * followed)
 
     def undo_along(self, t: Array, measured: Array) -> Array:
         """Invert the discrete filter; see `ForceSensorEffect.undo_along`."""
         from scipy.signal import lfilter, lfilter_zi  # slow to import, and no node needs it
 
-        decay, begin, end = self._weights(float(t[1] - t[0]))
+        decay, begin, end = self._lag.weights(float(t[1] - t[0]))
         share = self.values.share
         system = [1.0, -decay], [1.0 + share * end, share * begin - decay]
         rest = lfilter_zi(*system) * measured[0]

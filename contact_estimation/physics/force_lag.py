@@ -55,7 +55,7 @@ class ForceLag(ForceSensorEffect):
 
     def sense(self, t: float, dt: float, force: float, acceleration: float) -> float:
         """Filter F, interpolated linearly; see `ForceSensorEffect.sense`."""
-        decay, begin, end = self._weights(dt)
+        decay, begin, end = self.weights(dt)
         y = force if self._y is None else decay * self._y + begin * self._last + end * force
         self._y, self._last = y, force
         return y
@@ -64,7 +64,7 @@ class ForceLag(ForceSensorEffect):
         """Filter F, interpolated linearly; see `ForceSensorEffect.sense_along`."""
         from scipy.signal import lfilter  # slow to import, and no node needs it
 
-        decay, begin, end = self._weights(float(t[1] - t[0]))
+        decay, begin, end = self.weights(float(t[1] - t[0]))
         push = np.concatenate(([force[0]], begin * force[:-1] + end * force[1:]))
         return np.asarray(lfilter([1.0], [1.0, -decay], push))
 
@@ -72,8 +72,21 @@ class ForceLag(ForceSensorEffect):
         """Return tau y' + y from central differences; see `ForceSensorEffect.undo_along`."""
         return np.asarray(measured + self.values.tau * np.gradient(measured, t))
 
-    def _weights(self, dt: float) -> tuple[float, float, float]:
-        """Solve the equation over a step: y = decay y_0 + begin F_0 + end F_1."""
+    def weights(self, dt: float) -> tuple[float, float, float]:
+        """
+        Solve the equation over a step: y = decay y_0 + begin F_0 + end F_1.
+
+        Parameters
+        ----------
+        dt : float
+            The step [s].
+
+        Returns
+        -------
+        decay, begin, end : float
+            Weights of the last y and of the forces [1].
+
+        """
         tau = self.values.tau
         if dt <= 0.0 or tau < 1e-3 * dt:
             return 0.0, 0.0, 1.0

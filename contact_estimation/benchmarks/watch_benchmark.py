@@ -1,0 +1,117 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The estimator node of the loop with a live view and without."""
+
+from __future__ import annotations
+
+from functools import partial
+import json
+import os
+from pathlib import Path
+from statistics import median
+import subprocess
+import sys
+from tempfile import TemporaryDirectory
+import time
+from typing import Any, Iterator
+
+from .cpu_meter import CpuMeter, process_cpu_s
+from .table import print_table
+from ..exceptions import ContactEstimationError
+
+_NODE = 'estimator_node'
+_SAMPLING_S = 0.05
+
+
+def run_watch_benchmark(seconds: float, rounds: int) -> dict[str, Any]:
+    """
+    Alternate `loop` and `loop --watch`, in turn the one and the other first.
+
+    Parameters
+    ----------
+    seconds : float
+        Duration of each run [s].
+    rounds : int
+        Pairs of runs.
+
+    Returns
+    -------
+    results : dict
+        `runs`, one entry per run; `ratio`, of the estimator's CPU load with the view to that
+        without, a median over the pairs.
+
+    """
+    runs: list[dict[str, Any]] = []
+    for number in range(rounds):
+        for watched in (False, True) if number % 2 == 0 else (True, False):
+            runs.append({'round': number, **_run_once(watched, seconds)})
+    loads = [[run['cpu_percent'] for run in runs if run['watched'] == watched]
+             for watched in (True, False)]
+    ratio = median(with_view / without for with_view, without in zip(*loads))
+    print_table(f'watch: {_NODE} in the loop; CPU in % of one core', runs)
+    print(f'CPU load of {_NODE} with the view, relative to that without: {ratio:.3f}')
+    return {'runs': runs, 'ratio': ratio}
+
+
+def _run_once(watched: bool, seconds: float) -> dict[str, Any]:
+    with TemporaryDirectory() as folder:
+        output = Path(folder) / 'out'
+        words = ['--output', str(output), '--duration', f'{seconds:.3f}']
+        if watched:
+            words += ['--watch', str(Path(folder) / 'view.rrd')]
+        loop = subprocess.Popen(
+            [sys.executable, '-m', 'contact_estimation.commands.loop', *words],
+            stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
+            env={**os.environ, 'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST',
+                 'ROS_DOMAIN_ID': str(1 + os.getpid() % 100)})
+        meter: CpuMeter | None = None
+        while loop.poll() is None:
+            if meter is None:
+                meter = next((CpuMeter(partial(process_cpu_s, pid))
+                              for pid in _descendants(loop.pid) if _runs(pid, _NODE)), None)
+            else:
+                meter.sample()
+            time.sleep(_SAMPLING_S)
+        said = loop.stderr.read().decode() if loop.stderr else ''
+        if loop.returncode or meter is None:
+            raise ContactEstimationError(f'loop ended with {loop.returncode}: {said.strip()}')
+        summary = json.loads((output / 'plant_summary.json').read_text())
+        begin_ns = summary['begin_stamp_ns']
+        return {
+            'watched': watched,
+            'cpu_percent': meter.percent(begin_ns, begin_ns + round(seconds * 1e9)),
+            **{f'latency_ms_{name}': summary['latency_ms'][name]
+               for name in ('p50', 'p99', 'max')},
+            'sent': summary['samples_sent'],
+            'lost': summary['samples_lost'],
+        }
+
+
+def _descendants(pid: int) -> Iterator[int]:
+    try:
+        children = Path(f'/proc/{pid}/task/{pid}/children').read_text().split()
+    except OSError:  # it has ended
+        return
+    for child in map(int, children):
+        yield child
+        yield from _descendants(child)
+
+
+def _runs(pid: int, word: str) -> bool:
+    """Return whether a word is an argument of a process."""
+    try:
+        return word.encode() in Path(f'/proc/{pid}/cmdline').read_bytes()
+    except OSError:
+        return False
