@@ -16,8 +16,11 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+from typing import Any
+
 from concealed_worlds import ATTACHED, attached, nominal, physics, prepared_from, recorded
-from contact_estimation.diagnosis.fit.candidate import assess
+from contact_estimation.diagnosis.fit.candidate import assess, Candidate
 from contact_estimation.diagnosis.fit.criteria import predicts_enough
 from contact_estimation.diagnosis.fit.discrepancy import (
     correlation_time,
@@ -36,6 +39,7 @@ from contact_estimation.diagnosis.fit.invariance import (
     values_on,
 )
 from contact_estimation.diagnosis.fit.parts import evened, Part, parts_of
+from contact_estimation.diagnosis.fit.ranking import first_that_predicts
 from contact_estimation.diagnosis.observe.model import Model
 from contact_estimation.diagnosis.observe.prepared_recording import PreparedRecording
 import numpy as np
@@ -164,6 +168,22 @@ def test_an_uncertain_share_is_enough_where_the_effect_harms_no_part() -> None:
     uncertain = Share(0.4, (0.05, 0.75), np.array([0.9, 0.0, 0.1]))
     assert predicts_enough(uncertain, uncertain)
     assert not predicts_enough(uncertain._replace(harm=0.1), uncertain)
+
+
+@pytest.mark.parametrize('needs_bias', [True, False])
+def test_a_law_that_predicts_too_little_alone_is_tried_beside_a_bias(needs_bias: bool) -> None:
+    parts = [part_of(str(k), np.arange(4) == k)._replace(noise=np.zeros(2)) for k in range(4)]
+    before = np.tile([100.0, 0.0], (4, 1))
+    model = Model.of(nominal()).with_effect('coulomb_friction', (1.0,))
+
+    def candidate(share: float, found: Model) -> Candidate:
+        return Candidate(Fit(found, 0.0, np.zeros(4), 4), (1.0 - share) * before, None, False)
+
+    alone = candidate(0.25, model)
+    beside = candidate(0.7, model.with_effect('force_bias', (1.0,)) if needs_bias else model)
+    zeros: Any = SimpleNamespace(parts=parts, names=('force_bias',), beside=lambda one: beside)
+    taken = first_that_predicts([], [alone], zeros, before, before)
+    assert taken is (beside if needs_bias else None)
 
 
 def test_discrepancy_brings_every_channel_to_variance_one() -> None:

@@ -114,7 +114,7 @@ def rank_by_prediction(
         for channel, group in promising.items():
             candidates = assess(recordings, group, parts, before, channel)
             assessed += candidates
-            enough = _first_that_predicts(recordings, candidates, zeros, before, whole)
+            enough = first_that_predicts(recordings, candidates, zeros, before, whole)
             taken += [] if enough is None else [enough]
     if not taken and only_zeros:  # only the main misfit is worth a law that holds in form alone
         for channel, every in groups.items():
@@ -133,11 +133,30 @@ def rank_by_prediction(
     return Ranking([best.found, *(one.found for one in rest)])
 
 
-def _first_that_predicts(
+def first_that_predicts(
     recordings: Recordings, candidates: Sequence[Candidate], zeros: Zeros, before: Array,
     whole: Array,
 ) -> Candidate | None:
-    """Return the best candidate, or the best zero, if it predicts enough; else None."""
+    """
+    Take the best candidate, or the best zero, if it predicts enough; else one beside the zeros.
+
+    Parameters
+    ----------
+    recordings : sequence of PreparedRecording
+        With a discrepancy.
+    candidates : sequence of Candidate
+        For the next effect.
+    zeros : Zeros
+        Beside the present model.
+    before, whole : ndarray, shape (parts, CHANNELS)
+        Errors of the present and of the recalibrated model.
+
+    Returns
+    -------
+    candidate : Candidate or None
+        With the zeros that it needs; None if none predicts enough.
+
+    """
     for laws in (candidates, [one for one in candidates if resembles_zero(one.name)]):
         best = _choose(laws, before, zeros.parts)
         if best is None:
