@@ -124,6 +124,18 @@ def test_held_out_block_lies_where_the_rest_has_been_too() -> None:
     assert np.flatnonzero(hold_out(MODEL, o).samples)[0] >= 400
 
 
+def test_where_the_motion_comes_late_blocks_have_equal_paths() -> None:
+    t = np.linspace(0.0, 50.0, 5001)
+    x = 0.01 * np.sin(12.0 * t) * np.maximum(t - 42.0, 0.0) / 8.0  # a growing cyclic test
+    nothing = np.zeros(len(t))
+    o = Observed(t, 0.01, -5000.0 * x, np.ones(len(t), bool), x, x, nothing, nothing, None, 1e-6,
+                 20.0)
+    held = np.flatnonzero(hold_out(Model.of(nominal(**ATTACHED)), o).samples)
+    path = np.abs(np.diff(x, append=x[-1]))
+    assert path[held].sum() == pytest.approx(0.2 * path.sum(), rel=0.02)
+    assert np.max(np.abs(x[held])) < 0.95 * np.max(np.abs(x))
+
+
 def test_of_an_attached_wall_a_late_block_is_held_out() -> None:
     recording, model = prepared_from(attached(), nominal(**ATTACHED))
     samples = hold_out(model, recording.observed).samples

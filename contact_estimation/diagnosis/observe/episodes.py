@@ -33,6 +33,7 @@ _LEAST_CONTACT_S = 0.2
 _FEW = 3  # episodes, from which on a whole one can be spared
 _STILL = 0.3  # of the longest path of a block: less motion tells little
 _NEAR = 0.02  # of the range: such places are the same
+_MOSTLY_LATE = 0.5  # of the path in the last block: such a test grows
 _BLOCKS = 5  # of a single episode or an attached wall; the fourth is held out
 
 
@@ -115,7 +116,9 @@ def hold_out(model: Model, observed: Observed) -> HeldOut:
 
     Never the deepest episode, which would be extrapolation; the middle one, or the one before it.
     One or two episodes give a block of the last one's second half, where possible one with motion
-    and at depths that occur in the rest too: a law is not known from half of two touches.
+    and at depths that occur in the rest too: a law is not known from half of two touches. Blocks
+    have the same duration or, where most of the motion comes late, as with growing amplitudes, the
+    same path.
 
     Parameters
     ----------
@@ -144,20 +147,24 @@ def hold_out(model: Model, observed: Observed) -> HeldOut:
         samples[first:stop] = True
         return HeldOut(f'episode {chosen + 1}', samples)
     first, stop = found[-1] if found else (0, len(o.t))
+    travel = np.concatenate(([0.0], np.cumsum(np.abs(np.diff(o.x[first:stop])))))
     block = (stop - first) // _BLOCKS
-    begins = [stop - k * block for k in (2, 1, 3)]
-    moved = [float(np.sum(np.abs(np.diff(o.x[begin:begin + block])))) for begin in begins]
-    known = [begin for begin in begins if _visited(o.x, begin, block)]
-    moving = [begin for begin, path in zip(begins, moved) if path >= _STILL * max(moved)]
-    begin = next(iter([begin for begin in known if begin in moving] or known or begins))
-    samples[begin:begin + block] = True
+    edges = stop - block * np.arange(_BLOCKS, -1, -1)
+    if travel[edges[-2] - first] < (1.0 - _MOSTLY_LATE) * travel[-1]:
+        edges[:-1] = first + np.searchsorted(travel, travel[-1] * np.arange(_BLOCKS) / _BLOCKS)
+    blocks = [(int(edges[-k - 1]), int(edges[-k])) for k in (2, 1, 3)]
+    moved = [travel[end - 1 - first] - travel[begin - first] for begin, end in blocks]
+    known = [pair for pair in blocks if _visited(o.x, *pair)]
+    moving = [pair for pair, path in zip(blocks, moved) if path >= _STILL * max(moved)]
+    begin, end = next(iter([pair for pair in known if pair in moving] or known or blocks))
+    samples[begin:end] = True
     digits = max(1, 1 + ceil(-log10(o.pace)))
-    return HeldOut(f'{o.t[begin]:.{digits}f} to {o.t[begin + block - 1]:.{digits}f} s', samples)
+    return HeldOut(f'{o.t[begin]:.{digits}f} to {o.t[end - 1]:.{digits}f} s', samples)
 
 
-def _visited(x: Array, begin: int, block: int) -> bool:
+def _visited(x: Array, begin: int, end: int) -> bool:
     """Return whether most places of a block are visited elsewhere too."""
-    rest = np.sort(np.concatenate((x[:begin], x[begin + block:])))
-    here, near = x[begin:begin + block], _NEAR * float(np.ptp(x))
+    rest = np.sort(np.concatenate((x[:begin], x[end:])))
+    here, near = x[begin:end], _NEAR * float(np.ptp(x))
     count = np.searchsorted(rest, here + near) - np.searchsorted(rest, here - near)
     return float(np.mean(count > 0)) > 0.5
