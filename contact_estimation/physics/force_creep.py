@@ -30,6 +30,7 @@ from .scales import Scales
 from ..parameters.specification import optional_parameter, ParameterGroup
 
 _FASTEST_S = 0.05  # of creep; what is faster is dynamics of the sensor
+_LONGEST = 0.2  # of the recording
 
 
 @dataclass(frozen=True)
@@ -87,6 +88,11 @@ class ForceCreep(ForceSensorEffect):
         return bool(values.tau > _FASTEST_S and values.share < 1.0)
 
     @classmethod
+    def is_flexible(cls, values: Any, duration: float) -> bool:
+        """Is one that is still going on at the end: a zero that settles looks the same."""
+        return bool(values.tau > _LONGEST * duration)
+
+    @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """Spread tau; the law is linear in the share."""
         return [(0.05, tau) for tau in scales.time_constants()[::2]]
@@ -99,5 +105,5 @@ class ForceCreep(ForceSensorEffect):
     @classmethod
     def draw(cls, scales: Scales, rng: Generator) -> Strength:
         """Draw tau."""
-        tau = log_uniform(rng, 0.02, 0.2) * scales.duration
+        tau = log_uniform(rng, 0.02, 0.15) * scales.duration
         return lambda s: {'share': 0.5 * s, 'tau': tau}
