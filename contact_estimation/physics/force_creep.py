@@ -30,7 +30,7 @@ from .scales import Scales
 from ..parameters.specification import optional_parameter, ParameterGroup
 
 _FASTEST_S = 0.05  # of creep; what is faster is dynamics of the sensor
-_LONGEST = 0.2  # of the recording
+_LONGEST = 0.1  # of the recording
 
 
 @dataclass(frozen=True)
@@ -105,5 +105,5 @@ class ForceCreep(ForceSensorEffect):
     @classmethod
     def draw(cls, scales: Scales, rng: Generator) -> Strength:
         """Draw tau."""
-        tau = log_uniform(rng, 0.02, 0.15) * scales.duration
+        tau = log_uniform(rng, 0.01, 0.08) * scales.duration
         return lambda s: {'share': 0.5 * s, 'tau': tau}
