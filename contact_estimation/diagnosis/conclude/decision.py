@@ -103,7 +103,9 @@ def decide(
     if best.model.effects:
         progress('shares')
         in_form = selection.in_form if selection.in_form in best.model.effects else ''
-        shares = shares_of(recordings, base.model, best.model, in_form)
+        together = [name for name in best.model.effects if name in selection.pair]
+        shares = shares_of(recordings, base.model, best.model, in_form,
+                           together if len(together) > 1 else ())
         exact = not has_discrepancy(recordings)
         doubtful = [name for name in best.model.effects if name != in_form and (
             not shares.agrees(name)

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Sequence
+from typing import NamedTuple, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,6 +36,7 @@ from ..fit.invariance import (
     values_on,
 )
 from ..fit.parts import above_noise, evened, Part, parts_of
+from ..fit.zeros import with_zeros
 from ..observe.model import Model, names_of
 from ..observe.prepared_recording import Recordings
 from ...physics import EFFECTS
@@ -67,7 +68,8 @@ class Shares:
     of_channel : dict of str to Share
         The same of the misfit in the channel by which the effect is judged.
     beside : dict of str to Share
-        In that channel, what the model with all other named effects leaves beyond that.
+        In that channel, what the model with all other named effects leaves beyond that; of both
+        laws of a pair, what both predict.
     in_form : dict of str to Share
         Of the effect that holds in form alone: what it explains with its size free on each part.
 
@@ -126,7 +128,8 @@ class Shares:
 
 
 def shares_of(
-    recordings: Recordings, base: Model, best: Model, in_form: str = ''
+    recordings: Recordings, base: Model, best: Model, in_form: str = '',
+    pair: Sequence[str] = (),
 ) -> Shares:
     """
     Compute the shares of all effects of a model.
@@ -139,6 +142,9 @@ def shares_of(
         Recalibrated, and with effects in the order in which they were taken.
     in_form : str
         The last effect, if it holds in form alone.
+    pair : sequence of str
+        Two effects in a row that predict only together; each has the mean of its shares alone and
+        beside the other (Shapley value).
 
     Returns
     -------
@@ -148,25 +154,54 @@ def shares_of(
     """
     carried = weighed(recordings, base)
     first = fit(carried, base)
-    parts = parts_of(carried, first)
+    parts = parts_of(carried, fit(carried, with_zeros(base, best)))  # as when they were taken
     parts, base_errors = evened(parts, left_out_errors(carried, first, parts))
     errors = base_errors
     model, found, shares, of_channel = base, first, dict[str, Share](), dict[str, Share]()
     channels = {name: channel_of(name) if judged_by_channel(carried, base) else None
                 for name in best.effects}
+    steps = dict[str, _Step]()
     for name in best.effects:
         model = model.with_effect(name, best.values[best.place(name)])
         start = best if model.effects == best.effects else model
         found = fit(carried, start)
         before, errors = errors, left_out_errors(carried, found, parts, errors)
+        steps[name] = _Step(found, before, errors)
         shares[name] = share_of(before, errors, parts, base_errors)
         of_channel[name] = share_of(before, errors, parts, base_errors, channels[name])
     beside = {best.effects[-1]: of_channel[best.effects[-1]]}
     for name in best.effects[:-1]:
         without = left_out_errors(carried, fit(carried, best.without(name)), parts, base_errors)
         beside[name] = share_of(without, errors, parts, base_errors, channels[name])
+    if pair:
+        outset, both = steps[pair[0]].before, steps[pair[1]].after
+        gains = _gains_of_pair(carried, parts, steps[pair[0]], steps[pair[1]])
+        for name, gain in zip(pair, gains):
+            shares[name] = share_of(outset, outset - gain, parts, base_errors)
+            of_channel[name] = share_of(outset, outset - gain, parts, base_errors, channels[name])
+            beside[name] = share_of(outset, both, parts, base_errors, channels[name])
     own = dict[str, Share]()
     if in_form:
         free = errors_with_own_size(carried, found, parts)
         own[in_form] = share_of(before, free, parts, base_errors, channels[in_form])
     return Shares(carried, parts, base_errors, found, errors, shares, of_channel, beside, own)
+
+
+class _Step(NamedTuple):
+    """A fit with one more effect, and the errors on parts left out before and with it."""
+
+    found: Fit
+    before: Array
+    after: Array
+
+
+def _gains_of_pair(
+    recordings: Recordings, parts: Sequence[Part], first: _Step, second: _Step
+) -> tuple[Array, Array]:
+    """Return what each law of a pair takes away, on average over their order; never harm alone."""
+    outset, both = first.before, second.after
+    other = fit(recordings, second.found.model.without(first.found.model.effects[-1]))
+    without_second = np.minimum(first.after, outset)
+    without_first = np.minimum(left_out_errors(recordings, other, parts, outset), outset)
+    change = 0.5 * (without_first - without_second)
+    return 0.5 * (outset - both) + change, 0.5 * (outset - both) - change

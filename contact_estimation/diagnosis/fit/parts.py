@@ -93,14 +93,14 @@ def parts_of(recordings: Recordings, found: Fit) -> list[Part]:
     -------
     parts : list of Part
         Contacts with the free flight around them; blocks of equal duration where there are few
-        contacts or a permanently attached wall. Where one of those blocks has nearly all of the
-        misfit, a single event, each part is a set of shorter blocks spread over the recording.
+        contacts or a permanently attached wall; of the motion, free flight belongs to the nearest
+        of them. Where one of those blocks has nearly all of the misfit, a single event, each part
+        is a set of shorter blocks spread over the contact.
 
     """
     parts = _parts_of(recordings, found.model, 1)
     misfit = np.array([part.squares(found.residuals).sum() for part in parts])
-    blocks = all(len(episodes(found.model, one.observed)) < 2 for one in recordings)
-    if blocks and misfit.max(initial=0.0) > _EVENT * misfit.sum():
+    if misfit.max(initial=0.0) > _EVENT * misfit.sum():
         return _parts_of(recordings, found.model, _PIECES)
     return parts
 
@@ -116,8 +116,9 @@ def _parts_of(recordings: Recordings, model: Model, pieces: int) -> list[Part]:
         weights = np.repeat(_weights(one, model), one.block_count)
         channel = np.repeat(np.arange(len(channels)), one.block_count)
         prefix = f'{one.name}, ' if len(recordings) > 1 else ''
-        for name, blocks in _divide(one, model, least, pieces):
-            here = np.tile(blocks, len(channels)) & filled
+        for name, blocks, flight in _divide(one, model, least, pieces):
+            of_channel = [blocks, blocks | flight][:len(channels)]  # flight tells of the robot
+            here = np.concatenate(of_channel) & filled
             if np.count_nonzero(here) >= _LEAST_RESIDUALS:
                 there = np.zeros(total, bool)
                 there[begin:begin + len(here)] = here
@@ -138,8 +139,8 @@ def _weights(one: PreparedRecording, model: Model) -> Array:
 
 def _divide(
     one: PreparedRecording, model: Model, least: int, pieces: int
-) -> list[tuple[str, Flags]]:
-    """Name the parts of one recording and find their blocks."""
+) -> list[tuple[str, Flags, Flags]]:
+    """Name the parts of one recording, find their blocks, and those of free flight beside."""
     o, count = one.observed, one.block_count
     fitted = one.blocks(one.use.astype(float)) > 0.0
     found = [(first, stop) for first, stop in episodes(model, o)
@@ -154,8 +155,10 @@ def _divide(
         numbers = [k for k, pair in enumerate(episodes(model, o)) if pair in found]
         return _between([f'episode {k + 1}' for k in numbers], found, count, one.block)
     number = -(-max(least, _LEAST_PARTS if not found else 2) // max(len(found), 1))
-    parts: list[tuple[str, Flags]] = []
-    for first, stop in found or [(0, len(o.t))]:
+    spans = found or [(0, len(o.t))]
+    around = [blocks for _, blocks, _ in _between(['' for _ in spans], spans, count, one.block)]
+    parts: list[tuple[str, Flags, Flags]] = []
+    for (first, stop), near in zip(spans, around):
         inside = np.zeros(count, bool)
         inside[first // one.block:-(-stop // one.block)] = True
         split = np.array_split(np.flatnonzero(inside & fitted), number * pieces)
@@ -166,21 +169,24 @@ def _divide(
             places = np.flatnonzero(blocks)
             if len(places):
                 begin, end = places[0] * one.block_s, (places[-1] + 1) * one.block_s
-                every = f', every {number}th part' if pieces > 1 else ''
-                parts.append((f'{begin:.3g} to {end:.3g} s{every}', blocks))
+                every = f', 1 piece in {number}' if pieces > 1 else ''
+                flight = near & ~inside
+                flight[:places[0]] &= k == 0
+                flight[places[-1]:] &= k == number - 1
+                parts.append((f'{begin:.3g} to {end:.3g} s{every}', blocks, flight))
     return parts
 
 
 def _between(
     names: Sequence[str], spans: Sequence[tuple[int, int]], count: int, block: int
-) -> list[tuple[str, Flags]]:
+) -> list[tuple[str, Flags, Flags]]:
     """Extend each span by half the gap to its neighbours."""
     edges = [(stop + first) // 2 // block for (_, stop), (first, _) in zip(spans, spans[1:])]
     parts = []
     for name, first, stop in zip(names, [0, *edges], [*edges, count]):
         blocks = np.zeros(count, bool)
         blocks[first:stop] = True
-        parts.append((name, blocks))
+        parts.append((name, blocks, np.zeros(count, bool)))
     return parts
 
 

@@ -32,6 +32,7 @@ from .discrepancy import CHANNELS, costs_by_channel, material, noise_by_channel
 from .fitting import Fit, fit
 from .form import law_in_form
 from .invariance import channel_of, judged_by_channel, left_out_errors, share_of
+from .pairs import pairs_that_predict
 from .parts import evened, Part, parts_of
 from .zeros import is_zero, resembles_zero, with_zeros, ZEROS, Zeros
 from ..observe.model import Model
@@ -62,11 +63,14 @@ class Ranking(NamedTuple):
         little.
     in_form : bool
         Whether the first holds in form alone: its size differs from part to part.
+    pair : tuple of str
+        The last two effects of the first, if they predict only together.
 
     """
 
     found: list[Fit]
     in_form: bool = False
+    pair: tuple[str, ...] = ()
 
 
 def rank_by_prediction(
@@ -116,16 +120,22 @@ def rank_by_prediction(
             assessed += candidates
             enough = first_that_predicts(recordings, candidates, zeros, before, whole)
             taken += [] if enough is None else [enough]
-    if not taken and only_zeros:  # only the main misfit is worth a law that holds in form alone
+    best = min(taken, key=lambda one: one.total, default=None)
+    if best is None and only_zeros:  # only the main misfit is worth a law that holds in form alone
         for channel, every in groups.items():
             weak = [one for one in _promising(recordings, present, every, channel, _WEAK)
                     if all(one is not other for other in promising[channel])]
             assessed += assess(recordings, weak, parts, before, channel)
         law = law_in_form(recordings, assessed, parts, before)
-        return Ranking([law.found], True) if law else Ranking([])
-    if not taken:
+        if law is not None:
+            return Ranking([law.found], True)
+    if only_zeros and (best is None or resembles_zero(best.name)):
+        pairs = pairs_that_predict(recordings, present, found, parts, before, best)
+        if pairs:
+            fits = [pair.found for pair in pairs]
+            return Ranking(fits, pair=fits[0].model.effects[-2:])
+    if best is None:
         return Ranking([])
-    best = min(taken, key=lambda one: one.total)
     most = best.total + ADEQUATE * (float(before.sum()) - best.total)
     rest = sorted((one for one in assessed
                    if one.name != best.name and not one.flexible and one.total <= most),
@@ -218,7 +228,9 @@ def _choose(
     adequate = [one for one in laws if one.total <= winner.total + ADEQUATE * gain]
     attached = not winner.found.model.nominal.environment.unilateral
     if attached and winner.name == 'contact_offset':  # of a spring: the same as a force
-        winner = next((one for one in adequate if one.name == 'force_bias'), winner)
+        alike = (1.0 + ADEQUATE) * winner.found.cost
+        winner = next((one for one in laws
+                       if one.name == 'force_bias' and one.found.cost <= alike), winner)
     simpler = [one for one in adequate if one.size < winner.size]
     return min(simpler, key=lambda one: (one.size, one.total), default=winner)
 

@@ -63,6 +63,8 @@ class Selection(NamedTuple):
         Share of the misfit above the noise that one effect alone takes away, by name.
     in_form : str
         The effect that holds in form alone, its size differing from part to part; '' if none.
+    pair : tuple of str
+        Two effects that predict only together; () if none.
 
     """
 
@@ -72,6 +74,7 @@ class Selection(NamedTuple):
     rivals: Rivals
     evidence: dict[str, float]
     in_form: str = ''
+    pair: tuple[str, ...] = ()
 
 
 def select(
@@ -99,6 +102,7 @@ def select(
 
     """
     best, evidence, rivals, in_form = base, dict[str, float](), Rivals(), ''
+    pair: tuple[str, ...] = ()
     while _law_count(best.model) < MOST_EFFECTS and not _is_explained(recordings, base, best):
         carried, present = _carried(recordings, best)
         found = search(carried, present, progress)
@@ -123,6 +127,7 @@ def select(
             ranked = ranking.found
             if _is_curve(recordings, ranked[0]):
                 ranked = _law_instead(carried, present, base, ranked, progress)
+            pair = pair or ranking.pair
             best = fit(recordings, ranked[0].model)
             rivals[best.model.effects[-1]] = ranked[1:]
             if ranking.in_form:  # what its size leaves would be taken for something else
@@ -134,7 +139,7 @@ def select(
         return Selection(recordings, base, best, rivals, evidence)
     carried, best = weigh(recordings, best)
     best = _without_trifles(carried, best)
-    return Selection(carried, fit(carried, base.model), best, rivals, evidence, in_form)
+    return Selection(carried, fit(carried, base.model), best, rivals, evidence, in_form, pair)
 
 
 def fitted_again(recordings: Recordings, selection: Selection) -> Selection:

@@ -1,0 +1,123 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Soft materials: an elastic law and a loss of which neither predicts parts left out alone."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+from concealed_worlds import diagnosed, nominal, prepared_from
+from contact_estimation.diagnosis.conclude.result import Diagnosis
+from contact_estimation.diagnosis.conclude.shares import Shares, shares_of
+from contact_estimation.diagnosis.fit.discrepancy import weighed
+from contact_estimation.diagnosis.fit.fitting import Fit, fit
+from contact_estimation.diagnosis.fit.invariance import left_out_errors
+from contact_estimation.diagnosis.fit.pairs import pairs_that_predict
+from contact_estimation.diagnosis.fit.parts import above_noise, evened, parts_of
+from contact_estimation.diagnosis.fit.search import search
+from contact_estimation.diagnosis.observe.prepared_recording import PreparedRecording
+from contact_estimation.diagnosis.observe.signals import Signals
+from contact_estimation.physics import EFFECTS
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+MODEL = nominal(environment__stiffness=15.0, environment__damping=50.0,
+                environment__unilateral=False)
+RATE_HZ, DEPTH, TAU_S = 20.0, 0.04, 10.0
+PAIR = ('power_law_stiffness', 'viscoelastic_relaxation')
+
+
+@lru_cache(maxsize=None)
+def pulled(elastic: bool, loss: bool, back_s: float = 30.0) -> Signals:
+    """Stretch a strip once in 45 s and let it back; its force also strays by 1 % of its range."""
+    t = np.arange(round((45.0 + back_s) * RATE_HZ)) / RATE_HZ
+    x = DEPTH * np.interp(t, (0.0, 45.0, 45.0 + back_s), (0.0, 1.0, 0.0))
+    branch = lfilter([1.0, -1.0], [1.0, -np.exp(-1.0 / (RATE_HZ * TAU_S))], x)
+    force = 2.2 * x**0.5 if elastic else 15.0 * x
+    force = force + (20.0 * branch if loss else 0.0)
+    random = np.random.default_rng(2)
+    force += 0.004 * np.sin(0.4 * t) * np.sin(1.1 * t) + random.normal(0.0, 5e-4, len(t))
+    return Signals(t, -force, t, x, np.empty(0), np.empty((4, 0)))
+
+
+@lru_cache(maxsize=None)
+def prepared(elastic: bool, loss: bool) -> tuple[PreparedRecording, Fit]:
+    """Prepare it with what the recalibrated model leaves as a discrepancy."""
+    recording, model = prepared_from(pulled(elastic, loss), MODEL)
+    carried, = weighed([recording], fit([recording], model).model)
+    return carried, fit([carried], model)
+
+
+@lru_cache(maxsize=None)
+def diagnosis(back_s: float = 30.0) -> Diagnosis:
+    return diagnosed(pulled(True, True, back_s), MODEL)
+
+
+def chosen(elastic: bool, loss: bool) -> tuple[str, ...]:
+    """Return the pair that is taken."""
+    recording, base = prepared(elastic, loss)
+    parts = parts_of([recording], base)
+    parts, before = evened(parts, left_out_errors([recording], base, parts))
+    found = search([recording], base, lambda name: None)
+    pairs = pairs_that_predict([recording], base, found, parts, before, None)
+    return pairs[0].found.model.effects if pairs else ()
+
+
+def test_both_laws_are_named() -> None:
+    assert {effect.family for effect in diagnosis().effects} == {'elastic_law', 'relaxation'}
+    assert diagnosis().verdict == 'physics_missing'
+
+
+def test_memory_of_time_and_of_path_are_the_same_at_one_speed() -> None:
+    loss, = (one for one in diagnosis(back_s=45.0).effects if one.family != 'elastic_law')
+    assert {loss.name, *loss.indistinguishable_from} == {
+        'presliding_friction', 'viscoelastic_relaxation'}
+
+
+def test_pair_is_taken_where_both_laws_are_missing() -> None:
+    assert [EFFECTS[name].family for name in chosen(True, True)] == ['elastic_law', 'relaxation']
+
+
+@pytest.mark.parametrize('elastic, loss', [(True, False), (False, True)])
+def test_no_pair_is_taken_where_one_law_is_missing(elastic: bool, loss: bool) -> None:
+    assert chosen(elastic, loss) == ()
+
+
+def of_pair() -> Shares:
+    """Compute the shares of the right pair."""
+    recording, base = prepared(True, True)
+    model = base.model.with_effect(PAIR[0], (0.5, 2.0)).with_effect(PAIR[1], (20.0, TAU_S))
+    return shares_of([recording], base.model, fit([recording], model).model, pair=PAIR)
+
+
+def test_shares_of_a_pair_do_not_depend_on_the_order_and_add_up() -> None:
+    shares = of_pair()
+    first, second = (shares.of[name].share for name in PAIR)
+    recording, base = shares.recordings, shares.base
+    misfit = above_noise(base, shares.parts).sum()
+
+    def left(*names: str) -> float:
+        model = shares.best.model
+        for name in set(PAIR) - set(names):
+            model = model.without(name)
+        errors = left_out_errors(recording, fit(recording, model), shares.parts, base)
+        return float(np.minimum(errors, base).sum()) / misfit
+
+    none, both = float(base.sum()) / misfit, left(*PAIR)
+    assert first == pytest.approx(
+        0.5 * (none - left(PAIR[0]) + left(PAIR[1]) - both), abs=0.02)
+    assert first + second == pytest.approx(shares.explained, abs=0.02)
+    assert shares.sure(PAIR[0]) == shares.sure(PAIR[1]) > 0.5
