@@ -27,7 +27,7 @@ ROOT = Path(contact_estimation.__file__).parent
 LAYERS = [
     'exceptions', 'figures', 'scheduling', 'parameters', 'messages', 'recordings', 'signals',
     'kinematics', 'foreign_laws', 'physics', 'reference', 'estimators', 'estimation', 'plant',
-    'several_points', 'reproduction',
+    'reproduction',
     'diagnosis.observe', 'diagnosis.fit', 'diagnosis.conclude', 'diagnosis.report',
     'diagnosis.report.page', 'blind_trials',
     'fleet', 'fleet.page', 'watch', 'ros', 'commands', 'benchmarks',
