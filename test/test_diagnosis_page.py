@@ -23,11 +23,11 @@ from pathlib import Path
 import subprocess
 import sys
 
+from contact_estimation.diagnosis.checks.check import Check
 from contact_estimation.diagnosis.conclude.location import Location
 from contact_estimation.diagnosis.conclude.refusal import refuse
 from contact_estimation.diagnosis.conclude.result import Remainder
 from contact_estimation.diagnosis.fit.discrepancy import without_discrepancy
-from contact_estimation.diagnosis.observe.checks.check import Check
 from contact_estimation.diagnosis.observe.model import Model
 from contact_estimation.diagnosis.report.number_format import plain, with_std
 from contact_estimation.diagnosis.report.page import builder
