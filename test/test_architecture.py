@@ -30,7 +30,7 @@ LAYERS = [
     'reproduction',
     'diagnosis.observe', 'diagnosis.checks', 'diagnosis.fit', 'diagnosis.conclude',
     'diagnosis.report', 'diagnosis.report.page', 'blind_trials',
-    'fleet', 'fleet.page', 'watch', 'ros', 'commands', 'benchmarks',
+    'fleet', 'fleet.page', 'watch', 'ros', 'commands', 'benchmarks', 'benchmarks.arms',
 ]
 
 
