@@ -41,8 +41,8 @@ setup(
     packages=find_packages(include=[package_name, package_name + '.*']),
     package_data={
         package_name: ['py.typed'],
-        package_name + '.diagnosis.report.page': ['templates/*'],
-        package_name + '.fleet.page': ['templates/*'],
+        package_name + '.diagnosis.report.page': ['*.css', '*.html'],
+        package_name + '.fleet.page': ['*.html'],
     },
     data_files=[
         ('share/ament_index/resource_index/packages', ['resource/' + package_name]),

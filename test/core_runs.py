@@ -24,6 +24,7 @@ from contact_estimation.estimation.parameters import EstimationParameters
 from contact_estimation.estimation.pipeline import EstimationPipeline
 from contact_estimation.estimation.result import Result
 from contact_estimation.estimation.session import ContactSession
+from contact_estimation.estimators.contact_model import kelvin_voigt_force
 from contact_estimation.estimators.estimate import Estimate
 from contact_estimation.parameters.values import build
 from contact_estimation.plant.closed_loop import run_closed_loop
@@ -31,7 +32,6 @@ from contact_estimation.plant.plant_parameters import PlantParameters
 from contact_estimation.plant.world import Truth
 from contact_estimation.reference.experiments import experiment_named
 from contact_estimation.reference.quintic import quintic
-from contact_estimation.several_points.contact_model import kelvin_voigt_force
 from contact_estimation.signals.contact_sample import ContactSample
 from core_steps import estimate_after
 import numpy as np

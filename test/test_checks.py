@@ -20,10 +20,10 @@ from types import SimpleNamespace
 from typing import Any, Callable, Mapping
 
 from concealed_worlds import ATTACHED, attached, nominal, physics, recorded
+from contact_estimation.diagnosis.checks import check, CHECKS, clock_offset, examine
+from contact_estimation.diagnosis.checks.check import Check
+from contact_estimation.diagnosis.checks.evidence import Lag
 from contact_estimation.diagnosis.conclude.diagnose import diagnose
-from contact_estimation.diagnosis.observe.checks import check, CHECKS, clock_offset, examine
-from contact_estimation.diagnosis.observe.checks.check import Check
-from contact_estimation.diagnosis.observe.checks.evidence import Lag
 from contact_estimation.diagnosis.observe.signals import Recording, Signals
 from contact_estimation.diagnosis.report.json_report import as_dict
 from contact_estimation.diagnosis.report.page.builder import as_html

@@ -16,8 +16,8 @@
 
 from __future__ import annotations
 
+from contact_estimation.estimators.contact_model import kelvin_voigt_force
 from contact_estimation.exceptions import ParameterRangeError, SignalShapeError
-from contact_estimation.several_points.contact_model import kelvin_voigt_force
 import numpy as np
 import pytest
 

@@ -19,9 +19,8 @@ from __future__ import annotations
 from math import hypot, tanh
 from typing import Any
 
-from contact_estimation.exceptions import ParameterRangeError, SignalShapeError
-from contact_estimation.several_points.contact_model import kelvin_voigt_force
-from contact_estimation.several_points.contact_points import (
+from contact_estimation.estimators.contact_model import kelvin_voigt_force
+from contact_estimation.estimators.contact_points import (
     contact_forces,
     ContactGeometry,
     force_regressor,
@@ -32,7 +31,8 @@ from contact_estimation.several_points.contact_points import (
     ToolMotion,
     total_wrench,
 )
-from contact_estimation.several_points.three_contacts_world import GEOMETRY, motion_at
+from contact_estimation.exceptions import ParameterRangeError, SignalShapeError
+from contact_estimation.reproduction.three_contacts_world import GEOMETRY, motion_at
 import numpy as np
 import pytest
 

@@ -19,22 +19,22 @@ from __future__ import annotations
 from functools import lru_cache
 from typing import Any, Sequence
 
-from contact_estimation.estimators.estimate import EstimateStatus
-from contact_estimation.exceptions import SignalShapeError
-from contact_estimation.several_points.contact_points import (
+from contact_estimation.estimators.contact_points import (
     contact_forces,
     ContactGeometry,
     force_regressor,
     point_motions,
     ToolMotion,
 )
-from contact_estimation.several_points.contact_points_estimator import (
+from contact_estimation.estimators.contact_points_estimator import (
     ContactPointsEstimate,
     ContactPointsEstimator,
     ContactPointsSample,
 )
-from contact_estimation.several_points.contact_points_parameters import ContactPointsParameters
-from contact_estimation.several_points.three_contacts_world import GEOMETRY, motion_at
+from contact_estimation.estimators.contact_points_parameters import ContactPointsParameters
+from contact_estimation.estimators.estimate import EstimateStatus
+from contact_estimation.exceptions import SignalShapeError
+from contact_estimation.reproduction.three_contacts_world import GEOMETRY, motion_at
 import numpy as np
 import pytest
 from scipy.optimize import least_squares

@@ -23,24 +23,25 @@ from pathlib import Path
 import subprocess
 import sys
 
+from contact_estimation.diagnosis.checks.check import Check
 from contact_estimation.diagnosis.conclude.location import Location
 from contact_estimation.diagnosis.conclude.refusal import refuse
 from contact_estimation.diagnosis.conclude.result import Remainder
 from contact_estimation.diagnosis.fit.discrepancy import without_discrepancy
-from contact_estimation.diagnosis.observe.checks.check import Check
 from contact_estimation.diagnosis.observe.model import Model
 from contact_estimation.diagnosis.report.number_format import plain, with_std
 from contact_estimation.diagnosis.report.page import builder
 from contact_estimation.diagnosis.report.page.builder import as_html, SECTIONS
 from contact_estimation.diagnosis.report.wording import headline, meaning
 from contact_estimation.exceptions import MissingPackageError
+from contact_estimation.fleet.page import builder as fleet_builder
 from contact_estimation.physics import EFFECTS
 from diagnosed_worlds import diagnosed, nominal
 import pytest
 
 NAMES = ('clean', 'stiffer', 'friction', 'unknown')
 VOID = {'meta', 'img'}  # elements without an end tag
-TEMPLATES = Path(builder.__file__).parent / 'templates'
+PAGES = [Path(module.__file__ or '').parent for module in (builder, fleet_builder)]
 ROOT = Path(__file__).resolve().parent.parent
 
 
@@ -186,8 +187,8 @@ def test_mean_square_is_not_compared_with_noise_beside_a_discrepancy() -> None:
 
 
 def test_every_section_has_a_template_and_every_template_is_used() -> None:
-    shared = {'page', 'figure'}
-    assert {path.stem for path in TEMPLATES.glob('*.html')} == {*SECTIONS, *shared}
+    templates = [{path.stem for path in page.glob('*.html')} for page in PAGES]
+    assert templates == [{*SECTIONS, 'page', 'figure'}, {*fleet_builder.SECTIONS}]
 
 
 @pytest.mark.slow
@@ -195,8 +196,8 @@ def test_templates_are_installed(tmp_path: Path) -> None:
     pytest.importorskip('setuptools')
     subprocess.run([sys.executable, 'setup.py', '-q', 'build_py', '--build-lib', str(tmp_path)],
                    cwd=ROOT, check=True, capture_output=True)
-    installed = tmp_path / TEMPLATES.relative_to(ROOT)
-    assert {path.name for path in installed.iterdir()} == {p.name for p in TEMPLATES.iterdir()}
+    files = [path for page in PAGES for path in page.glob('*.*')]
+    assert [path for path in files if not (tmp_path / path.relative_to(ROOT)).exists()] == []
 
 
 @pytest.mark.slow

@@ -19,13 +19,13 @@ from __future__ import annotations
 from functools import lru_cache
 from typing import Any
 
+from contact_estimation.estimators.contact_model import kelvin_voigt_force
 from contact_estimation.estimators.environment_parameters import EnvironmentParameters
 from contact_estimation.estimators.estimate import Frozen
 from contact_estimation.estimators.rls_adaptive import (
     AdaptiveLeastSquares,
     AdaptiveLeastSquaresParameters,
 )
-from contact_estimation.several_points.contact_model import kelvin_voigt_force
 from contact_estimation.signals.contact_sample import ContactSample
 from core_runs import contact_samples, estimates_of, pipeline_with
 from core_steps import known, learn

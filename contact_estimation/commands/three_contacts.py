@@ -27,10 +27,10 @@ from typing import Any, Mapping, Sequence
 import numpy as np
 
 from .command_line import command, Parser
-from ..several_points.contact_points_estimator import ContactPointsEstimate
-from ..several_points.three_contacts import ALL_TOUCH_S, errors_of, estimate, VARIANTS
-from ..several_points.three_contacts_figure import plot_three_contacts
-from ..several_points.three_contacts_world import (
+from ..estimators.contact_points_estimator import ContactPointsEstimate
+from ..reproduction.three_contacts import ALL_TOUCH_S, errors_of, estimate, VARIANTS
+from ..reproduction.three_contacts_figure import plot_three_contacts
+from ..reproduction.three_contacts_world import (
     B_E,
     DURATION,
     Instant,

@@ -17,4 +17,5 @@ The paper's tables and figures: its simulation (section 4) and its experiment (s
 
 `simulation_cases` run on the simulated plant, `testbed_cases` on a virtual testbed (`testbed_*`)
 that takes the place of the paper's robot and wall. `table` and `figures` run both.
+`three_contacts*` demonstrate eq. (6), which the paper derives for several contact points.
 """

@@ -24,6 +24,7 @@ import numpy as np
 from .conclusion import conclude, Fitted
 from .refusal import refuse
 from .result import Diagnosis
+from ..checks import examine
 from ..fit.criteria import penalty, SHARE, THRESHOLD
 from ..fit.discrepancy import has_discrepancy
 from ..fit.fitting import cost_of, Fit, fit
@@ -31,7 +32,6 @@ from ..fit.free_run import free_run
 from ..fit.model_uncertainty import discounted
 from ..fit.search import Progress
 from ..fit.selection import fitted_again, select, Selection
-from ..observe.checks import examine
 from ..observe.model import Model
 from ..observe.observed import observe
 from ..observe.parts import continuous_parts

@@ -20,7 +20,7 @@ from math import nan
 from typing import Sequence
 
 from .result import Diagnosis, Errors, Value
-from ..observe.checks.check import Check
+from ..checks.check import Check
 from ..observe.model import Model
 
 _NOTHING = Errors(None, None, None)

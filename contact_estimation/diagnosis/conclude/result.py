@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from .dependence import Dependence
 from .location import Location
-from ..observe.checks.check import Check
+from ..checks.check import Check
 from ..observe.model import Model
 from ..observe.prepared_recording import Recordings
 

@@ -67,7 +67,8 @@ def as_html(fleet: Fleet) -> str:
 
 
 def _environment() -> Environment:
-    loader = ChoiceLoader([PackageLoader(__package__), PackageLoader(diagnosis_page.__name__)])
+    loader = ChoiceLoader([PackageLoader(package, '.')
+                           for package in (__package__, diagnosis_page.__name__)])
     environment = Environment(
         loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True,
         lstrip_blocks=True, keep_trailing_newline=True,

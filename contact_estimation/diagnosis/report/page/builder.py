@@ -16,8 +16,8 @@
 """
 The report as one self-contained HTML page.
 
-Each section is a module of this package, which prepares its data, and a template of the same
-name.
+Each section is a module of this package, which prepares its data, and the template of the same
+name beside it.
 """
 
 from __future__ import annotations
@@ -96,7 +96,7 @@ def as_html(diagnosis: Diagnosis, title: str, experiment_file: str | None = None
 
 def _environment() -> Environment:
     environment = Environment(
-        loader=PackageLoader(__package__), autoescape=True, undefined=StrictUndefined,
+        loader=PackageLoader(__package__, '.'), autoescape=True, undefined=StrictUndefined,
         trim_blocks=True, lstrip_blocks=True, keep_trailing_newline=True,
     )
     environment.filters.update(

@@ -20,7 +20,7 @@ from __future__ import annotations
 from typing import Any
 
 from .inputs import Inputs
-from ...observe.checks.check import Check
+from ...checks.check import Check
 
 
 def prepare(inputs: Inputs) -> dict[str, Any] | None:

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from .check import Finding, of_families, Test
 from .evidence import Evidence
-from ....physics.numeric import stretches
+from ...physics.numeric import stretches
 
 Array = NDArray[np.float64]
 

@@ -36,9 +36,9 @@ from . import (
 )
 from .check import Check, Test
 from .evidence import Evidence
-from ..signals import check_signals, Recording
-from ....physics import EFFECTS
-from ....plant.plant_parameters import PlantParameters
+from ..observe.signals import check_signals, Recording
+from ...physics import EFFECTS
+from ...plant.plant_parameters import PlantParameters
 
 CHECKS: Mapping[str, Test] = {
     'sampling_rate': sampling_rate.TEST,

@@ -18,9 +18,9 @@ from __future__ import annotations
 
 from typing import NamedTuple, Sequence
 
-from .contact_points_estimator import ContactPointsEstimate, ContactPointsEstimator
-from .contact_points_parameters import ContactPointsParameters
 from .three_contacts_world import B_E, GEOMETRY, Instant, K_E, MU
+from ..estimators.contact_points_estimator import ContactPointsEstimate, ContactPointsEstimator
+from ..estimators.contact_points_parameters import ContactPointsParameters
 
 VARIANTS: dict[str, ContactPointsParameters] = {
     'friction estimated': ContactPointsParameters(),

@@ -21,7 +21,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .contact_points import (
+from ..estimators.contact_points import (
     Array,
     contact_forces,
     ContactGeometry,
@@ -29,7 +29,7 @@ from .contact_points import (
     ToolMotion,
     total_wrench,
 )
-from .contact_points_estimator import ContactPointsSample
+from ..estimators.contact_points_estimator import ContactPointsSample
 from ..reference.quintic import quintic
 
 K_E, B_E, MU = 4800.0, 200.0, 0.3

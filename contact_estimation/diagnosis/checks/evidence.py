@@ -23,12 +23,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import correlate, correlation_lags, savgol_filter
 
-from ..pace import pace_of
-from ..parts import continuous_parts
-from ..signals import LEAST_SAMPLES, Recording, Signals
-from ..smoothing import white_noise_std
-from ....physics.robot_law import RobotLaw
-from ....plant.plant_parameters import PlantParameters
+from ..observe.pace import pace_of
+from ..observe.parts import continuous_parts
+from ..observe.signals import LEAST_SAMPLES, Recording, Signals
+from ..observe.smoothing import white_noise_std
+from ...physics.robot_law import RobotLaw
+from ...plant.plant_parameters import PlantParameters
 
 Array = NDArray[np.float64]
 

@@ -32,7 +32,7 @@ from .contact_points import (
     ToolMotion,
 )
 from .contact_points_parameters import ContactPointsParameters
-from ..estimators.estimate import EstimateStatus
+from .estimate import EstimateStatus
 from ..exceptions import SignalShapeError
 
 _STEPS = 2  # Gauss-Newton steps per sample, starting from the last result

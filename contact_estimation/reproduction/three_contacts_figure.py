@@ -21,8 +21,8 @@ from typing import Any, Mapping, Sequence
 
 import numpy as np
 
-from .contact_points_estimator import ContactPointsEstimate
 from .three_contacts_world import B_E, Instant, K_E, MU, POINTS
+from ..estimators.contact_points_estimator import ContactPointsEstimate
 from ..figures import require_matplotlib
 
 _INK, _TRUE = '#1f2933', '#c2410c'

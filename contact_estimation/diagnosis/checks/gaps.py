@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from .check import Finding, of_families, Test
 from .evidence import Evidence
-from ..parts import spans_of
+from ..observe.parts import spans_of
 
 
 def find(evidence: Evidence) -> Finding:

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from typing import Callable, NamedTuple
 
 from .evidence import Evidence
-from ....physics import EFFECTS
+from ...physics import EFFECTS
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,7 @@ import numpy as np
 
 from .check import Finding, Test
 from .evidence import Evidence
-from ..motion_error import quantisation_step
+from ..observe.motion_error import quantisation_step
 
 _COARSE = 0.003  # of the depth
 
