@@ -111,9 +111,13 @@ def decide(
             not shares.agrees(name)
             or shares.sure(name) <= _least_sure(exact, shares.is_flexible(name)))]
         if doubtful:
-            zeros = [name for name in doubtful if name in ZEROS]  # a law needs no doubtful one
+            zeros = [name for name in doubtful if name in ZEROS]
             rest = fit(recordings, best.model.without((zeros or doubtful)[-1]))
-            return decide(_carrying(selection, rest), whole, progress)
+            fewer = decide(_carrying(selection, rest), whole, progress)
+            # A doubtful zero stays if laws that are sure beside it would not be without it.
+            laws = set(best.model.effects) - set(ZEROS)
+            if set(doubtful) != set(zeros) or laws <= set(fewer.best.model.effects):
+                return fewer
         return Decision(selection, best, shares.explained < EXPLAINED, 0.0, shares)
     progress('structure of the residuals')
     if has_discrepancy(recordings):

@@ -93,9 +93,9 @@ def parts_of(recordings: Recordings, found: Fit) -> list[Part]:
     -------
     parts : list of Part
         Contacts with the free flight around them; blocks of equal duration where there are few
-        contacts or a permanently attached wall; of the motion, free flight belongs to the nearest
-        of them. Where one of those blocks has nearly all of the misfit, a single event, each part
-        is a set of shorter blocks spread over the contact.
+        contacts or a permanently attached wall, the first and last of a contact with the free
+        flight beside them. Where one of those blocks has nearly all of the misfit, a single event,
+        each part is a set of shorter blocks spread over the contact and the flight around it.
 
     """
     parts = _parts_of(recordings, found.model, 1)
@@ -116,9 +116,8 @@ def _parts_of(recordings: Recordings, model: Model, pieces: int) -> list[Part]:
         weights = np.repeat(_weights(one, model), one.block_count)
         channel = np.repeat(np.arange(len(channels)), one.block_count)
         prefix = f'{one.name}, ' if len(recordings) > 1 else ''
-        for name, blocks, flight in _divide(one, model, least, pieces):
-            of_channel = [blocks, blocks | flight][:len(channels)]  # flight tells of the robot
-            here = np.concatenate(of_channel) & filled
+        for name, blocks in _divide(one, model, least, pieces):
+            here = np.tile(blocks, len(channels)) & filled
             if np.count_nonzero(here) >= _LEAST_RESIDUALS:
                 there = np.zeros(total, bool)
                 there[begin:begin + len(here)] = here
@@ -139,8 +138,8 @@ def _weights(one: PreparedRecording, model: Model) -> Array:
 
 def _divide(
     one: PreparedRecording, model: Model, least: int, pieces: int
-) -> list[tuple[str, Flags, Flags]]:
-    """Name the parts of one recording, find their blocks, and those of free flight beside."""
+) -> list[tuple[str, Flags]]:
+    """Name the parts of one recording and find their blocks."""
     o, count = one.observed, one.block_count
     fitted = one.blocks(one.use.astype(float)) > 0.0
     found = [(first, stop) for first, stop in episodes(model, o)
@@ -156,10 +155,10 @@ def _divide(
         return _between([f'episode {k + 1}' for k in numbers], found, count, one.block)
     number = -(-max(least, _LEAST_PARTS if not found else 2) // max(len(found), 1))
     spans = found or [(0, len(o.t))]
-    around = [blocks for _, blocks, _ in _between(['' for _ in spans], spans, count, one.block)]
-    parts: list[tuple[str, Flags, Flags]] = []
+    around = [blocks for _, blocks in _between(['' for _ in spans], spans, count, one.block)]
+    parts: list[tuple[str, Flags]] = []
     for (first, stop), near in zip(spans, around):
-        inside = np.zeros(count, bool)
+        inside = near & (pieces > 1)  # of an event in free flight, too, pieces are spread
         inside[first // one.block:-(-stop // one.block)] = True
         split = np.array_split(np.flatnonzero(inside & fitted), number * pieces)
         for k in range(number):
@@ -173,20 +172,20 @@ def _divide(
                 flight = near & ~inside
                 flight[:places[0]] &= k == 0
                 flight[places[-1]:] &= k == number - 1
-                parts.append((f'{begin:.3g} to {end:.3g} s{every}', blocks, flight))
+                parts.append((f'{begin:.3g} to {end:.3g} s{every}', blocks | flight))
     return parts
 
 
 def _between(
     names: Sequence[str], spans: Sequence[tuple[int, int]], count: int, block: int
-) -> list[tuple[str, Flags, Flags]]:
+) -> list[tuple[str, Flags]]:
     """Extend each span by half the gap to its neighbours."""
     edges = [(stop + first) // 2 // block for (_, stop), (first, _) in zip(spans, spans[1:])]
     parts = []
     for name, first, stop in zip(names, [0, *edges], [*edges, count]):
         blocks = np.zeros(count, bool)
         blocks[first:stop] = True
-        parts.append((name, blocks, np.zeros(count, bool)))
+        parts.append((name, blocks))
     return parts
 
 

@@ -225,8 +225,8 @@ def _law_instead(
 
 
 def _without_trifles(recordings: Recordings, best: Fit) -> Fit:
-    """Drop effects that later ones have made superfluous."""
-    for name in best.model.effects[:-1]:
+    """Drop effects that later ones have made superfluous; a law may not predict without a zero."""
+    for name in [one for one in best.model.effects[:-1] if one not in ZEROS]:
         rest = fit(recordings, best.model.without(name))
         misfit = rest.cost - float(noise_by_channel(recordings, best.model).sum())
         if rest.cost - best.cost < SHARE * misfit:
