@@ -23,7 +23,12 @@ from numpy.typing import NDArray
 
 from .shares import Shares, shares_of
 from ..fit.criteria import enough, explained_share, leaves_noise, noise_scale, THRESHOLD
-from ..fit.discrepancy import has_discrepancy, material, without_discrepancy
+from ..fit.discrepancy import (
+    has_discrepancy,
+    least_material,
+    material,
+    without_discrepancy,
+)
 from ..fit.fitting import Fit, fit
 from ..fit.flexible import autocorrelation, predictable_share
 from ..fit.model_uncertainty import discounted
@@ -34,7 +39,7 @@ from ..fit.uncertainty import standard_deviations
 from ..fit.zeros import ZEROS
 from ..observe.model import Model, names_of
 from ..observe.prepared_recording import Recordings
-from ..observe.residuals import residuals
+from ..observe.residuals import force_residual, residuals
 from ...physics import EFFECTS
 
 Array = NDArray[np.float64]
@@ -125,7 +130,8 @@ def decide(
     carried, _ = weigh(recordings, fit(recordings, best.model))
     if not any(material(one, base.model) for one in carried):
         usual = max(1.0, best.cost / best.residual_count)
-        late = _largest(_held_out_powers(whole, best.model)) > _HELD_OUT_POWER * usual
+        powers = _held_out_powers(whole, best.model, trifles=False)
+        late = _largest(powers) > _HELD_OUT_POWER * usual
         return Decision(selection, best, late, 0.0, None)
     unexplained, predictable = _structured(recordings, best)
     late = _largest(_held_out_powers(whole, best.model)) > _HELD_OUT_POWER
@@ -203,17 +209,21 @@ def _largest(powers: Sequence[Array]) -> float:
     return max((float(np.max(part)) for part in powers), default=0.0)
 
 
-def _held_out_powers(whole: Recordings, model: Model) -> list[Array]:
+def _held_out_powers(whole: Recordings, model: Model, trifles: bool = True) -> list[Array]:
     """Return the mean square residual of each channel in each held-out part."""
     powers = []
     for recording in whole:
         if recording.held_out is None:
             continue
-        held_out = (recording.held_out.samples & recording.use).astype(float)
-        there = recording.blocks(held_out) > 0.5
+        samples = recording.held_out.samples & recording.use
+        there = recording.blocks(samples.astype(float)) > 0.5
         if there.any():
             part = recording.split(residuals(recording, model))[:, there]
-            powers.append(np.mean(part**2, axis=1))
+            power = np.mean(part**2, axis=1)
+            error = force_residual(recording, model)[samples]
+            if not trifles and np.sqrt(np.mean(error**2)) < least_material(recording):
+                power[0] = 0.0
+            powers.append(power)
     return powers
 
 

@@ -82,7 +82,7 @@ def _widened(plain: PreparedRecording, model: Model) -> tuple[PreparedRecording,
     left = residuals(plain, model, robust=False)
     size = float(np.sqrt(left @ left / plain.residual_count))
     unknown = plain.force_noise * max(size**2 - 1.0, 0.0) ** 0.5
-    if unknown < _least_material(plain):
+    if unknown < least_material(plain):
         return plain, unknown  # the slow forces, which decide a free run, still count most
     return plain.widened(max(1.0, size**_WIDENED), model), unknown
 
@@ -131,15 +131,28 @@ def material(recording: PreparedRecording, model: Model) -> list[int]:
         Of `CHANNELS`; the only one of a wall driven by a force by the force that it lacks.
 
     """
-    least = _least_material(recording)
+    least = least_material(recording)
     sizes = [recording.force_discrepancy]
     if recording.observed.reference is not None:
         sizes.append(_stiffness(recording, model) * recording.motion_discrepancy)
     return [k for k, size in enumerate(sizes) if size >= least]
 
 
-def _least_material(recording: PreparedRecording) -> float:
-    """Return the least force that is worth a name [N]."""
+def least_material(recording: PreparedRecording) -> float:
+    """
+    Return the least force that is worth a name.
+
+    Parameters
+    ----------
+    recording : PreparedRecording
+        With the force.
+
+    Returns
+    -------
+    least : float
+        Root mean square [N]: 0.6 % of the range of the force.
+
+    """
     low, high = np.percentile(recording.observed.force, (1.0, 99.0))
     return _MATERIAL * float(high - low)
 

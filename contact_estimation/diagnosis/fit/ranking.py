@@ -129,7 +129,8 @@ def rank_by_prediction(
         law = law_in_form(recordings, assessed, parts, before)
         if law is not None:
             return Ranking([law.found], True)
-    if only_zeros and (best is None or resembles_zero(best.name)):
+    worth = any(material(one, present.model) for one in recordings)
+    if only_zeros and worth and (best is None or resembles_zero(best.name)):
         pairs = pairs_that_predict(recordings, present, found, parts, before, best)
         if pairs:
             fits = [pair.found for pair in pairs]
@@ -193,8 +194,9 @@ def _promising(
 ) -> list[Fit]:
     """Leave out candidates that fit too little of a channel to predict enough of it."""
     large = {number for one in recordings for number in material(one, present.model)}
-    if channel is not None and channel not in large:
-        return []  # trifles that the other channel does not confirm
+    confirmed = channel is None and any(one.observed.reference is not None for one in recordings)
+    if not confirmed and (channel or 0) not in large:
+        return []  # trifles that no other channel confirms
     columns = slice(None) if channel is None else channel
     before = costs_by_channel(recordings, present)
     misfit = float(np.sum((before - noise_by_channel(recordings, present.model))[columns]))
