@@ -63,8 +63,9 @@ def make_parser() -> Parser:
     parser.add_argument('--quick', action='store_true', help='fewer worlds: under a minute')
     parser.add_argument('--seed', type=int, default=0, help='of all worlds (0)')
     parser.add_argument('--only', nargs='+', metavar='NAME', help='candidates (all)')
+    every = ', '.join(SCENARIOS).replace('%', '%%')  # argparse formats the text
     parser.add_argument('--scenario', nargs='+', metavar='NAME', choices=tuple(SCENARIOS),
-                        help='any of ' + ', '.join(SCENARIOS) + ' (all)')
+                        help=f'any of {every} (all)')
     parser.add_argument('--output', metavar='FOLDER',
                         help='write estimators_study.md and three pictures')
     return parser
