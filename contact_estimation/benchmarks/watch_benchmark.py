@@ -38,7 +38,7 @@ _LOOP_TIMEOUT_S = 100.0  # an interrupted loop waits for its three nodes and the
 
 def run_watch_benchmark(seconds: float, rounds: int) -> dict[str, Any]:
     """
-    Alternate `loop` and `loop --watch`, in turn the one and the other first.
+    Run `loop` and `loop --watch` in pairs, whose order alternates.
 
     Parameters
     ----------

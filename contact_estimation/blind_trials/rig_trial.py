@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""A trial on a rig: a law of the literature or none, several times the nuisances and noise."""
+"""A trial on a rig: a law of the literature, well above nuisances and noise, or none."""
 
 from __future__ import annotations
 

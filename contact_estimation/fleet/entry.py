@@ -134,7 +134,7 @@ def in_time(entries: Iterable[Entry]) -> list[Entry]:
     -------
     entries : list of Entry
         Numbered from 1. Equal stamps, such as those of simulations, which start at 0, are ordered
-        by name; a recording without a stamp stands in the middle between its neighbours by name
+        by name; a recording without a stamp is placed midway between its neighbours by name
         in its group.
 
     """

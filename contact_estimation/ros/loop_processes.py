@@ -84,10 +84,10 @@ class LoopProcesses:
             # A second Ctrl-C must not orphan the nodes, which would interfere with the next run.
             for number in (signal.SIGINT, signal.SIGTERM):
                 signal.signal(number, signal.SIG_IGN)
-            stubborn = [name for name in ('plant_node', 'estimator_node', 'recorder_node')
-                        if not end_process(self._processes[name], _TIMEOUT_S)]
-        if stubborn and not failure:
-            failure = f'{", ".join(stubborn)} did not stop when interrupted and was killed'
+            killed = [name for name in ('plant_node', 'estimator_node', 'recorder_node')
+                      if not end_process(self._processes[name], _TIMEOUT_S)]
+        if killed and not failure:
+            failure = f'{", ".join(killed)} did not end when interrupted and had to be killed'
         return failure
 
     def _wait(self, duration: float, report_progress: Callable[[float], None]) -> str:
