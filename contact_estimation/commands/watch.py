@@ -131,8 +131,8 @@ def _watch_live(options: Any, target: str) -> int:
     given = [name for name in _OF_RECORDINGS if getattr(options, name)]
     if given:
         raise ParameterRangeError(
-            f'--{given[0]} is for a RECORDING, and none is given; a running estimator is watched '
-            'as it is, topics are remapped with --ros-args -r wrench:=TOPIC')
+            f'--{given[0]} needs a RECORDING, got none; remap the topics of a running estimator '
+            'with --ros-args -r wrench:=TOPIC')
     require_rclpy('watch')
     from ..ros.watch_node import main as watch_node  # imports rclpy
 

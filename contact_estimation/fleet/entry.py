@@ -19,8 +19,9 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Any, Iterable, Sequence
 
-from .discovery import FoundRecording, natural_order
+from .discovery import FoundRecording
 from .one_recording import Outcome
+from ..recordings.bag_folder import natural_order
 
 
 @dataclass(frozen=True)

@@ -133,12 +133,12 @@ def end_process(process: subprocess.Popen[bytes], timeout_s: float) -> bool:
 
 def require_rclpy(command: str) -> None:
     """
-    Check that ROS is there.
+    Check that rclpy is installed.
 
     Parameters
     ----------
     command : str
-        That needs it.
+        Name of the command that needs it.
 
     Raises
     ------

@@ -173,7 +173,7 @@ class PlantNode(Node):
             self._receive(remaining)
 
     def _receive(self, timeout_ns: int) -> None:
-        """Wait for references, but not for long: the node may be told to stop."""
+        """Wait for references, but only briefly: the node may have to stop."""
         if self._data.dedicated:
             self._data.wait(min(timeout_ns, 100_000_000))
         else:  # the executor receives them in a thread of its own
