@@ -24,7 +24,7 @@ from typing import Any, Callable, Iterator, Mapping, NamedTuple, Protocol
 
 from .exceptions import FleetError, MissingPackageError
 
-_PATIENCE_S = 30.0  # until a scheduler and its first worker answer
+_TIMEOUT_S = 30.0  # until a scheduler and its first worker answer
 _IN_FLIGHT = 2  # tasks submitted for each thread: one runs, one waits
 
 
@@ -209,14 +209,14 @@ def _local_client(jobs: int) -> Iterator[Any]:
 def _remote_client(address: str) -> Iterator[Any]:
     distributed = require_distributed()
     try:
-        client = distributed.Client(address, timeout=_PATIENCE_S)
+        client = distributed.Client(address, timeout=_TIMEOUT_S)
     except (OSError, ValueError) as error:  # its time-out is an OSError
         raise FleetError(
             f'no Dask scheduler answers at {address}: {error}; start one with `dask scheduler`, '
             'and give the address that it prints') from error
     with client:
         try:
-            client.wait_for_workers(1, timeout=_PATIENCE_S)
+            client.wait_for_workers(1, timeout=_TIMEOUT_S)
         except TimeoutError as error:
             raise FleetError(
                 f'the Dask scheduler at {address} has no worker; start some with '

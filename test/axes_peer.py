@@ -22,7 +22,9 @@ from typing import Any, Iterator
 
 from axes_runs import Instant, JOINTS
 from contact_estimation.signals.contact_sample import ContactSample
-from ros_processes import FRAME, JointState, node_process, Peer, to_stamp, WINDOW, WrenchStamped
+from ros_messages import FRAME, JointState, to_stamp, WrenchStamped
+from ros_peer import Peer, WINDOW
+from ros_processes import node_process
 
 
 class AxesPeer(Peer):

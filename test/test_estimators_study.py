@@ -65,7 +65,7 @@ def test_an_exact_trace_scores_no_error_and_full_coverage(world: World) -> None:
     assert exact.stiffness_error == exact.damping_error == 0.0
     assert 0.0 <= exact.converged_s < 2e-3  # the first sample of the contact
     assert exact.stiffness_held.all() and exact.damping_held.all()
-    assert exact.told == (1.0, 1.0) and max(exact.widths) < 1e-8
+    assert exact.given == (1.0, 1.0) and max(exact.widths) < 1e-8
 
 
 def test_a_trace_that_keeps_the_old_wall_never_converges(world: World) -> None:
@@ -73,7 +73,7 @@ def test_a_trace_that_keeps_the_old_wall_never_converges(world: World) -> None:
     kept = score(world, (old, world.damping, unknown, unknown))
     assert kept.converged_s == inf
     assert kept.stiffness_error == pytest.approx(-0.99)
-    assert kept.told == (0.0, 0.0) and len(kept.stiffness_held) == 0
+    assert kept.given == (0.0, 0.0) and len(kept.stiffness_held) == 0
 
 
 @pytest.mark.slow

@@ -252,7 +252,7 @@ def test_a_scheduler_that_does_not_answer_is_named(
 ) -> None:
     pytest.importorskip('distributed')
     pytest.importorskip('pyarrow')
-    monkeypatch.setattr('contact_estimation.scheduling._PATIENCE_S', 0.5)
+    monkeypatch.setattr('contact_estimation.scheduling._TIMEOUT_S', 0.5)
     model = write_model(tmp_path / 'model.yaml')
     fleet = Command('fleet', command_module.main, capfd)
     message = fleet.refusal(recordings, '--nominal', model, '--output', tmp_path / 'out',

@@ -20,7 +20,7 @@ from math import isnan, nan
 import re
 from typing import Any, Callable, Sequence
 
-from contact_estimation.estimation.checks import CHECKS, REJECTIONS, Rejections
+from contact_estimation.estimation.checks import CHECKS, REJECTIONS
 from contact_estimation.estimation.checks.check import Evidence
 from contact_estimation.estimation.checks.force_checks import ForceSign
 from contact_estimation.estimation.events import apply_event, EstimationEvent, event_now
@@ -327,31 +327,6 @@ def test_a_soft_wall_below_the_threshold_is_no_offset_of_the_sensor() -> None:
     name, text = headline(session)
     assert name == 'weak_contact' and 'mm inside the wall' in text
     assert 'force_bias' not in {one.name for one in session.checks.warnings()}
-
-
-@pytest.mark.parametrize('counts, name, part', [
-    ({'wrench_zero_stamp': 5}, 'zero_stamps', 'header.stamp'),
-    ({'wrench_frame_id': 3, 'joint_missing': 3}, 'frame', 'set frame_id'),
-    ({'joint_states_joint_unknown': 4, 'joint_missing': 9}, 'joint', 'choose one of these'),
-    ({'joint_gap': 4}, 'joint_gap', 'maximum_gap_s'),
-    ({'joint_missing': 4}, 'joint_missing', '3 s behind'),
-    ({'joint_duplicate': 4}, 'rejected', 'joint_duplicate'),
-])
-def test_rejections_say_the_main_reason(counts: dict[str, int], name: str, part: str) -> None:
-    texts = {'wrench_frame_id': 'set frame_id',
-             'joint_states_joint_unknown': 'choose one of these'}
-    rejections = Rejections(lambda reason: texts.get(reason, ''), lambda: '3 s behind')
-    found, text = rejections.newly(counts, 0)
-    assert found == name and part in text
-    assert rejections.newly(counts, 0) == ('', '')
-
-
-def test_zero_stamps_are_counted_as_such() -> None:
-    session = ContactSession(EstimationParameters())
-    for _ in range(3):
-        session.add_wrench(0, 1.0)
-        session.add_motion(0, 1.0, 0.0)
-    assert session.rejected == {'wrench_zero_stamp': 2, 'joint_zero_stamp': 2}
 
 
 def test_every_check_and_rejection_is_documented() -> None:

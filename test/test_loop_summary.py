@@ -101,7 +101,7 @@ def test_lost_samples_and_latency_over_two_cycles_disturb_a_run() -> None:
     measured = {'samples_sent': 500, 'samples_lost': 3, 'samples_late': 7,
                 'latency_ms': {'max': 5.1}}
     lost, late = disturbances(measured, 500.0)
-    assert lost == '3 of 500 samples lost'
+    assert lost == '3 of 500 samples dropped'
     assert late == 'latency of 7 samples over two cycles (4 ms), up to 5.1 ms'
     assert disturbances({**measured, 'samples_lost': 0}, 200.0) == []
 

@@ -30,18 +30,9 @@ from contact_estimation.signals.contact_sample import ContactSample
 from core_runs import contact_samples
 import numpy as np
 import pytest
-from ros_processes import (
-    estimator_and_peer,
-    joint_state,
-    ModuleProcess,
-    moved,
-    node_process,
-    Peer,
-    PERIOD_NS,
-    Vector3Stamped,
-    wait_until,
-    wrench,
-)
+from ros_messages import joint_state, moved, Vector3Stamped, wrench
+from ros_peer import estimator_and_peer, Peer, PERIOD_NS
+from ros_processes import ModuleProcess, node_process, wait_until
 
 pytestmark = pytest.mark.slow
 

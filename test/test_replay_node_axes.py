@@ -29,7 +29,8 @@ from contact_estimation.recordings import RecordingReader
 from contact_estimation.recordings.source import RecordingSource
 from contact_estimation.signals.contact_sample import ContactSample
 import pytest
-from ros_processes import ESTIMATES, node_process, PERIOD_NS, wait_until
+from ros_peer import ESTIMATES, PERIOD_NS
+from ros_processes import node_process, wait_until
 
 pytestmark = pytest.mark.slow
 

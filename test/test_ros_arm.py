@@ -27,10 +27,18 @@ from contact_estimation.messages import Vector3StampedDecoder
 from contact_estimation.recordings import RecordingReader
 import numpy as np
 import pytest
-from ros_processes import (
-    DiagnosticArray, DiagnosticStatus, ESTIMATES, JointState, Listener, node_process, Peer,
-    run_module, String, to_stamp, Vector3Stamped, WINDOW, WrenchStamped,
+from ros_listener import Listener
+from ros_messages import (
+    DiagnosticArray,
+    DiagnosticStatus,
+    JointState,
+    String,
+    to_stamp,
+    Vector3Stamped,
+    WrenchStamped,
 )
+from ros_peer import ESTIMATES, Peer, WINDOW
+from ros_processes import node_process, run_module
 from small_arm import JOINTS, pose, urdf
 
 pytest.importorskip('pinocchio')

@@ -23,22 +23,20 @@ from contact_estimation.signals.contact_sample import ContactSample
 from core_runs import contact_samples
 import numpy as np
 import pytest
-from ros_processes import (
+from ros_messages import (
     DiagnosticStatus,
-    estimator_and_peer,
     JOINT,
     joint_state,
     JointState,
     JointTrajectory,
     moved,
-    Peer,
-    PERIOD_NS,
     session_results,
     stamp_of,
     to_stamp,
     trajectory,
     wrench,
 )
+from ros_peer import estimator_and_peer, Peer, PERIOD_NS
 
 pytestmark = pytest.mark.slow
 

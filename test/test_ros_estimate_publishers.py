@@ -27,7 +27,9 @@ from contact_estimation.estimators.stiffness_matrix import (
 from contact_estimation.signals.contact_sample import ContactSample
 from core_runs import contact_samples
 import pytest
-from ros_processes import Float64, Listener, session_results, Vector3Stamped, wait_until
+from ros_listener import Listener
+from ros_messages import Float64, session_results, Vector3Stamped
+from ros_processes import wait_until
 
 OPTIONAL = ('stiffness_std', 'damping_std', 'location', 'inertia', 'model_fit')
 TYPES = {'model_fit': Float64}

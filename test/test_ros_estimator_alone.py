@@ -21,7 +21,8 @@ from pathlib import Path
 from contact_estimation.signals.contact_sample import ContactSample
 from core_runs import contact_samples
 import pytest
-from ros_processes import estimator_and_peer, JOINT, moved, PERIOD_NS, session_results
+from ros_messages import JOINT, moved, session_results
+from ros_peer import estimator_and_peer, PERIOD_NS
 
 pytestmark = pytest.mark.slow
 

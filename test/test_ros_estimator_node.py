@@ -22,7 +22,8 @@ from typing import Iterator
 from contact_estimation.estimators import ESTIMATORS
 from core_runs import contact_samples
 import pytest
-from ros_processes import ESTIMATES, estimator_and_peer, moved, Peer, PERIOD_NS, session_results
+from ros_messages import moved, session_results
+from ros_peer import ESTIMATES, estimator_and_peer, Peer, PERIOD_NS
 
 pytestmark = pytest.mark.slow
 

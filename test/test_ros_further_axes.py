@@ -21,7 +21,8 @@ from typing import Iterator
 from axes_peer import AxesPeer, node_of_axes
 from axes_runs import AXES, feed_axes, instants, moved_instants, PARAMETERS, session_of_axes, WALLS
 import pytest
-from ros_processes import ESTIMATES, JointState, to_stamp
+from ros_messages import JointState, to_stamp
+from ros_peer import ESTIMATES
 
 pytestmark = pytest.mark.slow
 

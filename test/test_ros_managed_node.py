@@ -22,7 +22,9 @@ from typing import Iterator
 from core_runs import contact_samples
 import pytest
 from rclpy.duration import Duration
-from ros_processes import moved, node_process, PATIENCE_S, Peer
+from ros_messages import moved
+from ros_peer import Peer
+from ros_processes import node_process, PATIENCE_S
 
 lifecycle = pytest.importorskip('lifecycle_msgs.srv')
 messages = pytest.importorskip('lifecycle_msgs.msg')

@@ -23,19 +23,10 @@ from typing import Any, Iterator
 from core_runs import contact_samples
 import pytest
 from rclpy.qos import DurabilityPolicy, QoSProfile
-from ros_processes import (
-    DiagnosticArray,
-    DiagnosticStatus,
-    joint_state,
-    Listener,
-    ModuleProcess,
-    moved,
-    node_process,
-    Peer,
-    String,
-    wait_until,
-    wrench,
-)
+from ros_listener import Listener
+from ros_messages import DiagnosticArray, DiagnosticStatus, joint_state, moved, String, wrench
+from ros_peer import Peer
+from ros_processes import ModuleProcess, node_process, wait_until
 
 pytestmark = pytest.mark.slow
 

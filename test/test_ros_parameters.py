@@ -25,7 +25,7 @@ from contact_estimation.parameters.specification import ParameterSpecification, 
 from contact_estimation.ros.estimator_node_parameters import EstimatorNodeParameters
 from effect_examples import switched_on
 import pytest
-from ros_processes import estimator_and_peer, Peer
+from ros_peer import estimator_and_peer, Peer
 
 pytestmark = pytest.mark.slow
 

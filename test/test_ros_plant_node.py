@@ -22,16 +22,10 @@ import time
 from typing import Any, Iterator, NamedTuple
 
 import pytest
-from ros_processes import (
-    JointState,
-    JointTrajectory,
-    Listener,
-    node_process,
-    PERIOD_NS,
-    trajectory,
-    wait_until,
-    WrenchStamped,
-)
+from ros_listener import Listener
+from ros_messages import JointState, JointTrajectory, trajectory, WrenchStamped
+from ros_peer import PERIOD_NS
+from ros_processes import node_process, wait_until
 
 pytestmark = pytest.mark.slow
 

@@ -24,18 +24,10 @@ from contact_estimation.exceptions import RecordingError
 from contact_estimation.messages import decode_string, WrenchDecoder
 from contact_estimation.recordings import RecordingReader
 import pytest
-from ros_processes import (
-    estimator_and_peer,
-    Listener,
-    node_process,
-    parameter_arguments,
-    PERIOD_NS,
-    run_module,
-    wait_until,
-    WINDOW,
-    wrench,
-    WrenchStamped,
-)
+from ros_listener import Listener
+from ros_messages import wrench, WrenchStamped
+from ros_peer import estimator_and_peer, PERIOD_NS, WINDOW
+from ros_processes import node_process, parameter_arguments, run_module, wait_until
 
 pytestmark = pytest.mark.slow
 

@@ -21,10 +21,17 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from ros_processes import (
-    DiagnosticArray, joint_state, Listener, node_process, stamp_of, to_stamp, Vector3Stamped,
-    wrench, WrenchStamped,
+from ros_listener import Listener
+from ros_messages import (
+    DiagnosticArray,
+    joint_state,
+    stamp_of,
+    to_stamp,
+    Vector3Stamped,
+    wrench,
+    WrenchStamped,
 )
+from ros_processes import node_process
 from sensor_msgs.msg import JointState
 
 clock_messages = pytest.importorskip('rosgraph_msgs.msg')

@@ -27,10 +27,10 @@ from contact_estimation.messages import Vector3StampedDecoder
 from contact_estimation.recordings import RecordingReader
 import pytest
 from reference_messages import TF, transforms_bytes, wrench_bytes
-from ros_processes import (
-    DiagnosticArray, DiagnosticStatus, ESTIMATES, Listener, node_process, parameter_arguments,
-    run_module, String, Vector3Stamped, WINDOW, WrenchStamped,
-)
+from ros_listener import Listener
+from ros_messages import DiagnosticArray, DiagnosticStatus, String, Vector3Stamped, WrenchStamped
+from ros_peer import ESTIMATES, WINDOW
+from ros_processes import node_process, parameter_arguments, run_module
 from small_arm import MOVING
 
 from contact_estimation.ros.message_classes import has_transforms, message_class  # noqa: I100

@@ -23,7 +23,9 @@ import subprocess
 import sys
 
 import pytest
-from ros_processes import joint_state, node_process, Peer, run_module, wait_until, wrench
+from ros_messages import joint_state, wrench
+from ros_peer import Peer
+from ros_processes import node_process, run_module, wait_until
 
 pytest.importorskip('rerun')
 pytestmark = pytest.mark.slow

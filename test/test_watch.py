@@ -237,7 +237,7 @@ def test_a_view_needs_rerun(
 
 @pytest.mark.parametrize('words, text', [
     (['--save', 'view.png'], 'let its name end in .rrd'),
-    (['--axis', 'y'], '--axis is for a RECORDING'),
+    (['--axis', 'y'], '--axis needs a RECORDING'),
     (['missing.mcap', '--save', 'view.rrd'], 'missing.mcap does not exist'),
 ])
 def test_wrong_use_is_refused(

@@ -30,7 +30,17 @@ from ..signals.contact_sample import ContactSample
 
 
 class ContactData(NamedTuple):
-    """Samples with their references: of the approach, and in contact."""
+    """
+    Samples, each with the reference that the robot followed.
+
+    Attributes
+    ----------
+    approach : list of (ContactSample, Reference)
+        In free flight, before the contact.
+    samples : list of (ContactSample, Reference)
+        In contact.
+
+    """
 
     approach: list[tuple[ContactSample, Reference]]
     samples: list[tuple[ContactSample, Reference]]

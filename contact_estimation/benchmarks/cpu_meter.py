@@ -96,7 +96,7 @@ def machine_cpu_s() -> float:
     Read the busy time of all cores: processes, kernel and other guests.
 
     Computed from the idle time, which is exact. The busy times of /proc/stat are sampled at
-    clock ticks, with which a node that wakes every 2 ms is synchronous.
+    clock ticks, to which a node that wakes every 2 ms is synchronised.
 
     Returns
     -------

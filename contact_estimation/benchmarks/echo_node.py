@@ -15,8 +15,8 @@
 """
 Reference of the node benchmark: the cost of any rclpy node with these topics.
 
-It uses nothing of this package's data path: converted messages on a stock executor. It answers
-every wrench with the last setpoint, so that the plant moves as it does with an estimator.
+It uses nothing of this package's data path: rclpy converts the messages, on a standard executor.
+It replies to every wrench with the last setpoint, so that the plant moves as with an estimator.
 """
 
 from __future__ import annotations

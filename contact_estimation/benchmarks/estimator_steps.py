@@ -16,7 +16,7 @@
 
 from __future__ import annotations
 
-from typing import Callable
+from typing import Callable, Sequence
 
 from filterpy.kalman import KalmanFilter
 import numpy as np
@@ -27,6 +27,8 @@ from ..estimation.parameters import EstimationParameters
 from ..estimation.session import ContactSession
 from ..estimators.estimate import Frozen
 from ..parameters.values import build
+from ..reference.setpoints import Reference
+from ..signals.contact_sample import ContactSample
 
 Steps = Callable[[int, int], None]
 _VARIANCE = 1.0 / 3.0  # of the simulated force noise [N^2]
@@ -80,15 +82,13 @@ def session_steps(data: ContactData, name: str) -> Steps:
     session = ContactSession(
         build(EstimationParameters, {'estimator': name, 'sample_rate': RATE}))
 
-    def steps(begin: int, end: int) -> None:
-        for (stamp_ns, position, velocity, force), _ in data.samples[begin:end]:
+    def add(pairs: Sequence[tuple[ContactSample, Reference]]) -> None:
+        for (stamp_ns, position, velocity, force), _ in pairs:
             session.add_motion(stamp_ns, position, velocity)
             session.add_wrench(stamp_ns, force)
 
-    for (stamp_ns, position, velocity, force), _ in data.approach:
-        session.add_motion(stamp_ns, position, velocity)
-        session.add_wrench(stamp_ns, force)
-    return steps
+    add(data.approach)
+    return lambda begin, end: add(data.samples[begin:end])
 
 
 def learning_steps(data: ContactData, name: str) -> tuple[Steps, Steps]:

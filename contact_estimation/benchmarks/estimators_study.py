@@ -13,10 +13,10 @@
 # limitations under the License.
 
 """
-Compare all estimators, and peers of other packages, in worlds that nobody tuned them for.
+Compare all estimators, and peers of other packages, in worlds for which none of them was tuned.
 
 Walls of 300 to 1e5 N/m, force sensors with one or two poles at 100 to 300 Hz, stamps off by
-0.1 ms, quantised positions, lost samples. The study measures errors, whether the published
+0.1 ms, quantised positions, dropped samples. The study measures errors, whether the published
 deviations hold, and the time to converge on a wall that is new or changes. What the deviations
 take from a prior is drawn from it: the lag of the force, and x_e where it is not said to be exact.
 """
@@ -57,14 +57,15 @@ def make_parser() -> Parser:
         description='Compare all estimators with their defaults, and filterpy and padasip where '
         'installed, in simulated worlds with sensors as real ones are: walls of 300 to 1e5 N/m, '
         'force low-pass 100 to 300 Hz, stamps off by 0.1 ms, quantised positions, 0.2 % of the '
-        'samples lost. Prints Markdown tables: errors, how often the truth is within 2 standard '
-        'deviations, time to converge after a change.',
+        'samples dropped. Prints Markdown tables: errors, how often the truth is within 2 '
+        'standard deviations, time to converge after a change.',
     )
     parser.add_argument('--quick', action='store_true', help='fewer worlds: under a minute')
     parser.add_argument('--seed', type=int, default=0, help='of all worlds (0)')
     parser.add_argument('--only', nargs='+', metavar='NAME', help='candidates (all)')
+    every = ', '.join(SCENARIOS).replace('%', '%%')  # argparse formats the text
     parser.add_argument('--scenario', nargs='+', metavar='NAME', choices=tuple(SCENARIOS),
-                        help='any of ' + ', '.join(SCENARIOS) + ' (all)')
+                        help=f'any of {every} (all)')
     parser.add_argument('--output', metavar='FOLDER',
                         help='write estimators_study.md and three pictures')
     return parser

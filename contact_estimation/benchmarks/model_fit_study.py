@@ -13,7 +13,7 @@
 # limitations under the License.
 
 """
-Measure the indicator of model fit: five wrong models reported, right models left in peace.
+Measure the indicator of model fit: reports of five wrong models, false alarms on right ones.
 
 The worlds are those of the estimators study. Each mismatch appears at the strength given in its
 name, and scaled so that the residual which the best spring and damper leaves is 5 times the noise.

@@ -12,17 +12,35 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Nodes as processes in a ROS domain of their own."""
+"""Processes of nodes in a ROS domain of the benchmark's own."""
 
 from __future__ import annotations
 
 import os
-import signal
 import subprocess
 import sys
 from typing import Sequence
 
+from ..ros.loop_processes import end_process
+
 _TIMEOUT_S = 5.0
+
+
+def own_domain() -> dict[str, str]:
+    """
+    Return the environment of processes in a ROS domain free of other traffic.
+
+    Returns
+    -------
+    environment : dict of str to str
+        That of this process, with a domain chosen by its id.
+
+    """
+    return {
+        **os.environ,
+        'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST',
+        'ROS_DOMAIN_ID': str(1 + os.getpid() % 100),
+    }
 
 
 def start_node(
@@ -48,31 +66,22 @@ def start_node(
     """
     options = [word for parameter in parameters for word in ('-p', parameter)]
     options += [word for remapping in remappings for word in ('-r', remapping)]
-    environment = {
-        **os.environ,
-        'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST',
-        'ROS_DOMAIN_ID': str(1 + os.getpid() % 100),
-    }
     return subprocess.Popen(
         [sys.executable, '-m', module, '--ros-args', *options],
-        env=environment, start_new_session=True, stdout=subprocess.DEVNULL,
+        env=own_domain(), start_new_session=True, stdout=subprocess.DEVNULL,
     )
 
 
-def end_node(process: subprocess.Popen[bytes]) -> None:
+def end_node(process: subprocess.Popen[bytes], timeout_s: float = _TIMEOUT_S) -> None:
     """
-    Interrupt a node and wait; kill it after a timeout.
+    Interrupt a node, or a loop of nodes, and wait; kill it after a time-out.
 
     Parameters
     ----------
     process : subprocess.Popen
         Process, running or ended.
+    timeout_s : float
+        Time from the interrupt to the kill [s].
 
     """
-    if process.poll() is None:
-        process.send_signal(signal.SIGINT)
-    try:
-        process.wait(_TIMEOUT_S)
-    except subprocess.TimeoutExpired:
-        process.kill()
-        process.wait()
+    end_process(process, timeout_s)

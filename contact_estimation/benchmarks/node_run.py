@@ -62,7 +62,7 @@ def run_node_once(node: str, rate: float, seconds: float, parameters: list[str])
     Raises
     ------
     ContactEstimationError
-        If a process fails or no sample was answered.
+        If a process fails or the node publishes no reference.
 
     """
     with TemporaryDirectory() as folder:
@@ -111,7 +111,8 @@ def _figures(
     """Restrict the CPU load to the time of the samples, without start and end of the node."""
     sent, lost, latency = summary['samples_sent'], summary['samples_lost'], summary['latency_ms']
     if latency['p99'] is None:
-        raise ContactEstimationError(f'{node} answered none of {sent} samples')
+        raise ContactEstimationError(
+            f'{node} must publish a reference for each sample, but published none for {sent}')
     begin_ns = summary['begin_stamp_ns']
     end_ns = begin_ns + round(sent / rate * 1e9)
     shares = {name: meter.percent(begin_ns, end_ns) for name, meter in meters.items()}

@@ -107,7 +107,7 @@ def _errors(row: Row) -> str:
 
 
 def _totals(rows: Sequence[Row]) -> list[str]:
-    """Count the classes; say the processor time of all."""
+    """Count the classes, and sum up the processor time."""
     scored = [row.outcome for row in rows if row.outcome]
     counts = [f'{name} {scored.count(name)} ({100.0 * scored.count(name) / len(scored):.0f} %)'
               for name in CLASSES if name in scored]

@@ -222,7 +222,7 @@ def _force_std(path: Path) -> float:
 
 
 def _diagnose(record: Record, folder: Path) -> _Outcome:
-    """Diagnose in a process of its own; what it may not use, the truth, it is not given."""
+    """Diagnose in a process of its own, which is not given the truth."""
     output, errors = folder / 'report.json', folder / 'errors.txt'
     arguments = diagnose_command(record.recording, record.nominal, output)
     if record.holdout is not None:

@@ -123,7 +123,7 @@ def coverage(scores: Sequence[Score], quantity: str) -> tuple[float, float]:
     """
     held = np.concatenate([getattr(score, f'{quantity}_held') for score in scores])
     index = [name for name, _ in _QUANTITIES].index(quantity)
-    given = float(np.mean([score.told[index] for score in scores]))
+    given = float(np.mean([score.given[index] for score in scores]))
     return float(np.mean(held)) if len(held) else 0.0, given
 
 

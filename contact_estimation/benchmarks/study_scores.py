@@ -55,11 +55,11 @@ class Score(NamedTuple):
     stiffness_error, damping_error : float
         At the end of the last contact, relative.
     stiffness_held, damping_held : ndarray of bool
-        Whether the truth is within 2 standard deviations at the instants at which one is given.
+        Whether the truth is within 2 standard deviations, at the instants at which one is given.
     widths : tuple of float
         Median standard deviation of K and B relative to the truth, NaN where none is given.
-    told : tuple of float
-        Share of the instants at which there is a deviation, of K and B.
+    given : tuple of float
+        Share of the instants at which a standard deviation is given, of K and B.
     converged_s : float
         Time after the change from which K_hat stays within 10 %; inf: never, NaN: no change.
     us : float
@@ -73,7 +73,7 @@ class Score(NamedTuple):
     stiffness_held: Flags
     damping_held: Flags
     widths: tuple[float, float]
-    told: tuple[float, float]
+    given: tuple[float, float]
     converged_s: float
     us: float
 
@@ -160,14 +160,14 @@ def score(world: World, trace: Trace, us: float = nan) -> Score:
     K, B, K_std, B_std = trace
     last = int(np.searchsorted(world.t, world.contacts[-1][1] - _BEFORE_END_S)) - 1
     at = _instants(world)
-    K_held, K_told = _held(K[at], K_std[at], world.stiffness[at])
-    B_held, B_told = _held(B[at], B_std[at], world.damping[at])
+    K_held, K_given = _held(K[at], K_std[at], world.stiffness[at])
+    B_held, B_given = _held(B[at], B_std[at], world.damping[at])
     return Score(
         float(world.stiffness[last]),
         float(K[last] / world.stiffness[last] - 1.0), float(B[last] / world.damping[last] - 1.0),
         K_held, B_held,
         (_width(K_std[at], world.stiffness[at]), _width(B_std[at], world.damping[at])),
-        (K_told, B_told), _converged(world, K, last), us,
+        (K_given, B_given), _converged(world, K, last), us,
     )
 
 
@@ -183,9 +183,9 @@ def _instants(world: World) -> Array:
 
 
 def _held(value: Array, std: Array, truth: Array) -> tuple[Flags, float]:
-    told = np.isfinite(std)
-    held = np.abs(value - truth)[told] <= 2.0 * std[told]
-    return held, float(np.mean(told))
+    given = np.isfinite(std)
+    held = np.abs(value - truth)[given] <= 2.0 * std[given]
+    return held, float(np.mean(given))
 
 
 def _width(std: Array, truth: Array) -> float:

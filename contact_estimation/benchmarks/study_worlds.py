@@ -125,10 +125,21 @@ STEADY = tuple(name for name, scenario in SCENARIOS.items()
 
 class Sensor(NamedTuple):
     """
-    Low-pass [Hz], noise [N] and poles of a force sensor; whether the robot gives its velocity.
+    Force sensor with a low-pass filter, and whether the robot measures its velocity.
 
     One pole delays the force by 1 / (2 pi cutoff), two (Butterworth) by sqrt(2) times that: 0.5
     to 2.3 ms, in the root mean square the 1 ms of `synchronisation.timing_std`.
+
+    Attributes
+    ----------
+    cutoff : float
+        Cut-off frequency of the low-pass filter [Hz].
+    noise : float
+        Standard deviation of the force noise [N].
+    with_velocity : bool
+        Whether `joint_states` carry velocities.
+    poles : int
+        1 or 2, order of the low-pass filter.
 
     """
 

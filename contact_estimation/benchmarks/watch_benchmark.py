@@ -18,7 +18,6 @@ from __future__ import annotations
 
 from functools import partial
 import json
-import os
 from pathlib import Path
 from statistics import median
 import subprocess
@@ -28,16 +27,18 @@ import time
 from typing import Any, Iterator
 
 from .cpu_meter import CpuMeter, process_cpu_s
+from .node_processes import end_node, own_domain
 from .table import print_table
 from ..exceptions import ContactEstimationError
 
 _NODE = 'estimator_node'
 _SAMPLING_S = 0.05
+_LOOP_TIMEOUT_S = 100.0  # an interrupted loop waits for its three nodes and the view in turn
 
 
 def run_watch_benchmark(seconds: float, rounds: int) -> dict[str, Any]:
     """
-    Alternate `loop` and `loop --watch`, in turn the one and the other first.
+    Run `loop` and `loop --watch` in pairs, whose order alternates.
 
     Parameters
     ----------
@@ -71,12 +72,26 @@ def _run_once(watched: bool, seconds: float) -> dict[str, Any]:
         words = ['--output', str(output), '--duration', f'{seconds:.3f}']
         if watched:
             words += ['--watch', str(Path(folder) / 'view.rrd')]
+        meter = _measured_loop(words, Path(folder) / 'errors.txt')
+        summary = json.loads((output / 'plant_summary.json').read_text())
+    begin_ns, latency = summary['begin_stamp_ns'], summary['latency_ms']
+    return {
+        'watched': watched,
+        'cpu_percent': meter.percent(begin_ns, begin_ns + round(seconds * 1e9)),
+        **{f'latency_ms_{name}': latency[name] for name in ('p50', 'p99', 'max')},
+        'sent': summary['samples_sent'],
+        'lost': summary['samples_lost'],
+    }
+
+
+def _measured_loop(words: list[str], errors: Path) -> CpuMeter:
+    """Run `loop` to its end, and return the CPU time of its estimator node; raise if it fails."""
+    with open(errors, 'wb') as stderr:
         loop = subprocess.Popen(
             [sys.executable, '-m', 'contact_estimation.commands.loop', *words],
-            stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
-            env={**os.environ, 'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST',
-                 'ROS_DOMAIN_ID': str(1 + os.getpid() % 100)})
-        meter: CpuMeter | None = None
+            stdout=subprocess.DEVNULL, stderr=stderr, env=own_domain(), start_new_session=True)
+    meter: CpuMeter | None = None
+    try:
         while loop.poll() is None:
             if meter is None:
                 meter = next((CpuMeter(partial(process_cpu_s, pid))
@@ -84,19 +99,12 @@ def _run_once(watched: bool, seconds: float) -> dict[str, Any]:
             else:
                 meter.sample()
             time.sleep(_SAMPLING_S)
-        said = loop.stderr.read().decode() if loop.stderr else ''
-        if loop.returncode or meter is None:
-            raise ContactEstimationError(f'loop ended with {loop.returncode}: {said.strip()}')
-        summary = json.loads((output / 'plant_summary.json').read_text())
-        begin_ns = summary['begin_stamp_ns']
-        return {
-            'watched': watched,
-            'cpu_percent': meter.percent(begin_ns, begin_ns + round(seconds * 1e9)),
-            **{f'latency_ms_{name}': summary['latency_ms'][name]
-               for name in ('p50', 'p99', 'max')},
-            'sent': summary['samples_sent'],
-            'lost': summary['samples_lost'],
-        }
+    finally:
+        end_node(loop, _LOOP_TIMEOUT_S)
+    if loop.returncode or meter is None:
+        raise ContactEstimationError(
+            f'loop ended with {loop.returncode}: {errors.read_text().strip()}')
+    return meter
 
 
 def _descendants(pid: int) -> Iterator[int]:

@@ -84,7 +84,27 @@ def degree(port: str, world: RandomWorld, run: Run, without: Run) -> float:
 
     """
     noise = _impedance_noise(world) if port == 'robot' else world.sensors.force_std
-    rms, rms_without = (_rms(residual(port, world, each)) for each in (run, without))
+    return rms_ratio(noise, residual(port, world, run), residual(port, world, without))
+
+
+def rms_ratio(noise: float, with_effect: Array, without: Array) -> float:
+    """
+    Compute the ratio of two RMS residuals of simulations without noise, as noise would leave them.
+
+    Parameters
+    ----------
+    noise : float
+        Standard deviation of white noise, added to both [N].
+    with_effect, without : ndarray, shape (N,)
+        Residuals [N]; NaN does not count.
+
+    Returns
+    -------
+    ratio : float
+        1 if both are equal or far below the noise.
+
+    """
+    rms, rms_without = (float(np.sqrt(np.nanmean(each**2))) for each in (with_effect, without))
     return hypot(noise, rms) / hypot(noise, rms_without)
 
 
@@ -171,10 +191,6 @@ def _impedance_noise(world: RandomWorld) -> float:
     taps += robot.damping / (2.0 * h) * np.array([0.0, -1.0, 0.0, 1.0, 0.0])
     taps[2] += robot.stiffness
     return hypot(sensors.position_std * sqrt(float(taps @ taps)), sensors.force_std)
-
-
-def _rms(values: Array) -> float:
-    return float(np.sqrt(np.nanmean(values**2)))
 
 
 def conceal(

@@ -83,7 +83,15 @@ class Faded(Excitation):
 
 
 class Builder:
-    """Builds an experiment segment by segment, from rest at the rest position."""
+    """
+    Build an experiment segment by segment, from rest at the rest position.
+
+    Parameters
+    ----------
+    stage : Stage
+        Geometry.
+
+    """
 
     def __init__(self, stage: Stage) -> None:
         self._stage = stage
@@ -91,32 +99,93 @@ class Builder:
         self._t, self._x = 0.0, stage.rest
 
     def wait(self, duration: float) -> None:
-        """Stay in place."""
+        """
+        Stay in place.
+
+        Parameters
+        ----------
+        duration : float
+            Duration [s].
+
+        """
         self.go(self._x, duration)
 
     def go(self, position: float, duration: float, excitation: Excitation | None = None) -> None:
-        """Move to a position within a duration, extended where the speed limit requires."""
+        """
+        Move to a position along a quintic.
+
+        Parameters
+        ----------
+        position : float
+            Target [m].
+        duration : float
+            Duration [s]; extended where the speed would exceed 0.2 m/s.
+        excitation : Excitation, optional
+            Added to the position.
+
+        """
         duration = max(duration, 1.875 * abs(position - self._x) / _MAX_SPEED)
         self._segments.append(Segment(duration, position, position_excitation=excitation))
         self._t, self._x = self._t + duration, position
 
     def press(self, level: float, duration: float) -> None:
-        """Move to a fraction of the reach."""
+        """
+        Press into the surface.
+
+        Parameters
+        ----------
+        level : float
+            Fraction of the reach, 1 for all of it.
+        duration : float
+            Duration [s], as for `go`.
+
+        """
         self.go(self._stage.surface + level * self._stage.reach, duration)
 
     def hold(self, duration: float, signal: Excitation) -> None:
-        """Stay and excite; a binary signal is not faded."""
+        """
+        Stay in place with excitation.
+
+        Parameters
+        ----------
+        duration : float
+            Duration [s].
+        signal : Excitation
+            Faded in and out, unless it is a binary sequence.
+
+        """
         end = self._t + duration
         if not isinstance(signal, PseudoRandomBinary):
             signal = Faded(signal, self._t, end)
         self.go(self._x, duration, signal)
 
     def retract(self, duration: float) -> None:
-        """Move back to the rest position."""
+        """
+        Move back to the rest position.
+
+        Parameters
+        ----------
+        duration : float
+            Duration [s], as for `go`.
+
+        """
         self.go(self._stage.rest, duration)
 
     def experiment(self, name: str) -> Experiment:
-        """Return the experiment built so far."""
+        """
+        Return the experiment built so far.
+
+        Parameters
+        ----------
+        name : str
+            Name of the experiment.
+
+        Returns
+        -------
+        experiment : Experiment
+            All segments in order.
+
+        """
         return Experiment(name, self._stage.rest, tuple(self._segments))
 
 

@@ -40,7 +40,7 @@ _BEND_M = 1e-5  # elastic motion before the friction of the robot slips
 @dataclass(frozen=True)
 class Rig:
     """
-    A world as in a laboratory.
+    A world with the nuisances of a laboratory.
 
     Attributes
     ----------

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""A trial on a rig: a law of the literature or none, several times the nuisances and noise."""
+"""A trial on a rig: a law of the literature, well above nuisances and noise, or none."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from numpy.random import Generator
 from numpy.typing import NDArray
 from scipy.signal import butter, filtfilt
 
-from .concealment import active_intervals, conceal
+from .concealment import active_intervals, conceal, rms_ratio
 from .rig import Rig, simulate_rig
 from .rig_worlds import draw_rig, STAGES
 from .simulation import Run
@@ -246,8 +246,7 @@ def degree(port: str, rig: Rig, run: Run, without: Run) -> float:
     noise = rig.sensors.force_std
     if port == 'robot' and rig.robot is not None:
         noise = hypot(noise, _motion_noise(rig, rig.robot))
-    rms, rms_without = (_rms(rig_residual(port, rig, each)) for each in (run, without))
-    return hypot(noise, rms) / hypot(noise, rms_without)
+    return rms_ratio(noise, rig_residual(port, rig, run), rig_residual(port, rig, without))
 
 
 def rig_residual(port: str, rig: Rig, run: Run) -> Array:
@@ -291,10 +290,6 @@ def _motion_noise(rig: Rig, robot: RobotParameters) -> float:
     gain = np.hypot(robot.stiffness - robot.mass * omega**2, robot.damping * omega)
     share = 2.0 * _ROBOT_HZ / rig.sensors.rate
     return rig.sensors.position_std * float(np.sqrt(share * np.mean(gain**2)))
-
-
-def _rms(values: Array) -> float:
-    return float(np.sqrt(np.mean(values**2)))
 
 
 # -- truth ------------------------------------------------------------------------------------

@@ -106,9 +106,18 @@ def write_trial(trial: Trial, files: TrialFiles, rng: Generator) -> None:
 
 def write_rig_trial(trial: RigTrial, files: TrialFiles, rng: Generator) -> None:
     """
-    Simulate a trial on a rig and write its files; parameters as `write_trial`.
+    Simulate a trial on a rig and write recording, nominal model and, last, the ground truth.
 
-    An attached specimen has no robot and its recording no reference.
+    An attached specimen has no robot, and its recording no reference.
+
+    Parameters
+    ----------
+    trial : RigTrial
+        The trial.
+    files : TrialFiles
+        Paths to write; a truth file marks a complete trial.
+    rng : numpy.random.Generator
+        Random generator of the rig and its sensors.
 
     """
     rig = trial.rig

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Randomised worlds: wall, robot, sensors and experiment, still without a missing effect."""
+"""Randomised worlds: wall, robot, sensors and experiment, without a missing effect."""
 
 from __future__ import annotations
 

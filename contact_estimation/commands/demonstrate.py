@@ -89,17 +89,17 @@ def run(options: Any) -> int:
     """
     if options.seed < 0:
         raise ParameterRangeError(f'--seed must be >= 0, got {options.seed}')
-    sealed = _sealed(options)
+    concealed = _concealed(options)
     output = new_folder(options.output)
-    before = _loop(output, 'before', sealed, {}, options.seed)
+    before = _loop(output, 'before', concealed, {}, options.seed)
     report = _diagnose(output)
     found = read_parameter_file(output / 'corrected.yaml', 'estimator_node')
-    after = _loop(output, 'after', sealed, found, options.seed + 1)
-    _print(sealed, report, before, after, output)
+    after = _loop(output, 'after', concealed, found, options.seed + 1)
+    _print(concealed, report, before, after, output)
     return 0
 
 
-def _sealed(options: Any) -> dict[str, Any]:
+def _concealed(options: Any) -> dict[str, Any]:
     """Return the true world: the physics from the file, or chosen by the seed."""
     if options.physics:
         given = without(PlantNodeParameters, read_parameter_file(options.physics, 'plant_node'))
@@ -144,10 +144,10 @@ def _call(command: str, *arguments: str) -> None:
 
 
 def _print(
-    sealed: dict[str, Any], report: dict[str, Any], before: dict[str, Any],
+    concealed: dict[str, Any], report: dict[str, Any], before: dict[str, Any],
     after: dict[str, Any], output: Path,
 ) -> None:
-    true = {name: value for name, value in flatten(build(PlantParameters, sealed)).items()
+    true = {name: value for name, value in flatten(build(PlantParameters, concealed)).items()
             if name.startswith('physics.') and value == value}
     found = {f'physics.{effect["name"]}.{name}': value for effect in report['effects']
              for name, value in effect['parameters'].items()}
@@ -157,7 +157,7 @@ def _print(
     print(f'diagnosed: {report["verdict"]}' + (f'; {named}' if named else ''))
     print(f'{"":<22}{"true":>12}{"before":>12}{"after":>12}')
     for name, label in (('stiffness', 'K_e [N/m]'), ('damping', 'B_e [N s/m]')):
-        print(f'{label:<22}{sealed["environment." + name]:>12.1f}{_text(before[name]):>12}'
+        print(f'{label:<22}{concealed["environment." + name]:>12.1f}{_text(before[name]):>12}'
               f'{_text(after[name]):>12}')
     for name, label in (('stiffness', 'error of K_e [%]'), ('damping', 'error of B_e [%]')):
         key = f'{name}_error_percent'

@@ -41,7 +41,7 @@ from ..ros.loop_summary import gap_explained, summarise
 from ..watch.outputs import WEB, WINDOW
 from ..watch.rerun_sdk import require_rerun
 
-_NICENESS, _PATIENCE_S = 10, 60.0  # of the view: a busy machine leaves it little time
+_NICENESS, _VIEW_TIMEOUT_S = 10, 60.0  # of the view, which is slow on a busy machine
 _EQ20_NOTE = 'eq. (20) alone: {law:.1f} N; see reference_law series or force tracking'
 
 
@@ -155,7 +155,7 @@ def _watched(recording: Path, words: list[str] | None) -> Iterator[None]:
         start_new_session=True, preexec_fn=lambda: os.nice(_NICENESS))
     try:
         yield
-        watcher.wait(_PATIENCE_S)  # until it has shown the end
+        watcher.wait(_VIEW_TIMEOUT_S)  # until it has shown the end
     except subprocess.TimeoutExpired:
         print('loop: the view did not end and was stopped', file=sys.stderr)
     finally:

@@ -25,7 +25,6 @@ from typing import Any, Protocol, Sequence
 from .command_line import (
     add_params_option,
     add_source_options,
-    chosen_parameters,
     command,
     different_files,
     new_file,
@@ -35,15 +34,14 @@ from .command_line import (
 from .picture import picture_trace, write_picture
 from .progress import Progress
 from .replay_summary import print_summary, refuse_empty, Replayed, summary_of
+from .replayed_parameters import replayed_parameters
 from ..estimation.estimate_files import CsvEstimates, McapEstimates
 from ..estimation.replay import RecordingReplay
 from ..estimation.result import AxesEstimates
 from ..estimators import ESTIMATORS
 from ..estimators.stiffness_matrix import MatrixEstimate
 from ..exceptions import ParameterRangeError, UnknownNameError
-from ..parameters.values import without
 from ..recordings import RecordingReader
-from ..ros.estimator_node_parameters import EstimatorNodeParameters
 
 
 class EstimateFile(Protocol):
@@ -109,7 +107,8 @@ def run(options: Any) -> int:
         'the recording': [options.recording], 'a parameter file': options.params})
     trace = picture_trace(options.picture)
     reader = RecordingReader(options.recording)
-    replay = RecordingReplay(reader, source_of(options), _chosen(options))
+    chosen = {**replayed_parameters(options), **_further(options.further)}
+    replay = RecordingReplay(reader, source_of(options), chosen)
     with ExitStack() as stack:
         files = [*_open_files(options, ''.join(replay.session.pipelines), stack),
                  *filter(None, (trace,))]
@@ -139,18 +138,6 @@ def _replay(
         progress.show(reader.progress, f'{replayed.samples} samples')
     progress.done()
     return replayed
-
-
-def _chosen(options: Any) -> dict[str, Any]:
-    chosen = without(EstimatorNodeParameters, chosen_parameters(options))
-    if options.estimator:
-        if options.estimator not in ESTIMATORS:
-            raise UnknownNameError.among('estimator', options.estimator, ESTIMATORS)
-        chosen['estimator'] = options.estimator
-    for name in ('axis', 'joint'):
-        if getattr(options, name) is not None:
-            chosen[name] = getattr(options, name)
-    return {**chosen, **_further(options.further)}
 
 
 def _further(given: Sequence[str]) -> dict[str, str]:

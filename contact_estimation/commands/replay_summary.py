@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The summary of a replay: as JSON, as text, or as the error that there was nothing to sum up."""
+"""The summary of a replay: as JSON, as text, or as the error that nothing was estimated."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ class Replayed:
 
 def refuse_empty(recording: str, replay: RecordingReplay, replayed: Replayed) -> None:
     """
-    Refuse a replay that left nothing but the first guess.
+    Refuse a replay that never updated the first guess.
 
     Parameters
     ----------
@@ -142,7 +142,7 @@ def _no_sample(recording: str, replay: RecordingReplay) -> str:
 
 
 def _nothing_estimated(recording: str, replay: RecordingReplay, replayed: Replayed) -> str:
-    """Say why there is nothing but the first guess."""
+    """Return why the first guess was never updated."""
     axis = next(iter(replay.session.pipelines))
     causes = [found.warned.text for found in replay.session.checks.found_in_order()]
     cause = causes[0] if causes else ''

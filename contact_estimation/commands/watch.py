@@ -25,7 +25,6 @@ from typing import Any, Sequence
 from .command_line import (
     add_params_option,
     add_source_options,
-    chosen_parameters,
     command,
     different_files,
     new_file,
@@ -33,12 +32,11 @@ from .command_line import (
     source_of,
 )
 from .progress import Progress
+from .replayed_parameters import replayed_parameters
 from ..estimation.replay import RecordingReplay
 from ..estimators import ESTIMATORS
-from ..exceptions import ParameterRangeError, RecordingError, UnknownNameError
-from ..parameters.values import without
+from ..exceptions import ParameterRangeError, RecordingError
 from ..recordings import RecordingReader
-from ..ros.estimator_node_parameters import EstimatorNodeParameters
 from ..ros.loop_processes import require_rclpy
 from ..watch.growing import follow_recording
 from ..watch.outputs import show, WEB, WINDOW
@@ -133,8 +131,8 @@ def _watch_live(options: Any, target: str) -> int:
     given = [name for name in _OF_RECORDINGS if getattr(options, name)]
     if given:
         raise ParameterRangeError(
-            f'--{given[0]} is for a RECORDING, and none is given; a running estimator is watched '
-            'as it is, topics are remapped with --ros-args -r wrench:=TOPIC')
+            f'--{given[0]} needs a RECORDING, got none; remap the topics of a running estimator '
+            'with --ros-args -r wrench:=TOPIC')
     require_rclpy('watch')
     from ..ros.watch_node import main as watch_node  # imports rclpy
 
@@ -144,7 +142,8 @@ def _watch_live(options: Any, target: str) -> int:
 
 def _replay(options: Any, target: str) -> None:
     reader, source = RecordingReader(options.recording), source_of(options)
-    replay, progress = RecordingReplay(reader, source, _chosen(options)), Progress('watch')
+    replay = RecordingReplay(reader, source, replayed_parameters(options))
+    progress = Progress('watch')
     view = _opened(options, target)
     samples = show_recording(view, reader, source, replay, progress.show)
     progress.done()
@@ -174,18 +173,6 @@ def _interrupted() -> Event:
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: event.set())
     return event
-
-
-def _chosen(options: Any) -> dict[str, Any]:
-    chosen = without(EstimatorNodeParameters, chosen_parameters(options))
-    if options.estimator:
-        if options.estimator not in ESTIMATORS:
-            raise UnknownNameError.among('estimator', options.estimator, ESTIMATORS)
-        chosen['estimator'] = options.estimator
-    for name in ('axis', 'joint'):
-        if getattr(options, name) is not None:
-            chosen[name] = getattr(options, name)
-    return chosen
 
 
 def main(args: Sequence[str] | None = None) -> int:

@@ -23,6 +23,7 @@ import re
 from typing import Iterator, NamedTuple, Sequence
 
 from ..exceptions import ParameterRangeError, RecordingError
+from ..recordings.bag_folder import natural_order
 
 ONE_GROUP = 'all'
 """Name of the only group without a pattern."""
@@ -105,25 +106,6 @@ def printable(text: str) -> str:
 
     """
     return text.encode('utf-8', 'surrogateescape').decode('utf-8', 'backslashreplace')
-
-
-def natural_order(name: str) -> list[tuple[int, str]]:
-    """
-    Return a key that sorts run_10 after run_9.
-
-    Parameters
-    ----------
-    name : str
-        Such as a path.
-
-    Returns
-    -------
-    key : list of (int, str)
-        Numbers as numbers, other parts as text.
-
-    """
-    return [(int(part), '') if part.isdecimal() else (-1, part)
-            for part in re.split(r'([0-9]+)', name)]
 
 
 def _compiled(group_by: str) -> re.Pattern[str]:

@@ -19,8 +19,9 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Any, Iterable, Sequence
 
-from .discovery import FoundRecording, natural_order
+from .discovery import FoundRecording
 from .one_recording import Outcome
+from ..recordings.bag_folder import natural_order
 
 
 @dataclass(frozen=True)
@@ -134,7 +135,7 @@ def in_time(entries: Iterable[Entry]) -> list[Entry]:
     -------
     entries : list of Entry
         Numbered from 1. Equal stamps, such as those of simulations, which start at 0, are ordered
-        by name; a recording without a stamp stands in the middle between its neighbours by name
+        by name; a recording without a stamp is placed midway between its neighbours by name
         in its group.
 
     """

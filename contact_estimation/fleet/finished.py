@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Results that are finished, as files: an interrupted run goes on where it stopped."""
+"""Finished results as files: an interrupted run resumes where it stopped."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ class Finished:
 
     def keep(self, key: str, result: Result) -> None:
         """
-        Write a result; what is killed meanwhile leaves no half of it.
+        Write a result atomically.
 
         Parameters
         ----------

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""One run over an archive: what is not finished yet is done, then table and page are written."""
+"""One run over an archive: compute the missing results, then write table and page."""
 
 from __future__ import annotations
 

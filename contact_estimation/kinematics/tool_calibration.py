@@ -17,9 +17,9 @@ Mass, centre of gravity and biases of a tool from wrenches in free flight.
 
 Blocks of 0.1 s are the data. Those of fast motion, where the kinematics and their clock matter
 more than the weight, are left out beforehand, those that no tool's weight explains (contact) by a
-robust fit. Errors within a pose are alike (noise of the joints, hysteresis, creep), so the blocks
-of one pose count as one datum: the standard deviations come from the differences between poses,
-widened where the residuals of successive poses are correlated (drift).
+robust fit. Errors within a pose are correlated (noise of the joints, hysteresis, creep), so the
+blocks of one pose count as one datum: the standard deviations come from the differences between
+poses, widened where the residuals of successive poses are correlated (drift).
 
 """
 
@@ -38,7 +38,7 @@ _OUTLIER = 6.0  # robust standard deviations
 _MOST_OUTLIERS = 0.35  # of the blocks: beyond, the robust fit itself cannot be trusted
 _SAME_POSE = np.cos(np.radians(10.0))
 _BLOCKS_OF_POSE = 3  # at least
-_SETTLED = 5.0  # blocks, beyond which a longer pose tells little more
+_SETTLED = 5.0  # blocks, beyond which a longer pose adds little information
 _MOST_MISFIT = 0.2  # of the variation of the forces
 _TORQUE_ARM = 0.1  # ratio of torque to force errors at the start of the fit [m]
 _ROUNDS = 30

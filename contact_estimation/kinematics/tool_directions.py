@@ -28,9 +28,9 @@ def require_directions(f: Array) -> None:
     """
     Require that gravity has turned about two axes of the sensor.
 
-    The force tells the mass from its bias where gravity's direction d varies at all; the torque
-    m c x d tells the centre along u from the torque's bias where d varies across u. So the
-    variation must span two directions.
+    The force separates the mass from its bias where gravity's direction d varies at all; the
+    torque m c x d separates the centre along u from the torque's bias where d varies across u.
+    So the variation must span two directions.
 
     Parameters
     ----------

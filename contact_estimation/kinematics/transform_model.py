@@ -174,7 +174,7 @@ class TransformModel:
 
 
 def unconnected(tree: FrameTree, base: str, tip: str) -> str:
-    """Return why tf does not tell the pose of a tip, with the frames nearest to it."""
+    """Return why tf does not give the pose of a tip, with the frames nearest to it."""
     known = sorted({*tree.fixed, *tree.moving, *tree.moving.values(),
                     *(parent for parent, _ in tree.fixed.values())})
     for role, frame in (('base', base), ('tip', tip)):

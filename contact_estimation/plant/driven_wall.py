@@ -128,7 +128,7 @@ class DrivenWall:
         if self._mass <= 0.0:
             raise ParameterRangeError(
                 'environment.inertia must be > 0 kg for an attached wall without a robot, got '
-                f'{wall.inertia:g}; without mass a force does not tell its motion'
+                f'{wall.inertia:g}; without mass the force does not determine the motion'
             )
         self._rate = parameters.integration_rate
 

@@ -44,11 +44,12 @@ class PlantNodeParameters(ParameterGroup):
         30.0, 'Start without them after this', 's', minimum=0.0, read_only=True
     )
     lockstep: bool = parameter(
-        False, 'Send a sample only when the reference that answers the one before has arrived: '
+        False, 'Send a sample only after the reference for the previous one has arrived: '
         'the run does not depend on the speed of the machine', read_only=True,
     )
     frame_id: str = parameter('contact_frame', 'Frame of the wrench', read_only=True)
     joint: str = parameter('contact_x', 'Name of the joint', read_only=True)
     summary_file: str = parameter(
-        '', 'At the end, write what was sent and answered to this JSON file', read_only=True
+        '', 'At the end, write samples sent, samples dropped and latency to this JSON file',
+        read_only=True,
     )

@@ -58,7 +58,7 @@ def recording_files(path: Path) -> list[Path]:
     information = _information(path / FILE_NAME)
     if information is not None:
         return _listed_files(path, information)
-    files = sorted(path.glob('*.mcap'), key=_natural_order)
+    files = sorted(path.glob('*.mcap'), key=lambda file: natural_order(file.name))
     if len({re.sub(r'_\d+$', '', file.stem) for file in files}) > 1:
         raise RecordingError(
             f'folder {path} holds several recordings ({_content(path)}) and no metadata.yaml; '
@@ -66,7 +66,7 @@ def recording_files(path: Path) -> list[Path]:
         )
     if files:
         return files
-    files = sorted(path.glob('*.db3'), key=_natural_order)
+    files = sorted(path.glob('*.db3'), key=lambda file: natural_order(file.name))
     if files:
         return files
     raise RecordingError(
@@ -120,10 +120,23 @@ def _listed_files(folder: Path, information: dict[str, Any]) -> list[Path]:
     return files
 
 
-def _natural_order(path: Path) -> list[tuple[int, str]]:
-    """Return a sorting key that puts bag_10.mcap after bag_9.mcap."""
-    return [(int(part), '') if part.isdigit() else (-1, part)
-            for part in re.split(r'(\d+)', path.name)]
+def natural_order(name: str) -> list[tuple[int, str]]:
+    """
+    Return a sorting key that puts bag_10.mcap after bag_9.mcap.
+
+    Parameters
+    ----------
+    name : str
+        Of a file, or a path.
+
+    Returns
+    -------
+    key : list of (int, str)
+        Numbers as numbers, other parts as text.
+
+    """
+    return [(int(part), '') if part.isdecimal() else (-1, part)
+            for part in re.split(r'([0-9]+)', name)]
 
 
 def _content(folder: Path) -> str:

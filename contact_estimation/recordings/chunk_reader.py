@@ -43,7 +43,7 @@ class RecordedMessage(NamedTuple):
     Attributes
     ----------
     topic : str
-        Its topic, as it was asked for.
+        Its topic, as requested.
     log_time_ns : int
         When it was received [ns].
     data : bytes

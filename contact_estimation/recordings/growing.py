@@ -32,7 +32,7 @@ class GrowingRecording:
     """
     Read the messages that a recorder has flushed since the last call.
 
-    Nobody subscribes to anything for it: the nodes that are recorded do not notice.
+    It needs no subscription, so it does not affect the recorded nodes.
 
     Parameters
     ----------

@@ -224,7 +224,7 @@ def _require_magic(path: Path, start: bytes, size: int) -> None:
 
 @contextmanager
 def _opened(path: Path) -> Iterator[BinaryIO]:
-    """Open a file for reading; explain what the file system refuses."""
+    """Open a file for reading; report errors of the file system."""
     try:
         with open(path, 'rb') as stream:
             yield stream

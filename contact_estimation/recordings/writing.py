@@ -245,7 +245,7 @@ class RecordingWriter:
 
     @contextmanager
     def _writing(self) -> Iterator[None]:
-        """Keep other threads out; explain what the file system refuses."""
+        """Exclude other threads; report errors of the file system."""
         with self._lock:
             try:
                 yield

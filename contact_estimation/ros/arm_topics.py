@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What the estimator node hears about its arm: the description, and the transforms of tf."""
+"""The estimator node's subscriptions about its arm: the description, and the transforms of tf."""
 
 from __future__ import annotations
 

@@ -43,7 +43,7 @@ except (ImportError, AttributeError):  # pragma: no cover - another rclpy than J
     HAS_WAIT_SET = False
 
 Callback = Callable[[bytes], None]
-_PATIENCE_S = 5.0  # of who waits for a thread that a busy machine starves
+_TIMEOUT_S = 5.0  # of a caller that waits for a thread on a busy machine
 _WAKE_NS = 100_000_000  # so that a stop is noticed without traffic
 
 
@@ -195,7 +195,7 @@ class DataThread:
         """Wait until all that has arrived is served; not to be called by a callback of data."""
         if self._thread.is_alive():
             self._served.clear()
-            self._served.wait(_PATIENCE_S)
+            self._served.wait(_TIMEOUT_S)
 
     def _run(self) -> None:
         context = self._subscriptions._node.context

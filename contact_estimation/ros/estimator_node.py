@@ -193,7 +193,7 @@ class EstimatorNode(Node):
     # -- events -----------------------------------------------------------------------------
 
     def _check(self, own: EstimatorNodeParameters) -> None:
-        """Refuse poses that would drive a robot where nobody wants it."""
+        """Refuse parameters whose target poses would be unsafe for the robot."""
         if own.publish_target_pose:
             check_target_pose(self._session.parameters)
 

@@ -28,7 +28,7 @@ from typing import Callable
 from ..exceptions import MissingPackageError
 
 _POLL_S = 0.05
-_PATIENCE_S = 10.0
+_TIMEOUT_S = 10.0
 
 
 class LoopProcesses:
@@ -84,10 +84,10 @@ class LoopProcesses:
             # A second Ctrl-C must not orphan the nodes, which would interfere with the next run.
             for number in (signal.SIGINT, signal.SIGTERM):
                 signal.signal(number, signal.SIG_IGN)
-            stubborn = [name for name in ('plant_node', 'estimator_node', 'recorder_node')
-                        if not self._end(name)]
-        if stubborn and not failure:
-            failure = f'{", ".join(stubborn)} did not stop when interrupted and was killed'
+            killed = [name for name in ('plant_node', 'estimator_node', 'recorder_node')
+                      if not end_process(self._processes[name], _TIMEOUT_S)]
+        if killed and not failure:
+            failure = f'{", ".join(killed)} did not end when interrupted and had to be killed'
         return failure
 
     def _wait(self, duration: float, report_progress: Callable[[float], None]) -> str:
@@ -102,28 +102,43 @@ class LoopProcesses:
             time.sleep(_POLL_S)
             report_progress(min((time.monotonic() - begin) / (duration + 2.0), 1.0))
 
-    def _end(self, name: str) -> bool:
-        """Interrupt a process and wait for its end; kill it if it does not stop."""
-        process = self._processes[name]
-        if process.poll() is None:
-            process.send_signal(signal.SIGINT)
-        try:
-            process.wait(_PATIENCE_S)
-        except subprocess.TimeoutExpired:
-            process.kill()
-            process.wait()
-            return False
-        return True
+
+def end_process(process: subprocess.Popen[bytes], timeout_s: float) -> bool:
+    """
+    Interrupt a process and wait for its end; kill it after a time-out.
+
+    Parameters
+    ----------
+    process : subprocess.Popen
+        Running or ended.
+    timeout_s : float
+        Time from the interrupt to the kill [s].
+
+    Returns
+    -------
+    ended : bool
+        Whether it ended without being killed.
+
+    """
+    if process.poll() is None:
+        process.send_signal(signal.SIGINT)
+    try:
+        process.wait(timeout_s)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait()
+        return False
+    return True
 
 
 def require_rclpy(command: str) -> None:
     """
-    Check that ROS is there.
+    Check that rclpy is installed.
 
     Parameters
     ----------
     command : str
-        That needs it.
+        Name of the command that needs it.
 
     Raises
     ------

@@ -90,13 +90,13 @@ def disturbances(measured: Mapping[str, Any], sample_rate: float) -> list[str]:
     Returns
     -------
     reasons : list of str
-        Samples lost, references later than two cycles; empty for an undisturbed run.
+        Dropped samples, references later than two cycles; empty for an undisturbed run.
 
     """
     reasons = []
     sent, lost = measured.get('samples_sent'), measured.get('samples_lost')
     if lost:
-        reasons.append(f'{lost} of {sent} samples lost')
+        reasons.append(f'{lost} of {sent} samples dropped')
     longest = (measured.get('latency_ms') or {}).get('max')
     limit = _LATE_CYCLES * 1e3 / sample_rate
     if longest is not None and longest > limit:

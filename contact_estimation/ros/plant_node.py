@@ -46,7 +46,7 @@ from ..reference.setpoints import Reference
 PURPOSE = 'plant_node: simulate robot, wall and sensors, and play an experiment on them'
 _SETTLING_S = 0.5  # a publisher may see a match before the subscriber does
 _STALE_S = 0.1  # the robot then stops, as with controllers whose stream of setpoints ends
-_LOCKSTEP_PATIENCE_NS = 1_000_000_000  # then the sample counts as lost
+_LOCKSTEP_TIMEOUT_NS = 1_000_000_000  # then the sample counts as dropped
 
 
 def all_specifications() -> list[ParameterSpecification]:
@@ -154,7 +154,7 @@ class PlantNode(Node):
 
     def _wait_for_answer(self, k: int) -> None:
         """Wait for the reference that answers sample k."""
-        give_up = time.perf_counter_ns() + _LOCKSTEP_PATIENCE_NS
+        give_up = time.perf_counter_ns() + _LOCKSTEP_TIMEOUT_NS
         while not (self._stopping or self.statistics.has_answer(k)):
             remaining = give_up - time.perf_counter_ns()
             if remaining <= 0:
@@ -173,7 +173,7 @@ class PlantNode(Node):
             self._receive(remaining)
 
     def _receive(self, timeout_ns: int) -> None:
-        """Wait for references, but not for long: the node may be told to stop."""
+        """Wait for references, but only briefly: the node may have to stop."""
         if self._data.dedicated:
             self._data.wait(min(timeout_ns, 100_000_000))
         else:  # the executor receives them in a thread of its own

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Watch a running estimator: a process of its own, which the estimator does not know."""
+"""Watch a running estimator, from a process of which the estimator is unaware."""
 
 from __future__ import annotations
 

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What is seen of a contact, collected until a view takes it."""
+"""Values and texts of a contact, collected until a view takes them."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ STATUS, CHECKS = 'log/status', 'log/checks'
 _AS_EXPECTED = ('free', 'estimating')
 
 
-class Said(NamedTuple):
+class LogText(NamedTuple):
     """
-    A text.
+    A text with its level.
 
     Attributes
     ----------
@@ -53,14 +53,14 @@ class ContactLog:
     ----------
     values : dict of str to (list of int, list of float)
         Stamps [ns] and values by keys of plot and curve, as in 'force/measured'.
-    texts : list of Said
+    texts : list of LogText
         In order.
 
     """
 
     def __init__(self) -> None:
         self.values: dict[str, tuple[list[int], list[float]]] = {}
-        self.texts: list[Said] = []
+        self.texts: list[LogText] = []
         self._status, self._checks = '', dict[str, str]()
 
     def add(self, path: str, stamp_ns: int, value: float) -> None:
@@ -116,7 +116,7 @@ class ContactLog:
         if text != self._status:
             self._status = text
             level = INFO if text.startswith(_AS_EXPECTED) else WARNING
-            self.texts.append(Said(STATUS, stamp_ns, text, level))
+            self.texts.append(LogText(STATUS, stamp_ns, text, level))
 
     def add_checks(self, stamp_ns: int, active: Mapping[str, str]) -> None:
         """
@@ -132,13 +132,13 @@ class ContactLog:
         """
         for key, text in active.items():
             if key not in self._checks:
-                self.texts.append(Said(CHECKS, stamp_ns, text, WARNING))
+                self.texts.append(LogText(CHECKS, stamp_ns, text, WARNING))
         for key, text in self._checks.items():
             if key not in active:
-                self.texts.append(Said(CHECKS, stamp_ns, f'over: {text}', INFO))
+                self.texts.append(LogText(CHECKS, stamp_ns, f'over: {text}', INFO))
         self._checks = dict(active)
 
-    def take(self) -> tuple[dict[str, tuple[list[int], list[float]]], list[Said]]:
+    def take(self) -> tuple[dict[str, tuple[list[int], list[float]]], list[LogText]]:
         """Return `values` and `texts`, and begin anew."""
         taken = self.values, self.texts
         self.values, self.texts = {}, []

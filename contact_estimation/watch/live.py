@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Raw messages of a running estimator into the view; independent of ROS."""
+"""From raw messages of a running estimator to the view; independent of ROS."""
 
 from __future__ import annotations
 
@@ -152,7 +152,7 @@ class LiveContact:
             if self._sparing:
                 self._log.add_estimate(key, stamp_ns, value, self._stds.get(key, nan))
                 return
-            self._add_last(key)  # its deviation was lost
+            self._add_last(key)  # its deviation was dropped
             self._last[key] = Reading(stamp_ns, value)
 
         return on_estimate

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The view of a contact in Rerun: plots of signals and estimates, and a log of what is said."""
+"""The view of a contact in Rerun: plots of signals and estimates, and a log of texts."""
 
 from __future__ import annotations
 

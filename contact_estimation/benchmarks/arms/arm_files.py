@@ -62,17 +62,62 @@ class ArmFiles:
         self._joints = RobotModel(self._urdf, arm.base, TIP).joint_names
 
     def calibration(self, seed: int) -> Path:
-        """Record 12 poses in free flight."""
+        """
+        Record 12 poses in free flight.
+
+        Parameters
+        ----------
+        seed : int
+            Seed of the poses and of the sensor noise.
+
+        Returns
+        -------
+        recording : Path
+            rosbag2 folder; an older one is replaced.
+
+        """
         run = ArmSimulation(self.arm, self._urdf, World()).calibrate(seed)
         return self._record(run, f'poses_{seed}', seed)
 
     def touch(self, world: World, seed: int, name: str) -> tuple[Run, Path]:
-        """Press three times and record it."""
+        """
+        Simulate three touches and record them.
+
+        Parameters
+        ----------
+        world : World
+            Wall, target impedance and concealed friction.
+        seed : int
+            Seed of the excitation and of the sensor noise.
+        name : str
+            Beginning of the recording's name.
+
+        Returns
+        -------
+        run : Run
+            True signals.
+        recording : Path
+            rosbag2 folder; an older one is replaced.
+
+        """
         run = ArmSimulation(self.arm, self._urdf, world).touch(seed)
         return run, self._record(run, f'{name}_{seed}', seed + 1000)
 
     def parameters(self, run: Run) -> dict[str, Any]:
-        """Return the parameters of the estimator for a run, without those of the tool."""
+        """
+        Return the parameters of the estimator node for a run, without those of the tool.
+
+        Parameters
+        ----------
+        run : Run
+            Gives the normal and x_e.
+
+        Returns
+        -------
+        parameters : dict
+            Values by the name of the ROS parameter.
+
+        """
         return {
             'estimator': 'kalman', 'sample_rate': 1000.0 / self.arm.wrench_period,
             'kinematics.base': self.arm.base, 'kinematics.tip': TIP,
@@ -81,7 +126,22 @@ class ArmFiles:
         }
 
     def parameter_file(self, name: str, values: dict[str, Any]) -> Path:
-        """Write parameters as a ROS 2 parameter file."""
+        """
+        Write parameters as a ROS 2 parameter file.
+
+        Parameters
+        ----------
+        name : str
+            End of the file's name.
+        values : dict
+            Values by the name of the ROS parameter.
+
+        Returns
+        -------
+        path : Path
+            YAML file.
+
+        """
         plain = {key: [*value] if isinstance(value, tuple) else value
                  for key, value in values.items()}
         path = self._folder / f'{self.arm.name}_{name}.yaml'
@@ -89,7 +149,24 @@ class ArmFiles:
         return path
 
     def nominal_model(self, name: str, run: Run, world: World) -> Path:
-        """Write the model that `diagnose` gets: no physics, K_e and B_e known roughly."""
+        """
+        Write the nominal model for `diagnose`: no physics, K_e 6 % too high, B_e 20 % too low.
+
+        Parameters
+        ----------
+        name : str
+            End of the file's name.
+        run : Run
+            Gives x_e and the target impedance.
+        world : World
+            True K_e [N/m] and B_e [N s/m].
+
+        Returns
+        -------
+        path : Path
+            Model file.
+
+        """
         environment = {'stiffness': world.K_e * _KNOWN_WORSE['stiffness'],
                        'damping': world.B_e * _KNOWN_WORSE['damping'], 'location': run.location}
         model = {'environment': environment, 'robot': run.impedance}
@@ -98,7 +175,22 @@ class ArmFiles:
         return path
 
     def force_along_normal(self, run: Run, tool: Mapping[str, Any]) -> Array:
-        """Return the force along the normal that a sensor without noise gives, (N,) [N]."""
+        """
+        Compute the force along the normal as a sensor without noise measures it.
+
+        Parameters
+        ----------
+        run : Run
+            True signals.
+        tool : mapping
+            `tool.*` parameters whose load and bias are subtracted; empty: none.
+
+        Returns
+        -------
+        force : ndarray, shape (N,)
+            Force along the normal, with the bias of the sensor [N].
+
+        """
         model = RobotModel(self._urdf, self.arm.base, SENSOR)
         axes = np.array([model.pose(q)[0] for q in run.q])
         wrench = run.wrench + np.array(FORCE_BIAS + TORQUE_BIAS)
@@ -109,7 +201,20 @@ class ArmFiles:
         return np.einsum('i,nij,nj->n', run.normal, axes, wrench[:, :3])
 
     def path(self, name: str) -> Path:
-        """Return the path of a further file of the arm."""
+        """
+        Return the path of another file of the arm.
+
+        Parameters
+        ----------
+        name : str
+            End of the file's name.
+
+        Returns
+        -------
+        path : Path
+            In the folder; the file need not exist.
+
+        """
         return self._folder / f'{self.arm.name}_{name}'
 
     def _record(self, run: Run, name: str, seed: int) -> Path:
@@ -118,7 +223,22 @@ class ArmFiles:
         return write_recording(self.path(name), stream)
 
     def kept(self, name: str, make: Callable[[], Any]) -> Any:
-        """Return the results in a JSON file; where there is none, make them and write it."""
+        """
+        Return results from a JSON file; compute and store them where the file does not exist.
+
+        Parameters
+        ----------
+        name : str
+            End of the file's name, without suffix.
+        make : callable
+            Computes the results.
+
+        Returns
+        -------
+        results : object
+            JSON content.
+
+        """
         path = self.path(f'{name}.results.json')
         if not path.exists():
             path.write_text(json.dumps(make(), indent=1) + '\n')
@@ -126,12 +246,40 @@ class ArmFiles:
 
 
 def world_of(seed: int, friction: float = 0.0) -> World:
-    """Draw a wall: 4000 to 7000 N/m, 60 to 140 N s/m; seed 0 is 5000 N/m, 80 N s/m."""
+    """
+    Draw a wall.
+
+    Parameters
+    ----------
+    seed : int
+        Seed of the draw; 0 gives 5000 N/m and 80 N s/m.
+    friction : float
+        Dry friction of the joints, as a force along the normal [N].
+
+    Returns
+    -------
+    world : World
+        K_e from 4000 to 7000 N/m, B_e from 60 to 140 N s/m.
+
+    """
     rng = np.random.default_rng(seed)
     K_e, B_e = rng.uniform(4000.0, 7000.0), rng.uniform(60.0, 140.0)
     return World(friction=friction) if seed == 0 else World(K_e, B_e, friction=friction)
 
 
 def tool_parameters(path: Path) -> dict[str, Any]:
-    """Read what `calibrate_tool` wrote."""
+    """
+    Read the parameter file that `calibrate_tool` wrote.
+
+    Parameters
+    ----------
+    path : Path
+        Its output.
+
+    Returns
+    -------
+    parameters : dict
+        `tool.*` parameters by name.
+
+    """
     return read_parameter_file(path, 'estimator_node')

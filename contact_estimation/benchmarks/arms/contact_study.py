@@ -153,7 +153,30 @@ def estimated(files: ArmFiles, run: Run, recording: Path, tool: Path) -> list[Es
 def estimated_with(
     files: ArmFiles, run: Run, recording: Path, estimator: str, name: str, tool: Mapping[str, Any]
 ) -> Estimated:
-    """Estimate with one estimator and some parameters of the tool; a name of a tare tares."""
+    """
+    Estimate with one estimator and one compensation of the tool.
+
+    Parameters
+    ----------
+    files : ArmFiles
+        Of the arm.
+    run : Run
+        Gives the normal and x_e.
+    recording : Path
+        Of the run.
+    estimator : str
+        Name of the estimator.
+    name : str
+        Name of the compensation; one that starts with 'tare' tares in free flight.
+    tool : mapping
+        `tool.*` parameters to compensate with.
+
+    Returns
+    -------
+    row : Estimated
+        Last estimates; NaN where there were none.
+
+    """
     reader = RecordingReader(recording)
     chosen = {**files.parameters(run), **tool, 'estimator': estimator}
     replay = RecordingReplay(reader, RecordingSource(), chosen)
@@ -175,7 +198,24 @@ def estimated_with(
 
 
 def errors(row: Estimated, run: Run, world: World) -> dict[str, Any]:
-    """Return the errors of estimates against the truth."""
+    """
+    Compare estimates with the truth.
+
+    Parameters
+    ----------
+    row : Estimated
+        Estimates.
+    run : Run
+        Gives the true x_e.
+    world : World
+        True K_e and B_e.
+
+    Returns
+    -------
+    errors : dict
+        Signed errors and standard deviations, in percent of the true value or in mm.
+
+    """
     return {
         'estimator': row.estimator, 'compensation': row.compensation,
         'stiffness_error_percent': 100.0 * (row.stiffness / world.K_e - 1.0),

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What is named from some recording on, and all names over time."""
+"""Effects that are named from some recording on, and all names over time."""
 
 from __future__ import annotations
 

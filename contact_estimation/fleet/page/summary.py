@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What was looked at and what stands out, in a few sentences."""
+"""What was diagnosed and what is significant, in a few sentences."""
 
 from __future__ import annotations
 

@@ -1,0 +1,58 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Parameters of a replay that the command line chooses over those of the recording."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from .command_line import chosen_parameters
+from ..estimators import ESTIMATORS
+from ..exceptions import UnknownNameError
+from ..parameters.values import without
+from ..ros.estimator_node_parameters import EstimatorNodeParameters
+
+
+def replayed_parameters(options: Any) -> dict[str, Any]:
+    """
+    Return the parameters chosen with --params, --estimator, --axis and --joint.
+
+    Parameters
+    ----------
+    options : argparse.Namespace
+        With the options of `add_params_option` and `add_source_options`, and `estimator`.
+
+    Returns
+    -------
+    parameters : dict
+        Dotted name to value, without those of the node alone.
+
+    Raises
+    ------
+    ContactEstimationError
+        If a file cannot be read or is not valid.
+    UnknownNameError
+        If there is no such estimator.
+
+    """
+    chosen = without(EstimatorNodeParameters, chosen_parameters(options))
+    if options.estimator:
+        if options.estimator not in ESTIMATORS:
+            raise UnknownNameError.among('estimator', options.estimator, ESTIMATORS)
+        chosen['estimator'] = options.estimator
+    for name in ('axis', 'joint'):
+        if getattr(options, name) is not None:
+            chosen[name] = getattr(options, name)
+    return chosen

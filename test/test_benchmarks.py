@@ -1,0 +1,55 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The commands of the benchmarks: their help, and an end of every process they start."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from pathlib import Path
+import subprocess
+import sys
+from typing import Any
+
+from contact_estimation.benchmarks import watch_benchmark
+import pytest
+
+COMMANDS = ('__main__', 'arms.__main__', 'estimators_study', 'fleet', 'input_checks',
+            'model_fit_study', 'records')
+
+
+@pytest.mark.parametrize('name', COMMANDS)
+def test_every_benchmark_has_a_help(name: str) -> None:
+    parser = import_module(f'contact_estimation.benchmarks.{name}').make_parser()
+    assert len(parser.format_help()) > 200
+
+
+def test_an_interrupted_watch_benchmark_ends_its_loop(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    started: list[subprocess.Popen[bytes]] = []
+    popen = subprocess.Popen
+
+    def start(command: list[str], **options: Any) -> subprocess.Popen[bytes]:
+        started.append(popen([sys.executable, '-c', 'import time; time.sleep(60)'], **options))
+        return started[-1]
+
+    def interrupt(_: int) -> Any:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(subprocess, 'Popen', start)
+    monkeypatch.setattr(watch_benchmark, '_descendants', interrupt)
+    with pytest.raises(KeyboardInterrupt):
+        watch_benchmark._measured_loop([], tmp_path / 'errors.txt')
+    assert started[0].poll() is not None

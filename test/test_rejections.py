@@ -1,0 +1,47 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Rejected messages are counted by reason, and the main reason is reported once."""
+
+from __future__ import annotations
+
+from contact_estimation.estimation.checks import Rejections
+from contact_estimation.estimation.parameters import EstimationParameters
+from contact_estimation.estimation.session import ContactSession
+import pytest
+
+
+@pytest.mark.parametrize('counts, name, part', [
+    ({'wrench_zero_stamp': 5}, 'zero_stamps', 'header.stamp'),
+    ({'wrench_frame_id': 3, 'joint_missing': 3}, 'frame', 'set frame_id'),
+    ({'joint_states_joint_unknown': 4, 'joint_missing': 9}, 'joint', 'choose one of these'),
+    ({'joint_gap': 4}, 'joint_gap', 'maximum_gap_s'),
+    ({'joint_missing': 4}, 'joint_missing', '3 s behind'),
+    ({'joint_duplicate': 4}, 'rejected', 'joint_duplicate'),
+])
+def test_rejections_say_the_main_reason(counts: dict[str, int], name: str, part: str) -> None:
+    texts = {'wrench_frame_id': 'set frame_id',
+             'joint_states_joint_unknown': 'choose one of these'}
+    rejections = Rejections(lambda reason: texts.get(reason, ''), lambda: '3 s behind')
+    found, text = rejections.newly(counts, 0)
+    assert found == name and part in text
+    assert rejections.newly(counts, 0) == ('', '')
+
+
+def test_zero_stamps_are_counted_as_such() -> None:
+    session = ContactSession(EstimationParameters())
+    for _ in range(3):
+        session.add_wrench(0, 1.0)
+        session.add_motion(0, 1.0, 0.0)
+    assert session.rejected == {'wrench_zero_stamp': 2, 'joint_zero_stamp': 2}
