@@ -16,6 +16,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import NamedTuple, Sequence
 
 import numpy as np
@@ -34,7 +35,7 @@ from ..fit.flexible import autocorrelation, predictable_share
 from ..fit.model_uncertainty import discounted
 from ..fit.output_error import refine, runs_true
 from ..fit.search import Progress
-from ..fit.selection import fitted_again, Selection, weigh
+from ..fit.selection import fitted_again, select, Selection, weigh
 from ..fit.uncertainty import standard_deviations
 from ..fit.zeros import ZEROS
 from ..observe.model import Model, names_of
@@ -82,7 +83,7 @@ class Decision(NamedTuple):
 
 
 def decide(
-    selection: Selection, whole: Recordings, progress: Progress,
+    selection: Selection, whole: Recordings, progress: Progress, again: bool = True,
 ) -> Decision:
     """
     Decide which effects are named and whether something remains unexplained.
@@ -95,6 +96,9 @@ def decide(
         Its recordings with their held-out parts.
     progress : callable
         Called with a description of each stage.
+    again : bool
+        Whether to select once more without a law whose size differs between the parts, if no
+        other is left: a curve that fits best may stand before a law that fits nearly as well.
 
     Returns
     -------
@@ -118,11 +122,15 @@ def decide(
         if doubtful:
             zeros = [name for name in doubtful if name in ZEROS]
             rest = fit(recordings, best.model.without((zeros or doubtful)[-1]))
-            fewer = decide(_carrying(selection, rest), whole, progress)
+            fewer = decide(_carrying(selection, rest), whole, progress, False)
             # A doubtful zero stays if laws that are sure beside it would not be without it.
             laws = set(best.model.effects) - set(ZEROS)
             if set(doubtful) != set(zeros) or laws <= set(fewer.best.model.effects):
-                return fewer
+                differing = {name for name in laws if not shares.agrees(name)}
+                if not again or not differing or set(fewer.best.model.effects) - set(ZEROS):
+                    return fewer
+                other = decide(_without(selection, differing, progress), whole, progress, False)
+                return other if set(other.best.model.effects) - set(ZEROS) else fewer
         return Decision(selection, best, shares.explained < EXPLAINED, 0.0, shares)
     progress('structure of the residuals')
     if has_discrepancy(recordings):
@@ -136,6 +144,16 @@ def decide(
     unexplained, predictable = _structured(recordings, best)
     late = _largest(_held_out_powers(whole, best.model)) > _HELD_OUT_POWER
     return Decision(selection, best, unexplained or late, predictable, None)
+
+
+def _without(selection: Selection, names: set[str], progress: Progress) -> Selection:
+    """Select again, without some effects."""
+    base = selection.base.model
+    recordings = selection.recordings
+    if has_discrepancy(recordings):
+        recordings = [discounted(without_discrepancy(one), base) for one in recordings]
+    model = replace(base, excluded=base.excluded | names)
+    return select(recordings, fit(recordings, model), progress, by_likelihood=False)
 
 
 def _carrying(selection: Selection, rest: Fit) -> Selection:
