@@ -119,18 +119,9 @@ def decide(
         doubtful = [name for name in best.model.effects if name != in_form and (
             not shares.agrees(name)
             or shares.sure(name) <= _least_sure(exact, shares.is_flexible(name)))]
-        if doubtful:
-            zeros = [name for name in doubtful if name in ZEROS]
-            rest = fit(recordings, best.model.without((zeros or doubtful)[-1]))
-            fewer = decide(_carrying(selection, rest), whole, progress, False)
-            # A doubtful zero stays if laws that are sure beside it would not be without it.
-            laws = set(best.model.effects) - set(ZEROS)
-            if set(doubtful) != set(zeros) or laws <= set(fewer.best.model.effects):
-                differing = {name for name in laws if not shares.agrees(name)}
-                if not again or not differing or set(fewer.best.model.effects) - set(ZEROS):
-                    return fewer
-                other = decide(_without(selection, differing, progress), whole, progress, False)
-                return other if set(other.best.model.effects) - set(ZEROS) else fewer
+        fewer = _without_doubtful(selection, best, shares, doubtful, whole, progress, again)
+        if fewer is not None:
+            return fewer
         return Decision(selection, best, shares.explained < EXPLAINED, 0.0, shares)
     progress('structure of the residuals')
     if has_discrepancy(recordings):
@@ -144,6 +135,30 @@ def decide(
     unexplained, predictable = _structured(recordings, best)
     late = _largest(_held_out_powers(whole, best.model)) > _HELD_OUT_POWER
     return Decision(selection, best, unexplained or late, predictable, None)
+
+
+def _without_doubtful(
+    selection: Selection, best: Fit, shares: Shares, doubtful: Sequence[str], whole: Recordings,
+    progress: Progress, again: bool,
+) -> Decision | None:
+    """Decide without what is doubtful; None if nothing is, or laws are not sure without it."""
+    if not doubtful:
+        return None
+    zeros = [name for name in doubtful if name in ZEROS]
+    rest = fit(selection.recordings, best.model.without((zeros or doubtful)[-1]))
+    fewer = decide(_carrying(selection, rest), whole, progress, False)
+    laws, left = _laws(best.model), _laws(fewer.best.model)
+    if len(zeros) == len(doubtful) and not laws <= left:
+        return None
+    differing = {name for name in laws if not shares.agrees(name)}
+    if left or not differing or not again:
+        return fewer
+    other = decide(_without(selection, differing, progress), whole, progress, False)
+    return other if _laws(other.best.model) else fewer
+
+
+def _laws(model: Model) -> set[str]:
+    return set(model.effects) - set(ZEROS)
 
 
 def _without(selection: Selection, names: set[str], progress: Progress) -> Selection:

@@ -78,9 +78,10 @@ def pairs_that_predict(
     misfit = squares - sum(float(part.noise.sum()) for part in parts)
     least = _LEAST
     if zero is not None:
-        least = 1.0 - (zero.total - squares + misfit) / misfit + _LEAD
-        if least > 1.0 - _LEFT + _LEAD:
+        left = (zero.total - squares + misfit) / misfit
+        if left < _LEFT:
             return []
+        least = max(_LEAST, 1.0 - left + _LEAD)
     elastic = [one for one in found if EFFECTS[one.model.effects[-1]].family == _ELASTIC]
     pressed = is_pressed(recordings, present.model)
     losses = [name for name in candidates_for(present.model, False, pressed)
@@ -96,7 +97,7 @@ def pairs_that_predict(
         return []
     best = min(assessed, key=lambda pair: pair.total)
     share = share_of(before, best.errors, parts, before)
-    if share.share < max(least, _LEAST) or not predicts_enough(share, share):
+    if share.share < least or not predicts_enough(share, share):
         return []
     most = best.total + ADEQUATE * (squares - best.total)
     adequate = [pair for pair in assessed if pair.total <= most]
