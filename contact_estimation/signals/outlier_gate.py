@@ -95,17 +95,20 @@ class OutlierGate:
             The line instead of an outlier [N].
 
         """
-        if self._line is None:
+        line = self._line
+        if line is None:
             if self._threshold:
                 self._start(d, y, noise_std)
             return y
-        depth, level, slope = self._line
+        depth, level, slope = line
         x = d - depth
         cc, ck, kk = self._P
         cc, ck = cc + x * (2.0 * ck + x * kk), ck + x * kk  # at this depth
         predicted = level + slope * x
         error = y - predicted
-        size, scale = abs(error), max(self._scale, noise_std)
+        size, scale = abs(error), self._scale
+        if scale < noise_std:
+            scale = noise_std
         width = scale * sqrt(1.0 + cc)
         self._scale = scale * (_LARGER if size > width else _SMALLER)
         bound = self._threshold * width
