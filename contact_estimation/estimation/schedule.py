@@ -47,23 +47,23 @@ class Schedule:
     ----------
     actions : deque of (Moment, callable)
         Each is called after the sample of its moment and before the next.
-    references : deque of (Moment, Reference)
+    references : deque of ((int, int), Reference)
         Each is in force from the sample of its moment on.
 
     """
 
     def __init__(self) -> None:
         self.actions: deque[tuple[Moment, Callable[[], object]]] = deque()
-        self.references: deque[tuple[Moment, Reference]] = deque()
+        self.references: deque[tuple[tuple[int, int], Reference]] = deque()
 
-    def apply_due(self, now: Moment) -> Reference | None:
+    def apply_due(self, now: tuple[int, int]) -> Reference | None:
         """
         Call the actions that are due before a sample.
 
         Parameters
         ----------
-        now : Moment
-            Of the sample.
+        now : (int, int)
+            Moment of the sample; as a plain tuple it takes a tenth of the time to make.
 
         Returns
         -------

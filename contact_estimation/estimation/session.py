@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 from .arm import described_in_file, kinematics_of, NO_DESCRIPTION, NO_TRANSFORMS
 from .axes_estimation import AxesEstimation
 from .parameters import EstimationParameters
+from .pipeline import EstimationPipeline, NO_REFERENCE
 from .reference_stream import ReferenceStream
 from .result import AxesEstimates, Result
 from .schedule import Moment, Schedule
@@ -85,7 +86,9 @@ class ContactSession:
         self.parameters = parameters
         self._axes = AxesEstimation(parameters)
         self.pipelines, self.checks = self._axes.pipelines, self._axes.checks
-        self.pipeline, self.matrix = self.pipelines[parameters.axis], self._axes.matrix
+        self.pipeline, *self._further = self.pipelines.values()
+        self.matrix = self._axes.matrix
+        self._followed = NO_REFERENCE  # along the contact axis; further axes have no reference
         self.rejection_texts: dict[str, str] = {}
         self.notices: dict[str, str] = {}
         self.last_stamp_ns, self.last_position, self.last_force = _BEFORE_ANY, nan, nan
@@ -148,13 +151,9 @@ class ContactSession:
         return 'tf' if self.parameters.pose_source == 'tf' else 'joint_states'
 
     @property
-    def motion_lag(self) -> str:
-        """How far the newest motion is behind the newest wrench, in words."""
-        lag_s = self._synchroniser.motion_lag_s
-        if lag_s != lag_s:
-            return f'none has come; is {self.motion_topic} published, or remapped?'
-        return (f'the newest motion is {lag_s:.3g} s behind the wrench; start its driver, '
-                'synchronise the clocks, or set synchronisation.offset')
+    def motion_lag_s(self) -> float:
+        """How far the newest motion is behind the newest wrench [s]; NaN before both."""
+        return self._synchroniser.motion_lag_s
 
     @property
     def moment(self) -> Moment:
@@ -234,7 +233,7 @@ class ContactSession:
         schedule = self._schedule
         for axes in samples:
             if schedule.references or schedule.actions:
-                self._apply_due(axes[0].stamp_ns)
+                self._apply_due(axes[0][0])
             estimates.append(self._estimate(axes))
         return estimates
 
@@ -250,15 +249,18 @@ class ContactSession:
             if self._synchroniser.jumped:
                 self._restart_time()
             if schedule.references or schedule.actions:
-                self._apply_due(paired[0].stamp_ns)
-            axes, state = self._along_normal(paired) if self.arm else (paired, None)
+                self._apply_due(paired[0][0])
+            axes, state = paired, None
+            if self.arm is not None:
+                axes, state = self._along_normal(paired)
             estimates = self._estimate(axes)
-            reference_stamp_ns, reference = self.last_stamp_ns + self.stream.period_ns, None
+            sample, reference = axes[0], None
+            follow_ns = sample[0] + self.stream.period_ns
             if self._generates:
-                reference = self.stream.step(axes[0], estimates[0])
+                reference = self.stream.step(sample, estimates[0])
                 if self._follows_reference:
-                    self.add_reference(reference_stamp_ns, reference, self._jumps)
-            results.append(Result(axes[0], estimates, reference_stamp_ns, reference, state))
+                    schedule.references.append(((self._jumps, follow_ns), reference))
+            results.append(Result(sample, estimates, follow_ns, reference, state))
         return results
 
     def _along_normal(self, paired: Any) -> tuple[AxesSample, ArmState | None]:
@@ -272,18 +274,30 @@ class ContactSession:
 
     def _estimate(self, axes: AxesSample) -> AxesEstimates:
         """Estimate from the next sample, for which all that is due has been applied."""
-        self.last_stamp_ns, self.last_position, _, self.last_force = axes[0]
-        return self._axes.estimate(axes)
+        sample = axes[0]
+        self.last_stamp_ns, self.last_position, _, self.last_force = sample
+        estimates: AxesEstimates = (self.pipeline.take(sample, self._followed),)
+        if len(axes) > 1:
+            estimates += tuple(map(EstimationPipeline.take, self._further, axes[1:]))
+        checks = self.checks
+        checks.samples.append(axes)
+        checks.estimates.append(estimates)
+        if len(checks.samples) >= checks.due:
+            checks.judge(sample[0])
+        if self.matrix.runs:
+            self.matrix.process(axes, estimates)
+        return estimates
 
     def _apply_due(self, stamp_ns: int) -> None:
-        reference = self._schedule.apply_due(Moment(self._jumps, stamp_ns))
+        reference = self._schedule.apply_due((self._jumps, stamp_ns))
         if reference is not None:
-            self._axes.follow(reference)
+            self._followed = reference
 
     def _restart_time(self) -> None:
         self._synchroniser.jumped = False
         self._jumps += 1
         self._axes.restart_time()
+        self._followed = NO_REFERENCE
         self.stream.restart()
         self.last_stamp_ns = _BEFORE_ANY
 
@@ -307,7 +321,7 @@ class ContactSession:
             Number of backward clock jumps before it.
 
         """
-        self._schedule.references.append((Moment(jumps, stamp_ns), reference))
+        self._schedule.references.append(((jumps, stamp_ns), reference))
 
     def schedule(self, after: Moment, action: Callable[[], object]) -> None:
         """Schedule a call after one sample and before the next, in the order of the samples."""

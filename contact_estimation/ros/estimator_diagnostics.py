@@ -25,7 +25,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
 from .percentiles import percentiles
 from ..estimation.arm import NO_DESCRIPTION
-from ..estimation.checks import Rejections
+from ..estimation.checks import lag_in_words, Rejections
 from ..estimation.model_fit import ModelFitMonitor
 from ..estimation.session import ContactSession
 from ..estimators.estimate import Estimate
@@ -184,7 +184,7 @@ class EstimatorDiagnostics:
         if self._rejections is None:
             self._rejections = Rejections(
                 lambda reason: session.rejection_texts.get(reason, ''),
-                lambda: session.motion_lag)
+                lambda: lag_in_words(session.motion_lag_s, session.motion_topic))
         rejected = self._rejections.newly(session.rejected, self.processed)
         active = [*session.notices.items()]
         active += [(warned.name, warned.text) for warned in session.checks.warnings()]
