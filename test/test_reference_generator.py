@@ -21,10 +21,8 @@ from typing import Any, Callable
 
 from contact_estimation.exceptions import ParameterRangeError
 from contact_estimation.reference.excitation import PseudoRandomBinary
-from contact_estimation.reference.reference_generator import (
-    ReferenceGenerator,
-    ReferenceParameters,
-)
+from contact_estimation.reference.parameters import ReferenceParameters
+from contact_estimation.reference.reference_generator import ReferenceGenerator
 from contact_estimation.reference.setpoints import Desired, Reference
 from core_runs import closed_loop, PAPER_SENSORS
 import numpy as np

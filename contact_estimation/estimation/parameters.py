@@ -33,7 +33,7 @@ from ..kinematics.tool_load import ToolParameters
 from ..parameters.specification import group, parameter, ParameterGroup
 from ..physics import PhysicsParameters
 from ..reference.laws import LAWS
-from ..reference.reference_generator import ReferenceParameters, refuse_double_tracking
+from ..reference.parameters import ReferenceParameters, refuse_double_tracking
 from ..signals.butterworth import check_cutoff
 from ..signals.conditioning import ConditioningParameters
 from ..signals.contact_detection import ContactParameters
