@@ -119,6 +119,11 @@ class EstimationParameters(ParameterGroup):
         further = self.further_axes.named()
         return {self.axis: self.joint, **{axis: own.joint for axis, own in further.items()}}
 
+    @property
+    def motion_topic(self) -> str:
+        """Topic from which positions come."""
+        return 'tf' if self.pose_source == 'tf' else 'joint_states'
+
     def of_axis(self, axis: str) -> EstimationParameters:
         """
         Return the parameters of one axis: its own surface location, all else shared.
