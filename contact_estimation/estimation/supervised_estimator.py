@@ -197,10 +197,10 @@ class SupervisedEstimator:
         errors, variance = supervision.errors, supervision.noise.variance
         if frozen is not errors.noted:
             errors.note_update(frozen)
-        (updated,) = estimator.update(
+        (estimate,) = estimator.update(
             (timed,), variance if variance > force_variance else force_variance, frozen)
         if isfinite(estimator.stiffness) and isfinite(estimator.damping):
-            return self._widened(updated), _ESTIMATING, supervision.frozen_reason
+            return self._widened(estimate), _ESTIMATING, supervision.frozen_reason
         estimator.reset()
         return self._widened(estimator.current()), _FROZEN, _NOT_FINITE
 
