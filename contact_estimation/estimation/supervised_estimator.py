@@ -200,7 +200,10 @@ class SupervisedEstimator:
         (estimate,) = estimator.update(
             (timed,), variance if variance > force_variance else force_variance, frozen)
         if isfinite(estimator.stiffness) and isfinite(estimator.damping):
-            return self._widened(estimate), _ESTIMATING, supervision.frozen_reason
+            wide = widened(estimate, errors)
+            if not self._robot_is_stiff:
+                wide = of_the_wall(wide, self._p.robot)
+            return wide, _ESTIMATING, supervision.frozen_reason
         estimator.reset()
         return self._widened(estimator.current()), _FROZEN, _NOT_FINITE
 

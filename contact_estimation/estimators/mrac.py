@@ -121,9 +121,17 @@ class ModelReferenceAdaptive(OnlineEstimator):
         gain_B = 0.0 if frozen.damping else self._p.damping_gain
         K_low, K_high, B_high = self.environment.limits
         estimates = []
-        for dt, row in rows:
-            keep = self._remember(dt, row[0], row[1], row[2], noise_variance)
-            (q_K, q_B), (r_KK, r_KB, r_BB) = self._Q, self._R
+        for dt, (y, f_K, f_B, _, _) in rows:
+            keep, share = self._shares(dt)
+            KK, KB, BB, y = f_K * f_K, f_K * f_B, f_B * f_B, share * y
+            a, b, d = self._R
+            self._R = r_KK, r_KB, r_BB = (
+                keep * a + share * KK, keep * b + share * KB, keep * d + share * BB)
+            a, b = self._Q
+            self._Q = q_K, q_B = keep * a + y * f_K, keep * b + y * f_B
+            a, b, d = self._N
+            kept, new = keep * keep, share * share * noise_variance
+            self._N = kept * a + new * KK, kept * b + new * KB, kept * d + new * BB
             # (1 / dt + Gamma^-1 R)^-1 Gamma^-1: implicit Euler, stable at any gain
             g_K, g_B = dt * gain_K, dt * gain_B
             a, b, c, d = 1.0 + g_K * r_KK, g_K * r_KB, g_B * r_KB, 1.0 + g_B * r_BB
@@ -140,25 +148,14 @@ class ModelReferenceAdaptive(OnlineEstimator):
             estimates.append(self.current())
         return estimates
 
-    def _remember(
-        self, dt: float, F: float, f_K: float, f_B: float, noise_variance: float
-    ) -> float:
-        """Average phi phi^T and phi F: the plain mean since the start, then over the memory."""
+    def _shares(self, dt: float) -> tuple[float, float]:
+        """Return the shares of past and row in a mean since the start, then over the memory."""
         seen_s, memory_s = self._seen_s + dt, self._p.memory_s
         if seen_s > memory_s:
             seen_s = memory_s if memory_s > dt else dt
         self._seen_s = seen_s
         share = dt / seen_s if seen_s > 0.0 else 1.0
-        keep, y = 1.0 - share, share * F
-        KK, KB, BB = f_K * f_K, f_K * f_B, f_B * f_B
-        a, b, d = self._R
-        self._R = keep * a + share * KK, keep * b + share * KB, keep * d + share * BB
-        a, b = self._Q
-        self._Q = keep * a + y * f_K, keep * b + y * f_B
-        a, b, d = self._N
-        kept, new = keep * keep, share * share * noise_variance
-        self._N = kept * a + new * KK, kept * b + new * KB, kept * d + new * BB
-        return keep
+        return 1.0 - share, share
 
     def _spread(self, S: Matrix, keep: float) -> None:
         """

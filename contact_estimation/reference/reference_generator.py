@@ -66,6 +66,7 @@ class ReferenceGenerator:
         self._mode: str | None = None
         self._last: Reference | None = None
         self._offset, self._faded_s = 0.0, 0.0
+        self._resting: Desired | None = None  # the setpoint at which x_r rests, without a force
         self.limited = False
         self._forces: list[tuple[float, float]] = []  # (time, F_r), at most three
 
@@ -79,7 +80,7 @@ class ReferenceGenerator:
             Measured x [m]; finite.
 
         """
-        self._last = Reference(position, 0.0, 0.0)
+        self._last, self._resting = Reference(position, 0.0, 0.0), None
 
     def configure(
         self, law: str, parameters: ReferenceParameters, period_s: float = 2e-3
@@ -101,7 +102,7 @@ class ReferenceGenerator:
         refuse_double_tracking(law, parameters.robot_force_tracking)
         if law != self._law or parameters != self._p:
             self._mode = None if self._last is None else 'changed'
-        self._law, self._p, self._period_s = law, parameters, period_s
+        self._law, self._p, self._period_s, self._resting = law, parameters, period_s, None
 
     def step(
         self, t: float, dt: float, desired: Desired, contact: bool, x_e: float, K_hat: float,
@@ -134,6 +135,9 @@ class ReferenceGenerator:
 
         """
         position, velocity, acceleration, force = desired
+        last = self._last
+        if desired is self._resting and last is not None and not position > deepest:
+            return last
         mode, presses = 'pass_through', isfinite(force)
         F_r_dot = F_r_ddot = 0.0
         if presses or self._forces:
@@ -148,11 +152,13 @@ class ReferenceGenerator:
         if mode != self._mode:
             self._switch(mode, dt, target)
         wanted = self._fade(dt, target) if self._offset else target
-        last = self._last or wanted
+        if last is None:
+            last = wanted
         if not isfinite(last[0]):
             last = Reference(0.0, 0.0, 0.0)
         new = limited(last, wanted, dt, self._period_s, self._p.maximum_velocity, deepest)
         self._last, self.limited = new, new[0] != wanted[0]
+        self._resting = desired if new is target and not presses else None
         return new
 
     def _differentiate(self, t: float, F_r: float) -> tuple[float, float]:

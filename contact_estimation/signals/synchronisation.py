@@ -161,10 +161,9 @@ class Synchroniser:
                 return _NOTHING
         motions = self._motions
         if motions and not self._wrenches and motions[-1][0] == stamp_ns:
-            last = motions[-1]  # the usual case: both stamps are equal
-            motions.clear()
-            motions.append(last)
-            return (self._sample(stamp_ns, last[1], forces),)
+            while len(motions) > 1:  # the usual case: both stamps are equal
+                motions.popleft()
+            return (self._sample(stamp_ns, motions[0][1], forces),)
         self._wrenches.append((stamp_ns, forces))
         return self._pair()
 
