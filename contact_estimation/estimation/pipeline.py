@@ -25,7 +25,7 @@ from .model_fit import ModelFitMonitor
 from .parameters import EstimationParameters
 from .supervised_estimator import SupervisedEstimator
 from .surface_search import REACH
-from ..estimators.estimate import Estimate, EstimateStatus
+from ..estimators.estimate import Estimate, EstimateStatus, new_tuple
 from ..estimators.estimator import OnlineEstimator
 from ..estimators.excitation_monitor import ExcitationMonitor
 from ..physics import effects_that_are_on
@@ -36,7 +36,6 @@ from ..signals.contact_sample import ContactSample
 
 NO_REFERENCE = Reference(nan, nan, nan)
 _FREE, _FROZEN = EstimateStatus.FREE, EstimateStatus.FROZEN  # an enumeration takes long
-_new = tuple.__new__  # of a named tuple: half the time of a call of its class
 
 
 class EstimationPipeline:
@@ -306,5 +305,5 @@ class EstimationPipeline:
         if withheld:
             K_std = B_std = nan
             status, reason = _FREE if status is _FREE else _FROZEN, withheld
-        return _new(Estimate, (
+        return new_tuple(Estimate, (
             sample[0], K, B, K_std, B_std, location, M, status, reason, fit.now[0]))

@@ -199,7 +199,7 @@ class SupervisedEstimator:
             errors.note_update(frozen)
         (estimate,) = estimator.update(
             (timed,), variance if variance > force_variance else force_variance, frozen)
-        if isfinite(estimator.stiffness) and isfinite(estimator.damping):
+        if isfinite(estimate[0]) and isfinite(estimate[1]):
             wide = widened(estimate, errors)
             if not self._robot_is_stiff:
                 wide = of_the_wall(wide, self._p.robot)

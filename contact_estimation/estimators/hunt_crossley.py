@@ -23,7 +23,7 @@ from typing import Callable, Mapping, NamedTuple, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from .estimate import Frozen, ParameterEstimate
+from .estimate import Frozen, new_tuple, ParameterEstimate
 from .estimator import OnlineEstimator, TimedRow
 from .three_states import constrain, correct, Covariance, diagonal, State
 from ..parameters.specification import parameter, ParameterGroup
@@ -273,7 +273,9 @@ class HuntCrossley(OnlineEstimator):
 
     def current(self) -> ParameterEstimate:
         """Return the present estimate; see `OnlineEstimator.current`."""
-        return ParameterEstimate(self.stiffness, self.damping, *self._std, 0.0, nan)
+        K_std, B_std = self._std
+        return new_tuple(
+            ParameterEstimate, (self.stiffness, self.damping, K_std, B_std, 0.0, nan))
 
 
 def _std(P: Covariance, a: float, b: float, c: float) -> float:

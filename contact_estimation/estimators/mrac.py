@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .environment_parameters import EnvironmentParameters
-from .estimate import Frozen, ParameterEstimate
+from .estimate import Frozen, new_tuple, ParameterEstimate
 from .estimator import OnlineEstimator, TimedRow
 from .gradient_speed import limitation_of, starvation
 from .model_following import ModelFollowing, ModelFollowingParameters
@@ -193,6 +193,6 @@ class ModelReferenceAdaptive(OnlineEstimator):
     def current(self) -> ParameterEstimate:
         """Return the present estimate; see `OnlineEstimator.current`."""
         K_variance, _, B_variance = self._P
-        return ParameterEstimate(
+        return new_tuple(ParameterEstimate, (
             self.stiffness, self.damping, 0.0 if K_variance <= 0.0 else sqrt(K_variance),
-            0.0 if B_variance <= 0.0 else sqrt(B_variance), 0.0, nan)
+            0.0 if B_variance <= 0.0 else sqrt(B_variance), 0.0, nan))

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from math import nan, sqrt
 from typing import Sequence
 
-from .estimate import Frozen, ParameterEstimate
+from .estimate import Frozen, new_tuple, ParameterEstimate
 from .estimator import OnlineEstimator, TimedRow, UNKNOWN_DAMPING_S
 from .three_states import Covariance, grow
 from ..parameters.specification import parameter, ParameterGroup
@@ -138,11 +138,10 @@ class RecursiveLeastSquares(OnlineEstimator):
                 K, B, M = _project((K, B, M), (KK, KB, KM, BB, BM), limits)
             KK, KB, KM, BB, BM, MM = self._forget(
                 (KK, KB, KM, BB, BM, MM), K, B, free_K, free_B, free_M)
-            estimates.append(ParameterEstimate(
+            estimates.append(new_tuple(ParameterEstimate, (
                 K, B, sqrt(averaged * (0.0 if KK < 0.0 else KK)),
                 sqrt(averaged * (0.0 if BB < 0.0 else BB)), 0.0,
-                M if self._p.estimate_inertia else nan,
-            ))
+                M if self._p.estimate_inertia else nan)))
         self.stiffness, self.damping, self._M = K, B, M
         self._P = KK, KB, KM, BB, BM, MM
         return estimates

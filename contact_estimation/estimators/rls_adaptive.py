@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from math import exp, nan, sqrt
 from typing import Sequence
 
-from .estimate import Frozen, ParameterEstimate
+from .estimate import Frozen, new_tuple, ParameterEstimate
 from .estimator import OnlineEstimator, TimedRow
 from .three_states import constrain, Covariance, diagonal, grow, State
 from ..parameters.specification import parameter, ParameterGroup
@@ -183,7 +183,6 @@ class AdaptiveLeastSquares(OnlineEstimator):
     def current(self) -> ParameterEstimate:
         """Return the present estimate; see `OnlineEstimator.current`."""
         KK, _, _, BB, _, _ = self._P
-        return ParameterEstimate(
+        return new_tuple(ParameterEstimate, (
             self.stiffness, self.damping, sqrt(KK) if KK > 0.0 else 0.0,
-            sqrt(BB) if BB > 0.0 else 0.0, 0.0, self._x[2] if self._p.inertia_std > 0.0 else nan,
-        )
+            sqrt(BB) if BB > 0.0 else 0.0, 0.0, self._x[2] if self._p.inertia_std > 0.0 else nan))
