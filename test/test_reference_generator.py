@@ -84,6 +84,14 @@ def test_pass_through_ignores_the_wanted_force() -> None:
     assert point == (0.0204, 0.0, 0.0, 0.0)
 
 
+def test_reference_at_rest_retreats_when_its_depth_is_allowed_no_longer() -> None:
+    of, desired = generator(), Desired(0.01, 0.0, 0.0, nan)
+    resting = [of.step(T * k, T, desired, True, 0.0, K, 0.02) for k in range(3)]
+    assert resting == [(0.01, 0.0, 0.0, 0.0)] * 3
+    assert of.step(3 * T, T, desired, True, 0.0, K, 0.009).position == 0.01 - MOST * T
+    assert of.limited
+
+
 def test_feed_forward_of_a_sine_is_its_first_derivative() -> None:
     points = play(generator(), 0, 2000)[1000:]
     expected = [160.0 * np.cos(20.0 * T * k) / K for k in range(1000, 2000)]

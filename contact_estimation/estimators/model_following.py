@@ -19,6 +19,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from .estimate import new_tuple
 from ..parameters.specification import parameter, ParameterGroup
 from ..reference.setpoints import Reference
 
@@ -80,16 +81,16 @@ class ReferenceModel:
 
     def __init__(self, mass: float, damping: float, stiffness: float) -> None:
         self._M, self._B, self._K = mass, damping, stiffness
-        self._last: tuple[tuple[float, float, float], float, Reference] | None = None
+        self._last: tuple[Motion, float, Reference] | None = None
 
     @property
     def motion(self) -> Motion | None:
         """Of the model at the last sample; None before the first."""
-        return Motion(*self._last[0]) if self._last else None
+        return self._last[0] if self._last else None
 
     def advance(
         self, dt: float, position: float, velocity: float, force: float, reference: Reference
-    ) -> tuple[float, float, float]:
+    ) -> Motion:
         """
         Integrate eq. (1) over one sample, along the parabola of the last reference.
 
@@ -108,8 +109,8 @@ class ReferenceModel:
 
         Returns
         -------
-        motion : tuple of float
-            The fields of a `Motion`, of the model now.
+        motion : Motion
+            Of the model now.
 
         """
         M, B, K, last = self._M, self._B, self._K, self._last
@@ -125,7 +126,8 @@ class ReferenceModel:
             z_next = z + half * (w + w_next)
             x_m, v_m = x_r + dt * (v_r + half * a_r) + z_next, v_r + dt * a_r + w_next
         x_r, v_r, a_r, _ = reference
-        motion = x_m, v_m, a_r + (force - B * (v_m - v_r) - K * (x_m - x_r)) / M
+        a_m = a_r + (force - B * (v_m - v_r) - K * (x_m - x_r)) / M
+        motion = new_tuple(Motion, (x_m, v_m, a_m))
         self._last = motion, force, reference
         return motion
 

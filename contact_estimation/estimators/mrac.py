@@ -121,9 +121,10 @@ class ModelReferenceAdaptive(OnlineEstimator):
         gain_B = 0.0 if frozen.damping else self._p.damping_gain
         K_low, K_high, B_high = self.environment.limits
         estimates = []
-        for dt, (y, f_K, f_B, _, _) in rows:
+        for dt, row in rows:
             keep, share = self._shares(dt)
-            KK, KB, BB, y = f_K * f_K, f_K * f_B, f_B * f_B, share * y
+            f_K, f_B, y = row[1], row[2], share * row[0]
+            KK, KB, BB = f_K * f_K, f_K * f_B, f_B * f_B
             a, b, d = self._R
             self._R = r_KK, r_KB, r_BB = (
                 keep * a + share * KK, keep * b + share * KB, keep * d + share * BB)
