@@ -175,6 +175,9 @@ class ModelFollowing:
         self._p, factor = tuning, tuning.arm_range
         self._masses = tuning.arm_mass / factor, tuning.arm_mass * factor
         self._dampings = tuning.arm_damping / factor, tuning.arm_damping * factor
+        k = tuning.feedback_gain
+        self._gains = (tuning.error_rate, tuning.arm_mass_gain, tuning.arm_damping_gain, k,
+                       tuning.adaptation_limit * k)
 
     def configure(self, tuning: ModelFollowingParameters) -> None:
         """
@@ -224,14 +227,13 @@ class ModelFollowing:
             Force for the arm until the next sample [N].
 
         """
-        p = self._p
+        rate, g_m, g_b, k, most_power = self._gains
         x_m, v_m, a_m = self.model.advance(dt, position, velocity, force, reference)
         self.error = e = position - x_m
-        e_dot, rate = velocity - v_m, p.error_rate
+        e_dot = velocity - v_m
         s, a, v = e_dot + rate * e, a_m - rate * e_dot, v_m - rate * e
-        g_m, g_b, k = p.arm_mass_gain, p.arm_damping_gain, p.feedback_gain
         power = g_m * a * a + g_b * v * v
-        step = dt * s / (1.0 + power / (p.adaptation_limit * k))
+        step = dt * s / (1.0 + power / most_power)
         m, b = self.mass - step * g_m * a, self.damping - step * g_b * v
         least, most = self._masses
         if not least <= m <= most:
