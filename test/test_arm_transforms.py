@@ -59,7 +59,7 @@ class Live:
     def take(self, listed: Iterable[Message]) -> 'Live':
         """Process messages, and list them with the events that the node would publish."""
         process = {'/wrench': self.inputs.process_wrench,
-                   f'/{self.session.motion_topic}': self.inputs.process_motion}
+                   f'/{self.session.parameters.motion_topic}': self.inputs.process_motion}
         arm = self.inputs.arm
         for topic, stamp_ns, raw in listed:
             self.recorded.append((topic, stamp_ns, raw))

@@ -17,8 +17,12 @@
 from __future__ import annotations
 
 from math import inf, isfinite, nan
+from pathlib import Path
+from statistics import median
+import sys
 from typing import Any, Iterable
 
+import contact_estimation
 from contact_estimation.estimation.parameters import EstimationParameters
 from contact_estimation.estimation.result import Result
 from contact_estimation.estimation.session import ContactSession
@@ -324,3 +328,31 @@ def test_desired_force_that_is_not_positive_counts_as_none(force: float) -> None
     session.add_desired(SAMPLES[0].stamp_ns, Desired(-0.0102, 0.0, 0.0, force))
     (result,) = feed(session, SAMPLES[:1])
     assert result.reference == (-0.0102, 0.0, 0.0, 0.0)
+
+
+def files_entered(session: ContactSession, sample: ContactSample) -> int:
+    """Count the files of the package that a wrench enters; its joint state has come."""
+    package, files = str(Path(contact_estimation.__file__).parent), set()
+
+    def note(frame: Any, event: str, _: Any) -> None:
+        if event == 'call' and frame.f_code.co_filename.startswith(package):
+            files.add(frame.f_code.co_filename)
+
+    stamp, position, velocity, force = sample
+    session.add_motion(stamp, position, velocity)
+    before = sys.getprofile()
+    sys.setprofile(note)
+    try:
+        session.add_wrench(stamp, force)
+    finally:
+        sys.setprofile(before)
+    return len(files)
+
+
+@pytest.mark.parametrize('generates, most', [(False, 8), (True, 10)])
+def test_wrench_in_contact_passes_few_files_to_its_estimate(generates: bool, most: int) -> None:
+    session = ContactSession(EstimationParameters(), generate_reference=generates)
+    samples = contact_samples(0.6, force_noise=0.3)
+    feed(session, samples[:-50])
+    # Every tenth sample or so is one of those after which the estimate is judged.
+    assert median(files_entered(session, sample) for sample in samples[-50:]) <= most

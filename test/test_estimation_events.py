@@ -26,7 +26,7 @@ from contact_estimation.estimation.events import (
     TARE,
 )
 from contact_estimation.estimation.parameters import EstimationParameters
-from contact_estimation.estimation.schedule import Moment
+from contact_estimation.estimation.result import Moment
 from contact_estimation.estimation.session import ContactSession
 from contact_estimation.exceptions import RecordingError
 from contact_estimation.parameters.values import build, flatten

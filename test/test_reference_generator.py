@@ -21,10 +21,8 @@ from typing import Any, Callable
 
 from contact_estimation.exceptions import ParameterRangeError
 from contact_estimation.reference.excitation import PseudoRandomBinary
-from contact_estimation.reference.reference_generator import (
-    ReferenceGenerator,
-    ReferenceParameters,
-)
+from contact_estimation.reference.parameters import ReferenceParameters
+from contact_estimation.reference.reference_generator import ReferenceGenerator
 from contact_estimation.reference.setpoints import Desired, Reference
 from core_runs import closed_loop, PAPER_SENSORS
 import numpy as np
@@ -84,6 +82,14 @@ def test_x_d_passes_through_without_contact_or_wanted_force(contact: bool, force
 def test_pass_through_ignores_the_wanted_force() -> None:
     point = play(generator('pass_through'), 0, 10)[-1]
     assert point == (0.0204, 0.0, 0.0, 0.0)
+
+
+def test_reference_at_rest_retreats_when_its_depth_is_allowed_no_longer() -> None:
+    of, desired = generator(), Desired(0.01, 0.0, 0.0, nan)
+    resting = [of.step(T * k, T, desired, True, 0.0, K, 0.02) for k in range(3)]
+    assert resting == [(0.01, 0.0, 0.0, 0.0)] * 3
+    assert of.step(3 * T, T, desired, True, 0.0, K, 0.009).position == 0.01 - MOST * T
+    assert of.limited
 
 
 def test_feed_forward_of_a_sine_is_its_first_derivative() -> None:

@@ -34,11 +34,8 @@ from contact_estimation.parameters.specification import (
 )
 from contact_estimation.parameters.values import build
 from contact_estimation.reference.laws import LAWS
-from contact_estimation.reference.limits import limited
-from contact_estimation.reference.reference_generator import (
-    ReferenceGenerator,
-    ReferenceParameters,
-)
+from contact_estimation.reference.parameters import ReferenceParameters
+from contact_estimation.reference.reference_generator import limited, ReferenceGenerator
 from contact_estimation.reference.setpoints import Desired, Reference
 from hypothesis import given, Phase, settings, strategies as st
 import pytest

@@ -18,7 +18,15 @@ from __future__ import annotations
 
 from math import nan
 
-from contact_estimation.signals.relations import Relation, Row, TustinRelation, VelocityRelation
+from contact_estimation.signals.butterworth import ButterworthBank
+from contact_estimation.signals.relations import (
+    COLUMNS,
+    GatedRows,
+    Relation,
+    Row,
+    TustinRelation,
+    VelocityRelation,
+)
 from core_steps import row_of
 import numpy as np
 from numpy.typing import NDArray
@@ -143,3 +151,15 @@ def test_no_difference_reaches_into_an_earlier_contact() -> None:
 def holds(row: Row | None) -> bool:
     """Tell whether a row, if there is one, satisfies the relation."""
     return row is None or abs(row[0] - K * row[1] - B * row[2]) < 1e-6 * abs(row[0])
+
+
+@BOTH
+def test_rows_pass_the_same_filter_as_a_bank_of_five_channels(cls: type[Relation]) -> None:
+    drawn = np.random.default_rng(7).normal(0.01, 0.001, (20, 3)).tolist()
+    relation, bank, rows = cls(T), ButterworthBank(COLUMNS, 50.0, 1.0 / T), []
+    gated = GatedRows(cls, 50.0, 1.0 / T)
+    for d, v, F in drawn:
+        bare = bank.take(relation.row(T, d, v, F) or [0.0] * COLUMNS)
+        row, _ = gated.in_contact(T, d, v, F)
+        rows.append(row is None or tuple(row) == tuple(bare))
+    assert all(rows)

@@ -18,6 +18,7 @@ from __future__ import annotations
 
 from math import isnan
 
+from contact_estimation.estimation.supervised_estimator import widened
 from contact_estimation.estimators.environment_parameters import EnvironmentParameters
 from contact_estimation.estimators.estimate import Frozen, ParameterEstimate
 from contact_estimation.estimators.indirect_adaptive import (
@@ -59,6 +60,11 @@ def estimator_at(stiffness: float = K, damping: float = B) -> IndirectAdaptive:
     return estimator
 
 
+def wide(errors: SystematicErrors, estimate: ParameterEstimate) -> ParameterEstimate:
+    """Return an estimate with the errors added to its deviations."""
+    return ParameterEstimate(*widened(estimate, errors))
+
+
 def claimed(
     force: Array, estimator: IndirectAdaptive, noise_variance: float = SIGMA**2,
     timing_std: float = 0.0, own_std: float = 0.0,
@@ -69,7 +75,7 @@ def claimed(
     errors.judge(blocks_of(force, d, v), noise_variance, SIGMA**2, 0.0, 0.0, estimator)
     errors.note_update(BOTH)
     now = estimator.current()._replace(stiffness_std=own_std, damping_std=own_std)
-    return errors.widen([now])[0]
+    return wide(errors, now)
 
 
 def noise(count: int = 500, seed: int = 1) -> Array:
@@ -152,7 +158,7 @@ def test_correlated_residuals_widen_by_their_long_run_variance() -> None:
         blocks = blocks_of(K * d + B * v + slow, d, v)
         errors.judge(blocks, SIGMA**2, SIGMA**2, 0.0, 0.0, estimator_at())
     errors.note_update(BOTH)
-    assert errors.widen([EXACT._replace(damping_std=1.0)])[0].damping_std > 2.0
+    assert wide(errors, EXACT._replace(damping_std=1.0)).damping_std > 2.0
 
 
 def test_a_residual_beyond_the_known_noise_does_not_average_out() -> None:
@@ -175,15 +181,15 @@ def test_errors_of_a_frozen_parameter_stay() -> None:
     blocks = blocks_of(K * d + B * v, d, v)
     errors.judge(blocks, SIGMA**2, SIGMA**2, 0.0, 0.0, estimator_at(2e3, B))
     errors.note_update(BOTH)
-    before = errors.widen([EXACT])
+    before = wide(errors, EXACT)
     blocks = blocks_of(K * d + B * v, d, v)
     errors.judge(blocks, SIGMA**2, SIGMA**2, 0.0, 0.0, estimator_at(K, B))
     errors.note_update(Frozen(True, True))
-    assert errors.widen([EXACT]) == before != [EXACT]
+    assert wide(errors, EXACT) == before != EXACT
 
 
 def test_what_was_never_updated_has_no_deviation() -> None:
-    got = SystematicErrors(1e-3).widen([EXACT])[0]
+    got = wide(SystematicErrors(1e-3), EXACT)
     assert isnan(got.stiffness_std) and isnan(got.damping_std)
 
 
@@ -194,7 +200,7 @@ def test_rows_at_rest_show_the_stiffness_and_no_damping(stiffness: float) -> Non
     blocks = blocks_of(K * at_rest, at_rest, np.zeros(500))
     errors.judge(blocks, 25.0 * SIGMA**2, SIGMA**2, 0.0, 0.0, estimator_at(stiffness, 2.0 * B))
     errors.note_update(Frozen(False, True))
-    got = errors.widen([EXACT._replace(stiffness=stiffness)])[0]
+    got = wide(errors, EXACT._replace(stiffness=stiffness))
     # Of a residual beyond the noise, which may be friction.
     floor = 2.0 * np.sqrt(25.0 - 4.0) * SIGMA / 0.01
     assert got.stiffness_std == pytest.approx(np.hypot(K - stiffness, floor), rel=0.01)
@@ -215,7 +221,7 @@ def by_position(d: Array, v: Array, position_noise: float) -> float:
     errors = SystematicErrors(0.0)
     errors.judge_position(window_of(rows_of(d, v)), position_noise, estimator_at())
     errors.note_update(BOTH)
-    return errors.widen([EXACT])[0].stiffness_std
+    return wide(errors, EXACT).stiffness_std
 
 
 def test_constant_position_error_weighs_on_the_stiffness() -> None:
@@ -251,7 +257,7 @@ def test_a_surface_not_known_weighs_as_the_whole_contact_shows_it() -> None:
         errors.judge(blocks[-10:], SIGMA**2, SIGMA**2, 0.0, prior_std,
                      estimator_at(float(K_hat), float(B_hat)), sum_of(blocks))
         errors.note_update(BOTH)
-        z.append((K_hat - K) / errors.widen([EXACT])[0].stiffness_std)
+        z.append((K_hat - K) / wide(errors, EXACT).stiffness_std)
     assert 0.9 <= np.mean(np.abs(z) < 2.0)
     assert np.mean(np.square(z)) > 0.3  # nor much too wide
 
@@ -271,7 +277,7 @@ def test_a_lag_of_the_force_weighs_on_a_surface_that_was_found() -> None:
                  estimator_at(float(K_hat), float(B_hat)), sum_of(blocks))
     errors.note_update(BOTH)
     assert K_hat - K > 0.04 * K  # and a surface 0.4 mm too deep
-    got = errors.widen([EXACT._replace(stiffness=float(K_hat), damping=float(B_hat))])[0]
+    got = wide(errors, EXACT._replace(stiffness=float(K_hat), damping=float(B_hat)))
     assert got.stiffness_std == pytest.approx(K_hat - K, rel=0.15)
 
 
@@ -283,7 +289,7 @@ def test_a_surface_that_is_known_weighs_nothing() -> None:
         errors.judge(blocks[-10:], SIGMA**2, SIGMA**2, 0.0, prior_std, estimator_at(),
                      sum_of(blocks))
         errors.note_update(BOTH)
-        stds.append(errors.widen([EXACT])[0].stiffness_std)
+        stds.append(wide(errors, EXACT).stiffness_std)
     assert stds[0] < 0.1 * stds[1] < 0.01 * K
 
 
@@ -296,7 +302,7 @@ def test_noise_in_the_rate_weighs_on_the_damping_as_least_squares_is_biased() ->
     errors = SystematicErrors(0.0)
     errors.judge_position(window_of(rows, 5000.0 * (0.02 / 2e-5) ** 2), 2e-5, estimator_at())
     errors.note_update(BOTH)
-    got = errors.widen([EXACT._replace(damping=biased)])[0]
+    got = wide(errors, EXACT._replace(damping=biased))
     assert got.damping_std == pytest.approx(B - biased, rel=0.1)
 
 
@@ -304,17 +310,17 @@ def test_deviation_of_what_is_frozen_stays() -> None:
     errors, (_, d, v) = SystematicErrors(0.0), motion()
     errors.judge_position(window_of(rows_of(d, v)), 1e-4, estimator_at())
     errors.note_update(BOTH)
-    before = errors.widen([EXACT])
+    before = wide(errors, EXACT)
     still = rows_of(np.full(500, 0.001), np.zeros(500))
     errors.judge_position(window_of(still, 5e8), 1e-4, estimator_at())
     errors.note_update(Frozen(True, True))
-    assert errors.widen([EXACT]) == before
+    assert wide(errors, EXACT) == before
 
 
 def test_nothing_is_claimed_of_what_never_learned() -> None:
     errors = SystematicErrors(0.0)
     errors.note_update(Frozen(False, True))
-    got = errors.widen([EXACT._replace(stiffness_std=5.0)])[0]
+    got = wide(errors, EXACT._replace(stiffness_std=5.0))
     assert got.stiffness_std == 5.0 and isnan(got.damping_std)
 
 

@@ -31,12 +31,10 @@ from .study_worlds import Array, Course, make_world, RATE, Scenario, SCENARIOS, 
 from .table import print_table
 from ..commands.command_line import command, Parser
 from ..commands.progress import Progress
-from ..estimation.model_fit import ModelFitMonitor
 from ..estimation.parameters import EstimationParameters
 from ..estimation.pipeline import EstimationPipeline
 from ..estimators import ESTIMATORS
 from ..exceptions import ParameterRangeError, UnknownNameError
-from ..signals.conditioning import Conditioner
 
 LEVEL = 5.0
 """Residual over noise from which a mismatch must be reported."""
@@ -256,28 +254,18 @@ def first_report(world: World, name: str) -> tuple[float, str]:
 
 
 def _healthy_row(name: str, hours: float, seed: int) -> dict[str, Any]:
-    """
-    Count the alarms in worlds with two contacts each, every second one excited.
-
-    The judgement does not depend on the estimate, which is not updated here, to save time.
-
-    """
-    p = EstimationParameters(estimator=name, sample_rate=RATE)
-    estimator = ESTIMATORS[name](getattr(p.tuning, name), p.environment, 1.0 / RATE)
+    """Count the alarms in worlds with two contacts each, every second one excited."""
+    parameters = EstimationParameters(estimator=name, sample_rate=RATE)
     scenario = Scenario('healthy', excited=None, hold_s=_HEALTHY_HOLD_S)
     progress = Progress('benchmarks.model_fit_study')
     seconds, alarms, greatest, index = 0.0, 0, 0.0, 0
     while seconds < 3600.0 * hours:
         world = make_world(scenario, index % _STRATA, _STRATA, seed + index // _STRATA)
-        conditioner = Conditioner(p.contact, p.conditioning, RATE, estimator.relation)
-        monitor, samples = ModelFitMonitor(RATE), world.samples
-        for sample in samples:
-            dt, _, touching, variance, row, gain, _ = conditioner.take(sample)
-            ratio = monitor.take(sample, dt, touching, variance, row, gain, estimator,
-                                 p.contact.position_noise)
-            greatest = max(greatest, ratio)
+        pipeline = EstimationPipeline(parameters)
+        for estimate in pipeline.process(world.samples):
+            greatest = max(greatest, estimate.model_fit)
         seconds, index = seconds + float(world.t[-1]), index + 1
-        alarms += monitor.count
+        alarms += pipeline.model_fit.count
         progress.show(seconds / (3600.0 * hours), f'{alarms} alarms')
     progress.done()
     return {'hours': seconds / 3600.0, 'walls': index, 'false alarms': alarms,

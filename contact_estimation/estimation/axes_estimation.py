@@ -16,20 +16,17 @@
 
 from __future__ import annotations
 
-from itertools import repeat
-
 from .checks.input_checks import InputChecks
 from .matrix_estimation import MatrixEstimation
 from .parameters import EstimationParameters
-from .pipeline import EstimationPipeline, NO_REFERENCE
-from .result import AxesEstimates
-from ..reference.setpoints import Reference
-from ..signals.contact_sample import AxesSample
+from .pipeline import EstimationPipeline
 
 
 class AxesEstimation:
     """
     A pipeline for each axis, the on-line checks of them, and the matrix of three.
+
+    What concerns all of them at once; samples pass through the session.
 
     Parameters
     ----------
@@ -51,30 +48,8 @@ class AxesEstimation:
         self.pipelines = {
             axis: EstimationPipeline(parameters.of_axis(axis)) for axis in parameters.joints
         }
-        self._pipelines = list(self.pipelines.values())
         self.checks = InputChecks(parameters, self.pipelines)
         self.matrix = MatrixEstimation(parameters)
-        self.follow(NO_REFERENCE)
-
-    def follow(self, reference: Reference) -> None:
-        """Set the reference in force: x_r is along the contact axis, the others have none."""
-        self._followed = (reference, *repeat(NO_REFERENCE, len(self._pipelines) - 1))
-
-    def estimate(self, axes: AxesSample) -> AxesEstimates:
-        """
-        Estimate from the next sample of all axes.
-
-        Parameters
-        ----------
-        axes : AxesSample
-            Stamped after the last one.
-
-        """
-        estimates = tuple(map(EstimationPipeline.take, self._pipelines, axes, self._followed))
-        self.checks.add(axes, estimates)
-        if self.matrix.runs:
-            self.matrix.process(axes, estimates)
-        return estimates
 
     def configure(self, parameters: EstimationParameters) -> None:
         """
@@ -98,15 +73,14 @@ class AxesEstimation:
 
     def restart_time(self) -> None:
         """Accept stamps before the last one, as when a bag loops; K_hat and B_hat stay."""
-        for pipeline in self._pipelines:
+        for pipeline in self.pipelines.values():
             pipeline.restart_time()
         self.checks.restart()
-        self.follow(NO_REFERENCE)
 
     def reset(self) -> None:
         """Reset K_hat and B_hat to their initial values."""
         self.matrix.reset()
-        for pipeline in self._pipelines:
+        for pipeline in self.pipelines.values():
             pipeline.reset()
         self.checks.reset()
 

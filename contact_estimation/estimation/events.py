@@ -19,7 +19,7 @@ from __future__ import annotations
 import json
 from typing import Any, Mapping, NamedTuple
 
-from .schedule import Moment
+from .result import Moment
 from .session import ContactSession
 from ..exceptions import ContactEstimationError, RecordingError
 

@@ -17,8 +17,9 @@
 from __future__ import annotations
 
 from collections import deque
+from itertools import chain
 from math import nan
-from typing import NamedTuple
+from typing import NamedTuple, Sequence
 
 import numpy as np
 
@@ -38,6 +39,9 @@ _TOLD = 2.0  # ratio from which a judgement is bad
 _ALL_CLEAR = 1.5
 _CONSECUTIVE = 2  # bad judgements before a mismatch is reported
 _ROW, _RAW, _GAINS, _COLUMNS = slice(1, 6), slice(6, 9), slice(9, 11), 11
+
+Collected = tuple[float, Row, ContactSample, NoiseGain]
+"""Time [s], filtered row, sample, and how noise enters the row."""
 
 
 class ModelFit(NamedTuple):
@@ -67,7 +71,8 @@ class ModelFitMonitor:
     """
     Compare the residual of the estimator's model with the noise, over 2 s of contact.
 
-    The edges of a contact are left out: there the dynamics of the force sensor dominate.
+    The edges of a contact are left out: there the dynamics of the force sensor dominate. The
+    pipeline collects the rows between: `judge` is due when as many as `due` are pending.
 
     Parameters
     ----------
@@ -82,6 +87,15 @@ class ModelFitMonitor:
         The worst mismatch reported since the start or `reset`; UNKNOWN without one.
     count : int
         Number of mismatches reported.
+    t : float
+        Time since the window began [s].
+    settled : bool
+        Whether the present contact is old enough for its rows to be collected.
+    pending : list of Collected
+        Rows of contacts that no judgement has used.
+    due : int
+        Number of them at which the next judgement is due: the last ones may be those before a
+        release.
 
     """
 
@@ -90,7 +104,6 @@ class ModelFitMonitor:
         self._block = max(_LEAST_ROWS // 3, round(_JUDGED_EVERY_S / self._T))
         self._blocks = max(3, round(_WINDOW_S / self._T / self._block))
         self._hold = max(1, round(_LEAVING_S / self._T))
-        self._whole = (self._block + self._hold) * _COLUMNS
         self.reset()
 
     def reset(self) -> None:
@@ -102,77 +115,75 @@ class ModelFitMonitor:
     def restart(self) -> None:
         """Start a new window, as after a change of parameters; the last judgement stays."""
         self._past: deque[Array] = deque(maxlen=self._blocks)
-        self._pending: list[float] = []  # one row after the other
-        self._fresh = 0  # of the last pending rows: dropped where the contact ends with them
-        self._contact_s = self._free_s = self._t = 0.0
+        self.pending: list[Collected] = []
+        self.settled = False
+        self._contact_s = self._free_s = self.t = 0.0
         self._bad = 0
+        self._begin_contact(0)
 
-    def take(
-        self, sample: ContactSample, dt: float, touching: bool, noise_variance: float,
-        row: Row | None, gain: NoiseGain, estimator: OnlineEstimator, position_noise: float,
-    ) -> float:
+    def settle(self, dt: float) -> bool:
         """
-        Take the next sample.
+        Note a sample in contact while it is not `settled`; return whether it is now.
 
         Parameters
         ----------
-        sample : ContactSample
-            The sample.
-        dt, touching, noise_variance, row, gain
-            As of `Conditioner.take`.
+        dt : float
+            Time since the sample before [s].
+
+        """
+        self._free_s = 0.0
+        self._contact_s += dt
+        self.settled = self._contact_s > _SETTLING_S
+        return self.settled
+
+    def leave(self, dt: float) -> None:
+        """
+        Note a sample out of contact.
+
+        Parameters
+        ----------
+        dt : float
+            Time since the sample before [s].
+
+        """
+        self._contact_s, self.settled = 0.0, False
+        if not self.t:
+            return
+        fresh = min(self._hold, len(self.pending) - self._begin)
+        if fresh:
+            del self.pending[-fresh:]
+            self._begin_contact(len(self.pending))
+        self.t += dt
+        self._free_s += dt
+        if self._free_s > _NEW_WALL_S:
+            self.restart()
+
+    def _begin_contact(self, pending: int) -> None:
+        """Note how many of the pending rows are those of contacts before."""
+        self._begin = pending
+        self.due = max(self._block, pending + 1) + self._hold
+
+    def judge(
+        self, noise_variance: float, estimator: OnlineEstimator, position_noise: float
+    ) -> None:
+        """
+        Judge the window that ends with the oldest block of the pending rows.
+
+        Parameters
+        ----------
+        noise_variance : float
+            Of the force [N^2].
         estimator : OnlineEstimator
             Whose model is judged.
         position_noise : float
             Standard deviation of the position [m].
 
-        Returns
-        -------
-        ratio : float
-            `ModelFit.ratio` after it.
-
         """
-        if not touching:
-            self._leave(dt)
-        elif self._collect(dt, row, sample, gain):
-            self._judge(sample[0], noise_variance, estimator, position_noise)
-        return self.now[0]
-
-    def _leave(self, dt: float) -> None:
-        """Note a sample out of contact."""
-        self._contact_s = 0.0
-        if not self._t:
-            return
-        if self._fresh:
-            del self._pending[-self._fresh * _COLUMNS:]
-            self._fresh = 0
-        self._t += dt
-        self._free_s += dt
-        if self._free_s > _NEW_WALL_S:
-            self.restart()
-
-    def _collect(self, dt: float, row: Row | None, sample: ContactSample, gain: NoiseGain) -> bool:
-        """Collect a sample in contact; return whether it completes a block."""
-        self._free_s = 0.0
-        self._t = t = self._t + dt
-        if self._contact_s <= _SETTLING_S:
-            self._contact_s += dt
-        if self._contact_s <= _SETTLING_S or not row:
-            return False
-        pending = self._pending
-        pending += (t, *row, sample[3], sample[1], sample[2], *gain)
-        if self._fresh < self._hold:
-            self._fresh += 1
-            return False
-        return len(pending) >= self._whole
-
-    def _judge(
-        self, stamp_ns: int, noise_variance: float, estimator: OnlineEstimator,
-        position_noise: float,
-    ) -> None:
-        count = self._block * _COLUMNS
+        stamp_ns = self.pending[-1][2][0]
         # One column after the other: the arithmetic runs along them.
-        table = np.array(self._pending[:count]).reshape(-1, _COLUMNS).T.copy()
-        del self._pending[:count]
+        table = _table_of(self.pending[:self._block])
+        del self.pending[:self._block]
+        self._begin_contact(self._begin - self._block)
         self._past.append(table)
         if len(self._past) * self._block < _LEAST_ROWS:
             return
@@ -197,3 +208,16 @@ class ModelFitMonitor:
             table[0], rows, estimator.columns_of(rows), table[_RAW].T, table[_GAINS].T,
             max(estimator.location_std or 0.0, position_noise),
         )
+
+
+def _table_of(collected: Sequence[Collected]) -> Array:
+    """Return the columns of rows: time, row, force, position and rate, gains."""
+    count = len(collected)
+    t, rows, samples, gains = zip(*collected)
+    _, x, v, force = zip(*samples)
+    table = np.empty((_COLUMNS, count))
+    table[0] = t
+    table[_ROW] = np.fromiter(chain.from_iterable(rows), float, 5 * count).reshape(count, 5).T
+    table[_RAW] = force, x, v
+    table[_GAINS] = np.fromiter(chain.from_iterable(gains), float, 2 * count).reshape(count, 2).T
+    return table

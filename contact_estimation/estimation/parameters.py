@@ -33,7 +33,7 @@ from ..kinematics.tool_load import ToolParameters
 from ..parameters.specification import group, parameter, ParameterGroup
 from ..physics import PhysicsParameters
 from ..reference.laws import LAWS
-from ..reference.reference_generator import ReferenceParameters, refuse_double_tracking
+from ..reference.parameters import ReferenceParameters, refuse_double_tracking
 from ..signals.butterworth import check_cutoff
 from ..signals.conditioning import ConditioningParameters
 from ..signals.contact_detection import ContactParameters
@@ -118,6 +118,11 @@ class EstimationParameters(ParameterGroup):
         """Return the joint of each estimated axis, the contact axis first."""
         further = self.further_axes.named()
         return {self.axis: self.joint, **{axis: own.joint for axis, own in further.items()}}
+
+    @property
+    def motion_topic(self) -> str:
+        """Topic from which positions come."""
+        return 'tf' if self.pose_source == 'tf' else 'joint_states'
 
     def of_axis(self, axis: str) -> EstimationParameters:
         """

@@ -25,7 +25,7 @@ from .model_fit import ModelFitMonitor
 from .parameters import EstimationParameters
 from .supervised_estimator import SupervisedEstimator
 from .surface_search import REACH
-from ..estimators.estimate import Estimate, EstimateStatus
+from ..estimators.estimate import Estimate, EstimateStatus, new_tuple
 from ..estimators.estimator import OnlineEstimator
 from ..estimators.excitation_monitor import ExcitationMonitor
 from ..physics import effects_that_are_on
@@ -273,12 +273,15 @@ class EstimationPipeline:
             After the sample.
 
         """
-        conditioner, touch_down = self._conditioner, self.touch_down
-        supervised = self._supervised
+        conditioner, supervised = self._conditioner, self._supervised
         dt, v, touching, variance, row, gain, moved = conditioner.take(sample)
-        reason = touch_down.take(
-            sample, dt, touching, sample[1] - conditioner.location - moved, conditioner.bias,
-            conditioner.location_margin, variance)
+        touch_down = self.touch_down
+        if touch_down.watches or not touching:
+            reason = touch_down.take(
+                sample, dt, touching, sample[1] - conditioner.location - moved, conditioner.bias,
+                conditioner.location_margin, variance)
+        else:
+            reason = touch_down.text
         withheld = self.invalid or reason
         if withheld:
             row = None
@@ -287,13 +290,20 @@ class EstimationPipeline:
                 dt, sample[1], v, sample[3] - conditioner.bias, reference)
         (K, B, K_std, B_std, shift, M), status, reason = supervised.take(
             dt, touching, variance, row, gain)
-        fit = self.model_fit.take(
-            sample, dt, touching, variance, row, gain, supervised.estimator,
-            self._position_noise)
+        fit = self.model_fit
+        if not touching:
+            fit.leave(dt)
+        else:
+            fit.t = t = fit.t + dt
+            if (fit.settled or fit.settle(dt)) and row is not None:
+                fit.pending.append((t, row, sample, gain))
+                if len(fit.pending) >= fit.due:
+                    fit.judge(variance, supervised.estimator, self._position_noise)
         location = conditioner.location + supervised.shift + moved + shift
         if touch_down.found is not None:
             self._take_location(*touch_down.found)
         if withheld:
             K_std = B_std = nan
             status, reason = _FREE if status is _FREE else _FROZEN, withheld
-        return Estimate(sample[0], K, B, K_std, B_std, location, M, status, reason, fit)
+        return new_tuple(Estimate, (
+            sample[0], K, B, K_std, B_std, location, M, status, reason, fit.now[0]))

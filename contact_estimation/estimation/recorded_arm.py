@@ -21,7 +21,7 @@ from typing import Any, Iterator, Mapping
 from .arm_frames import static_of_parameters
 from .events import DESCRIPTION, EstimationEvent, READY, START, STATIC
 from .parameters import EstimationParameters
-from .schedule import Moment
+from .result import Moment
 from ..exceptions import RecordingError
 from ..messages import decode_string, StampedTransform, TransformsDecoder
 from ..parameters.specification import specifications

@@ -124,14 +124,16 @@ class ReferenceStream:
 
         """
         stamp_ns, position, _, _ = sample
-        elapsed, last_ns, self._last_ns = self.period_ns * 1e-9, self._last_ns, stamp_ns
+        period_ns, last_ns, self._last_ns = self.period_ns, self._last_ns, stamp_ns
         if last_ns == _BEFORE_ANY:
-            self._start_ns = stamp_ns
+            elapsed, self._start_ns = period_ns * 1e-9, stamp_ns
             self._generator.start(position)
             self._resting = Desired(position, 0.0, 0.0, self._default_force)
-        else:  # after a gap the robot still is where the last reference left it
-            elapsed = min((stamp_ns - last_ns) * 1e-9, 2.0 * elapsed)
-        target_ns = stamp_ns + self.period_ns
+        else:
+            elapsed, longest = (stamp_ns - last_ns) * 1e-9, 2.0 * (period_ns * 1e-9)
+            if elapsed > longest:  # the robot still is where the last reference left it
+                elapsed = longest
+        target_ns = stamp_ns + period_ns
         desired = self._setpoint_at(target_ns) if self._setpoints else self._resting
         _, K_hat, _, _, _, location, _, status, _, _ = estimate
         contact, deepest = status is not _FREE, self._deepest

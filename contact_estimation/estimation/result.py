@@ -27,6 +27,23 @@ AxesEstimates = tuple[Estimate, ...]
 """Estimates of one sample, one for each axis, the contact axis first."""
 
 
+class Moment(NamedTuple):
+    """
+    The stamp of a sample, unique even where the clock has jumped back.
+
+    Attributes
+    ----------
+    jumps : int
+        Number of backward clock jumps before the sample.
+    stamp_ns : int
+        Stamp of the sample [ns].
+
+    """
+
+    jumps: int
+    stamp_ns: int
+
+
 class Result(NamedTuple):
     """
     The estimates and the reference that belong to one sample.

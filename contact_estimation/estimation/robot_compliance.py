@@ -43,7 +43,9 @@ class RobotParameters(ParameterGroup):
     )
 
 
-def of_the_wall(estimate: ParameterEstimate, robot: RobotParameters) -> ParameterEstimate:
+def of_the_wall(
+    estimate: tuple[float, float, float, float, float, float], robot: RobotParameters
+) -> ParameterEstimate:
     """
     Return the wall's part of what wall and robot in series appear as.
 
@@ -52,8 +54,8 @@ def of_the_wall(estimate: ParameterEstimate, robot: RobotParameters) -> Paramete
 
     Parameters
     ----------
-    estimate : ParameterEstimate
-        Of the measured force and position.
+    estimate : tuple of float
+        The fields of a `ParameterEstimate` of the measured force and position.
     robot : RobotParameters
         Compliance C [m/N] and its standard deviation.
 

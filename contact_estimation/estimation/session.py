@@ -16,7 +16,7 @@
 
 from __future__ import annotations
 
-from collections import Counter
+from collections import Counter, deque
 from math import nan
 from typing import Any, Callable, Mapping, Sequence
 
@@ -26,9 +26,10 @@ from numpy.typing import NDArray
 from .arm import described_in_file, kinematics_of, NO_DESCRIPTION, NO_TRANSFORMS
 from .axes_estimation import AxesEstimation
 from .parameters import EstimationParameters
+from .pipeline import EstimationPipeline, NO_REFERENCE
 from .reference_stream import ReferenceStream
-from .result import AxesEstimates, Result
-from .schedule import Moment, Schedule
+from .result import AxesEstimates, Moment, Result
+from ..estimators.estimate import new_tuple
 from ..kinematics.contact_kinematics import ArmSample, ArmState, ContactKinematics
 from ..parameters.values import changed
 from ..reference.setpoints import Desired, Reference
@@ -64,16 +65,12 @@ class ContactSession:
         Of three coupled axes.
     arm : ContactKinematics or None
         Of the arm, where one is configured and described; see `describe`.
-    description : str
-        Text of the URDF of the arm, '' while there is none.
-    problem : str
-        Why there is no description; '' where there is one.
+    description, problem : str
+        Text of the URDF of the arm, or why there is none.
     checks : InputChecks
         On-line checks of the inputs.
-    rejection_texts : dict of str to str
-        The last text of each reason for which a message was rejected.
-    notices : dict of str to str
-        Name and text of warnings that stay until they are taken out.
+    rejection_texts, notices : dict of str to str
+        By reason, the last text of a rejection; by name, warnings that stay until taken out.
     last_stamp_ns, last_position, last_force : int, float, float
         Stamp [ns], position [m] and force [N] along the contact axis of the last sample processed.
 
@@ -85,14 +82,18 @@ class ContactSession:
         self.parameters = parameters
         self._axes = AxesEstimation(parameters)
         self.pipelines, self.checks = self._axes.pipelines, self._axes.checks
-        self.pipeline, self.matrix = self.pipelines[parameters.axis], self._axes.matrix
+        self.pipeline, *self._further = self.pipelines.values()
+        self.matrix = self._axes.matrix
+        self._followed = NO_REFERENCE  # along the contact axis; further axes have no reference
         self.rejection_texts: dict[str, str] = {}
         self.notices: dict[str, str] = {}
         self.last_stamp_ns, self.last_position, self.last_force = _BEFORE_ANY, nan, nan
         self.description = self.problem = ''
         self.arm: ContactKinematics | None = None
         self._synchroniser = Synchroniser(
-            parameters.synchronisation, _arm_sample if parameters.kinematics.tip else None)
+            parameters.synchronisation,
+            # The sample of an arm becomes a ContactSample when its turn comes.
+            (lambda *measured: (ArmSample(*measured),)) if parameters.kinematics.tip else None)
         if parameters.pose_source == 'tf':
             self.problem = NO_TRANSFORMS
         elif parameters.kinematics.tip:
@@ -100,18 +101,15 @@ class ContactSession:
             self.describe(described_in_file(parameters))
         self._generates = generate_reference
         self.stream = ReferenceStream(parameters, self._synchroniser.rejected)
-        self._schedule = Schedule()
+        # Both wait for their moments, which as plain tuples take a tenth of the time to make.
+        self._actions: deque[tuple[Moment, Callable[[], object]]] = deque()
+        self._references: deque[tuple[tuple[int, int], Reference]] = deque()
         self._follows_reference = self.pipeline.estimator.follows_reference
         self._jumps = 0
 
     def describe(self, description: str) -> None:
         """
-        Set the description of the arm, without which none of its samples can be used.
-
-        Parameters
-        ----------
-        description : str
-            Text of the URDF; '' for none yet.
+        Set the URDF of the arm, without which none of its samples can be used; '' for none yet.
 
         Raises
         ------
@@ -143,18 +141,9 @@ class ContactSession:
         return self._synchroniser.time_jumps
 
     @property
-    def motion_topic(self) -> str:
-        """Topic from which positions come."""
-        return 'tf' if self.parameters.pose_source == 'tf' else 'joint_states'
-
-    @property
-    def motion_lag(self) -> str:
-        """How far the newest motion is behind the newest wrench, in words."""
-        lag_s = self._synchroniser.motion_lag_s
-        if lag_s != lag_s:
-            return f'none has come; is {self.motion_topic} published, or remapped?'
-        return (f'the newest motion is {lag_s:.3g} s behind the wrench; start its driver, '
-                'synchronise the clocks, or set synchronisation.offset')
+    def motion_lag_s(self) -> float:
+        """How far the newest motion is behind the newest wrench [s]; NaN before both."""
+        return self._synchroniser.motion_lag_s
 
     @property
     def moment(self) -> Moment:
@@ -212,10 +201,8 @@ class ContactSession:
 
         Parameters
         ----------
-        stamps_ns : ndarray of int64, shape (N,)
-            Stamps of both [ns].
-        forces, positions, velocities : sequence of ndarray, shape (N,)
-            F_e [N], x [m] and its rate [m/s], NaN where not measured, of each axis.
+        stamps_ns, forces, positions, velocities
+            As of `Synchroniser.add_pairs`.
 
         Returns
         -------
@@ -231,10 +218,9 @@ class ContactSession:
             return None
         self.checks.joint_stamps.extend(stamps_ns.tolist())
         estimates = []
-        schedule = self._schedule
         for axes in samples:
-            if schedule.references or schedule.actions:
-                self._apply_due(axes[0].stamp_ns)
+            if self._references or self._actions:
+                self._apply_due(axes[0][0])
             estimates.append(self._estimate(axes))
         return estimates
 
@@ -245,49 +231,65 @@ class ContactSession:
 
     def _process(self, samples: Sequence[AxesSample]) -> list[Result]:
         results: list[Result] = []
-        schedule = self._schedule
         for paired in samples:
             if self._synchroniser.jumped:
                 self._restart_time()
-            if schedule.references or schedule.actions:
-                self._apply_due(paired[0].stamp_ns)
-            axes, state = self._along_normal(paired) if self.arm else (paired, None)
+            if self._references or self._actions:
+                self._apply_due(paired[0][0])
+            axes, state = paired, None
+            if self.arm is not None:
+                axes, state = self._along_normal(self.arm, paired)
             estimates = self._estimate(axes)
-            reference_stamp_ns, reference = self.last_stamp_ns + self.stream.period_ns, None
+            sample, reference = axes[0], None
+            follow_ns = sample[0] + self.stream.period_ns
             if self._generates:
-                reference = self.stream.step(axes[0], estimates[0])
+                reference = self.stream.step(sample, estimates[0])
                 if self._follows_reference:
-                    self.add_reference(reference_stamp_ns, reference, self._jumps)
-            results.append(Result(axes[0], estimates, reference_stamp_ns, reference, state))
+                    self._references.append(((self._jumps, follow_ns), reference))
+            results.append(new_tuple(Result, (sample, estimates, follow_ns, reference, state)))
         return results
 
-    def _along_normal(self, paired: Any) -> tuple[AxesSample, ArmState | None]:
+    def _along_normal(
+        self, arm: ContactKinematics, paired: Any
+    ) -> tuple[AxesSample, ArmState | None]:
         """Return the sample of the contact axis; one of an arm only when its turn has come."""
-        assert self.arm is not None
-        self.arm.held = self.pipeline.contact  # as of the sample before
-        sample = self.arm.contact(paired[0])
+        arm.held = self.pipeline.contact  # as of the sample before
+        sample = arm.contact(paired[0])
         self.checks.wrenches.append(
-            (sample.stamp_ns, *self.arm.components('xyz'.index(self.parameters.axis))))
-        return (sample,), self.arm.state
+            (sample[0], *arm.components('xyz'.index(self.parameters.axis))))
+        return (sample,), arm.state
 
     def _estimate(self, axes: AxesSample) -> AxesEstimates:
         """Estimate from the next sample, for which all that is due has been applied."""
-        self.last_stamp_ns, self.last_position, _, self.last_force = axes[0]
-        return self._axes.estimate(axes)
+        sample = axes[0]
+        self.last_stamp_ns, self.last_position, _, self.last_force = sample
+        estimates: AxesEstimates = (self.pipeline.take(sample, self._followed),)
+        if len(axes) > 1:
+            estimates += tuple(map(EstimationPipeline.take, self._further, axes[1:]))
+        checks = self.checks
+        checks.samples.append(axes)
+        checks.estimates.append(estimates)
+        if len(checks.samples) >= checks.due:
+            checks.judge(sample[0])
+        if self.matrix.runs:
+            self.matrix.process(axes, estimates)
+        return estimates
 
     def _apply_due(self, stamp_ns: int) -> None:
-        reference = self._schedule.apply_due(Moment(self._jumps, stamp_ns))
-        if reference is not None:
-            self._axes.follow(reference)
+        """Call the actions that are due before a sample, and follow the newest reference."""
+        now, actions, references = (self._jumps, stamp_ns), self._actions, self._references
+        while actions and actions[0][0] < now:
+            actions.popleft()[1]()
+        while references and references[0][0] <= now:
+            self._followed = references.popleft()[1]
 
     def _restart_time(self) -> None:
         self._synchroniser.jumped = False
         self._jumps += 1
         self._axes.restart_time()
+        self._followed = NO_REFERENCE
         self.stream.restart()
         self.last_stamp_ns = _BEFORE_ANY
-
-    # -- setpoints, references and events ---------------------------------------------------
 
     def add_desired(self, stamp_ns: int, desired: Desired) -> None:
         """Add a setpoint of the planner, effective from its stamp; see `ReferenceStream.add`."""
@@ -307,20 +309,15 @@ class ContactSession:
             Number of backward clock jumps before it.
 
         """
-        self._schedule.references.append((Moment(jumps, stamp_ns), reference))
+        self._references.append(((jumps, stamp_ns), reference))
 
     def schedule(self, after: Moment, action: Callable[[], object]) -> None:
         """Schedule a call after one sample and before the next, in the order of the samples."""
-        self._schedule.actions.append((after, action))
+        self._actions.append((after, action))
 
     def change_parameters(self, changes: Mapping[str, Any]) -> None:
         """
-        Change parameters while running; K_hat and B_hat stay and x_r stays continuous.
-
-        Parameters
-        ----------
-        changes : mapping
-            Dotted name to new value.
+        Change parameters by dotted name while running; K_hat, B_hat stay, x_r stays continuous.
 
         Raises
         ------
@@ -349,10 +346,3 @@ class ContactSession:
     def tare(self) -> tuple[bool, str]:
         """Set the force bias of all axes, or of none; see `AxesEstimation.tare`."""
         return self._axes.tare()
-
-
-def _arm_sample(
-    stamp_ns: int, motion: Sequence[float], wrench: Sequence[float]
-) -> tuple[ArmSample]:
-    """Make the sample of an arm; it becomes a ContactSample when its turn comes."""
-    return (ArmSample(stamp_ns, motion, wrench),)

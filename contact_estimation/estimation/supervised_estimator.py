@@ -16,31 +16,29 @@
 
 from __future__ import annotations
 
-from math import isfinite
+from math import isfinite, sqrt
 
 from .parameters import EstimationParameters
 from .robot_compliance import of_the_wall
-from .supervision import ALL, Supervision
+from .supervision import ALL, shifted, Supervision
 from ..estimators import ESTIMATORS
-from ..estimators.estimate import EstimateStatus, Frozen, ParameterEstimate
-from ..estimators.estimator import OnlineEstimator, TimedRow
+from ..estimators.estimate import EstimateStatus, ParameterEstimate
+from ..estimators.estimator import OnlineEstimator, TimedRow, UNKNOWN_DAMPING_S
 from ..estimators.excitation_monitor import ExcitationMonitor
+from ..estimators.systematic_errors import SystematicErrors
 from ..signals.relations import NoiseGain, Row
 
 # An enumeration takes long to look up.
 _FREE, _ESTIMATING, _FROZEN = (
     EstimateStatus.FREE, EstimateStatus.ESTIMATING, EstimateStatus.FROZEN)
-_FROZEN_REASONS = {
-    Frozen(False, False): '',
-    Frozen(False, True): 'damping frozen: weak excitation',
-    Frozen(True, False): 'stiffness frozen: weak excitation',
-    ALL: 'weak excitation',
-}
 _WAITING = 'waiting for consecutive samples'
 _NOT_PREDICTED = 'predicted force within the noise'
 _NOT_FINITE = 'estimate was not finite; reset to the initial values'
 _NEW_CONTACT_S = 0.05  # out of contact, after which a contact is a new one
-State = tuple[ParameterEstimate, EstimateStatus, str]
+Parameters = tuple[float, float, float, float, float, float]
+"""The fields of a `ParameterEstimate`, which as a tuple takes a tenth of the time to make."""
+
+State = tuple[Parameters, EstimateStatus, str]
 
 
 class SupervisedEstimator:
@@ -64,7 +62,7 @@ class SupervisedEstimator:
         self.estimator = self._new_estimator()
         self._supervision = Supervision(parameters, self.estimator)
         self._free_s = 0.0
-        self._kept: ParameterEstimate | None = None  # the estimate, as long as it stays
+        self._kept: Parameters | None = None  # the estimate, as long as it stays
 
     def _set(self, parameters: EstimationParameters) -> None:
         self._p = parameters
@@ -146,7 +144,7 @@ class SupervisedEstimator:
 
         Returns
         -------
-        state : (ParameterEstimate, EstimateStatus, str)
+        state : (Parameters, EstimateStatus, str)
             Estimate, status and reason after the sample.
 
         """
@@ -155,21 +153,31 @@ class SupervisedEstimator:
         supervision = self._supervision
         self._kept = None
         if self._free_s:
-            if self._free_s >= _NEW_CONTACT_S:
-                supervision.touch_down()
-                supervision.touched_down = True
-            self._free_s = 0.0
-        state = self._update((dt if dt < self._longest else self._longest, row), gain,
-                             force_variance)
-        if supervision.wanted == 0:
-            supervision.complete_chunk(force_variance)
+            self._begin_contact()
+        timed = dt if dt < self._longest else self._longest, row
+        supervision.past.append(timed)
+        shift = supervision.tracker.surface.shift
+        if shift:
+            timed = shifted(timed, shift)
+        supervision.chunk.append(timed)
+        supervision.gains.append(gain)
+        state = self._update(timed, force_variance)
+        if len(supervision.chunk) == supervision.wanted:
+            supervision.judge(force_variance)
         return state
+
+    def _begin_contact(self) -> None:
+        """End a free flight; after a short one, the contact is the one before."""
+        if self._free_s >= _NEW_CONTACT_S:
+            self._supervision.touch_down()
+            self._supervision.touched_down = True
+        self._free_s = 0.0
 
     def _keep(self, dt: float, touching: bool) -> State:
         """Keep the estimate: out of contact, or while consecutive samples are lacking."""
         kept = self._kept
         if kept is None:
-            kept = self._current()
+            kept = self._widened(self.estimator.current())
             # What is observed out of contact may change an estimate.
             self._kept = None if self.estimator.follows_reference else kept
         if touching:
@@ -177,36 +185,56 @@ class SupervisedEstimator:
         self._free_s += dt
         return kept, _FREE, ''
 
-    def _update(self, timed: TimedRow, gain: NoiseGain, force_variance: float) -> State:
+    def _update(self, timed: TimedRow, force_variance: float) -> State:
         """Update with a row, where the predicted force is above noise."""
         supervision, estimator = self._supervision, self.estimator
-        rows = supervision.collect([timed], (gain,))
         frozen = supervision.frozen
         if frozen is ALL:
-            return self._current(), _FROZEN, _FROZEN_REASONS[ALL]
-        row, (K, B, floor) = rows[0][1], supervision.prediction
+            return self._widened(estimator.current()), _FROZEN, supervision.frozen_reason
+        row, (K, B, floor) = timed[1], supervision.prediction
         if not K * row[1] + B * row[2] > floor:
-            return self._current(), _FROZEN, _NOT_PREDICTED
-        supervision.errors.note_update(frozen)
-        variance = supervision.noise.variance
-        updated = estimator.update(
-            rows, variance if variance > force_variance else force_variance, frozen)
-        (estimate,) = self._widen(updated)
-        if isfinite(estimator.stiffness) and isfinite(estimator.damping):
-            return estimate, _ESTIMATING, _FROZEN_REASONS[frozen]
-        return self._restarted()
+            return self._widened(estimator.current()), _FROZEN, _NOT_PREDICTED
+        errors, variance = supervision.errors, supervision.noise.variance
+        if frozen is not errors.noted:
+            errors.note_update(frozen)
+        (estimate,) = estimator.update(
+            (timed,), variance if variance > force_variance else force_variance, frozen)
+        if isfinite(estimate[0]) and isfinite(estimate[1]):
+            wide = widened(estimate, errors)
+            if not self._robot_is_stiff:
+                wide = of_the_wall(wide, self._p.robot)
+            return wide, _ESTIMATING, supervision.frozen_reason
+        estimator.reset()
+        return self._widened(estimator.current()), _FROZEN, _NOT_FINITE
 
-    def _restarted(self) -> State:
-        """Reset the estimator, whose estimate is not finite."""
-        self.estimator.reset()
-        return self._current(), _FROZEN, _NOT_FINITE
-
-    def _current(self) -> ParameterEstimate:
-        return self._widen([self.estimator.current()])[0]
-
-    def _widen(self, estimates: list[ParameterEstimate]) -> list[ParameterEstimate]:
+    def _widened(self, estimate: ParameterEstimate) -> Parameters:
         """Add systematic errors to the deviations: once, for every estimator."""
-        widened = self._supervision.errors.widen(estimates)
-        if self._robot_is_stiff:
-            return widened
-        return [of_the_wall(estimate, self._p.robot) for estimate in widened]
+        wide = widened(estimate, self._supervision.errors)
+        return wide if self._robot_is_stiff else of_the_wall(wide, self._p.robot)
+
+
+def widened(estimate: Parameters, errors: SystematicErrors) -> Parameters:
+    """
+    Return an estimate with systematic errors added to its standard deviations.
+
+    Parameters
+    ----------
+    estimate : Parameters
+        With the standard deviations of the estimator, for white noise of the equation.
+    errors : SystematicErrors
+        Of the estimator.
+
+    Returns
+    -------
+    widened : Parameters
+        NaN stays NaN, and is the deviation of what never was updated: an initial value.
+
+    """
+    K, B, K_std, B_std, shift, inertia = estimate
+    (K_factor, K_error, K_share), (B_factor, B_error, B_share) = errors.learned
+    K_more, B_more, lag = K_share * K, B_share * B, K * errors.timing_std
+    K_variance = (K_std * K_std + K_more * K_more) * K_factor + K_error
+    B_variance = (B_std * B_std + B_more * B_more) * B_factor + B_error + lag * lag
+    if errors.coupled and K_variance == K_variance:  # B_hat was fitted beside K_hat
+        B_variance += UNKNOWN_DAMPING_S * UNKNOWN_DAMPING_S * K_variance
+    return K, B, sqrt(K_variance), sqrt(B_variance), shift, inertia

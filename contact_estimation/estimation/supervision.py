@@ -17,7 +17,6 @@
 from __future__ import annotations
 
 from collections import deque
-from typing import Sequence
 
 from .parameters import EstimationParameters
 from .wall_tracking import Change, WallTracker
@@ -31,6 +30,12 @@ from ..estimators.wall_fit import wall_of
 from ..signals.relations import NoiseGain, Row
 
 ALL = Frozen(True, True)
+_FROZEN_REASONS = {
+    Frozen(False, False): '',
+    Frozen(False, True): 'damping frozen: weak excitation',
+    Frozen(True, False): 'stiffness frozen: weak excitation',
+    ALL: 'weak excitation',
+}
 _EARLY_BLOCKS = 5  # during which errors are judged more often
 _JUDGED_TOGETHER = 4  # blocks, later
 _WAITS = 2  # blocks between judgements of a settled estimate
@@ -40,10 +45,11 @@ _LEARNT_AGAIN = 250  # rows after a restart
 
 class Supervision:
     """
-    Judges an estimate at fixed counts of rows, whatever the runs in which they come.
+    Judges an estimate at fixed counts of rows.
 
     Every ten rows at first and while the last ones contradict the estimate, later every second
-    block of the window. Rows are collected in between.
+    block of the window. Rows are collected in between, by `SupervisedEstimator`: `judge` is due
+    when `chunk` has as many as `wanted`.
 
     Parameters
     ----------
@@ -66,10 +72,18 @@ class Supervision:
         Whether the present contact has been seen to begin: a check of the location.
     frozen : Frozen
         Parameters that are not updated; the object `ALL` where both are.
+    frozen_reason : str
+        Which they are, '' where both are updated.
     prediction : tuple of float
         K_hat [N/m], B_hat [N s/m], and the force above which they are updated [N].
+    chunk : list of (float, row)
+        Rows since the last call of `judge`, with the surface where it has been found.
+    gains : list of NoiseGain
+        How noise enters the rows since the last judgement.
+    past : deque of (float, row)
+        Rows of this wall, with the surface where it is configured.
     wanted : int
-        Number of rows until the next judgement may be due.
+        Number of rows of the next chunk.
 
     """
 
@@ -89,7 +103,7 @@ class Supervision:
             p.tracking, p.environment.location_std, p.contact.position_noise,
             p.synchronisation.timing_std)
         self._judged_rows = self._judged_blocks = 0  # of this contact
-        self._past: deque[TimedRow] = deque(maxlen=_LEARNT_AGAIN)  # rows of this wall
+        self.past: deque[TimedRow] = deque(maxlen=_LEARNT_AGAIN)
 
     def configure(self, parameters: EstimationParameters, estimator: OnlineEstimator) -> None:
         """
@@ -135,38 +149,12 @@ class Supervision:
             self.monitor.reset()
             self._start_collecting()
             self._judged_rows = self._judged_blocks = 0
-            self._past.clear()
+            self.past.clear()
             self._prepare()
 
-    def collect(self, part: list[TimedRow], gains: Sequence[NoiseGain]) -> list[TimedRow]:
+    def judge(self, force_variance: float) -> None:
         """
-        Collect rows, at most `wanted`.
-
-        Parameters
-        ----------
-        part : list of (float, row)
-            As for `OnlineEstimator.update`, with the surface where it is configured.
-        gains : sequence of NoiseGain
-            How noise enters them.
-
-        Returns
-        -------
-        part : list of (float, row)
-            With the surface where it has been found.
-
-        """
-        self.wanted -= len(part)
-        self._past += part
-        shift = self.tracker.surface.shift
-        if shift:
-            part = shifted(part, shift)
-        self._chunk += part
-        self._gains += gains
-        return part
-
-    def complete_chunk(self, force_variance: float) -> None:
-        """
-        Judge the estimate, unless nothing has changed within a block of the window.
+        Judge the estimate after a chunk, unless nothing has changed within a block of the window.
 
         Parameters
         ----------
@@ -174,9 +162,9 @@ class Supervision:
             Of the force noise in free flight [N^2].
 
         """
-        sums, rows = self.monitor.sums, self._linearised(self._chunk)
+        sums, rows = self.monitor.sums, self._linearised(self.chunk)
         self._rows += rows
-        self._chunk.clear()
+        self.chunk.clear()
         at_end = len(self._rows) >= sums.left
         due = at_end and (not sums.full or (sums.completed + 1) % _WAITS == 0)
         if due or not sums.full or not self.tracker.may_wait(rows, self._estimator):
@@ -232,13 +220,13 @@ class Supervision:
     def _learn_again(self, change: Change, variance: float) -> None:
         """Update a restarted estimator with the last rows, which are those of the wall it met."""
         if change is Change.WALL:
-            while len(self._past) > RECENT:
-                self._past.popleft()
+            while len(self.past) > RECENT:
+                self.past.popleft()
         frozen = self.monitor.frozen
         if not (frozen.stiffness and frozen.damping):
             self.errors.note_update(frozen)
             self._estimator.update(
-                shifted(list(self._past), self.tracker.surface.shift), variance, frozen)
+                [shifted(row, self.tracker.surface.shift) for row in self.past], variance, frozen)
 
     def _judge_noise(self, force_variance: float) -> None:
         self.noise.judge(
@@ -252,21 +240,22 @@ class Supervision:
 
     def _pass_to_monitor(self) -> None:
         """Pass the collected rows to the monitor."""
-        self._rows += self._linearised(self._chunk)
+        self._rows += self._linearised(self.chunk)
         self._judged_rows += len(self._rows)
-        self.monitor.sums.add(self._rows, self._gains)
+        self.monitor.sums.add(self._rows, self.gains)
         self._start_collecting()
 
     def _start_collecting(self) -> None:
-        self._chunk: list[TimedRow] = []  # with the surface where it is
+        self.chunk: list[TimedRow] = []
         self._rows: list[Row] = []  # of complete chunks, linearised
-        self._gains: list[NoiseGain] = []
+        self.gains: list[NoiseGain] = []
         self.wanted = self.monitor.sums.wanted
 
     def _prepare(self) -> None:
         """Store what holds for the rows until the next judgement."""
         frozen = self.monitor.frozen
         self.frozen = ALL if frozen == ALL else frozen
+        self.frozen_reason = _FROZEN_REASONS[frozen]
         self._linear = self._estimator.linearisation()
         if self._estimator.estimates_location:
             self.prediction = 0.0, 0.0, -1.0  # no prediction before the location is known
@@ -275,18 +264,17 @@ class Supervision:
         self.prediction = K, B, 3.0 * K * self._p.contact.position_noise
 
 
-def shifted(part: list[TimedRow], shift: float) -> list[TimedRow]:
+def shifted(timed: TimedRow, shift: float) -> TimedRow:
     """
-    Return rows with the surface moved, which the linear filter passes unchanged.
+    Return a row with the surface moved, which the linear filter passes unchanged.
 
     Parameters
     ----------
-    part : list of (float, row)
-        Rows.
+    timed : (float, row)
+        The row.
     shift : float
         How far into the wall [m].
 
     """
-    return [
-        (dt, (row[0], row[1] - shift * row[3], row[2], row[3], row[4])) for dt, row in part
-    ]
+    dt, (y, f_K, f_B, f_c, f_M) = timed
+    return dt, (y, f_K - shift * f_c, f_B, f_c, f_M)

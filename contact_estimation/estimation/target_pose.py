@@ -16,13 +16,13 @@
 
 from __future__ import annotations
 
+from math import inf, isfinite
 from typing import NamedTuple, Sequence
-
 
 from .parameters import EstimationParameters
 from .result import Result
 from ..exceptions import ParameterRangeError
-from ..reference.limits import PoseLimits, step_along
+from ..reference.parameters import PoseLimits
 
 
 class TargetPose(NamedTuple):
@@ -104,3 +104,39 @@ def target_pose(result: Result, limits: PoseLimits) -> TargetPose | None:
     position = [p + step * n for p, n in zip(measured, normal)]
     quaternion = Rotation.from_matrix(arm.R).as_quat().tolist()
     return TargetPose(result.reference_stamp_ns, position, quaternion)
+
+
+def step_along(
+    position: Sequence[float], normal: Sequence[float], step: float, limits: PoseLimits
+) -> float | None:
+    """
+    Return the step along the normal that is nearest to a wanted one within the limits.
+
+    Parameters
+    ----------
+    position : sequence of float
+        Measured [m].
+    normal : sequence of float
+        Unit vector.
+    step : float
+        Wanted [m].
+    limits : PoseLimits
+        Lead and box.
+
+    Returns
+    -------
+    step : float or None
+        In [m]; None where no step leads into the box, or the wanted one is not finite.
+
+    """
+    if not isfinite(step):
+        return None
+    low, high = -limits.lead, limits.lead
+    for p, n, lower, upper in zip(position, normal, limits.lower, limits.upper):
+        if abs(n) < 1e-9:
+            ends = (-inf, inf) if lower <= p <= upper else (inf, -inf)
+        else:
+            ends = ((lower - p) / n, (upper - p) / n)
+            ends = (min(ends), max(ends))
+        low, high = max(low, ends[0]), min(high, ends[1])
+    return min(max(step, low), high) if low <= high else None

@@ -91,6 +91,10 @@ class ParameterEstimate(NamedTuple):
     inertia: float
 
 
+new_tuple = tuple.__new__
+"""Makes a named tuple from a tuple of its fields, in half the time of a call of its class."""
+
+
 class Frozen(NamedTuple):
     """Parameters not updated for lack of excitation: consider parameters (Schmidt)."""
 

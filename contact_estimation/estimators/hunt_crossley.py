@@ -23,7 +23,7 @@ from typing import Callable, Mapping, NamedTuple, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from .estimate import Frozen, ParameterEstimate
+from .estimate import Frozen, new_tuple, ParameterEstimate
 from .estimator import OnlineEstimator, TimedRow
 from .three_states import constrain, correct, Covariance, diagonal, State
 from ..parameters.specification import parameter, ParameterGroup
@@ -96,7 +96,7 @@ class HuntCrossley(OnlineEstimator):
     Parameters = HuntCrossleyParameters
     fits_linear_damping = False
     _depth_0 = 0.0  # that _x is written for; 0 before there is one
-    _log_depth = 0.0  # of the mean penetration, as a multiple of _depth_0
+    _log_depth, _depth_share = 0.0, 1.0  # of the mean penetration, as a multiple of _depth_0
     _x: State  # a, n, r
     _P: Covariance
 
@@ -104,6 +104,7 @@ class HuntCrossley(OnlineEstimator):
         """Set new tuning; see `OnlineEstimator.configure`."""
         assert isinstance(tuning, HuntCrossleyParameters)
         self._p = tuning
+        self._walk_rate = tuning.relative_walk**2
         if self._depth_0 > 0.0:  # a, moved to the new reference depth
             step = log(tuning.reference_depth / self._depth_0)
             (a, n, r), (aa, an, ar, nn, nr, rr) = self._x, self._P
@@ -111,7 +112,7 @@ class HuntCrossley(OnlineEstimator):
             self._P = (
                 aa + step * (2.0 * an + step * nn), an + step * nn, ar + step * nr, nn, nr, rr
             )
-            self._log_depth -= step
+            self._set_log_depth(self._log_depth - step)
             self._depth_0 = tuning.reference_depth
 
     def start_from(self, stiffness: float, damping: float) -> None:
@@ -121,7 +122,7 @@ class HuntCrossley(OnlineEstimator):
         self.stiffness, self.damping, self._depth_0 = stiffness, damping, d_0
         self._x = log(stiffness * d_0), p.exponent, damping / (stiffness * d_0)
         self._P = diagonal(p.log_stiffness_std, p.exponent_std, p.dissipation_std)
-        self._log_depth = 0.0
+        self._set_log_depth(0.0)
         self._seen_s = 0.0
         self._stiffness_updated = self._damping_updated = False
         self._std = self._spread()
@@ -131,7 +132,7 @@ class HuntCrossley(OnlineEstimator):
     ) -> None:
         """Restart at the mean penetration; see `OnlineEstimator.restart`."""
         p, n, ln_d = self._p, self._x[1], self._log_depth
-        force = stiffness * exp(ln_d) * p.reference_depth
+        force = stiffness * self._depth_share * p.reference_depth
         self.stiffness, self.damping = stiffness, damping
         self._x = log(force) - n * ln_d, n, damping / force
         n_std = sqrt(max(self._P[3], 0.0))
@@ -160,70 +161,82 @@ class HuntCrossley(OnlineEstimator):
             estimates.append(self.current())
         return estimates
 
+    def _set_log_depth(self, log_depth: float) -> None:
+        self._log_depth, self._depth_share = log_depth, exp(log_depth)
+
     def _note_depth(self, dt: float, depth: float) -> None:
-        self._seen_s = min(self._seen_s + dt, self._p.depth_memory_s)
-        share = dt / self._seen_s if self._seen_s > 0.0 else 1.0
-        mean = exp(self._log_depth)
-        mean += min(share, 1.0) * (depth / self._p.reference_depth - mean)
-        self._log_depth = log(max(mean, 1e-12))
+        seen_s, longest = self._seen_s + dt, self._p.depth_memory_s
+        self._seen_s = seen_s = seen_s if seen_s < longest else longest
+        share = dt / seen_s if dt < seen_s else 1.0
+        mean = self._depth_share
+        mean += share * (depth / self._p.reference_depth - mean)
+        self._set_log_depth(log(mean if mean > 1e-12 else 1e-12))
 
     def _update(
         self, dt: float, row: Row, noise_variance: float, free: tuple[bool, bool, bool]
     ) -> None:
-        self._walk(dt, free)
         a, n, r = self._x
+        aa, an, ar, nn, nr, rr = P = self._walked(dt, free)
         y, depth, v = row[0], row[1], row[2]
         log_depth, factor = log(depth / self._p.reference_depth), 1.0 + r * v
-        H = 1.0, log_depth, v / factor if factor > _SLOWEST_SHARE else 0.0
-        force = exp(min(a + n * log_depth, 60.0)) * max(factor, _SLOWEST_SHARE)
-        aa, an, ar, nn, nr, rr = self._P
-        spread = (aa + H[1] * (2.0 * an + H[1] * nn)
-                  + H[2] * (2.0 * (ar + nr * H[1]) + H[2] * rr))
+        by_r = v / factor if factor > _SLOWEST_SHARE else 0.0
+        exponent = a + n * log_depth
+        force = (exp(exponent if exponent < 60.0 else 60.0)
+                 * (factor if factor > _SLOWEST_SHARE else _SLOWEST_SHARE))
+        spread = (aa + log_depth * (2.0 * an + log_depth * nn)
+                  + by_r * (2.0 * (ar + nr * log_depth) + by_r * rr))
         error = y / force - 1.0
         if abs(error) > _LOGARITHMIC or spread > _LOGARITHMIC**2:
             error = log(max(y / force, 1e-3))
         # Mean second-order term of ln(1 + r v): without it, the first rows would have too much
         # weight along a wrong direction.
-        bend = 0.5 * rr * H[2] ** 2
+        bend = 0.5 * rr * by_r ** 2
         variance = max(noise_variance, 1e-18) / force**2 + 2.0 * bend**2
-        self._x, self._P, _ = correct(self._x, self._P, H, error, variance, free)
-        if not _LOWEST_EXPONENT <= self._x[1] <= _HIGHEST_EXPONENT:
-            self._x = constrain(
-                self._x, self._P, (0.0, 1.0, 0.0), _LOWEST_EXPONENT, _HIGHEST_EXPONENT)
-        if self._x[2] < 0.0:
-            self._x = constrain(self._x, self._P, (0.0, 0.0, 1.0), 0.0, inf)
+        x, self._P, _ = correct(
+            self._x, P, (1.0, log_depth, by_r), error, variance, free)
+        if not _LOWEST_EXPONENT <= x[1] <= _HIGHEST_EXPONENT:
+            x = constrain(x, self._P, (0.0, 1.0, 0.0), _LOWEST_EXPONENT, _HIGHEST_EXPONENT)
+        self._x = x if not x[2] < 0.0 else constrain(x, self._P, (0.0, 0.0, 1.0), 0.0, inf)
 
-    def _walk(self, dt: float, free: tuple[bool, bool, bool]) -> None:
+    def _walked(self, dt: float, free: tuple[bool, bool, bool]) -> Covariance:
+        """Return the covariance after the random walk over a time."""
         aa, an, ar, nn, nr, rr = self._P
-        step = self._p.relative_walk**2 * dt
-        self._P = (
-            aa + step * free[0], an, ar, nn + step * free[1], nr,
-            rr + step * free[2] * max(self._x[2], 1.0) ** 2,
-        )
+        step, r = self._walk_rate * dt, self._x[2]
+        if free[0]:
+            aa += step
+        if free[1]:
+            nn += step
+        if free[2]:
+            rr += step * r**2 if r > 1.0 else step
+        return aa, an, ar, nn, nr, rr
 
     def _publish(self, frozen: Frozen) -> None:
         """Evaluate the law at the mean penetration."""
-        a, n, r = self._x
-        force = exp(min(a + n * self._log_depth, 60.0))
-        K, B = force / (exp(self._log_depth) * self._p.reference_depth), r * force
-        K, B = self.within_limits(K, B)
+        (a, n, r), (K_low, K_high, B_high) = self._x, self.environment.limits
+        exponent = a + n * self._log_depth
+        force = exp(exponent if exponent < 60.0 else 60.0)
+        K, B = force / (self._depth_share * self._p.reference_depth), r * force
+        if not (K_low < K < K_high and 0.0 < B < B_high):
+            K, B = self.within_limits(K, B)
         self._stiffness_updated |= not frozen.stiffness
         self._damping_updated |= not frozen.damping
         # The parameters of a frozen law stay, but its value changes with the mean penetration.
-        self.stiffness = K if self._stiffness_updated else self.stiffness
-        self.damping = B if self._damping_updated else self.damping
+        if self._stiffness_updated:
+            self.stiffness = K
+        if self._damping_updated:
+            self.damping = B
         self._std = self._spread()
 
     def _spread(self) -> tuple[float, float]:
         ln_d, r = self._log_depth, self._x[2]
-        force = self.stiffness * exp(ln_d) * self._p.reference_depth
+        force = self.stiffness * self._depth_share * self._p.reference_depth
         K_share = _std(self._P, 1.0, ln_d, 0.0)
         return self.stiffness * K_share, force * _std(self._P, r, r * ln_d, 1.0)  # d (r F_s) / F_s
 
     def linearisation(self) -> Callable[[Row], Row]:
         """Linearise about the present n at the mean depth; see `OnlineEstimator.linearisation`."""
         a, n, r = self._x
-        mean = exp(self._log_depth) * self._p.reference_depth
+        mean = self._depth_share * self._p.reference_depth
         stiffness = exp(min(a + n * self._log_depth, 60.0)) / mean
 
         def linear(row: Row) -> Row:
@@ -260,7 +273,9 @@ class HuntCrossley(OnlineEstimator):
 
     def current(self) -> ParameterEstimate:
         """Return the present estimate; see `OnlineEstimator.current`."""
-        return ParameterEstimate(self.stiffness, self.damping, *self._std, 0.0, nan)
+        K_std, B_std = self._std
+        return new_tuple(
+            ParameterEstimate, (self.stiffness, self.damping, K_std, B_std, 0.0, nan))
 
 
 def _std(P: Covariance, a: float, b: float, c: float) -> float:

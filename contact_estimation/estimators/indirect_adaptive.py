@@ -23,7 +23,7 @@ from typing import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from .estimate import Frozen, ParameterEstimate
+from .estimate import Frozen, new_tuple, ParameterEstimate
 from .estimator import OnlineEstimator, TimedRow, UNKNOWN_DAMPING_S
 from .gradient_speed import limitation_of, starvation
 from ..parameters.specification import parameter, ParameterGroup
@@ -123,10 +123,9 @@ class IndirectAdaptive(OnlineEstimator):
                 P_KK += g_K * (g_K * s - 2.0 * p_K)
                 P_KB += g_K * g_B * s - g_K * p_B - g_B * p_K
                 P_BB += g_B * (g_B * s - 2.0 * p_B)
-            estimates.append(ParameterEstimate(
+            estimates.append(new_tuple(ParameterEstimate, (
                 K, B, sqrt(P_KK) if P_KK > 0.0 else 0.0, sqrt(P_BB) if P_BB > 0.0 else 0.0,
-                0.0, nan,
-            ))
+                0.0, nan)))
         self.stiffness, self.damping, self._P = K, B, (P_KK, P_KB, P_BB)
         return estimates
 

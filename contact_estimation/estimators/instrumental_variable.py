@@ -21,7 +21,7 @@ from dataclasses import dataclass
 from math import exp, nan, sqrt
 from typing import Sequence
 
-from .estimate import Frozen, ParameterEstimate
+from .estimate import Frozen, new_tuple, ParameterEstimate
 from .estimator import OnlineEstimator, TimedRow
 from ..parameters.specification import parameter, ParameterGroup
 from ..signals.relations import Row
@@ -177,4 +177,6 @@ class InstrumentalVariable(OnlineEstimator):
 
     def current(self) -> ParameterEstimate:
         """Return the present estimate; see `OnlineEstimator.current`."""
-        return ParameterEstimate(self.stiffness, self.damping, *self._std, 0.0, nan)
+        K_std, B_std = self._std
+        return new_tuple(
+            ParameterEstimate, (self.stiffness, self.damping, K_std, B_std, 0.0, nan))

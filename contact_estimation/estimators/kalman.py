@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from math import copysign, inf, nan, sqrt
 from typing import Sequence
 
-from .estimate import Frozen, ParameterEstimate
+from .estimate import Frozen, new_tuple, ParameterEstimate
 from .estimator import OnlineEstimator, TimedRow
 from .three_states import constrain, correct, Covariance, diagonal, State
 from ..parameters.specification import parameter, ParameterGroup
@@ -152,10 +152,9 @@ class Kalman(OnlineEstimator):
     def current(self) -> ParameterEstimate:
         """Return the present estimate; see `OnlineEstimator.current`."""
         KK, _, _, BB, _, _ = self._P
-        return ParameterEstimate(
+        return new_tuple(ParameterEstimate, (
             self.stiffness, self.damping, sqrt(KK) if KK > 0.0 else 0.0,
-            sqrt(BB) if BB > 0.0 else 0.0, self._shift, nan,
-        )
+            sqrt(BB) if BB > 0.0 else 0.0, self._shift, nan))
 
     @property
     def location_std(self) -> float | None:

@@ -19,6 +19,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from .estimate import new_tuple
 from ..parameters.specification import parameter, ParameterGroup
 from ..reference.setpoints import Reference
 
@@ -112,23 +113,21 @@ class ReferenceModel:
             Of the model now.
 
         """
-        if self._last is None:
-            return self._remember(position, velocity, force, reference)
-        (x_m, v_m, _), last_force, (x_r, v_r, a_r, _) = self._last
-        z, w = x_m - x_r, v_m - v_r  # M_t w' + B_t w + K_t z = F_e
-        half = 0.5 * dt
-        drag = half * (self._B + half * self._K)
-        push = half * (last_force + force) - dt * self._K * z
-        w_next = ((self._M - drag) * w + push) / (self._M + drag)
-        z_next = z + half * (w + w_next)
-        return self._remember(
-            x_r + dt * (v_r + half * a_r) + z_next, v_r + dt * a_r + w_next, force, reference
-        )
-
-    def _remember(self, x_m: float, v_m: float, force: float, reference: Reference) -> Motion:
+        M, B, K, last = self._M, self._B, self._K, self._last
+        if last is None:
+            x_m, v_m = position, velocity
+        else:
+            (x_m, v_m, _), last_force, (x_r, v_r, a_r, _) = last
+            z, w = x_m - x_r, v_m - v_r  # M_t w' + B_t w + K_t z = F_e
+            half = 0.5 * dt
+            drag = half * (B + half * K)
+            push = half * (last_force + force) - dt * K * z
+            w_next = ((M - drag) * w + push) / (M + drag)
+            z_next = z + half * (w + w_next)
+            x_m, v_m = x_r + dt * (v_r + half * a_r) + z_next, v_r + dt * a_r + w_next
         x_r, v_r, a_r, _ = reference
-        a_m = a_r + (force - self._B * (v_m - v_r) - self._K * (x_m - x_r)) / self._M
-        motion = Motion(x_m, v_m, a_m)
+        a_m = a_r + (force - B * (v_m - v_r) - K * (x_m - x_r)) / M
+        motion = new_tuple(Motion, (x_m, v_m, a_m))
         self._last = motion, force, reference
         return motion
 
@@ -168,9 +167,17 @@ class ModelFollowing:
     """
 
     def __init__(self, tuning: ModelFollowingParameters) -> None:
-        self._p = tuning
+        self._set(tuning)
         self.mass, self.damping, self.error = tuning.arm_mass, tuning.arm_damping, 0.0
         self.restart()
+
+    def _set(self, tuning: ModelFollowingParameters) -> None:
+        self._p, factor = tuning, tuning.arm_range
+        self._masses = tuning.arm_mass / factor, tuning.arm_mass * factor
+        self._dampings = tuning.arm_damping / factor, tuning.arm_damping * factor
+        k = tuning.feedback_gain
+        self._gains = (tuning.error_rate, tuning.arm_mass_gain, tuning.arm_damping_gain, k,
+                       tuning.adaptation_limit * k)
 
     def configure(self, tuning: ModelFollowingParameters) -> None:
         """
@@ -184,7 +191,8 @@ class ModelFollowing:
             The new values.
 
         """
-        old, self._p = self._p, tuning
+        old = self._p
+        self._set(tuning)
         if (tuning.arm_mass, tuning.arm_damping) != (old.arm_mass, old.arm_damping):
             self.mass, self.damping = tuning.arm_mass, tuning.arm_damping
         if self._target_of(tuning) != self._target_of(old):
@@ -219,19 +227,19 @@ class ModelFollowing:
             Force for the arm until the next sample [N].
 
         """
-        p = self._p
+        rate, g_m, g_b, k, most_power = self._gains
         x_m, v_m, a_m = self.model.advance(dt, position, velocity, force, reference)
-        e, e_dot = position - x_m, velocity - v_m
-        self.error = e
-        s = e_dot + p.error_rate * e
-        a, v = a_m - p.error_rate * e_dot, v_m - p.error_rate * e
-        g_m, g_b, k = p.arm_mass_gain, p.arm_damping_gain, p.feedback_gain
+        self.error = e = position - x_m
+        e_dot = velocity - v_m
+        s, a, v = e_dot + rate * e, a_m - rate * e_dot, v_m - rate * e
         power = g_m * a * a + g_b * v * v
-        step = dt * s / (1.0 + power / (p.adaptation_limit * k))
-        self.mass = self._within_range(self.mass - step * g_m * a, p.arm_mass)
-        self.damping = self._within_range(self.damping - step * g_b * v, p.arm_damping)
-        return self.mass * a + self.damping * v - force - k * s
-
-    def _within_range(self, value: float, guess: float) -> float:
-        factor = self._p.arm_range
-        return min(max(value, guess / factor), guess * factor)
+        step = dt * s / (1.0 + power / most_power)
+        m, b = self.mass - step * g_m * a, self.damping - step * g_b * v
+        least, most = self._masses
+        if not least <= m <= most:
+            m = min(max(m, least), most)
+        least, most = self._dampings
+        if not least <= b <= most:
+            b = min(max(b, least), most)
+        self.mass, self.damping = m, b
+        return m * a + b * v - force - k * s

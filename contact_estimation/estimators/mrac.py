@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .environment_parameters import EnvironmentParameters
-from .estimate import Frozen, ParameterEstimate
+from .estimate import Frozen, new_tuple, ParameterEstimate
 from .estimator import OnlineEstimator, TimedRow
 from .gradient_speed import limitation_of, starvation
 from .model_following import ModelFollowing, ModelFollowingParameters
@@ -117,46 +117,46 @@ class ModelReferenceAdaptive(OnlineEstimator):
         self, rows: Sequence[TimedRow], noise_variance: float, frozen: Frozen
     ) -> list[ParameterEstimate]:
         """Apply the averaged eq. (25) over each sample; see `OnlineEstimator.update`."""
-        gains = (0.0 if frozen.stiffness else self._p.stiffness_gain,
-                 0.0 if frozen.damping else self._p.damping_gain)
+        gain_K = 0.0 if frozen.stiffness else self._p.stiffness_gain
+        gain_B = 0.0 if frozen.damping else self._p.damping_gain
+        K_low, K_high, B_high = self.environment.limits
         estimates = []
         for dt, row in rows:
-            keep = self._remember(dt, row[0], row[1], row[2], noise_variance)
-            S = self._step_matrix(dt, *gains)
-            (s_KK, s_KB, s_BK, s_BB), (q_K, q_B) = S, self._Q
-            r_KK, r_KB, r_BB = self._R
+            keep, share = self._shares(dt)
+            f_K, f_B, y = row[1], row[2], share * row[0]
+            KK, KB, BB = f_K * f_K, f_K * f_B, f_B * f_B
+            a, b, d = self._R
+            self._R = r_KK, r_KB, r_BB = (
+                keep * a + share * KK, keep * b + share * KB, keep * d + share * BB)
+            a, b = self._Q
+            self._Q = q_K, q_B = keep * a + y * f_K, keep * b + y * f_B
+            a, b, d = self._N
+            kept, new = keep * keep, share * share * noise_variance
+            self._N = kept * a + new * KK, kept * b + new * KB, kept * d + new * BB
+            # (1 / dt + Gamma^-1 R)^-1 Gamma^-1: implicit Euler, stable at any gain
+            g_K, g_B = dt * gain_K, dt * gain_B
+            a, b, c, d = 1.0 + g_K * r_KK, g_K * r_KB, g_B * r_KB, 1.0 + g_B * r_BB
+            scale = 1.0 / (a * d - b * c)
+            s_KK, s_KB, s_BK, s_BB = S = (
+                scale * d * g_K, -scale * b * g_B, -scale * c * g_K, scale * a * g_B)
             K, B = self.stiffness, self.damping
             e_K, e_B = r_KK * K + r_KB * B - q_K, r_KB * K + r_BB * B - q_B
-            self.stiffness, self.damping = self.within_limits(
-                K - s_KK * e_K - s_KB * e_B, B - s_BK * e_K - s_BB * e_B
-            )
+            K, B = K - s_KK * e_K - s_KB * e_B, B - s_BK * e_K - s_BB * e_B
+            if not (K_low < K < K_high and 0.0 < B < B_high):
+                K, B = self.within_limits(K, B)
+            self.stiffness, self.damping = K, B
             self._spread(S, keep)
             estimates.append(self.current())
         return estimates
 
-    def _remember(
-        self, dt: float, F: float, f_K: float, f_B: float, noise_variance: float
-    ) -> float:
-        """Average phi phi^T and phi F: the plain mean since the start, then over the memory."""
-        self._seen_s = min(self._seen_s + dt, max(self._p.memory_s, dt))
-        share = dt / self._seen_s if self._seen_s > 0.0 else 1.0
-        keep, y = 1.0 - share, share * F
-        KK, KB, BB = f_K * f_K, f_K * f_B, f_B * f_B
-        a, b, d = self._R
-        self._R = keep * a + share * KK, keep * b + share * KB, keep * d + share * BB
-        self._Q = keep * self._Q[0] + y * f_K, keep * self._Q[1] + y * f_B
-        a, b, d = self._N
-        kept, new = keep * keep, share * share * noise_variance
-        self._N = kept * a + new * KK, kept * b + new * KB, kept * d + new * BB
-        return keep
-
-    def _step_matrix(self, dt: float, gain_K: float, gain_B: float) -> Matrix:
-        """Compute (1 / dt + Gamma^-1 R)^-1 Gamma^-1: implicit Euler, stable at any gain."""
-        g_K, g_B = dt * gain_K, dt * gain_B
-        r_KK, r_KB, r_BB = self._R
-        a, b, c, d = 1.0 + g_K * r_KK, g_K * r_KB, g_B * r_KB, 1.0 + g_B * r_BB
-        scale = 1.0 / (a * d - b * c)
-        return scale * d * g_K, -scale * b * g_B, -scale * c * g_K, scale * a * g_B
+    def _shares(self, dt: float) -> tuple[float, float]:
+        """Return the shares of past and row in a mean since the start, then over the memory."""
+        seen_s, memory_s = self._seen_s + dt, self._p.memory_s
+        if seen_s > memory_s:
+            seen_s = memory_s if memory_s > dt else dt
+        self._seen_s = seen_s
+        share = dt / seen_s if seen_s > 0.0 else 1.0
+        return 1.0 - share, share
 
     def _spread(self, S: Matrix, keep: float) -> None:
         """
@@ -194,6 +194,6 @@ class ModelReferenceAdaptive(OnlineEstimator):
     def current(self) -> ParameterEstimate:
         """Return the present estimate; see `OnlineEstimator.current`."""
         K_variance, _, B_variance = self._P
-        return ParameterEstimate(
-            self.stiffness, self.damping, sqrt(max(K_variance, 0.0)),
-            sqrt(max(B_variance, 0.0)), 0.0, nan)
+        return new_tuple(ParameterEstimate, (
+            self.stiffness, self.damping, 0.0 if K_variance <= 0.0 else sqrt(K_variance),
+            0.0 if B_variance <= 0.0 else sqrt(B_variance), 0.0, nan))

@@ -20,9 +20,9 @@ from dataclasses import dataclass
 from math import nan, sqrt
 from typing import Sequence
 
-from .estimate import Frozen, ParameterEstimate
+from .estimate import Frozen, new_tuple, ParameterEstimate
 from .estimator import OnlineEstimator, TimedRow, UNKNOWN_DAMPING_S
-from .three_states import grow
+from .three_states import Covariance, grow
 from ..parameters.specification import parameter, ParameterGroup
 from ..signals.relations import TustinRelation
 
@@ -110,7 +110,8 @@ class RecursiveLeastSquares(OnlineEstimator):
             unknown = UNKNOWN_DAMPING_S**2 / noise_variance
         estimates = []
         for _, (y, f_K, f_B, _, f_M) in rows:
-            BB = max(BB, unknown * K * K)  # a frozen initial value is uncertain
+            if unknown * K * K > BB:  # a frozen initial value is uncertain
+                BB = unknown * K * K
             p_K = KK * f_K + KB * f_B + KM * f_M
             p_B = KB * f_K + BB * f_B + BM * f_M
             p_M = KM * f_K + BM * f_B + MM * f_M
@@ -135,31 +136,31 @@ class RecursiveLeastSquares(OnlineEstimator):
                 MM -= l_M * p_M
             if not (K_low < K < K_high and 0.0 < B < B_high):
                 K, B, M = _project((K, B, M), (KK, KB, KM, BB, BM), limits)
-            KK, KB, KM, BB, BM, MM = grow(
-                (KK, KB, KM, BB, BM, MM),
-                self._growth(K, B, KK, BB, free_K, free_B, free_M))
-            estimates.append(ParameterEstimate(
-                K, B, sqrt(averaged * max(KK, 0.0)), sqrt(averaged * max(BB, 0.0)), 0.0,
-                M if self._p.estimate_inertia else nan,
-            ))
+            KK, KB, KM, BB, BM, MM = self._forget(
+                (KK, KB, KM, BB, BM, MM), K, B, free_K, free_B, free_M)
+            estimates.append(new_tuple(ParameterEstimate, (
+                K, B, sqrt(averaged * (0.0 if KK < 0.0 else KK)),
+                sqrt(averaged * (0.0 if BB < 0.0 else BB)), 0.0,
+                M if self._p.estimate_inertia else nan)))
         self.stiffness, self.damping, self._M = K, B, M
         self._P = KK, KB, KM, BB, BM, MM
         return estimates
 
-    def _growth(
-        self, K: float, B: float, KK: float, BB: float,
-        free_K: bool, free_B: bool, free_M: bool,
-    ) -> tuple[float, float, float]:  # fmt: skip
-        """Return the forgetting of each parameter: none where frozen or poorly known (wind-up)."""
+    def _forget(
+        self, P: Covariance, K: float, B: float, free_K: bool, free_B: bool, free_M: bool
+    ) -> Covariance:
+        """Forget the parameters that are neither frozen nor poorly known (wind-up)."""
+        KK, KB, KM, BB, BM, MM = P
         variance, share, g = self._noise_variance, self._p.maximum_relative_std, self._grow
-        limit_K, limit_B = share * K, share * max(B, self.environment.initial_damping)
+        least = self.environment.initial_damping
+        limit_K, limit_B = share * K, share * (B if B > least else least)
         known_K = free_K and variance * KK < limit_K * limit_K
         known_B = free_B and variance * BB < limit_B * limit_B
-        return (
-            g if known_K else 1.0,
-            g if known_B else 1.0,
-            g if known_K and known_B and free_M else 1.0,
-        )
+        if known_K and known_B:  # the usual case of `grow`
+            g_M = g if free_M else 1.0
+            return (KK * g * g, KB * g * g, KM * g * g_M, BB * g * g, BM * g * g_M,
+                    MM * g_M * g_M)
+        return grow(P, (g if known_K else 1.0, g if known_B else 1.0, 1.0))
 
     def current(self) -> ParameterEstimate:
         """Return the present estimate; see `OnlineEstimator.current`."""

@@ -20,14 +20,13 @@ from dataclasses import dataclass
 from math import exp, nan, sqrt
 from typing import Sequence
 
-from .estimate import Frozen, ParameterEstimate
+from .estimate import Frozen, new_tuple, ParameterEstimate
 from .estimator import OnlineEstimator, TimedRow
-from .three_states import constrain, correct, diagonal, grow, State
+from .three_states import constrain, Covariance, diagonal, grow, State
 from ..parameters.specification import parameter, ParameterGroup
-from ..signals.relations import Row, TustinRelation
+from ..signals.relations import TustinRelation
 
 _SMALLEST = 1e-18
-Free = tuple[bool, bool, bool]
 
 
 @dataclass(frozen=True)
@@ -102,53 +101,88 @@ class AdaptiveLeastSquares(OnlineEstimator):
     ) -> list[ParameterEstimate]:
         """Update, then forget, for each row; see `OnlineEstimator.update`."""
         free_K, free_B = not frozen.stiffness, not frozen.damping
-        free = free_K, free_B, free_K and free_B and self._p.inertia_std > 0.0
+        free_M = free_K and free_B and self._p.inertia_std > 0.0
+        (K, B, M), (KK, KB, KM, BB, BM, MM) = self._x, self._P
+        K_low, K_high, B_high = self.environment.limits
         estimates = []
-        for _, row in rows:
-            # A sudden change of the wall raises the residual too: the noise variance may grow by
-            # a factor e per memory_samples rows at most.
-            slow = self._variance * self._noise_growth or noise_variance
-            self._variance = max(min(noise_variance, slow), _SMALLEST)
-            self._update(row, self._variance, free)
+        for _, (y, f_K, f_B, _, f_M) in rows:
+            variance = self._renewed_variance(noise_variance)
+            p_K = KK * f_K + KB * f_B + KM * f_M
+            p_B = KB * f_K + BB * f_B + BM * f_M
+            p_M = KM * f_K + BM * f_B + MM * f_M
+            expected = f_K * p_K + f_B * p_B + f_M * p_M + variance
+            error = y - K * f_K - B * f_B - M * f_M
+            if free_K:
+                g_K = p_K / expected
+                K += g_K * error
+                KK -= g_K * p_K
+                KB -= g_K * p_B
+                KM -= g_K * p_M
+            elif free_B:  # K is frozen: its covariance with B still shrinks
+                KB -= p_K / expected * p_B
+            if free_B:
+                g_B = p_B / expected
+                B += g_B * error
+                BB -= g_B * p_B
+                BM -= g_B * p_M
+            if free_M:
+                g_M = p_M / expected
+                M += g_M * error
+                MM -= g_M * p_M
+            self._x, self._P = (K, B, M), (KK, KB, KM, BB, BM, MM)
+            if K_low <= K <= K_high and 0.0 <= B <= B_high:
+                self.stiffness, self.damping = K, B
+            else:
+                K, B, M = self._project()
+            surprise = error * error / (expected * self._p.memory_samples)
+            KK, KB, KM, BB, BM, MM = self._forget(1.0 - surprise, free_K, free_B, free_M)
             estimates.append(self.current())
         return estimates
 
-    def _update(self, row: Row, variance: float, free: Free) -> None:
-        K, B, M = self._x
-        H = f_K, f_B, f_M = row[1], row[2], row[4]
-        error = row[0] - K * f_K - B * f_B - M * f_M
-        self._x, self._P, expected = correct(self._x, self._P, H, error, variance, free)
-        self._keep_within_limits()
-        surprise = error * error / (expected * self._p.memory_samples)
-        self._forget(max(1.0 - surprise, self._p.smallest_forgetting_factor), free)
+    def _renewed_variance(self, noise_variance: float) -> float:
+        """
+        Return the noise variance for the next row.
 
-    def _forget(self, factor: float, free: Free) -> None:
-        """Forget the parameters that are excited and known."""
-        KK, BB = self._P[0], self._P[3]
-        share, growth = self._p.maximum_relative_std, 1.0 / sqrt(factor)
-        limit_K = share * self.stiffness
-        limit_B = share * max(self.damping, self.environment.initial_damping)
-        known_K, known_B = KK < limit_K * limit_K, BB < limit_B * limit_B
-        g_K = growth if free[0] and known_K else 1.0
-        g_B = growth if free[1] and known_B else 1.0
-        g_M = growth if free[2] and known_K and known_B else 1.0
-        self._P = grow(self._P, (g_K, g_B, g_M))
+        A sudden change of the wall raises the residual too: the noise variance may grow by a
+        factor e per `memory_samples` rows at most.
 
-    def _keep_within_limits(self) -> None:
+        """
+        slow = self._variance * self._noise_growth or noise_variance
+        variance = slow if slow < noise_variance else noise_variance
+        self._variance = variance = variance if variance > _SMALLEST else _SMALLEST
+        return variance
+
+    def _forget(self, factor: float, free_K: bool, free_B: bool, free_M: bool) -> Covariance:
+        """Forget the parameters that are excited and known; return the covariance."""
+        p, (KK, KB, KM, BB, BM, MM) = self._p, self._P
+        limit_K = p.maximum_relative_std * self.stiffness
+        B, least = self.damping, self.environment.initial_damping
+        limit_B = p.maximum_relative_std * (B if B > least else least)
+        known_K = free_K and KK < limit_K * limit_K
+        known_B = free_B and BB < limit_B * limit_B
+        if not known_K and not known_B:
+            return self._P
+        least = p.smallest_forgetting_factor
+        g = 1.0 / sqrt(factor if factor > least else least)
+        g_M = g if free_M and known_K and known_B else 1.0
+        if known_K and known_B:  # the usual case of `grow`
+            self._P = (KK * g * g, KB * g * g, KM * g * g_M, BB * g * g, BM * g * g_M,
+                       MM * g_M * g_M)
+        else:
+            self._P = grow(self._P, (g if known_K else 1.0, g if known_B else 1.0, g_M))
+        return self._P
+
+    def _project(self) -> State:
         """Project onto a limit along the covariance, so that the others move consistently."""
         K_low, K_high, B_high = self.environment.limits
-        K, B, _ = self._x
-        if K_low <= K <= K_high and 0.0 <= B <= B_high:
-            self.stiffness, self.damping = K, B
-        else:
-            x = constrain(self._x, self._P, (0.0, 1.0, 0.0), 0.0, B_high)
-            self._x = K, B, _ = constrain(x, self._P, (1.0, 0.0, 0.0), K_low, K_high)
-            self.stiffness, self.damping = self.within_limits(K, B)
+        x = constrain(self._x, self._P, (0.0, 1.0, 0.0), 0.0, B_high)
+        self._x = K, B, _ = constrain(x, self._P, (1.0, 0.0, 0.0), K_low, K_high)
+        self.stiffness, self.damping = self.within_limits(K, B)
+        return self._x
 
     def current(self) -> ParameterEstimate:
         """Return the present estimate; see `OnlineEstimator.current`."""
         KK, _, _, BB, _, _ = self._P
-        return ParameterEstimate(
+        return new_tuple(ParameterEstimate, (
             self.stiffness, self.damping, sqrt(KK) if KK > 0.0 else 0.0,
-            sqrt(BB) if BB > 0.0 else 0.0, 0.0, self._x[2] if self._p.inertia_std > 0.0 else nan,
-        )
+            sqrt(BB) if BB > 0.0 else 0.0, 0.0, self._x[2] if self._p.inertia_std > 0.0 else nan))

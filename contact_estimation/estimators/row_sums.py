@@ -17,6 +17,7 @@
 from __future__ import annotations
 
 from collections import deque
+from itertools import chain
 from math import ceil
 from typing import NamedTuple, Sequence
 
@@ -128,7 +129,8 @@ class RowSums:
             How noise enters each row.
 
         """
-        table = np.array(rows, float).reshape(-1, COLUMNS)
+        table = np.fromiter(chain.from_iterable(rows), float, COLUMNS * len(rows))
+        table = table.reshape(-1, COLUMNS)
         begin, end = 0, self.wanted
         while begin < len(rows):
             part = table[begin:end]

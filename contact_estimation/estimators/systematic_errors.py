@@ -19,7 +19,7 @@ from __future__ import annotations
 from math import isfinite, nan, sqrt
 from typing import NamedTuple, Sequence
 
-from .estimate import Frozen, ParameterEstimate
+from .estimate import Frozen
 from .estimator import OnlineEstimator, UNKNOWN_DAMPING_S
 from .row_sums import sum_of, Window
 from .wall_fit import fit_first_contact, shift_by_lag, wall_of
@@ -50,7 +50,7 @@ def _depth_spread(blocks: Sequence[Window]) -> float:
     return sqrt(max(power * count / (first * first) - 1.0, 0.0)) if first > 0.0 else 0.0
 
 
-class _Error(NamedTuple):
+class Error(NamedTuple):
     """Of one parameter: factor of its variance, variance beside it, and share of its value."""
 
     factor: float
@@ -58,12 +58,12 @@ class _Error(NamedTuple):
     share: float
 
 
-_NEVER_UPDATED = _Error(1.0, 0.0, nan)
+_NEVER_UPDATED = Error(1.0, 0.0, nan)
 
 
 class SystematicErrors:
     """
-    Add to the deviations of any estimator what its own covariance does not contain.
+    Find what the covariance of any estimator does not contain.
 
     - A constant error of the position, as by quantisation at rest, is a share of K_hat. Noise of
       the differentiated position biases the B_hat of least squares by a share of it.
@@ -85,20 +85,29 @@ class SystematicErrors:
     timing_std : float
         Of the time between force and motion [s].
 
+    Attributes
+    ----------
+    learned : tuple of Error
+        Of K_hat and of B_hat, as of their last updates; see `widened`.
+    noted : Frozen or None
+        For which `learned` holds the present errors; None where it has to be renewed.
+    coupled : bool
+        Whether K_hat and B_hat belong to one linear law.
+
     """
 
     def __init__(self, timing_std: float) -> None:
         self.timing_std = timing_std
         self._correlations = [[1.0, 1.0] for _ in range(3)]  # by fit
         self._spread = 0.0
-        self._coupled = True  # K_hat and B_hat, in one linear law
-        self._now = _Error(1.0, 0.0, 0.0), _Error(1.0, 0.0, 0.0)
+        self.coupled = True
+        self._now = Error(1.0, 0.0, 0.0), Error(1.0, 0.0, 0.0)
         self.forget_updates()
 
     def forget_updates(self) -> None:
         """Note that neither parameter has been updated, as after a switch of the estimator."""
-        self._learned = _NEVER_UPDATED, _NEVER_UPDATED
-        self._noted: Frozen | None = None  # what `_learned` holds the present errors of
+        self.learned = _NEVER_UPDATED, _NEVER_UPDATED
+        self.noted: Frozen | None = None
 
     def judge_position(
         self, window: Window, position_noise: float, estimator: OnlineEstimator
@@ -130,7 +139,7 @@ class SystematicErrors:
                 noise = position_noise**2 * window.rate_noise
                 bias = noise / max(BB - KB * KB / KK - noise, _LEAST_SIGNAL * noise, 1e-30)
         K, B = self._now
-        self._now, self._noted = (K._replace(share=offset), B._replace(share=bias)), None
+        self._now, self.noted = (K._replace(share=offset), B._replace(share=bias)), None
 
     def judge(
         self, blocks: Sequence[Window], noise_variance: float, known_variance: float,
@@ -177,8 +186,8 @@ class SystematicErrors:
         of_K, of_B = (excess * variance if isfinite(variance) else 0.0
                       for variance in fits.mean.variances)
         B_error += UNKNOWN_DAMPING_S**2 * K_error  # B was fitted beside a wrong K
-        self._coupled = estimator.fits_linear_damping
-        if not self._coupled:
+        self.coupled = estimator.fits_linear_damping
+        if not self.coupled:
             self._spread = max(_depth_spread(blocks), _FADING * self._spread)
             B_error += _square(estimator.damping * self._spread)
         widest = _WIDEST * max(estimator.damping, UNKNOWN_DAMPING_S * estimator.stiffness)
@@ -188,9 +197,9 @@ class SystematicErrors:
     def _set(self, K_error: float, B_error: float) -> None:
         """Take new errors of K_hat and B_hat."""
         (K_factor, B_factor), (K, B) = self._correlations[0], self._now
-        self._now = (_Error(max(K_factor, 1.0), K_error, K.share),
-                     _Error(max(B_factor, 1.0), B_error, B.share))
-        self._noted = None
+        self._now = (Error(max(K_factor, 1.0), K_error, K.share),
+                     Error(max(B_factor, 1.0), B_error, B.share))
+        self.noted = None
 
     def _note_correlations(self, fits: WindowFits, noise_variance: float) -> None:
         for fit, correlation in zip(fits, self._correlations):
@@ -271,40 +280,12 @@ class SystematicErrors:
             Parameters that are not updated.
 
         """
-        if frozen is self._noted:
+        if frozen is self.noted:
             return
-        K, B = self._learned
-        self._learned = (K if frozen.stiffness else self._now[0],
-                         B if frozen.damping else self._now[1])
-        self._noted = frozen
-
-    def widen(self, estimates: Sequence[ParameterEstimate]) -> list[ParameterEstimate]:
-        """
-        Return estimates with these errors added to their standard deviations.
-
-        Parameters
-        ----------
-        estimates : sequence of ParameterEstimate
-            With the standard deviations of the estimator, for white noise of the equation.
-
-        Returns
-        -------
-        widened : list of ParameterEstimate
-            NaN stays NaN, and is the deviation of what never was updated: an initial value.
-
-        """
-        (K_factor, K_error, K_share), (B_factor, B_error, B_share) = self._learned
-        timing = self.timing_std
-        widened = []
-        for K, B, K_std, B_std, shift, inertia in estimates:
-            K_more, B_more, lag = K_share * K, B_share * B, K * timing
-            K_variance = (K_std * K_std + K_more * K_more) * K_factor + K_error
-            B_variance = (B_std * B_std + B_more * B_more) * B_factor + B_error + lag * lag
-            if self._coupled and K_variance == K_variance:  # B_hat was fitted beside K_hat
-                B_variance += UNKNOWN_DAMPING_S * UNKNOWN_DAMPING_S * K_variance
-            widened.append(ParameterEstimate(
-                K, B, sqrt(K_variance), sqrt(B_variance), shift, inertia))
-        return widened
+        K, B = self.learned
+        self.learned = (K if frozen.stiffness else self._now[0],
+                        B if frozen.damping else self._now[1])
+        self.noted = frozen
 
 
 def _share_of_stiffness(shift: float) -> float:

@@ -16,47 +16,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from math import inf, isfinite, nan
+from math import copysign, inf, isfinite
 
 from .laws import LAWS
-from .limits import limited, PoseLimits
+from .parameters import ReferenceParameters, refuse_double_tracking
 from .setpoints import Desired, Reference
-from ..exceptions import ParameterRangeError
-from ..parameters.specification import group, parameter, ParameterGroup
 
-
-@dataclass(frozen=True)
-class ReferenceParameters(ParameterGroup):
-    """Conversion of a desired force into a reference position."""
-
-    robot_stiffness: float = parameter(
-        5000.0, 'K_t of the robot, used by the law `series`', 'N/m', minimum=1e-3
-    )
-    robot_force_tracking: bool = parameter(
-        False, 'The robot adds F_r to its control force itself; excludes the law `series`'
-    )
-    stiffness_floor: float = parameter(
-        500.0, 'Lower limit of K_hat in the laws, so that a bad estimate commands no large depth',
-        'N/m', minimum=1e-3,
-    )
-    maximum_velocity: float = parameter(
-        0.25, 'Limit of |dx_r/dt|, whether a force law is active or x_d passes through; must be '
-        'above the speed of the planner, or x_r lags behind x_d', 'm/s', minimum=1e-6, maximum=1e6,
-    )
-    maximum_depth: float = parameter(
-        nan, 'Limit of x_r beyond environment.location; NaN: no limit', 'm', minimum=0.0,
-        nan_is_off=True,
-    )
-    fade_s: float = parameter(
-        0.2, 'Time over which the offset between two laws fades out', 's',
-        minimum=1e-3, maximum=60.0,
-    )
-    maximum_force_rate: float = parameter(
-        2000.0, 'Faster changes of F_r are treated as steps, without feed-forward', 'N/s',
-        minimum=0.0,
-    )
-    limits: PoseLimits = group(PoseLimits, 'Limits of ~/target_pose of an arm')
+_new = tuple.__new__  # of a named tuple: half the time of a call of its class
 
 
 class ReferenceGenerator:
@@ -65,7 +31,7 @@ class ReferenceGenerator:
 
     A force law applies while F_r is finite and there is contact; otherwise x_d passes through.
     Whenever that changes, the offset between old and new reference fades out smoothly. Position
-    and rates always stay within the limits of `limits.limited`.
+    and rates always stay within the limits of `limited`.
 
     Parameters
     ----------
@@ -100,6 +66,7 @@ class ReferenceGenerator:
         self._mode: str | None = None
         self._last: Reference | None = None
         self._offset, self._faded_s = 0.0, 0.0
+        self._resting: Desired | None = None  # the setpoint at which x_r rests, without a force
         self.limited = False
         self._forces: list[tuple[float, float]] = []  # (time, F_r), at most three
 
@@ -113,7 +80,7 @@ class ReferenceGenerator:
             Measured x [m]; finite.
 
         """
-        self._last = Reference(position, 0.0, 0.0)
+        self._last, self._resting = Reference(position, 0.0, 0.0), None
 
     def configure(
         self, law: str, parameters: ReferenceParameters, period_s: float = 2e-3
@@ -135,7 +102,7 @@ class ReferenceGenerator:
         refuse_double_tracking(law, parameters.robot_force_tracking)
         if law != self._law or parameters != self._p:
             self._mode = None if self._last is None else 'changed'
-        self._law, self._p, self._period_s = law, parameters, period_s
+        self._law, self._p, self._period_s, self._resting = law, parameters, period_s, None
 
     def step(
         self, t: float, dt: float, desired: Desired, contact: bool, x_e: float, K_hat: float,
@@ -168,24 +135,30 @@ class ReferenceGenerator:
 
         """
         position, velocity, acceleration, force = desired
+        last = self._last
+        if desired is self._resting and last is not None and not position > deepest:
+            return last
+        mode, presses = 'pass_through', isfinite(force)
         F_r_dot = F_r_ddot = 0.0
-        if self._forces or isfinite(force):
+        if presses or self._forces:
             F_r_dot, F_r_ddot = self._differentiate(t, force)
-        compliance = LAWS[self._law] if contact and isfinite(force) else None
-        if compliance is not None:
+        compliance = LAWS[self._law] if contact and presses else None
+        if compliance is None:
+            target = _new(Reference, (position, velocity, acceleration, 0.0))
+        else:
             mode, C = self._law, compliance(
                 max(K_hat, self._p.stiffness_floor), self._p.robot_stiffness)
             target = Reference(x_e + force * C, F_r_dot * C, F_r_ddot * C, force)
-        else:
-            mode, target = 'pass_through', Reference(position, velocity, acceleration)
         if mode != self._mode:
             self._switch(mode, dt, target)
         wanted = self._fade(dt, target) if self._offset else target
-        last = self._last or wanted
-        if not isfinite(last.position):
+        if last is None:
+            last = wanted
+        if not isfinite(last[0]):
             last = Reference(0.0, 0.0, 0.0)
         new = limited(last, wanted, dt, self._period_s, self._p.maximum_velocity, deepest)
-        self._last, self.limited = new, new.position != wanted.position
+        self._last, self.limited = new, new[0] != wanted[0]
+        self._resting = desired if new is target and not presses else None
         return new
 
     def _differentiate(self, t: float, F_r: float) -> tuple[float, float]:
@@ -230,26 +203,66 @@ class ReferenceGenerator:
         )
 
 
-def refuse_double_tracking(law: str, force_tracking: bool) -> None:
+def limited(
+    last: Reference, target: Reference, dt: float, period: float, speed: float, deepest: float
+) -> Reference:
     """
-    Refuse the law `series` on a robot that tracks force itself.
+    Return the reference that is nearest to a target within the limits.
+
+    x_r is finite, moves at most `speed` dt from the last reference, and not deeper than
+    `deepest`; from beyond it, x_r retreats at that speed. The same holds along the parabola that
+    the robot follows until the next reference.
 
     Parameters
     ----------
-    law : str
-        Name of the law.
-    force_tracking : bool
-        Whether the robot adds F_r to its control force.
+    last : Reference
+        Published before; finite.
+    target : Reference
+        Wanted; where its position is not finite, x_r stays.
+    dt : float
+        Time since the last reference [s]; x_r stays where this is not > 0.
+    period : float
+        Time for which the robot follows the new one [s].
+    speed : float
+        Largest |dx_r/dt| [m/s].
+    deepest : float
+        Largest x_r [m]; NaN: no limit.
 
-    Raises
-    ------
-    ParameterRangeError
-        If both are chosen: 74.5 N result instead of 50 N on the benchmark.
+    Returns
+    -------
+    reference : Reference
+        With the force of the target.
 
     """
-    if law == 'series' and force_tracking:
-        raise ParameterRangeError(
-            'reference_law series and a robot with force_tracking both correct for K_t, which '
-            'together results in about 1.5 times the force; expected one of them, got both; use '
-            'reference_law eq20 with force tracking, or switch force_tracking off'
-        )
+    position, velocity, acceleration, force = target
+    before = last[0]
+    if not isfinite(position):
+        return Reference(before, 0.0, 0.0, force)
+    if position > deepest:
+        position, velocity, acceleration = deepest, 0.0, 0.0
+    step, most = position - before, speed * dt if dt > 0.0 else 0.0
+    if velocity == 0.0 == acceleration and abs(step) <= most and position == target[0]:
+        return target  # at rest within all limits, the usual case
+    if abs(step) > most:
+        position = before + copysign(most, step)
+        velocity, acceleration = copysign(speed, step), 0.0
+    if velocity != 0.0 or acceleration != 0.0:
+        velocity, acceleration = _rates(
+            position, velocity, acceleration, period, speed, deepest)
+    return Reference(position, velocity, acceleration, force)
+
+
+def _rates(
+    position: float, velocity: float, acceleration: float, period: float, speed: float,
+    deepest: float,
+) -> tuple[float, float]:
+    """Return velocity and acceleration with which the limits hold until the next reference."""
+    if not (isfinite(velocity) and isfinite(acceleration)):
+        return 0.0, 0.0
+    v = min(max(velocity, -speed), speed)
+    reached = v + period * acceleration
+    a = acceleration if v == velocity and abs(reached) <= speed else 0.0
+    furthest = position + period * (v + max(0.5 * period * a, 0.0))
+    if furthest > deepest:
+        v, a = min(v, max(0.0, (deepest - position) / period)), 0.0
+    return v, a

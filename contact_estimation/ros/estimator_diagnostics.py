@@ -25,7 +25,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
 from .percentiles import percentiles
 from ..estimation.arm import NO_DESCRIPTION
-from ..estimation.checks import Rejections
+from ..estimation.checks import lag_in_words, Rejections
 from ..estimation.model_fit import ModelFitMonitor
 from ..estimation.session import ContactSession
 from ..estimators.estimate import Estimate
@@ -131,7 +131,7 @@ class EstimatorDiagnostics:
         starved = self.processed == self._before[0]
         warnings = self._warnings(session, starved)
         level, text = self._judge(
-            warnings, estimate, self._problem_of(session), session.motion_topic)
+            warnings, estimate, self._problem_of(session), session.parameters.motion_topic)
         values = {**self._rates(), **self._estimation(session, estimate)}
         for (axis, pipeline), other in list(zip(session.pipelines.items(), estimates))[1:]:
             values.update((f'{axis}_{k}', v) for k, v in _values_of(other).items())
@@ -184,7 +184,7 @@ class EstimatorDiagnostics:
         if self._rejections is None:
             self._rejections = Rejections(
                 lambda reason: session.rejection_texts.get(reason, ''),
-                lambda: session.motion_lag)
+                lambda: lag_in_words(session.motion_lag_s, session.parameters.motion_topic))
         rejected = self._rejections.newly(session.rejected, self.processed)
         active = [*session.notices.items()]
         active += [(warned.name, warned.text) for warned in session.checks.warnings()]

@@ -32,7 +32,7 @@ from ..plant.plant_node_parameters import PlantNodeParameters
 from ..plant.plant_parameters import PAPER_NOISE, PlantParameters
 from ..reference.experiment import Experiment
 from ..reference.experiments import experiment_named, EXPERIMENTS
-from ..reference.reference_generator import refuse_double_tracking
+from ..reference.parameters import refuse_double_tracking
 
 _LONGEST_S = 1e6
 _RELIABLY = {f'qos_overrides./{topic}.subscription.reliability': 'reliable'

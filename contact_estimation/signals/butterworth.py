@@ -60,6 +60,15 @@ class ButterworthBank:
         self._channels = range(channels)
         self.reset()
 
+    @property
+    def coefficients(self) -> tuple[float, float, float]:
+        """
+        Return b0, a1 and a2 of y = b0 (x + 2 x[-1] + x[-2]) - a1 y[-1] - a2 y[-2].
+
+        With b0 x in place of x, and y = x + s1: s1 <- 2 x - a1 y + s2, s2 <- x - a2 y.
+        """
+        return self._b0, self._a1, self._a2
+
     def _design(self, w: float) -> None:
         """
         Set the coefficients: the bilinear form of w^2 / (s^2 + sqrt(2) w s + w^2).

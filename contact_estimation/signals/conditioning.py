@@ -107,6 +107,7 @@ class Conditioner:
         """
         contact = self.detector.contact
         self._T = 1.0 / sample_rate
+        self._longest = 1.5 * self._T  # between consecutive samples
         cutoff = parameters.cutoff_frequency
         self._velocity_filter = ButterworthBank(1, cutoff, sample_rate)
         self._rows = GatedRows(relation, cutoff, sample_rate)
@@ -188,43 +189,40 @@ class Conditioner:
             Known displacement of the surface [m].
 
         """
-        stamp_ns, position, measured, force = sample
-        dt, velocity = self._elapsed(stamp_ns), measured
+        stamp_ns, position, velocity, force = sample
+        last_ns, self._last_ns = self._last_ns, stamp_ns
+        dt = (stamp_ns - last_ns) * 1e-9 if last_ns >= 0 else 0.0
+        if dt > self._longest:
+            self.missing += round(dt / self._T) - 1
+        mean = self.sample_period_s
+        self.sample_period_s = mean + _PERIOD_GAIN * (dt - mean) if mean else dt
+        measured = velocity
         if velocity != velocity:
             velocity = self._difference(dt, position)
         self._last_position = position
-        delta, pressing, known = position - self.location, self.bias - force, None
-        shift = 0.0
-        if self.compensation:
+        delta, pressing, known, shift = position - self.location, self.bias - force, None, 0.0
+        if self.compensation is not None:
             known = self.compensation.take(stamp_ns, delta, measured, force, pressing)
             shift, delta, pressing = delta - known.depth, known.depth, known.pressing
         detector = self.detector
         inside = not delta <= -self.location_margin  # anywhere while x_e is unknown
-        touching = detector.touches(dt, pressing, inside)
+        # A contact that goes on needs no detection.
+        touching = (detector.contact and inside and pressing - detector.level > detector.off
+                    or detector.touches(dt, pressing, inside))
         variance = detector.noise_variance
-        if not touching or known and not known.usable:
+        if not touching or known is not None and not known.usable:
             self._leave(pressing, inside)
             return dt, velocity, touching, variance, None, NO_GAIN, shift
         if self._free:
             self._free.clear()
         std = detector.noise_std
-        if known:
-            rest = self.gate.replace(known.travel, known.rest, std)
-            row, gain = self._rows.compensated(dt, known._replace(rest=rest))
-        else:
+        if known is None:
             row, gain = self._rows.in_contact(
                 dt, delta, measured, self.gate.replace(delta, pressing, std))
+        else:
+            rest = self.gate.replace(known.travel, known.rest, std)
+            row, gain = self._rows.compensated(dt, known._replace(rest=rest))
         return dt, velocity, touching, variance, row, gain, shift
-
-    def _elapsed(self, stamp_ns: int) -> float:
-        """Return the time since the last sample, and count the missing ones."""
-        last_ns, self._last_ns = self._last_ns, stamp_ns
-        dt = (stamp_ns - last_ns) * 1e-9 if last_ns >= 0 else 0.0
-        if dt > 1.5 * self._T:
-            self.missing += round(dt / self._T) - 1
-        mean = self.sample_period_s
-        self.sample_period_s = mean + _PERIOD_GAIN * (dt - mean) if mean else dt
-        return dt
 
     def _difference(self, dt: float, position: float) -> float:
         """Estimate a velocity for all but the relation, which differentiates on its own."""

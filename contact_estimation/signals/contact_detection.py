@@ -87,6 +87,8 @@ class ContactDetector:
         Whether the last sample was in contact.
     level : float
         Mean pressing force in free flight [N].
+    off : float
+        Force above the level down to which a contact goes on [N].
     noise_variance, noise_std : float
         Of the force noise [N^2], [N]; the latter > 0.
 
@@ -135,7 +137,7 @@ class ContactDetector:
         """
         measured = pressing - self.level
         if self.contact:
-            self.contact = inside and measured > self._off
+            self.contact = inside and measured > self.off
         elif inside and measured > self._on:
             self._above += 1  # a touch not yet confirmed is excluded from the statistics
             self.contact = self._above >= self._p.samples
@@ -159,4 +161,4 @@ class ContactDetector:
         self.noise_std = std = sqrt(variance if variance > 1e-18 else 1e-18)
         on, off = p.on_ratio * std, p.off_ratio * std
         self._on = on if on > p.minimum_force else p.minimum_force
-        self._off = off if off < self._on else self._on
+        self.off = off if off < self._on else self._on

@@ -70,8 +70,8 @@ class OutlierGate:
             self._forget()
 
     def _forget(self) -> None:
-        self._line: tuple[float, float, float] | None = None  # depth, force there, slope
-        self._P = 0.0, 0.0, 0.0  # of force and slope, times the noise variance
+        # Depth, force there, slope; covariance of force and slope, times the noise variance.
+        self._line: tuple[float, float, float, float, float, float] | None = None
         self._course = 0.0, 0.0  # the last two forces, outliers replaced
         self._run = 0  # outliers in a row, negative below the line
         self._support = 0  # samples that agree with the line
@@ -95,17 +95,19 @@ class OutlierGate:
             The line instead of an outlier [N].
 
         """
-        if self._line is None:
+        line = self._line
+        if line is None:
             if self._threshold:
                 self._start(d, y, noise_std)
             return y
-        depth, level, slope = self._line
+        depth, level, slope, cc, ck, kk = line
         x = d - depth
-        cc, ck, kk = self._P
         cc, ck = cc + x * (2.0 * ck + x * kk), ck + x * kk  # at this depth
         predicted = level + slope * x
         error = y - predicted
-        size, scale = abs(error), max(self._scale, noise_std)
+        size, scale = abs(error), self._scale
+        if scale < noise_std:
+            scale = noise_std
         width = scale * sqrt(1.0 + cc)
         self._scale = scale * (_LARGER if size > width else _SMALLER)
         bound = self._threshold * width
@@ -123,13 +125,12 @@ class OutlierGate:
         self._support += 1
         # Least squares with forgetting; without motion the slope would wind up.
         s = _MEMORY + cc
-        self._line = d, predicted + cc / s * error, slope + ck / s * error
-        cc, ck, kk = cc / s, ck / s, (kk - ck * ck / s) / _MEMORY
-        widest = _STIFFEST / scale
+        gain, gain_k, kk = cc / s, ck / s, (kk - ck * ck / s) / _MEMORY
+        widest, ck = _STIFFEST / scale, gain_k
         widest *= widest
         if kk > widest:
             ck, kk = ck * sqrt(widest / kk), widest
-        self._P = cc, ck, kk
+        self._line = d, predicted + gain * error, slope + gain_k * error, gain, ck, kk
         return y
 
     def _believes(self, error: float) -> bool:
@@ -139,7 +140,6 @@ class OutlierGate:
         return abs(self._run) >= self._samples
 
     def _start(self, d: float, y: float, noise_std: float) -> None:
-        self._line = d, y, 0.0
+        self._line = d, y, 0.0, 1.0, 0.0, (_STIFFEST / max(self._scale, noise_std)) ** 2
         self._course = y, y
-        self._P = 1.0, 0.0, (_STIFFEST / max(self._scale, noise_std)) ** 2
         self._run = self._support = 0

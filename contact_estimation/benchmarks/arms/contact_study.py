@@ -31,7 +31,7 @@ from .arm_recording import FORCE_BIAS
 from .simulation import Run, World
 from ...commands.calibrate_tool import main as calibrate_tool
 from ...estimation.replay import RecordingReplay
-from ...estimation.schedule import Moment
+from ...estimation.result import Moment
 from ...estimators.estimate import Estimate, EstimateStatus
 from ...exceptions import EstimationError
 from ...recordings import RecordingReader

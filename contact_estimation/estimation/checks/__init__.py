@@ -23,9 +23,9 @@ messages. Both stand in the order of importance: the first active one is the hea
 from .check import Check, Evidence, Forces, Warned
 from .input_checks import InputChecks
 from .order import CHECKS
-from .rejections import Rejection, REJECTIONS, Rejections
+from .rejections import lag_in_words, Rejection, REJECTIONS, Rejections
 
 __all__ = [
-    'Check', 'CHECKS', 'Evidence', 'Forces', 'InputChecks', 'Rejection', 'REJECTIONS',
-    'Rejections', 'Warned',
+    'Check', 'CHECKS', 'Evidence', 'Forces', 'InputChecks', 'lag_in_words', 'Rejection',
+    'REJECTIONS', 'Rejections', 'Warned',
 ]

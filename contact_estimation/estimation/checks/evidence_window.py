@@ -52,7 +52,7 @@ class EvidenceWindow:
     wrenches : deque of (int, float, float, float)
         Stamp [ns] and force along x, y and z [N] of wrenches to come.
     samples, estimates : list of AxesSample, AxesEstimates
-        Of the present block; the checks append to them.
+        Of the present block.
     block : int
         Number of samples of a block.
 
@@ -62,6 +62,8 @@ class EvidenceWindow:
         self._axes = tuple(pipelines)
         self.joint_stamps: deque[int] = deque(maxlen=_KEPT)
         self.wrenches: deque[tuple[int, float, float, float]] = deque(maxlen=_KEPT)
+        self.samples: list[AxesSample] = []
+        self.estimates: list[AxesEstimates] = []
         self.reset()
         self.restart(0.0)
 
@@ -90,8 +92,8 @@ class EvidenceWindow:
         self._start_block()
 
     def _start_block(self) -> None:
-        self.samples: list[AxesSample] = []
-        self.estimates: list[AxesEstimates] = []
+        self.samples.clear()
+        self.estimates.clear()
 
     def most(self, axis: str) -> tuple[float, float]:
         """

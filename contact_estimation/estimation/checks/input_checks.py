@@ -23,8 +23,6 @@ from .check import Check, Evidence, Warned
 from .evidence_window import EvidenceWindow
 from .order import CHECKS
 from ..parameters import EstimationParameters
-from ..result import AxesEstimates
-from ...signals.contact_sample import AxesSample
 
 _JUDGED_TOGETHER = 3  # checks after one sample: all at once would take longer than its period
 _RELEVANT = ('environment', 'further_axes', 'synchronisation', 'contact')
@@ -67,6 +65,10 @@ class InputChecks:
         Stamps of joint states to come [ns]; the session appends to it.
     wrenches : deque of (int, float, float, float)
         Stamp [ns] and force along x, y and z [N] of wrenches to come; the inputs append to it.
+    samples, estimates : list of AxesSample, AxesEstimates
+        Since the last judgement of a block; the session appends to them.
+    due : int
+        Number of them at which `judge` is due.
     found : dict
         By check and axis, every warning since the start or `reset`.
 
@@ -78,6 +80,7 @@ class InputChecks:
         self._p, self._pipelines = parameters, pipelines
         self._window = EvidenceWindow(pipelines)
         self.joint_stamps, self.wrenches = self._window.joint_stamps, self._window.wrenches
+        self.samples, self.estimates = self._window.samples, self._window.estimates
         self.reset()
 
     def reset(self) -> None:
@@ -95,7 +98,8 @@ class InputChecks:
     def restart(self) -> None:
         """Start a new window, as after a clock jump; warnings stay."""
         self._window.restart(self._p.sample_rate)
-        self._due: deque[tuple[Evidence, Sequence[Check]]] = deque()  # one after each sample
+        self._waiting: deque[tuple[Evidence, Sequence[Check]]] = deque()
+        self.due = self._window.block
         self._stamp_ns = 0  # of the evidence
 
     def configure(self, parameters: EstimationParameters) -> None:
@@ -106,32 +110,28 @@ class InputChecks:
         elif parameters.sample_rate != old.sample_rate:
             self.restart()
 
-    def add(self, axes: AxesSample, estimates: AxesEstimates) -> None:
+    def judge(self, stamp_ns: int) -> None:
         """
-        Add a processed sample.
+        Judge some of the checks that wait, or collect the evidence of a complete block.
 
         Parameters
         ----------
-        axes : AxesSample
-            Of every axis.
-        estimates : AxesEstimates
-            After it.
+        stamp_ns : int
+            Of the last sample [ns].
 
         """
-        window = self._window
-        window.samples.append(axes)
-        window.estimates.append(estimates)
-        if self._due:
-            self._judge(*self._due.popleft())
-        elif len(window.samples) >= window.block:
-            self._begin_judgement(axes[0].stamp_ns)
+        if self._waiting:
+            self._judge(*self._waiting.popleft())
+        else:
+            self._begin_judgement(stamp_ns)
+        self.due = len(self.samples) + 1 if self._waiting else self._window.block
 
     def _begin_judgement(self, stamp_ns: int) -> None:
         self._stamp_ns = stamp_ns
         self._window.close_block(stamp_ns)
         for axis, pipeline in self._pipelines.items():
             seen = self._window.evidence(axis, self._p, pipeline)
-            self._due.extend(
+            self._waiting.extend(
                 (seen, CHECKS[first:first + _JUDGED_TOGETHER])
                 for first in range(0, len(CHECKS), _JUDGED_TOGETHER))
 

@@ -177,3 +177,26 @@ class Rejections:
                     count=count, topic=topic, text=self._texts(reason), lag=self._lag())
         reason = max(counts, key=lambda one: counts[one])
         return 'rejected', f'rejected {total} messages, most of them {reason}'
+
+
+def lag_in_words(lag_s: float, topic: str) -> str:
+    """
+    Say how far the newest motion is behind the newest wrench.
+
+    Parameters
+    ----------
+    lag_s : float
+        Newest stamp of a wrench less that of a motion [s]; NaN before both.
+    topic : str
+        Of the motion.
+
+    Returns
+    -------
+    text : str
+        With what to do.
+
+    """
+    if lag_s != lag_s:
+        return f'none has come; is {topic} published, or remapped?'
+    return (f'the newest motion is {lag_s:.3g} s behind the wrench; start its driver, '
+            'synchronise the clocks, or set synchronisation.offset')

@@ -57,6 +57,8 @@ class TouchDown:
         The surface found where its location was unknown, and its standard deviation [m].
     taken : bool
         Whether the location is that of a surface found.
+    watches : bool
+        False in a contact that has been judged: its further samples need not be followed.
 
     """
 
@@ -68,6 +70,7 @@ class TouchDown:
         self.taken = False
         self.text = ''
         self.found: tuple[float, float] | None = None
+        self.watches = True
         self._free_s = 0.0
         self._settled = False  # the present contact has been judged
         self._never_free = True
@@ -106,9 +109,11 @@ class TouchDown:
         """
         if touching:
             self._free_s = 0.0
-            if self._settled:  # nearly always
+            if self._settled:
+                self.watches = False
                 return self.text
             return self._touch(sample, dt, depth, bias, margin, noise_variance)
+        self.watches = True
         watched = self.text or self._rise
         self._leave(dt)
         if not depth <= 0.0:
