@@ -133,7 +133,7 @@ LIMITS = '''## What no check sees
   another damping and stiffness. In motion of +-1 mm at 0.02 m/s, from a soft touch-down on, two
   seconds of force after a lag of 5 ms differ from the force of the best other wall by a chi-squared of
   23 (late) or 36 (early), and after 10 ms by 72 or 165; beside a mass, by 8 at most. A warning needs
-  40 in two judgements in a row, since other physics leaves less. 50 ms, or 5 ms in a quick touch-down,
+  40 in two judgements in a row, so that other physics is not taken for a lag. 50 ms, or 5 ms in a quick touch-down,
   are told within 2 s. The benchmark prints these figures of every lag that it is told late.
 - A wall that is off by less than three `environment.location_std`: this is found and corrected
   where the motion shows it.

@@ -132,7 +132,7 @@ def test_five_milliseconds_are_told_in_whatever_noise(seed: int) -> None:
 def test_inertia_of_a_known_tool_is_no_lag_at_impacts_and_beside_dropped_samples(
     experiment: str, dropped: bool
 ) -> None:
-    tool = {'physics.tool_inertia.mass': 1.2}
+    tool: dict[str, Any] = {'physics.tool_inertia.mass': 1.2}
     plant = build(PlantParameters, {**PAPER_NOISE, **tool, 'environment.stiffness': K_E,
                                     'environment.damping': B_E, 'seed': 3})
     session = ContactSession(build(EstimationParameters, {'estimator': 'kalman', **tool}))
@@ -141,7 +141,7 @@ def test_inertia_of_a_known_tool_is_no_lag_at_impacts_and_beside_dropped_samples
         drop, samples = np.random.default_rng(2), [result.sample for result in run.results]
         kept = [sample for first in range(0, len(samples), 10)
                 for sample in samples[first + drop.integers(0, 7):first + 10]]
-        session, _ = fed(kept, **{name.replace('.', '__'): mass for name, mass in tool.items()})
+        session, _ = fed(kept, physics__tool_inertia__mass=1.2)
     found = {one.warned.name for one in session.checks.found_in_order()}
     assert not found & {'stamp_skew', 'stamp_skew_or_mass'}
 
