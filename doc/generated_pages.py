@@ -126,6 +126,17 @@ measures the time until each true one.
 
 Numbers are examples. The first active row is the headline.'''
 
+DESCRIPTION = (
+    ('`revolute_joint`', "joint 'elbow_joint' turns, says the robot description: its positions are "
+     'angles and not metres, and no estimate holds; for an arm set kinematics.base, '
+     'kinematics.tip and contact.normal',
+     'A joint of an arm was chosen as the contact axis; seen where `robot_description` is published.',
+     'Set the parameters of an arm, see [](../your_robot.md).', 'go on'),
+    ('`robot_description_changed`', 'the robot description on /robot_description has changed and '
+     'is not used; start the node again to use it', 'Another robot, or another version of it.',
+     'Start the node again.', 'go on'),
+)
+
 LIMITS = '''## What no check sees
 
 - A lag of a few milliseconds: `synchronisation.timing_std` stands for it in the deviation of B_hat.
@@ -166,7 +177,8 @@ def warnings_page() -> str:
         WARNINGS, _table(head, rows),
         '## Rejected messages\n\nMessages that cannot be used are counted by reason in '
         '`/diagnostics`. Where they keep the node from estimating, the headline says why.',
-        _table(head[:4], rejected), LIMITS])
+        _table(head[:4], rejected),
+        '## Robot description', _table(head, DESCRIPTION), LIMITS])
 
 
 def columns_page() -> str:

@@ -162,7 +162,7 @@ def test_pyarrow_that_does_not_fit_to_numpy_is_an_error_with_a_remedy(
     (tmp_path / 'pyarrow.py').write_text("raise ImportError('pyarrow requires NumPy 2.0')\n")
     monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.delitem(sys.modules, 'pyarrow', raising=False)
-    with pytest.raises(MissingPackageError, match="NumPy 2.0; for numpy 1.26 .*'pyarrow<25'"):
+    with pytest.raises(MissingPackageError, match='NumPy 2.0; for numpy 1.26 .*"pyarrow<25"'):
         require_pyarrow()
 
 

@@ -149,11 +149,12 @@ class ContactSession:
 
     @property
     def motion_lag(self) -> str:
-        """How far the newest motion is behind the newest wrench, in words."""
+        """How far the newest motion is from the newest wrench, in words."""
         lag_s = self._synchroniser.motion_lag_s
         if lag_s != lag_s:
             return f'none has come; is {self.motion_topic} published, or remapped?'
-        return (f'the newest motion is {lag_s:.3g} s behind the wrench; start its driver, '
+        where = 'ahead of' if lag_s < 0.0 else 'behind'
+        return (f'the newest motion is {abs(lag_s):.3g} s {where} the wrench; start its driver, '
                 'synchronise the clocks, or set synchronisation.offset')
 
     @property

@@ -78,8 +78,8 @@ def require_pyarrow() -> Any:
         raise MissingPackageError.of('pyarrow', 'the table of fleet') from error
     except ImportError as error:
         raise MissingPackageError(
-            f"the table of fleet needs pyarrow, and the installed one fails: {error}; for numpy "
-            "1.26 install one that fits with: pip install 'pyarrow<25'") from error
+            f'the table of fleet needs pyarrow, and the installed one fails: {error}; for numpy '
+            '1.26 install one that fits with: pip install "pyarrow<25"') from error
     return pyarrow
 
 

@@ -87,8 +87,8 @@ REJECTIONS = (
         'Publish them at 100 Hz or more, or raise `synchronisation.maximum_gap_s`.'),
     Rejection(
         'joint_missing', ('joint_missing',),
-        'rejected {count} wrenches without a joint state at or after their stamps: {lag}',
-        'The joint states are silent, or their clock is behind that of the wrench.',
+        'rejected {count} wrenches without joint states around their stamps: {lag}',
+        'The joint states are silent or began later, or the clocks differ.',
         'Start the driver, remap `joint_states`, synchronise the clocks, or set '
         '`synchronisation.offset`.'),
     Rejection(
