@@ -23,9 +23,13 @@ import sys
 from typing import Any
 
 from contact_estimation.benchmarks import watch_benchmark
+from contact_estimation.benchmarks.arms.live_run import warned
 from contact_estimation.benchmarks.lag_evidence import lag_evidence
+from contact_estimation.messages.diagnostics import DIAGNOSTICS_TYPE
+from contact_estimation.recordings import RecordingReader, RecordingWriter
 import numpy as np
 import pytest
+from reference_messages import header, new, serialized
 
 COMMANDS = ('__main__', 'arms.__main__', 'estimators_study', 'fleet', 'input_checks',
             'model_fit_study', 'records')
@@ -71,3 +75,13 @@ def test_one_frequency_shows_no_lag_and_two_show_it_in_proportion_to_their_power
     assert two.over_wall > 10.0 * two.over_mass > 100.0
     twice = lag_evidence(t, *motion((2e-3, 20.0), (1e-3, 60.0)), inner, wall, 0.01, 0.6)
     assert twice.over_wall == pytest.approx(4.0 * two.over_wall)
+
+
+def test_each_kind_of_warning_that_a_node_published_is_listed_once(tmp_path: Path) -> None:
+    with RecordingWriter.file(tmp_path / 'a.mcap') as writer:
+        for k, text in enumerate(('at 540 Hz; correct it', 'at 612.5 Hz; correct it', 'skew')):
+            values = [new('KeyValue', 'samples', '5'), new('KeyValue', 'warning_1', text)]
+            status = new('DiagnosticStatus', 1, '/node', text, '', values)
+            raw = serialized(new('DiagnosticArray', header(), [status]), DIAGNOSTICS_TYPE)
+            writer.write('/diagnostics', DIAGNOSTICS_TYPE, raw, k)
+    assert warned(RecordingReader(tmp_path / 'a.mcap')) == ['at 540 Hz', 'skew']
