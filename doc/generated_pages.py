@@ -148,6 +148,8 @@ LIMITS = '''## What no check sees
   are told within 2 s. The benchmark prints these figures of every lag that it is told late.
 - A wall that is off by less than three `environment.location_std`: this is found and corrected
   where the motion shows it.
+- A joint that turns, taken for the contact axis, where `environment.location` is nan and no
+  `robot_description` is published: its angles look like metres.
 - A force that is wrong by a factor, or in other units that still look like newtons.'''
 
 
