@@ -24,6 +24,7 @@ from contact_estimation.signals.contact_sample import ContactSample
 from core_runs import contact_samples
 import numpy as np
 from numpy.typing import NDArray
+import pytest
 from reference_messages import joint_state_bytes, wrench_bytes
 from small_arm import JOINTS, pose, urdf
 
@@ -53,6 +54,7 @@ class Instant(NamedTuple):
 @lru_cache(maxsize=None)
 def instants(contact_s: float = 1.5) -> tuple[Instant, ...]:
     """Move the tool along the normal as `contact_samples` say; 3 N of drag along the wall."""
+    pytest.importorskip('pinocchio')
     model = RobotModel(urdf(), 'base_link', 'tool')
     start = pose(START)[:3, 3]
     drag = 3.0 * np.array([0.8, 0.0, 0.6])

@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+import sys
 from typing import Any, Iterable, Mapping
 
 from arm_contact import B_E, instants, K_E, LOCATION, messages, PARAMETERS
@@ -106,6 +107,12 @@ def test_stiffness_and_damping_are_found_at_any_rate_of_tf(every: int, split: bo
     estimate = Live(OF_TF).take(tf_messages(every, split)).results[-1].estimate
     assert estimate.stiffness == pytest.approx(K_E, rel=0.01)
     assert estimate.damping == pytest.approx(B_E, rel=0.1)
+
+
+def test_poses_of_tf_need_no_pinocchio(monkeypatch: pytest.MonkeyPatch) -> None:
+    listed = tf_messages()
+    monkeypatch.setitem(sys.modules, 'pinocchio', None)
+    assert Live(OF_TF).take(listed).results[-1].estimate.stiffness == pytest.approx(K_E, rel=0.01)
 
 
 def test_gravity_follows_a_mounting_that_comes_late() -> None:

@@ -27,6 +27,7 @@ from typing import Any, Callable, Mapping, NamedTuple, Sequence
 
 import numpy as np
 
+from .lag_evidence import lag_evidence
 from .table import print_table
 from ..commands.command_line import command, new_file, Parser
 from ..commands.progress import Progress
@@ -44,6 +45,7 @@ WALLS = ((1000.0, 40.0), (5000.0, 100.0), (4800.0, 200.0), (20000.0, 200.0))
 _DURATION_S = 12.0
 _IN_TIME_S = 2.0
 _NS = 1_000_000
+_NOISE_STD = 3**-0.5  # of PAPER_NOISE [N]
 # True of the estimator and the motion that were chosen: these warn of no mistake in the inputs.
 _ADVICE = ('estimator', 'surface_unchecked')
 
@@ -87,6 +89,8 @@ class Mistake(NamedTuple):
         From number and message to the wrong message.
     parameters : mapping
         Of the estimator.
+    lag_s : float
+        Of the wrench [s].
 
     """
 
@@ -94,14 +98,19 @@ class Mistake(NamedTuple):
     expected: tuple[str, ...]
     change: Change
     parameters: Mapping[str, Any] = {}
+    lag_s: float = 0.0
 
 
 def _moved(metres: float) -> Change:
     return lambda k, m: m._replace(position=m.position + metres)
 
 
-def _late(milliseconds: int) -> Change:
-    return lambda k, m: m._replace(wrench_ns=m.wrench_ns + milliseconds * _NS)
+def _late(milliseconds: int) -> Mistake:
+    return Mistake(
+        f'wrench {abs(milliseconds)} ms {"late" if milliseconds > 0 else "early"}',
+        ('stamp_skew', 'stamp_skew_or_mass'),
+        lambda k, m: m._replace(wrench_ns=m.wrench_ns + milliseconds * _NS),
+        lag_s=milliseconds * 1e-3)
 
 
 def _thinned(every: int) -> Change:
@@ -118,12 +127,7 @@ MISTAKES = (
             lambda k, m: m._replace(forces=(0.0, 0.0, m.forces[0]))),
     Mistake('position sign flipped', ('force_sign',),
             lambda k, m: m._replace(position=-m.position, velocity=-m.velocity)),
-    Mistake('wrench 5 ms late', ('stamp_skew', 'stamp_skew_or_mass'), _late(5)),
-    Mistake('wrench 5 ms early', ('stamp_skew', 'stamp_skew_or_mass'), _late(-5)),
-    Mistake('wrench 10 ms late', ('stamp_skew', 'stamp_skew_or_mass'), _late(10)),
-    Mistake('wrench 10 ms early', ('stamp_skew', 'stamp_skew_or_mass'), _late(-10)),
-    Mistake('wrench 50 ms late', ('stamp_skew', 'stamp_skew_or_mass'), _late(50)),
-    Mistake('wrench 50 ms early', ('stamp_skew', 'stamp_skew_or_mass'), _late(-50)),
+    *map(_late, (5, -5, 10, -10, 50, -50)),
     Mistake('joint states at 50 Hz', ('joint_rate',), _thinned(10)),
     Mistake('joint that stands still', ('joint_still',),
             lambda k, m: m._replace(position=0.01, velocity=0.0)),
@@ -197,7 +201,7 @@ def seconds_to_warning(
             session.add_motion(joint_ns, x, v)
         session.checks.wrenches.append((wrench_ns, *forces))
         session.add_wrench(wrench_ns, forces[0])
-    touch = next(s.stamp_ns for s in samples if s.force < -4.0) + 1000 * _NS
+    touch = _touch_ns(samples) + 1000 * _NS
     found = [one.first_ns for one in session.checks.found.values()
              if one.warned.name in mistake.expected]
     return max(0.0, (min(found) - touch) * 1e-9) if found else inf
@@ -253,9 +257,31 @@ def run(options: Any) -> int:
             'seconds': {text: [t if t < inf else None for t in times] for text, _, times in rows},
         }, indent=1) + '\n')
     late = sum(not t <= _IN_TIME_S for *_, times in rows for t in times)
+    lags = [
+        {'mistake': mistake.text, 'loop': column, **_evidence(samples, mistake.lag_s)}
+        for mistake, (*_, times) in zip(MISTAKES, rows) if mistake.lag_s
+        for column, (*_, samples), t in zip(columns, examples, times) if not t <= _IN_TIME_S]
+    if lags:
+        print_table(f'chi-squared of what is late, in the first {_IN_TIME_S:g} s of contact', lags)
     print(f'{late} of {sum(len(times) for *_, times in rows)} mistakes not reported within '
           f'{_IN_TIME_S:g} s of contact')
     return int(bool(false or late))
+
+
+def _evidence(samples: Sequence[ContactSample], lag_s: float) -> dict[str, str]:
+    """Return how clearly these samples can show a lag, beside another wall or a mass."""
+    t, x, v, force = np.array([(s.stamp_ns * 1e-9, s.position, s.velocity, s.force)
+                               for s in samples]).T
+    touch_s = _touch_ns(samples) * 1e-9
+    seen = slice(np.searchsorted(t, touch_s - 0.2), np.searchsorted(t, touch_s + _IN_TIME_S))
+    found = lag_evidence(t[seen], x[seen], v[seen], force[seen] < -4.0 * _NOISE_STD, WALLS[1],
+                         lag_s, _NOISE_STD)
+    return {'beside another wall': f'{found.over_wall:.0f}',
+            'beside a mass': f'{found.over_mass:.0f}'}
+
+
+def _touch_ns(samples: Sequence[ContactSample]) -> int:
+    return next(s.stamp_ns for s in samples if s.force < -4.0)
 
 
 def _seconds(value: float) -> str:

@@ -69,13 +69,17 @@ def require_pyarrow() -> Any:
     Raises
     ------
     MissingPackageError
-        If it is not installed.
+        If it is not installed, or does not fit to the installed numpy.
 
     """
     try:
         import pyarrow
-    except ImportError as error:
+    except ModuleNotFoundError as error:
         raise MissingPackageError.of('pyarrow', 'the table of fleet') from error
+    except ImportError as error:
+        raise MissingPackageError(
+            f'the table of fleet needs pyarrow, and the installed one fails: {error}; for numpy '
+            '1.26 install one that fits with: pip install "pyarrow<25"') from error
     return pyarrow
 
 

@@ -28,6 +28,7 @@ from std_srvs.srv import Trigger
 
 from . import topics
 from .arm_topics import ArmTopics
+from .axis_description import AxisDescription
 from .data_thread import DataThread, RawSubscriptions
 from .estimate_publishers import EstimatePublishers
 from .estimator_diagnostics import EstimatorDiagnostics
@@ -94,7 +95,7 @@ class EstimatorNode(Node):
             self.get_logger().warning(self._session.pipeline.estimator.limitation)
         self._diagnostics = EstimatorDiagnostics(
             self.get_fully_qualified_name(), self._own.silence_s,
-            self._own.hardware_id or parameters.frame_id, self._now_ns,
+            self._hardware(parameters.frame_id), self._now_ns,
             self.resolve_topic_name(topics.ROBOT_DESCRIPTION))
         self._subscribe()
         self._diagnostics_publisher = self.create_publisher(
@@ -118,6 +119,8 @@ class EstimatorNode(Node):
             self._arm_topics = ArmTopics(
                 self, self._session, self._inputs.arm, self._lock, self._event)
             self._arm_topics.subscribe(data, self._on_motion)
+        else:
+            AxisDescription(self, self._session, self._lock)
         if self._session.parameters.pose_source != 'tf':
             self._subscribe_raw(data, topics.JOINT_STATES, topics.JOINTS_TYPE, self._on_motion)
         self._subscribe_raw(data, topics.WRENCH, topics.WRENCH_TYPE, self._on_wrench)
@@ -184,7 +187,10 @@ class EstimatorNode(Node):
 
     def _use_frame(self, frame_id: str) -> None:
         self._outputs.use(frame_id, self._axes)
-        self._diagnostics.hardware_id = self._own.hardware_id or frame_id
+        self._diagnostics.hardware_id = self._hardware(frame_id)
+
+    def _hardware(self, frame_id: str) -> str:
+        return self._own.hardware_id or frame_id or self.resolve_topic_name(topics.WRENCH)
 
     def _now_ns(self) -> int:
         clock: Any = self.get_clock()

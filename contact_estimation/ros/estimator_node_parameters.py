@@ -32,7 +32,8 @@ class EstimatorNodeParameters(ParameterGroup):
         0.5, 'Diagnostics are an error after this time without a wrench', 's', minimum=0.01
     )
     hardware_id: str = parameter(
-        '', 'Of sensor or robot, for /diagnostics; empty: the frame of the wrench', read_only=True
+        '', 'Of sensor or robot, for /diagnostics; empty: the frame of the wrench, else its topic',
+        read_only=True
     )
     publish_target_pose: bool = parameter(
         False, 'Publish the measured pose with x_r along the normal on ~/target_pose, for '

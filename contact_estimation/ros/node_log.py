@@ -48,6 +48,7 @@ class NodeLog:
         resolve = self._node.resolve_topic_name
         axes = ', '.join(f'{axis} from joint {joint!r}' if joint else f'{axis} from the only joint'
                          for axis, joint in parameters.joints.items())
+        axes += ' in metres'
         if parameters.kinematics.tip:
             axes = f'{parameters.axis} along contact.normal of an arm'
         motion = TF if parameters.pose_source == 'tf' else JOINT_STATES

@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+import re
 import shutil
 import time
 from typing import Any
@@ -27,7 +28,7 @@ from .contact_study import errors, Estimated
 from .diagnosis_study import Case
 from ..node_processes import end_node, start_node
 from ...exceptions import EstimationError
-from ...messages import Vector3StampedDecoder
+from ...messages import decode_diagnostics, Vector3StampedDecoder
 from ...recordings import RecordingReader
 
 _START_S = 3.0
@@ -95,4 +96,29 @@ def _last(recorded: Path) -> Estimated:
             values[topics[message.topic]] = value
     return Estimated(
         'kalman', 'load and inertia, on line', values['stiffness'], values['stiffness_std'],
-        values['damping'], values['damping_std'], values['location'])
+        values['damping'], values['damping_std'], values['location'],
+        warnings=tuple(warned(reader)))
+
+
+def warned(reader: RecordingReader) -> list[str]:
+    """
+    Return what a node has warned of, without remedies and numbers that change.
+
+    Parameters
+    ----------
+    reader : RecordingReader
+        Recording with /diagnostics.
+
+    Returns
+    -------
+    texts : list of str
+        The first of every kind, in the order of their appearance.
+
+    """
+    kinds: dict[str, str] = {}
+    for message in reader.messages(['/diagnostics']):
+        for status in decode_diagnostics(message.data):
+            for key, text in status.values.items():
+                if re.fullmatch(r'warning_\d+', key):
+                    kinds.setdefault(re.sub(r'[-+.\d]+', '#', text), text.split(';')[0])
+    return list(kinds.values())

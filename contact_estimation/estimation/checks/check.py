@@ -38,6 +38,12 @@ _BELOW_95_PERCENT = 0.759  # mean of the lower 95 % of its squares
 _NOTHING = np.zeros(0)
 
 
+def millimetres(metres: float) -> str:
+    """Return a length for a text, such as 9.9 mm, 400 mm or 2100 mm."""
+    length = 1e3 * metres
+    return f'{length:.0f} mm' if abs(length) >= 100.0 else f'{length:.3g} mm'
+
+
 class Warned(NamedTuple):
     """
     An active warning.

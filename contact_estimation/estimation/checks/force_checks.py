@@ -19,7 +19,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from .check import Array, Check, CLEAR, Evidence, Forces
+from .check import Array, Check, CLEAR, Evidence, Forces, millimetres
 from .robust_statistics import extremes, loaded_correlation, median_of, spread_of
 
 _RELATED = 0.8  # correlation of force and position
@@ -144,7 +144,7 @@ class OutsideForce(Check):
         if (seen.slope_sign > -_RELATED or pressing < CLEAR * seen.noise
                 or not outside > seen.pipeline.location_margin):
             return None
-        return (f'the tool presses with {pressing:.3g} N at x = {x:.4g} m, {1e3 * outside:.3g} mm '
+        return (f'the tool presses with {pressing:.3g} N at x = {x:.4g} m, {millimetres(outside)} '
                 'outside the wall; set environment.location to the surface, or to nan to take it '
                 f'at first touch{_unless_weight(seen)}')
 

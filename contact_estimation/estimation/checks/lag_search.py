@@ -24,22 +24,23 @@ the lag with the least residual is the skew, where no other physics explains the
 from __future__ import annotations
 
 from math import log, sqrt
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .check import Array, Evidence
-from ...signals.smoothing import smoothed_rate
 
 _LONGEST_S = 0.1
 _COARSE = np.linspace(-0.1, 0.1, 21)
 _COARSE[10] = 0.0
 _NEAREST = _COARSE[9:12]
 _FINE = np.linspace(-0.01, 0.01, 21)
-_SMOOTHED_S = 0.04  # of the acceleration
-_MOST_SAMPLES = 300
-_LEAST_CONTACT = 100
-_WHITE = 1.15  # variance of the residual over the white noise's: above, a lag may be in it
+_MEAN_S = 0.01  # over which all signals are averaged alike
+_GAP = 1.5  # times the usual duration of a mean: longer ones miss samples
+_LEAST_CONTACT = 100  # samples
+_LEAST_MEANS = 20
+_WHITE = 1.05  # variance of the residual over the white noise's: above, a lag may be in it
 _NEIGHBOUR = 20.0  # likelihood ratio of a lag of 10 ms over none, from which one is searched too
 _NO_LAG_S = 5e-4  # half of the finest step
 
@@ -74,6 +75,31 @@ class Skew(NamedTuple):
     sharpness: float
 
 
+class _Means(NamedTuple):
+    """
+    Means over the same short times.
+
+    Attributes
+    ----------
+    size : int
+        Samples in each.
+    y, t, acceleration : ndarray, shape (M,)
+        Pressing force without the inertia of a known mass [N], time [s], acceleration [m/s^2], of
+        means in contact that share no sample.
+    motion_t, motion : ndarray, shape (N,)
+        Time and, as parts of complex numbers for a single search, position and rate, of the mean
+        around every sample.
+
+    """
+
+    size: int
+    y: Array
+    t: Array
+    acceleration: Array
+    motion_t: Array
+    motion: NDArray[np.complex128]
+
+
 def skew_of(seen: Evidence) -> Skew | None:
     """
     Estimate the lag of the force.
@@ -89,27 +115,25 @@ def skew_of(seen: Evidence) -> Skew | None:
         None where there is too little contact.
 
     """
-    inner = (seen.t > seen.t[0] + _LONGEST_S) & (seen.t < seen.t[-1] - _LONGEST_S)
-    # In contact by the force alone: the location of the wall may be wrong.
-    chosen = np.flatnonzero(inner & seen.contact & (seen.force < -4.0 * seen.noise))
-    if len(chosen) < _LEAST_CONTACT:
+    if not seen.contact.any():
         return None
-    chosen = chosen[::-(-len(chosen) // _MOST_SAMPLES)]
-    y, t = -seen.force[chosen], seen.t[chosen]
-    known_mass = _known_mass(seen)
-    if known_mass:
-        y -= known_mass * _acceleration(seen)[chosen]
-    floor = max(seen.pipeline.noise_std, 1e-9)**2 * len(y)
-    before, none, after = _residuals(y, t, seen, _NEAREST).tolist()
+    means = _means(seen)
+    if len(means.y) < _LEAST_MEANS or len(means.y) * means.size < _LEAST_CONTACT:
+        return None
+    y, t = means.y, means.t
+    floor = max(seen.pipeline.noise_std, 1e-9)**2 / means.size * len(y)
+    white = seen.white_noise**2 / means.size * len(y)
+    before, none, after = _residuals(means, _NEAREST).tolist()
     sharpness = len(y) * log(min(before, after) / max(none, 1e-3 * floor))
     best, near = 0.0, np.array([none])
-    if none > _WHITE * seen.white_noise**2 * len(y) or sharpness < -_NEIGHBOUR:
-        best, near = _searched(y, t, seen)
+    if none > _WHITE * white or sharpness < -_NEIGHBOUR:
+        best, near = _searched(means)
     if abs(best) < _NO_LAG_S:
         return Skew(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, sharpness)
     least = max(float(near.min()), 1e-3 * floor)
-    x, v, acceleration = seen.x[chosen], seen.rate[chosen], _acceleration(seen)[chosen]
-    mass, with_mass = _mass(y, x, v, acceleration)
+    x, v = np.interp(t, means.motion_t, means.motion.real), np.interp(
+        t, means.motion_t, means.motion.imag)
+    mass, with_mass = _mass(y, x, v, means.acceleration)
 
     def over(other: float) -> float:
         return len(y) * log(max(other, least) / least)
@@ -120,16 +144,45 @@ def skew_of(seen: Evidence) -> Skew | None:
     )
 
 
-def _searched(y: Array, t: Array, seen: Evidence) -> tuple[float, Array]:
+def _means(seen: Evidence) -> _Means:
+    """
+    Average force, motion and acceleration over the same short times.
+
+    Means of the same samples obey the same equation, so that an impact or a noisy acceleration
+    leaves nothing that looks like a lag.
+    """
+    size = max(1, round(_MEAN_S / max(seen.period, 1e-9)))
+    moving = [_moving_mean(values, size) for values in (seen.t, seen.x, seen.rate)]
+    starts = np.arange(0, len(seen.t) - size + 1, size)  # no sample twice: independent noise
+    acceleration = np.gradient(seen.rate, seen.t)
+    y = -seen.force - _known_mass(seen) * acceleration
+    # In contact by the force alone: the location of the wall may be wrong.
+    pressed = seen.contact & (seen.force < -4.0 * seen.noise)
+    t = moving[0][starts]
+    duration = seen.t[starts + size - 1] - seen.t[starts]
+    usable = ((duration <= _GAP * (size - 1) * seen.period) & _of_blocks(pressed, size).all(1)
+              & (t > seen.t[0] + _LONGEST_S) & (t < seen.t[-1] - _LONGEST_S))
+    return _Means(
+        size, _of_blocks(y, size).mean(1)[usable], t[usable],
+        _of_blocks(acceleration, size).mean(1)[usable], moving[0], moving[1] + 1j * moving[2])
+
+
+def _moving_mean(values: Array, size: int) -> Array:
+    """Return the mean of every `size` successive values, of shape (N - size + 1,)."""
+    sums = np.concatenate([[0.0], np.cumsum(values)])
+    return np.asarray((sums[size:] - sums[:-size]) / size)
+
+
+def _of_blocks(values: NDArray[Any], size: int) -> NDArray[Any]:
+    """Return successive values in rows of `size`, without the rest."""
+    return values[:len(values) // size * size].reshape(-1, size)
+
+
+def _searched(means: _Means) -> tuple[float, Array]:
     """Return the best lag [s], and what the lags up to 10 ms from the best coarse one leave."""
-    fine = _COARSE[np.argmin(_residuals(y, t, seen, _COARSE))] + _FINE  # of 4 ms: around none
-    near = _residuals(y, t, seen, fine)
+    fine = _COARSE[np.argmin(_residuals(means, _COARSE))] + _FINE  # of 4 ms: around none
+    near = _residuals(means, fine)
     return float(fine[np.argmin(near)]), near
-
-
-def _acceleration(seen: Evidence) -> Array:
-    """Return the acceleration, smoothed: noise of it would make a mass look like a lag."""
-    return smoothed_rate(seen.rate, seen.period, _SMOOTHED_S)
 
 
 def _known_mass(seen: Evidence) -> float:
@@ -138,10 +191,10 @@ def _known_mass(seen: Evidence) -> float:
     return mass if mass == mass else 0.0
 
 
-def _residuals(y: Array, t: Array, seen: Evidence, lags: Array) -> Array:
+def _residuals(means: _Means, lags: Array) -> Array:
     """Return the sum of squares that K x + B v + c leaves at each lag, with B >= 0."""
-    # Position and rate together, as the parts of complex numbers: one search for both.
-    moved = np.interp((t - lags[:, None]).ravel(), seen.t, seen.x + 1j * seen.rate)
+    y = means.y
+    moved = np.interp((means.t - lags[:, None]).ravel(), means.motion_t, means.motion)
     x, v = moved.real.reshape(len(lags), -1), moved.imag.reshape(len(lags), -1)  # (lags, N)
     # Without their means no constant is needed.
     x, v, y = x - x.mean(1)[:, None], v - v.mean(1)[:, None], y - y.mean()

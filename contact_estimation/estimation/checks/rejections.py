@@ -87,8 +87,8 @@ REJECTIONS = (
         'Publish them at 100 Hz or more, or raise `synchronisation.maximum_gap_s`.'),
     Rejection(
         'joint_missing', ('joint_missing',),
-        'rejected {count} wrenches without a joint state at or after their stamps: {lag}',
-        'The joint states are silent, or their clock is behind that of the wrench.',
+        'rejected {count} wrenches without joint states around their stamps: {lag}',
+        'The joint states are silent or began later, or the clocks differ.',
         'Start the driver, remap `joint_states`, synchronise the clocks, or set '
         '`synchronisation.offset`.'),
     Rejection(
@@ -181,7 +181,7 @@ class Rejections:
 
 def lag_in_words(lag_s: float, topic: str) -> str:
     """
-    Say how far the newest motion is behind the newest wrench.
+    Say how far the newest motion is from the newest wrench.
 
     Parameters
     ----------
@@ -198,5 +198,6 @@ def lag_in_words(lag_s: float, topic: str) -> str:
     """
     if lag_s != lag_s:
         return f'none has come; is {topic} published, or remapped?'
-    return (f'the newest motion is {lag_s:.3g} s behind the wrench; start its driver, '
+    where = 'ahead of' if lag_s < 0.0 else 'behind'
+    return (f'the newest motion is {abs(lag_s):.3g} s {where} the wrench; start its driver, '
             'synchronise the clocks, or set synchronisation.offset')

@@ -56,7 +56,8 @@ class SampleRate(Check):
     name = 'sample_rate'
     message = 'samples come at 1000 Hz, but sample_rate is 500; correct it'
     cause = '`sample_rate` is not the rate of the wrench, or samples are lost.'
-    remedy = 'Set `sample_rate`: filters and relations are built for it.'
+    remedy = ('Set `sample_rate`: filters and relations are built for it. Where the sensor does '
+              'send at this rate, find what drops samples: a machine or network that is too slow.')
     of_state = True
 
     def judge(self, seen: Evidence) -> str:
@@ -64,4 +65,6 @@ class SampleRate(Check):
         rate, period = seen.parameters.sample_rate, seen.pipeline.sample_period_s
         if period <= 0.0 or abs(period * rate - 1.0) < _RATE_OFF:
             return ''
-        return f'samples come at {1.0 / period:.4g} Hz, but sample_rate is {rate:g}; correct it'
+        dropped = ', or find why samples are dropped' if period * rate > 1.0 else ''
+        return (f'samples come at {1.0 / period:.4g} Hz, but sample_rate is {rate:g}; correct '
+                f'it{dropped}')

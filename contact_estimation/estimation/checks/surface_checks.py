@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .check import Check, Evidence
+from .check import Check, Evidence, millimetres
 
 _LEAST_CONTACT = 100
 _DEVIATIONS = 5.0
@@ -81,7 +81,7 @@ class SurfaceLine(Check):
         if inside < _MOST_OF_DEPTH * mean:
             return None
         place = seen.pipeline.location + inside
-        return (f'the force in contact vanishes at x = {place:.4g} m, {1e3 * inside:.3g} mm '
+        return (f'the force in contact vanishes at x = {place:.4g} m, {millimetres(inside)} '
                 f'inside the wall; set environment.location to {place:.4g}')
 
 

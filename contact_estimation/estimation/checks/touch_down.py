@@ -21,7 +21,7 @@ from math import hypot, inf, sqrt
 
 import numpy as np
 
-from .check import Array
+from .check import Array, millimetres
 from ...signals.contact_sample import ContactSample
 
 _NEW_CONTACT_S = 0.05  # out of contact, after which a contact is a new one
@@ -167,7 +167,7 @@ class TouchDown:
         inside = surface - location
         far = inside > margin and inside > _OF_DEPTH * depth
         self.text = (
-            f'contact began {1e3 * inside:.3g} mm inside the wall, at x = {surface:.4g} m; set '
+            f'contact began {millimetres(inside)} inside the wall, at x = {surface:.4g} m; set '
             f'environment.location to {surface:.4g}'
             + (' (it was taken at the first touch, of another wall)' if self.taken
                else ', or to nan to take it at first touch')

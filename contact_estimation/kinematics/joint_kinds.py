@@ -1,0 +1,52 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Kinds of joints in a robot description; needs no Pinocchio."""
+
+from __future__ import annotations
+
+from typing import Sequence
+from xml.etree import ElementTree
+
+_TURNING = ('revolute', 'continuous')
+
+
+def turning_joint(description: str, names: Sequence[str]) -> str:
+    """
+    Return a joint whose positions are angles.
+
+    Parameters
+    ----------
+    description : str
+        URDF.
+    names : sequence of str
+        Joints to look at; an empty name is the only joint that moves.
+
+    Returns
+    -------
+    name : str
+        The first of them that turns; '' where none does, or the text is no URDF.
+
+    """
+    try:
+        root = ElementTree.fromstring(description)
+    except ElementTree.ParseError:
+        return ''
+    kinds = {joint.get('name', ''): joint.get('type', '') for joint in root.iter('joint')
+             if joint.get('type', 'fixed') != 'fixed'}
+    for name in names:
+        looked_at = name or (next(iter(kinds)) if len(kinds) == 1 else '')
+        if kinds.get(looked_at) in _TURNING:
+            return looked_at
+    return ''
