@@ -162,7 +162,7 @@ def test_text_and_json_hold_shares_reliability_and_misses() -> None:
               scored(CLEAN, 'force_lag')]
     text = family_text(scores, 'DIR')
     assert 'right family first [%]' in text
-    assert 'clean worlds accused [%]' in text
+    assert 'false alarms in clean worlds [%]' in text
     assert 'lugre_friction (press), 3.0 times; expected friction, diagnosed force_lag 0.80' in text
     study = json.loads(json.dumps(family_dict(scores)))
     assert study['kinds']['foreign']['right'] == 1
