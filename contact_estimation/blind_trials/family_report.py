@@ -152,7 +152,8 @@ def _summary(scores: Sequence[FamilyScore]) -> list[str]:
                               len(part))]
     if 'clean' in kinds:
         counts = outcomes(kinds['clean'])
-        lines.append(_share_line('false alarms in clean worlds [%]', counts[WRONG], counts['trials']))
+        lines.append(_share_line(
+            'false alarms in clean worlds [%]', counts[WRONG], counts['trials']))
     return lines
 
 
