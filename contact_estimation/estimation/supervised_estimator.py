@@ -200,10 +200,7 @@ class SupervisedEstimator:
         (estimate,) = estimator.update(
             (timed,), variance if variance > force_variance else force_variance, frozen)
         if isfinite(estimate[0]) and isfinite(estimate[1]):
-            wide = widened(estimate, errors)
-            if not self._robot_is_stiff:
-                wide = of_the_wall(wide, self._p.robot)
-            return wide, _ESTIMATING, supervision.frozen_reason
+            return self._widened(estimate), _ESTIMATING, supervision.frozen_reason
         estimator.reset()
         return self._widened(estimator.current()), _FROZEN, _NOT_FINITE
 

@@ -124,8 +124,7 @@ def decide(
             return fewer
         return Decision(selection, best, shares.explained < EXPLAINED, 0.0, shares)
     progress('structure of the residuals')
-    if has_discrepancy(recordings):
-        recordings = [discounted(without_discrepancy(one), base.model) for one in recordings]
+    recordings = _plain(recordings, base.model)
     carried, _ = weigh(recordings, fit(recordings, best.model))
     if not any(material(one, base.model) for one in carried):
         usual = max(1.0, best.cost / best.residual_count)
@@ -164,11 +163,16 @@ def _laws(model: Model) -> set[str]:
 def _without(selection: Selection, names: set[str], progress: Progress) -> Selection:
     """Select again, without some effects."""
     base = selection.base.model
-    recordings = selection.recordings
-    if has_discrepancy(recordings):
-        recordings = [discounted(without_discrepancy(one), base) for one in recordings]
+    recordings = _plain(selection.recordings, base)
     model = replace(base, excluded=base.excluded | names)
     return select(recordings, fit(recordings, model), progress, by_likelihood=False)
+
+
+def _plain(recordings: Recordings, base: Model) -> Recordings:
+    """Return recordings without the discrepancy, if they have one."""
+    if not has_discrepancy(recordings):
+        return recordings
+    return [discounted(without_discrepancy(one), base) for one in recordings]
 
 
 def _carrying(selection: Selection, rest: Fit) -> Selection:
@@ -253,9 +257,10 @@ def _held_out_powers(whole: Recordings, model: Model, trifles: bool = True) -> l
         if there.any():
             part = recording.split(residuals(recording, model))[:, there]
             power = np.mean(part**2, axis=1)
-            error = force_residual(recording, model)[samples]
-            if not trifles and np.sqrt(np.mean(error**2)) < least_material(recording):
-                power[0] = 0.0
+            if not trifles:
+                error = force_residual(recording, model)[samples]
+                if np.sqrt(np.mean(error**2)) < least_material(recording):
+                    power[0] = 0.0
             powers.append(power)
     return powers
 

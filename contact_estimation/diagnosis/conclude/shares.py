@@ -154,7 +154,8 @@ def shares_of(
     """
     carried = weighed(recordings, base)
     first = fit(carried, base)
-    parts = parts_of(carried, fit(carried, with_zeros(base, best)))  # as when they were taken
+    zeroed = with_zeros(base, best)  # the parts are those on which the effects were taken
+    parts = parts_of(carried, first if zeroed is base else fit(carried, zeroed))
     parts, base_errors = evened(parts, left_out_errors(carried, first, parts))
     errors = base_errors
     model, found, shares, of_channel = base, first, dict[str, Share](), dict[str, Share]()
