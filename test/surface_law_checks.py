@@ -68,6 +68,7 @@ def check_rough_surface() -> None:
     force = elastic('rough_surface', K=1000.0, gap=0.005, roughness=0.001)
     assert force(0.0) == pytest.approx(0.0, abs=1e-12)
     assert slope(force, 0.03) == pytest.approx(1000.0, rel=1e-6)
+    assert slope(force, 0.2) == pytest.approx(1000.0, rel=1e-6)  # far beyond the asperities
     growth = log(slope(force, 0.001) / slope(force, 0.0)) / 0.001
     assert growth == pytest.approx(1.0 / 0.001, rel=0.02)  # exponential onset
 

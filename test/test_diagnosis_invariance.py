@@ -186,6 +186,23 @@ def test_a_law_that_predicts_too_little_alone_is_tried_beside_a_bias(needs_bias:
     assert taken is (beside if needs_bias else None)
 
 
+def test_a_law_that_is_refused_beside_the_zeros_makes_room_for_the_next() -> None:
+    parts = [part_of(str(k), np.arange(4) == k)._replace(noise=np.zeros(2)) for k in range(4)]
+    before = np.tile([100.0, 0.0], (4, 1))
+
+    def candidate(share: float, name: str, *values: float) -> Candidate:
+        found = Fit(Model.of(nominal()).with_effect(name, values), 0.0, np.zeros(4), 4)
+        return Candidate(found, (1.0 - share) * before, None, False)
+
+    simple = candidate(0.84, 'cubic_stiffness', 1e7)
+    best = candidate(0.87, 'fractional_relaxation', 30.0, 0.3)
+    bias = candidate(0.6, 'force_bias', 1.0)
+    zeros: Any = SimpleNamespace(parts=parts, names=('force_bias',),
+                                 beside=lambda one: None if one is simple else one)
+    taken = first_that_predicts([], [bias, best, simple], zeros, before, before)
+    assert taken is best
+
+
 def test_discrepancy_brings_every_channel_to_variance_one() -> None:
     recording, base, _ = rubbing()
     weighed = with_discrepancy(recording, base.model)

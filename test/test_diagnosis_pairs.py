@@ -121,3 +121,13 @@ def test_shares_of_a_pair_do_not_depend_on_the_order_and_add_up() -> None:
         0.5 * (none - left(PAIR[0]) + left(PAIR[1]) - both), abs=0.02)
     assert first + second == pytest.approx(shares.explained, abs=0.02)
     assert shares.sure(PAIR[0]) == shares.sure(PAIR[1]) > 0.5
+
+
+def test_an_effect_that_harms_without_the_next_shares_with_it() -> None:
+    recording, base = prepared(True, True)
+    pair = of_pair()
+    alone = shares_of([recording], base.model, pair.best.model.without(PAIR[1]))
+    assert alone.of[PAIR[0]].share < 0.0
+    both = shares_of([recording], base.model, pair.best.model)
+    assert [both.of[name].share for name in PAIR] == pytest.approx(
+        [pair.of[name].share for name in PAIR], abs=0.02)

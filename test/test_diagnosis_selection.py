@@ -17,7 +17,7 @@
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import Any
+from typing import Any, Callable
 
 from concealed_worlds import ATTACHED, attached, nominal, physics, prepared_from, recorded
 from contact_estimation.diagnosis.fit import search as search_module
@@ -33,16 +33,20 @@ from contact_estimation.diagnosis.fit.exact_laws import prune, Rivals
 from contact_estimation.diagnosis.fit.fitting import Fit, fit
 from contact_estimation.diagnosis.fit.model_uncertainty import discounted
 from contact_estimation.diagnosis.fit.scales import measure_scales
-from contact_estimation.diagnosis.fit.search import candidates_for, nearest, search
+from contact_estimation.diagnosis.fit.search import candidates_for, is_credible, nearest, search
 from contact_estimation.diagnosis.fit.selection import select
 from contact_estimation.diagnosis.observe.model import Model, names_of
 from contact_estimation.diagnosis.observe.prepared_recording import PreparedRecording
 from contact_estimation.diagnosis.observe.residuals import residuals
+from contact_estimation.diagnosis.observe.signals import Signals
 from contact_estimation.physics import EFFECTS
 import numpy as np
+from numpy.typing import NDArray
 import pytest
 
 MODEL = Model.of(nominal())
+DRIVE = nominal(environment__stiffness=0.0, environment__damping=60.0,
+                environment__unilateral=False)
 COUNT = 1000
 
 
@@ -60,6 +64,22 @@ def with_cost(cost: float, *effects: str) -> Fit:
     for name in effects:
         model = model.with_effect(name, (1.0,) * len(names_of(name)))
     return Fit(model, cost, np.zeros(COUNT), COUNT)
+
+
+def moved(force: Callable[[NDArray[np.float64]], NDArray[np.float64]]) -> PreparedRecording:
+    """Record a drive that moves to and fro, with noise in the force."""
+    t = np.arange(3000) / 250.0
+    v = 0.5 * np.cos(1.7 * t) + 0.3 * np.cos(4.1 * t)
+    x = 0.5 / 1.7 * np.sin(1.7 * t) + 0.3 / 4.1 * np.sin(4.1 * t)
+    measured = -force(v) + np.random.default_rng(4).normal(0.0, 0.4, len(t))
+    return prepared_from(Signals(t, measured, t, x, np.empty(0), np.empty((4, 0))), DRIVE)[0]
+
+
+def test_a_force_held_most_of_the_time_to_and_fro_is_no_saturating_sensor() -> None:
+    steep = Model.of(DRIVE).at((0.0, 1000.0)).with_effect('force_saturation', (8.0,))
+    assert not is_credible([moved(lambda v: 8.0 * np.tanh(v / 0.01))], steep)
+    gentle = Model.of(DRIVE).with_effect('force_saturation', (35.0,))
+    assert is_credible([moved(lambda v: np.clip(60.0 * v, -35.0, 35.0))], gentle)
 
 
 def test_every_effect_may_be_added_where_there_is_a_robot() -> None:

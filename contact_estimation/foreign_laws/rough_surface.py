@@ -50,5 +50,6 @@ class RoughSurface(ContactLaw):
     ) -> tuple[float, Any]:
         """Return the elastic force; see `ContactLaw.respond`."""
         p = self.values
-        rise = p.roughness * log1p(exp(min(50.0, (d - p.gap) / p.roughness)))
+        over = (d - p.gap) / p.roughness
+        rise = p.roughness * (max(over, 0.0) + log1p(exp(-abs(over))))
         return p.K * (rise - p.roughness * log1p(exp(-p.gap / p.roughness))), None

@@ -144,7 +144,10 @@ def _without_doubtful(
     if not doubtful:
         return None
     zeros = [name for name in doubtful if name in ZEROS]
-    rest = fit(selection.recordings, best.model.without((zeros or doubtful)[-1]))
+    rest = best.model
+    for name in _dropped(shares, (zeros or doubtful)[-1]):
+        rest = rest.without(name)
+    rest = fit(selection.recordings, rest)
     fewer = decide(_carrying(selection, rest), whole, progress, False)
     laws, left = _laws(best.model), _laws(fewer.best.model)
     if len(zeros) == len(doubtful) and not laws <= left:
@@ -154,6 +157,14 @@ def _without_doubtful(
         return fewer
     other = decide(_without(selection, differing, progress), whole, progress, False)
     return other if _laws(other.best.model) else fewer
+
+
+def _dropped(shares: Shares, name: str) -> tuple[str, ...]:
+    """Return a doubtful effect, or the zeros if they are what makes a law doubtful."""
+    zeros = tuple(other for other in shares.best.model.effects if other in ZEROS)
+    if name in zeros or not zeros or shares.error_without(zeros) > shares.error_without((name,)):
+        return (name,)
+    return zeros
 
 
 def _laws(model: Model) -> set[str]:

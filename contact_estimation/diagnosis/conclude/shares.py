@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple, Sequence
+from typing import Mapping, NamedTuple, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -115,6 +115,14 @@ class Shares:
         """Return the lower end of the share of an effect, or of that beside the others."""
         return max(self.of_channel[name].interval[0], self.beside[name].interval[0])
 
+    def error_without(self, names: Sequence[str]) -> float:
+        """Return the sum of the squared errors on parts left out, without some effects."""
+        model = self.best.model
+        for name in names:
+            model = model.without(name)
+        found = fit(self.recordings, model)
+        return float(left_out_errors(self.recordings, found, self.parts, self.base).sum())
+
     def is_flexible(self, name: str) -> bool:
         """Return whether an effect is a curve that fits almost any misfit of its kind."""
         values = EFFECTS[name].Parameters(*self.best.model.values[self.best.model.place(name)])
@@ -144,7 +152,8 @@ def shares_of(
         The last effect, if it holds in form alone.
     pair : sequence of str
         Two effects in a row that predict only together; each has the mean of its shares alone and
-        beside the other (Shapley value).
+        beside the other (Shapley value), as have an effect that does harm without the next and
+        that one.
 
     Returns
     -------
@@ -174,13 +183,15 @@ def shares_of(
     for name in best.effects[:-1]:
         without = left_out_errors(carried, fit(carried, best.without(name)), parts, base_errors)
         beside[name] = share_of(without, errors, parts, base_errors, channels[name])
-    if pair:
-        outset, both = steps[pair[0]].before, steps[pair[1]].after
-        gains = _gains_of_pair(carried, parts, steps[pair[0]], steps[pair[1]])
-        for name, gain in zip(pair, gains):
+    together = pair or _only_together(best.effects, shares, channels)
+    if together:
+        outset, both = steps[together[0]].before, steps[together[1]].after
+        gains = _gains_of_pair(carried, parts, steps[together[0]], steps[together[1]])
+        for name, gain in zip(together, gains):
             shares[name] = share_of(outset, outset - gain, parts, base_errors)
             of_channel[name] = share_of(outset, outset - gain, parts, base_errors, channels[name])
-            beside[name] = share_of(outset, both, parts, base_errors, channels[name])
+    for name in pair:
+        beside[name] = share_of(outset, both, parts, base_errors, channels[name])
     own = dict[str, Share]()
     if in_form:
         free = errors_with_own_size(carried, found, parts)
@@ -194,6 +205,16 @@ class _Step(NamedTuple):
     found: Fit
     before: Array
     after: Array
+
+
+def _only_together(
+    names: Sequence[str], shares: Mapping[str, Share], channels: Mapping[str, int | None],
+) -> tuple[str, ...]:
+    """Return an effect that alone does harm, and the next, beside which it may help."""
+    for name, following in zip(names, names[1:]):
+        if shares[name].share < 0.0 and channels[name] == channels[following]:
+            return name, following
+    return ()
 
 
 def _gains_of_pair(

@@ -24,15 +24,12 @@ from numpy.typing import NDArray
 from .fitting import Fit, fit_to_end
 from .invariance import left_out_errors
 from .parts import Part
+from .search import is_credible
 from ..observe.model import Model, names_of
 from ..observe.prepared_recording import Recordings
-from ..observe.residuals import force_residual
 from ...physics import EFFECTS
 
 Array = NDArray[np.float64]
-
-# Of a clipped force, in standard deviations of its noise and as a share of the limit.
-_LEVEL, _SLOPE = 3.0, 0.01
 
 
 class Candidate(NamedTuple):
@@ -103,22 +100,7 @@ def assess(
     fits = [fit_to_end(recordings, one._replace(ended=False)) for one in found]
     return [Candidate(one, left_out_errors(recordings, one, parts, before), channel,
                       is_flexible(one.model, duration))
-            for one in fits if one.model.plausible() and _clips(recordings, one.model)]
-
-
-def _clips(recordings: Recordings, model: Model) -> bool:
-    """Return whether the measured force is level where a saturating sensor would hold it."""
-    if model.effects[-1] != 'force_saturation':
-        return True
-    limit, clips = model.values[model.place('force_saturation').start], False
-    for one in recordings:
-        force = one.observed.force
-        held = (np.abs(force - force_residual(one, model)) >= limit) & one.use
-        if held.any():
-            clips = True
-            if float(np.std(force[held])) > _LEVEL * one.force_noise + _SLOPE * limit:
-                return False
-    return clips
+            for one in fits if is_credible(recordings, one.model)]
 
 
 def is_flexible(model: Model, duration: float) -> bool:

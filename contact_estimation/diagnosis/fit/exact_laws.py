@@ -22,7 +22,7 @@ from .candidate import is_flexible
 from .criteria import ADEQUATE, enough, LEFT, noise_scale, penalty
 from .fitting import cost_of, Fit, fit, fit_to_end
 from .ranking import FLEXIBLE_LEAD
-from .search import Progress, search
+from .search import is_credible, Progress, search
 from ..observe.prepared_recording import Recordings
 
 _EXCHANGE_GAIN = 10.0  # cost, in that of the noise
@@ -64,7 +64,7 @@ def exact_laws(
     nearest = sorted(found[:_ASSESSED], key=lambda one: costs[id(one)])[:_POLISHED]
     near = [one for one in nearest if costs[id(one)] < largest] or nearest[:1]
     fits = [fit_to_end(recordings, fit(recordings, one.model)) for one in near]
-    fits = [one for one in fits if one.model.plausible()]
+    fits = [one for one in fits if is_credible(recordings, one.model)]
     most = _STRICTLY if strictly else 1.0 + LEFT
     if not any(one.cost <= most * one.residual_count for one in fits):
         return []

@@ -44,7 +44,7 @@ Array = NDArray[np.float64]
 _PROMISING, _ASSESSED = 0.4, 12  # of the largest gain in the fit, to be assessed; at most so many
 # What a curve that fits almost anything must show.
 _FLEXIBLE_SHARE, _FLEXIBLE_HARM = 0.85, 0.01
-_OF_SERIES = 0.8  # share of the gain of a series that a law of its family must have
+_OF_LAW = 0.8  # share of the gain of a series, or of a law, that what replaces it must have
 _BESIDE_ZEROS = 3  # laws that are tried for each offset that the model lacks
 _WEAK = 0.15  # share of the misfit that one size for all parts fits, of a law that holds in form
 
@@ -169,16 +169,13 @@ def first_that_predicts(
 
     """
     for laws in (candidates, [one for one in candidates if resembles_zero(one.name)]):
-        best = _choose(laws, before, zeros.parts)
-        if best is None:
-            continue
-        best = _simpler_beside_an_offset(recordings, laws, best, before, zeros.parts)
-        of_present = share_of(before, best.errors, zeros.parts, before, best.channel)
-        of_whole = share_of(before, best.errors, zeros.parts, whole)
-        if predicts_enough(of_present, of_whole, is_zero(best.name) and not best.flexible):
-            beside = best if resembles_zero(best.name) else zeros.beside(best)
-            if beside is not None:
-                return beside
+        for best in _adequate(recordings, laws, before, zeros.parts):
+            of_present = share_of(before, best.errors, zeros.parts, before, best.channel)
+            of_whole = share_of(before, best.errors, zeros.parts, whole)
+            if predicts_enough(of_present, of_whole, is_zero(best.name) and not best.flexible):
+                beside = best if resembles_zero(best.name) else zeros.beside(best)
+                if beside is not None:
+                    return beside
     # Where neither a law nor an offset predicts enough alone, both together may.
     laws = [one for one in candidates if not one.flexible and not resembles_zero(one.name)]
     for one in sorted(laws, key=lambda one: one.total)[:_BESIDE_ZEROS * len(zeros.names)]:
@@ -207,10 +204,10 @@ def _promising(
     return [found[k] for k in sorted(order) if gains[k] > least]
 
 
-def _choose(
-    assessed: Sequence[Candidate], before: Array, parts: Sequence[Part]
-) -> Candidate | None:
-    """Choose the candidate that predicts best, or the simplest of those that are adequate."""
+def _adequate(
+    recordings: Recordings, assessed: Sequence[Candidate], before: Array, parts: Sequence[Part]
+) -> list[Candidate]:
+    """List the best candidate, or the simplest of those that are adequate, then the others."""
     laws = [one for one in assessed if not one.flexible]
     winner = min(laws, key=lambda one: one.total, default=None)
     curve = min((one for one in assessed if one.flexible), key=lambda one: one.total, default=None)
@@ -222,10 +219,9 @@ def _choose(
         lead = (winner.total if winner else float(before.sum())) - curve.total
         if (share.share > _FLEXIBLE_SHARE and share.harm < _FLEXIBLE_HARM
                 and lead > FLEXIBLE_LEAD * misfit):
-            return curve
+            return [_simpler_beside_an_offset(recordings, laws, curve, before, parts)]
     if winner is None:
-        return None
-    winner = _instead_of_series(laws, winner, float(before.sum()))
+        return []
     gain = float(before.sum()) - winner.total
     adequate = [one for one in laws if one.total <= winner.total + ADEQUATE * gain]
     attached = not winner.found.model.nominal.environment.unilateral
@@ -234,7 +230,11 @@ def _choose(
         winner = next((one for one in laws
                        if one.name == 'force_bias' and one.found.cost <= alike), winner)
     simpler = [one for one in adequate if one.size < winner.size]
-    return min(simpler, key=lambda one: (one.size, one.total), default=winner)
+    first = min(simpler, key=lambda one: (one.size, one.total), default=winner)
+    first = _instead_of_series(laws, first, float(before.sum()))
+    first = _simpler_beside_an_offset(recordings, laws, first, before, parts)
+    others = [one for one in adequate if one is not first]
+    return [first, *sorted(others, key=lambda one: one.total)]
 
 
 def _instead_of_series(
@@ -243,7 +243,7 @@ def _instead_of_series(
     """Return the best law of the family of a series, if one predicts most of what that does."""
     if not EFFECTS[winner.name].is_series:
         return winner
-    most = winner.total + (1.0 - _OF_SERIES) * (before - winner.total)
+    most = winner.total + (1.0 - _OF_LAW) * (before - winner.total)
     family = EFFECTS[winner.name].family
     return min((one for one in laws if not EFFECTS[one.name].is_series
                 and EFFECTS[one.name].family == family and one.total <= most),
@@ -259,7 +259,9 @@ def _simpler_beside_an_offset(
         return taken
     gain = float(before.sum()) - taken.total
     for one in sorted(assessed, key=lambda one: one.total):
-        if one.size < taken.size and not one.flexible:
+        # A clearance and a bias are two zeros: they replace a law only if the one does already.
+        weak = resembles_zero(one.name) and one.total > taken.total + (1.0 - _OF_LAW) * gain
+        if one.size < taken.size and not one.flexible and not weak:
             model = one.found.model.with_effect('force_bias', (0.0,))
             errors = left_out_errors(recordings, fit(recordings, model), parts)
             slack = ADEQUATE * gain if one.size + 1 < taken.size else 0.0

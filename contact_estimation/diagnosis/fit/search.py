@@ -26,6 +26,7 @@ from .fitting import cost_of, Fit, fit, fit_at, fit_to_end, step
 from .scales import measure_scales
 from ..observe.model import Model
 from ..observe.prepared_recording import Recordings
+from ..observe.residuals import force_residual
 from ...physics import EFFECTS
 from ...physics.robot_effect import RobotEffect
 
@@ -34,6 +35,10 @@ _OF_CHANNEL = 4  # further ones, the best in force or motion alone
 _FOLLOWED, _TO_END = 6, 2  # those that are refined, and those fitted to the end
 _SLACK = 0.02  # of the range, by which a pressed wall may be pulled
 _FAR = 2.0  # times the noise: power of the residuals
+
+# Of a clipped force, in standard deviations of its noise and as a share of the limit; of the time,
+# in the direction in which it is clipped less.
+_LEVEL, _SLOPE, _MOST_HELD = 3.0, 0.01, 0.25
 
 Progress = Callable[[str], None]
 
@@ -127,9 +132,45 @@ def search(
     fits = [fit(recordings, found.model, steps=8) for found in started[:_FOLLOWED]]
     fits.sort(key=lambda found: found.cost)
     fits[:_TO_END] = [fit_to_end(recordings, found) for found in fits[:_TO_END]]
-    fits = [found for found in fits + started[_FOLLOWED:] if found.model.plausible()]
+    fits = [found for found in fits + started[_FOLLOWED:]
+            if is_credible(recordings, found.model)]
     scale = noise_scale(min(fits, key=lambda found: found.cost)) if fits else 1.0
     return sorted(fits, key=lambda found: found.cost + scale * penalty(found.model))
+
+
+def is_credible(recordings: Recordings, model: Model) -> bool:
+    """
+    Return whether the values of a model are possible, and its last effect where they put it.
+
+    Parameters
+    ----------
+    recordings : sequence of PreparedRecording
+        As fitted.
+    model : Model
+        With effects.
+
+    Returns
+    -------
+    credible : bool
+        False for a saturating sensor if the measured force is not level where the sensor would
+        hold it, or is held for most of the time to and fro, as friction holds it.
+
+    """
+    if not model.plausible():
+        return False
+    if model.effects[-1] != 'force_saturation':
+        return True
+    limit = model.values[model.place('force_saturation').start]
+    held_by_side, count = np.zeros(2), 0
+    for one in recordings:
+        force = one.observed.force
+        held = (np.abs(force - force_residual(one, model)) >= limit) & one.use
+        held_by_side += np.bincount((force[held] > 0.0).astype(int), minlength=2)
+        count += np.count_nonzero(one.use)
+        most = _LEVEL * one.force_noise + _SLOPE * limit
+        if held.any() and float(np.std(np.abs(force[held]))) > most:
+            return False
+    return bool(held_by_side.any()) and bool(held_by_side.min() <= _MOST_HELD * count)
 
 
 def _candidates(recordings: Recordings, model: Model) -> list[str]:
