@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 from .shares import Shares, shares_of
 from ..fit.criteria import enough, explained_share, leaves_noise, noise_scale, THRESHOLD
 from ..fit.discrepancy import (
+    forces,
     has_discrepancy,
     least_material,
     material,
@@ -40,7 +41,7 @@ from ..fit.uncertainty import standard_deviations
 from ..fit.zeros import ZEROS
 from ..observe.model import Model, names_of
 from ..observe.prepared_recording import Recordings
-from ..observe.residuals import force_residual, residuals
+from ..observe.residuals import residuals
 from ...physics import EFFECTS
 
 Array = NDArray[np.float64]
@@ -48,6 +49,7 @@ Array = NDArray[np.float64]
 EXPLAINED = 0.5
 """Least share of the misfit that names must predict on parts left out to explain it."""
 
+_TRIFLE = 0.01  # share of the misfit that is not worth a name
 _PREDICTABLE = 0.1  # share of the residual that a smoother predicts: structure, not noise
 _SIGNIFICANT = 3.0  # standard deviations
 _HELD_OUT_POWER = 2.0  # held-out mean square, over that of the noise, of a wrong model
@@ -117,7 +119,7 @@ def decide(
                            together if len(together) > 1 else ())
         exact = not has_discrepancy(recordings)
         doubtful = [name for name in best.model.effects if name != in_form and (
-            not shares.agrees(name)
+            not shares.agrees(name) or shares.most(name) < _TRIFLE
             or shares.sure(name) <= _least_sure(exact, shares.is_flexible(name)))]
         fewer = _without_doubtful(selection, best, shares, doubtful, whole, progress, again)
         if fewer is not None:
@@ -269,9 +271,8 @@ def _held_out_powers(whole: Recordings, model: Model, trifles: bool = True) -> l
             part = recording.split(residuals(recording, model))[:, there]
             power = np.mean(part**2, axis=1)
             if not trifles:
-                error = force_residual(recording, model)[samples]
-                if np.sqrt(np.mean(error**2)) < least_material(recording):
-                    power[0] = 0.0
+                errors = np.sqrt(power) * forces(recording, model)
+                power[errors < least_material(recording)] = 0.0
             powers.append(power)
     return powers
 

@@ -115,6 +115,10 @@ class Shares:
         """Return the lower end of the share of an effect, or of that beside the others."""
         return max(self.of_channel[name].interval[0], self.beside[name].interval[0])
 
+    def most(self, name: str) -> float:
+        """Return the share of an effect, or that beside the others if it is larger."""
+        return max(self.of_channel[name].share, self.beside[name].share)
+
     def error_without(self, names: Sequence[str]) -> float:
         """Return the sum of the squared errors on parts left out, without some effects."""
         model = self.best.model

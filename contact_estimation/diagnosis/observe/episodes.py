@@ -34,7 +34,8 @@ _FEW = 3  # episodes, from which on a whole one can be spared
 _STILL = 0.3  # of the longest path of a block: less motion tells little
 _NEAR = 0.02  # of the range: such places are the same
 _MOSTLY_LATE = 0.5  # of the path in the last block: such a test grows
-_BLOCKS = 5  # of a single episode or an attached wall; the fourth is held out
+_THIRDS, _BLOCKS = 3, 5  # of a single episode or an attached wall; blocks of each
+_LATE = (3, 4, 2)  # those that may be held out, the best place first
 
 
 class HeldOut(NamedTuple):
@@ -44,7 +45,7 @@ class HeldOut(NamedTuple):
     Attributes
     ----------
     name : str
-        Such as 'episode 2'.
+        Such as 'episode 2' or '1.0 to 1.3, 2.0 to 2.3, 3.0 to 3.3 s'.
     samples : ndarray of bool, shape (N,)
         Its samples.
 
@@ -112,13 +113,14 @@ def require_contact(model: Model, observed: Observed, name: str) -> None:
 
 def hold_out(model: Model, observed: Observed) -> HeldOut:
     """
-    Choose the part of a recording that is held out: a whole episode, or a late block.
+    Choose the part of a recording that is held out: a whole episode, or a late block of each third.
 
     Never the deepest episode, which would be extrapolation; the middle one, or the one before it.
-    One or two episodes give a block of the last one's second half, where possible one with motion
-    and at depths that occur in the rest too: a law is not known from half of two touches. Blocks
-    have the same duration or, where most of the motion comes late, as with growing amplitudes, the
-    same path.
+    Of one or two episodes the last, or an attached wall, each third spares a block of its second
+    half, a fifteenth of the whole: one block alone may lie where any model is right. Blocks are
+    chosen, where possible, with motion and at depths that occur in the rest too. They have the
+    same duration or, where most of the motion comes late, as with growing amplitudes, the same
+    path.
 
     Parameters
     ----------
@@ -135,31 +137,40 @@ def hold_out(model: Model, observed: Observed) -> HeldOut:
     """
     o = observed
     found = episodes(model, o)
+    if len(found) < _FEW:
+        return _late_blocks(o, *(found[-1] if found else (0, len(o.t))))
+    depth = [float(np.max(o.x[first:stop])) for first, stop in found]
+    deepest = int(np.argmax(depth))
+    middle = len(found) // 2
+    chosen = middle if middle != deepest else middle - 1
+    first = (found[chosen - 1][1] + found[chosen][0]) // 2 if chosen else 0
+    last = chosen + 1 == len(found)
+    stop = len(o.t) if last else (found[chosen][1] + found[chosen + 1][0]) // 2
     samples = np.zeros(len(o.t), bool)
-    if len(found) >= _FEW:
-        depth = [float(np.max(o.x[first:stop])) for first, stop in found]
-        deepest = int(np.argmax(depth))
-        middle = len(found) // 2
-        chosen = middle if middle != deepest else middle - 1
-        first = (found[chosen - 1][1] + found[chosen][0]) // 2 if chosen else 0
-        last = chosen + 1 == len(found)
-        stop = len(o.t) if last else (found[chosen][1] + found[chosen + 1][0]) // 2
-        samples[first:stop] = True
-        return HeldOut(f'episode {chosen + 1}', samples)
-    first, stop = found[-1] if found else (0, len(o.t))
+    samples[first:stop] = True
+    return HeldOut(f'episode {chosen + 1}', samples)
+
+
+def _late_blocks(o: Observed, first: int, stop: int) -> HeldOut:
+    """Hold out a late block of each third."""
+    count = _THIRDS * _BLOCKS
     travel = np.concatenate(([0.0], np.cumsum(np.abs(np.diff(o.x[first:stop])))))
-    block = (stop - first) // _BLOCKS
-    edges = stop - block * np.arange(_BLOCKS, -1, -1)
-    if travel[edges[-2] - first] < (1.0 - _MOSTLY_LATE) * travel[-1]:
-        edges[:-1] = first + np.searchsorted(travel, travel[-1] * np.arange(_BLOCKS) / _BLOCKS)
-    blocks = [(int(edges[-k - 1]), int(edges[-k])) for k in (2, 1, 3)]
-    moved = [travel[end - 1 - first] - travel[begin - first] for begin, end in blocks]
-    known = [pair for pair in blocks if _visited(o.x, *pair)]
-    moving = [pair for pair, path in zip(blocks, moved) if path >= _STILL * max(moved)]
-    begin, end = next(iter([pair for pair in known if pair in moving] or known or blocks))
-    samples[begin:end] = True
+    block = (stop - first) // count
+    edges = stop - block * np.arange(count, -1, -1)
+    if travel[edges[-1 - _THIRDS] - first] < (1.0 - _MOSTLY_LATE) * travel[-1]:
+        edges[:-1] = first + np.searchsorted(travel, travel[-1] * np.arange(count) / count)
+    samples, names = np.zeros(len(o.t), bool), []
     digits = max(1, 1 + ceil(-log10(o.pace)))
-    return HeldOut(f'{o.t[begin]:.{digits}f} to {o.t[end - 1]:.{digits}f} s', samples)
+    for third in range(_THIRDS):
+        numbers = [third * _BLOCKS + k for k in _LATE]
+        blocks = [(int(edges[k]), int(edges[k + 1])) for k in numbers]
+        moved = [travel[end - 1 - first] - travel[begin - first] for begin, end in blocks]
+        known = [pair for pair in blocks if _visited(o.x, *pair)]
+        moving = [pair for pair, path in zip(blocks, moved) if path >= _STILL * max(moved)]
+        begin, end = next(iter([pair for pair in known if pair in moving] or known or blocks))
+        samples[begin:end] = True
+        names.append(f'{o.t[begin]:.{digits}f} to {o.t[end - 1]:.{digits}f}')
+    return HeldOut(f'{", ".join(names)} s', samples)
 
 
 def _visited(x: Array, begin: int, end: int) -> bool:
