@@ -23,6 +23,7 @@ from . import (
     axis,
     clock_offset,
     command_topic,
+    constant_speed,
     excitation,
     force_clipping,
     force_sign,
@@ -54,6 +55,7 @@ CHECKS: Mapping[str, Test] = {
     'wall_location': wall_location.TEST,
     'force_clipping': force_clipping.TEST,
     'quantisation': quantisation.TEST,
+    'constant_speed': constant_speed.TEST,
 }
 """In the order of testing: each after those without which it has no meaning."""
 
@@ -107,8 +109,8 @@ def examine(recordings: Sequence[Recording], model: PlantParameters) -> Examined
         If a signal has too few samples, is not finite or constant.
 
     """
-    found = [check(recording, model) for recording in recordings]
     several = len(recordings) > 1
+    found = [check(recording, model, not several) for recording in recordings]
     named = [[_named(one, recording.name) if several else one for one in checks]
              for recording, checks in zip(recordings, found)]
     checks = [_worst(alike) for alike in zip(*named)]
@@ -116,9 +118,20 @@ def examine(recordings: Sequence[Recording], model: PlantParameters) -> Examined
                              for one, checks in zip(recordings, found)])
 
 
-def check(recording: Recording, model: PlantParameters) -> list[Check]:
+def check(
+    recording: Recording, model: PlantParameters, alone: bool = True
+) -> list[Check]:
     """
-    Check one recording; parameters as `examine`.
+    Check one recording.
+
+    Parameters
+    ----------
+    recording : Recording
+        As recorded.
+    model : PlantParameters
+        Nominal.
+    alone : bool
+        Whether no other recording is fitted together with it.
 
     Returns
     -------
@@ -134,6 +147,9 @@ def check(recording: Recording, model: PlantParameters) -> list[Check]:
         if missing:
             checks.append(Check(name, True, f'not tested before {missing[0]} is put right',
                                 tested=False))
+            continue
+        if test.alone and not alone:
+            checks.append(Check(name, True, 'not tested on several recordings', tested=False))
             continue
         found = test.find(evidence)
         fatal = found.fatal and not found.ok

@@ -86,12 +86,15 @@ class Test:
         Checks that must have passed: else this one has no meaning.
     could_cause : frozenset of str
         Effects for which a failure that is not fatal would be mistaken.
+    alone : bool
+        Whether it has a meaning only where nothing else is fitted together with the recording.
 
     """
 
     find: Callable[[Evidence], Finding]
     after: tuple[str, ...] = ()
     could_cause: frozenset[str] = frozenset()
+    alone: bool = False
 
 
 def of_families(*families: str) -> frozenset[str]:

@@ -32,6 +32,7 @@ from ..fit.free_run import free_run
 from ..fit.model_uncertainty import discounted
 from ..fit.search import Progress
 from ..fit.selection import fitted_again, select, Selection
+from ..observe.held_samples import without_held_samples
 from ..observe.model import Model
 from ..observe.observed import observe
 from ..observe.parts import continuous_parts
@@ -86,6 +87,8 @@ def diagnose(
     fitted = [recordings] if isinstance(recordings, Recording) else list(recordings)
     _refuse_wrong_input(fitted, model, seed)
     progress('checks')
+    fitted, held_out = ([without_held_samples(one) for one in every]
+                        for every in (fitted, held_out))
     examined = examine([*fitted, *held_out], model)
     nominal = Model.of(model, examined.excluded)
     if examined.refused:
