@@ -166,7 +166,7 @@ def test_coarse_data_fail_a_check_that_is_not_fatal(coarse: str) -> None:
 
 def test_every_check_is_tested_here() -> None:
     tested = {name for name, _ in (*WRONG.values(), *COARSE.values())}
-    assert tested | {'wall_location'} == set(CHECKS)
+    assert tested | {'wall_location', 'constant_speed'} == set(CHECKS)
 
 
 @pytest.mark.parametrize('location', [-0.1, 0.06, 1.0])
@@ -245,3 +245,32 @@ def test_a_refused_recording_gets_a_report_without_names() -> None:
 def test_what_a_failed_check_could_cause_is_no_candidate() -> None:
     examined = examine([Recording('file', rounded(recorded()))], nominal())
     assert 'dead_zone' in examined.excluded and 'coulomb_friction' not in examined.excluded
+
+
+def stroke(speed: float, back: bool = False) -> Signals:
+    """Load a stiffening specimen by 5 mm at constant speed, once."""
+    t = np.arange(0.0, 0.005 / speed, 0.01)
+    x = speed * t
+    if back:
+        x = np.minimum(x, 0.005 - x)
+    random = np.random.default_rng(1)
+    force = -5000.0 * x - 2e7 * x**3 + random.normal(0.0, 0.01, len(t))
+    return Signals(t, force, t, x + random.normal(0.0, 1e-7, len(t)), np.empty(0), np.empty((4, 0)))
+
+
+SPECIMEN = nominal(environment__stiffness=5000.0, environment__damping=0.0,
+                   environment__unilateral=False)
+
+
+def test_laws_of_time_are_not_named_in_one_stroke_at_constant_speed() -> None:
+    (found,) = failed(stroke(1e-3), SPECIMEN)
+    assert (found.name, found.fatal) == ('constant_speed', False)
+    assert {'viscoelastic_relaxation', 'force_drift', 'quadratic_damping'} <= found.could_cause
+    assert not {'cubic_stiffness', 'plastic_set', 'force_bias'} & found.could_cause
+    assert not failed(stroke(1e-3, back=True), SPECIMEN)
+
+
+def test_strokes_at_several_speeds_tell_time_from_depth() -> None:
+    several = [Recording(name, stroke(speed)) for name, speed in (('slow', 5e-4), ('fast', 2e-3))]
+    assert not examine(several, SPECIMEN).excluded
+    assert examine(several, SPECIMEN, fitted=1).excluded  # the second is held out

@@ -87,7 +87,9 @@ class Examined(NamedTuple):
         return frozenset().union(*(one.could_cause for one in self.checks))
 
 
-def examine(recordings: Sequence[Recording], model: PlantParameters) -> Examined:
+def examine(
+    recordings: Sequence[Recording], model: PlantParameters, fitted: int | None = None
+) -> Examined:
     """
     Check recordings for wrong use; put right what is beyond doubt.
 
@@ -97,6 +99,8 @@ def examine(recordings: Sequence[Recording], model: PlantParameters) -> Examined
         As recorded.
     model : PlantParameters
         Nominal.
+    fitted : int, optional
+        How many of them, the first, are fitted together; all by default.
 
     Returns
     -------
@@ -110,7 +114,8 @@ def examine(recordings: Sequence[Recording], model: PlantParameters) -> Examined
 
     """
     several = len(recordings) > 1
-    found = [check(recording, model, not several) for recording in recordings]
+    alone = (len(recordings) if fitted is None else fitted) == 1
+    found = [check(recording, model, alone) for recording in recordings]
     named = [[_named(one, recording.name) if several else one for one in checks]
              for recording, checks in zip(recordings, found)]
     checks = [_worst(alike) for alike in zip(*named)]

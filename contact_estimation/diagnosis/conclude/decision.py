@@ -49,7 +49,7 @@ Array = NDArray[np.float64]
 EXPLAINED = 0.5
 """Least share of the misfit that names must predict on parts left out to explain it."""
 
-_TRIFLE = 0.01  # share of the misfit that is not worth a name
+_TRIFLE, _UNSURE = 0.01, 0.1  # shares of the misfit not worth a name, above zero beyond doubt or not
 _PREDICTABLE = 0.1  # share of the residual that a smoother predicts: structure, not noise
 _SIGNIFICANT = 3.0  # standard deviations
 _HELD_OUT_POWER = 2.0  # held-out mean square, over that of the noise, of a wrong model
@@ -119,7 +119,8 @@ def decide(
                            together if len(together) > 1 else ())
         exact = not has_discrepancy(recordings)
         doubtful = [name for name in best.model.effects if name != in_form and (
-            not shares.agrees(name) or shares.most(name) < _TRIFLE
+            not shares.agrees(name)
+            or shares.most(name) < (_TRIFLE if shares.sure(name) > 0.0 else _UNSURE)
             or shares.sure(name) <= _least_sure(exact, shares.is_flexible(name)))]
         fewer = _without_doubtful(selection, best, shares, doubtful, whole, progress, again)
         if fewer is not None:

@@ -89,7 +89,7 @@ def diagnose(
     progress('checks')
     fitted, held_out = ([without_held_samples(one) for one in every]
                         for every in (fitted, held_out))
-    examined = examine([*fitted, *held_out], model)
+    examined = examine([*fitted, *held_out], model, len(fitted))
     nominal = Model.of(model, examined.excluded)
     if examined.refused:
         return refuse(examined.checks, nominal)

@@ -23,12 +23,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from .motion_error import quantisation_step
 from .signals import LEAST_SAMPLES, Recording
 
 Array = NDArray[np.float64]
 
 _REGULAR = 0.7  # of the values must be repeated as often as usual, give or take one
-_COARSE = 4.0  # quanta, below which steps come from the resolution
+_COARSE = 4.0  # quanta: smaller steps come from the resolution
 
 
 def without_held_samples(recording: Recording) -> Recording:
@@ -76,9 +77,9 @@ def updates(values: Array) -> NDArray[np.int_]:
     usual = int(np.median(counts))
     if usual < 2 or len(starts) < LEAST_SAMPLES:
         return every
-    steps = np.abs(np.diff(values[starts]))
-    if np.mean(np.abs(counts - usual) <= 1) < _REGULAR or (
-            np.median(steps) < _COARSE * np.min(steps)):
+    size = float(np.median(np.abs(np.diff(values[starts]))))
+    regular = np.mean(np.abs(counts - usual) <= 1) >= _REGULAR
+    if not regular or size < _COARSE * quantisation_step(values):
         return every
     since = every - np.repeat(starts, counts)
     return every[since % usual == 0]
