@@ -33,6 +33,7 @@ from ..parameters.specification import optional_parameter, ParameterGroup
 
 _LARGEST = 50.0  # exponent; reached only by searches far from the truth
 _LITTLE = 1e-9  # exponent below which the branch is linear
+_STEEPEST = 0.95  # -gamma / beta: 39 times as fast back; at 1 it jumps, as friction does
 _NEARLY_ONE = 1.0 - 1e-12  # exceeded only by searches far from the truth
 
 
@@ -134,8 +135,8 @@ class BoucWenHysteresis(ContactEffect):
 
     @classmethod
     def plausible(cls, values: Any) -> bool:
-        """Return whether the branch yields."""
-        return bool(values.beta > 0.0)
+        """Return whether the branch yields, and not many times as fast on the way back."""
+        return bool(values.beta > 0.0 and values.gamma > -_STEEPEST * values.beta)
 
     @classmethod
     def is_flexible(cls, values: Any, duration: float) -> bool:
