@@ -45,13 +45,13 @@ def find(evidence: Evidence) -> Finding:
     t, x = evidence.whole.joint_t, evidence.whole.position
     speed, offset = np.polyfit(t, x, 1)
     bend = float(np.sqrt(np.mean((x - speed * t - offset) ** 2)) / np.ptp(x))
-    text = f'the motion departs from one stroke at constant speed by {100.0 * bend:.2g} % of its ' \
-           'range'
+    text = f'the motion departs from one stroke at constant speed by {100.0 * bend:.2g} % of ' \
+           'its range'
     if bend > _STRAIGHT:
         return Finding(True, text)
-    return Finding(False, f'{text}: laws of time and speed look like laws of depth, and only these '
-                          'are named; record the way back, a hold, or another speed, and diagnose '
-                          'both recordings together', fatal=False)
+    return Finding(False, f'{text}: laws of time and speed look like laws of depth, and only the '
+                          'latter are named; record the way back or a hold, or another speed and '
+                          'diagnose both recordings together', fatal=False)
 
 
 TEST = Test(find, after=('clock_offset', 'excitation'), alone=True,

@@ -49,7 +49,7 @@ Array = NDArray[np.float64]
 EXPLAINED = 0.5
 """Least share of the misfit that names must predict on parts left out to explain it."""
 
-_TRIFLE, _UNSURE = 0.01, 0.1  # shares of the misfit not worth a name, above zero beyond doubt or not
+_TRIFLE, _UNSURE = 0.01, 0.1  # shares not worth a name: of an effect beyond doubt, of another
 _PREDICTABLE = 0.1  # share of the residual that a smoother predicts: structure, not noise
 _SIGNIFICANT = 3.0  # standard deviations
 _HELD_OUT_POWER = 2.0  # held-out mean square, over that of the noise, of a wrong model
@@ -147,10 +147,10 @@ def _without_doubtful(
     if not doubtful:
         return None
     zeros = [name for name in doubtful if name in ZEROS]
-    rest = best.model
+    model = best.model
     for name in _dropped(shares, (zeros or doubtful)[-1]):
-        rest = rest.without(name)
-    rest = fit(selection.recordings, rest)
+        model = model.without(name)
+    rest = fit(selection.recordings, model)
     fewer = decide(_carrying(selection, rest), whole, progress, False)
     laws, left = _laws(best.model), _laws(fewer.best.model)
     if len(zeros) == len(doubtful) and not laws <= left:

@@ -166,7 +166,7 @@ def is_credible(recordings: Recordings, model: Model) -> bool:
         force = one.observed.force
         held = (np.abs(force - force_residual(one, model)) >= limit) & one.use
         held_by_side += np.bincount((force[held] > 0.0).astype(int), minlength=2)
-        count += np.count_nonzero(one.use)
+        count += int(np.count_nonzero(one.use))
         most = _LEVEL * one.force_noise + _SLOPE * limit
         if held.any() and float(np.std(np.abs(force[held]))) > most:
             return False
