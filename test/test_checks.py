@@ -255,7 +255,8 @@ def stroke(speed: float, back: bool = False) -> Signals:
         x = np.minimum(x, 0.005 - x)
     random = np.random.default_rng(1)
     force = -5000.0 * x - 2e7 * x**3 + random.normal(0.0, 0.01, len(t))
-    return Signals(t, force, t, x + random.normal(0.0, 1e-7, len(t)), np.empty(0), np.empty((4, 0)))
+    x += random.normal(0.0, 1e-7, len(t))
+    return Signals(t, force, t, x, np.empty(0), np.empty((4, 0)))
 
 
 SPECIMEN = nominal(environment__stiffness=5000.0, environment__damping=0.0,

@@ -113,7 +113,7 @@ def require_contact(model: Model, observed: Observed, name: str) -> None:
 
 def hold_out(model: Model, observed: Observed) -> HeldOut:
     """
-    Choose the part of a recording that is held out: a whole episode, or a late block of each third.
+    Choose what is held out of a recording: a whole episode, or a late block of each third.
 
     Never the deepest episode, which would be extrapolation; the middle one, or the one before it.
     Of one or two episodes the last, or an attached wall, each third spares a block of its second
