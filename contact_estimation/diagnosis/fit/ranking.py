@@ -130,7 +130,7 @@ def rank_by_prediction(
         if law is not None:
             return Ranking([law.found], True)
     worth = any(material(one, present.model) for one in recordings)
-    if only_zeros and worth and (best is None or resembles_zero(best.name)):
+    if only_zeros and worth and (best is None or _takes_a_zero(present, best)):
         pairs = pairs_that_predict(recordings, present, found, parts, before, best)
         if pairs:
             fits = [pair.found for pair in pairs]
@@ -183,6 +183,12 @@ def first_that_predicts(
         if beside is not None and len(beside.found.model.effects) > len(one.found.model.effects):
             return beside
     return None
+
+
+def _takes_a_zero(present: Fit, best: Candidate) -> bool:
+    """Return whether a candidate is, or has beside it, a zero that the model lacked."""
+    added = best.found.model.effects[len(present.model.effects):]
+    return any(resembles_zero(name) for name in added)
 
 
 def _promising(
