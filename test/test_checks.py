@@ -22,7 +22,7 @@ from typing import Any, Callable, Mapping
 from concealed_worlds import ATTACHED, attached, nominal, physics, recorded
 from contact_estimation.diagnosis.checks import check, CHECKS, clock_offset, examine
 from contact_estimation.diagnosis.checks.check import Check
-from contact_estimation.diagnosis.checks.evidence import Lag
+from contact_estimation.diagnosis.checks.evidence import Lag, Line
 from contact_estimation.diagnosis.conclude.diagnose import diagnose
 from contact_estimation.diagnosis.observe.signals import Recording, Signals
 from contact_estimation.diagnosis.report.json_report import as_dict
@@ -195,8 +195,19 @@ def test_a_shift_that_leaves_most_of_the_misfit_is_no_offset_of_the_clocks(
 ) -> None:
     overlap = SimpleNamespace(enough=True, spans={}, seconds=9.0)
     evidence: Any = SimpleNamespace(
-        overlap=overlap, model=nominal(), period=0.002, lag=Lag(-0.05, shifted, unshifted))
+        overlap=overlap, model=nominal(), period=0.002, lag=Lag(-0.05, shifted, unshifted),
+        with_reference=False)
     assert clock_offset.find(evidence).ok is ok
+
+
+def test_a_damped_contact_is_ahead_of_its_spring_but_not_of_what_the_robot_felt() -> None:
+    overlap = SimpleNamespace(enough=True, spans={}, seconds=9.0)
+    found: Any = SimpleNamespace(
+        overlap=overlap, model=nominal(), period=0.002, lag=Lag(-0.08, 0.95, 0.8),
+        with_reference=True, of_robot=Line(0.97, 0.98))
+    assert clock_offset.find(found).ok
+    found.of_robot = Line(0.7, 0.75)  # the robot felt the force at another time
+    assert not clock_offset.find(found).ok
 
 
 @pytest.mark.parametrize('factor', [0.25, 1.0, 4.0])
