@@ -88,7 +88,7 @@ def diagnosed(name: str) -> Diagnosis:
     signals = {
         'clean': lambda: recorded(),
         'stiffer': lambda: recorded(environment__stiffness=5600.0),
-        'friction': lambda: recorded(physics__coulomb_friction__F_c=2.0),
+        'friction': lambda: recorded(seed=2, physics__coulomb_friction__F_c=2.0),
         'unknown': lambda: with_unknown_force(recorded()),
     }[name]()
     return diagnose(Recording(f'{name}.mcap', signals), nominal())

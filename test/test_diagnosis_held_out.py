@@ -115,7 +115,7 @@ def spans(samples: Flags) -> list[tuple[int, int]]:
 
 
 def in_late_thirds(samples: Flags, first: int, stop: int) -> bool:
-    """Return whether each third of an interval holds one stretch, in its second half."""
+    """Return whether each third of an interval holds one stretch, in its last three fifths."""
     third = (stop - first) / 3.0
     begins = [first + (k + 0.4) * third for k in range(3)]
     return len(spans(samples)) == 3 and all(

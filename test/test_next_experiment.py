@@ -178,8 +178,7 @@ def test_models_that_are_the_same_are_not_promised_apart() -> None:
 
 @pytest.mark.parametrize('touching, again', [(True, 'contact'), (False, 'motion')])
 def test_advice_does_not_deny_what_is_named(touching: bool, again: str) -> None:
-    effects = [replace(effect, indistinguishable_from=[])
-               for effect in diagnosed('friction').effects]
+    effects = diagnosed('friction').effects
     text = advice(effects, 'unexplained', touching)
     assert text.startswith('coulomb_friction explains only a part of this. Repeat the same '
                            f'{again} at half and at twice the speed')
@@ -199,7 +198,7 @@ def test_unexplained_gets_two_depths_at_two_speeds(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize('name', ['clean', 'stiffer', 'friction'])
 def test_nothing_is_proposed_where_nothing_is_open(name: str) -> None:
-    assert choose(replace(diagnosed(name), rivals={})) is None
+    assert choose(diagnosed(name)) is None
 
 
 def test_attached_environment_has_no_robot_to_play_an_experiment() -> None:

@@ -19,10 +19,9 @@ from __future__ import annotations
 import numpy as np
 
 from .check import Finding, of_families, Test
-from .evidence import Evidence
+from .evidence import Evidence, line_through
 
 _STRAIGHT = 0.01  # of the range: deviation of the motion from a straight line in time
-_TIME = of_families('relaxation', 'wall_motion', 'timing', 'damping_law')
 
 
 def find(evidence: Evidence) -> Finding:
@@ -43,8 +42,7 @@ def find(evidence: Evidence) -> Finding:
     if evidence.model.environment.unilateral:
         return Finding(True, 'the tool touches and leaves the surface')
     t, x = evidence.whole.joint_t, evidence.whole.position
-    speed, offset = np.polyfit(t, x, 1)
-    bend = float(np.sqrt(np.mean((x - speed * t - offset) ** 2)) / np.ptp(x))
+    bend = float(np.std(x - line_through(t, x).slope * t) / np.ptp(x))
     text = f'the motion departs from one stroke at constant speed by {100.0 * bend:.2g} % of ' \
            'its range'
     if bend > _STRAIGHT:
@@ -54,5 +52,5 @@ def find(evidence: Evidence) -> Finding:
                           'diagnose both recordings together', fatal=False)
 
 
-TEST = Test(find, after=('clock_offset', 'excitation'), alone=True,
-            could_cause=_TIME | {'force_drift', 'settling_bias'})
+TEST = Test(find, after=('clock_offset', 'excitation'), alone=True, could_cause=of_families(
+    'relaxation', 'wall_motion', 'timing', 'damping_law') | {'force_drift', 'settling_bias'})

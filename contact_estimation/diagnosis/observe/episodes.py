@@ -116,11 +116,11 @@ def hold_out(model: Model, observed: Observed) -> HeldOut:
     Choose what is held out of a recording: a whole episode, or a late block of each third.
 
     Never the deepest episode, which would be extrapolation; the middle one, or the one before it.
-    Of one or two episodes the last, or an attached wall, each third spares a block of its second
-    half, a fifteenth of the whole: one block alone may lie where any model is right. Blocks are
-    chosen, where possible, with motion and at depths that occur in the rest too. They have the
-    same duration or, where most of the motion comes late, as with growing amplitudes, the same
-    path.
+    Of one or two episodes the last, or an attached wall, each third spares a block of its last
+    three fifths, a fifteenth of the whole: one block alone may lie where any model is right.
+    Blocks are chosen, where possible, with motion and at depths that occur in the rest too. They
+    have the same duration or, where most of the motion comes late, as with growing amplitudes, the
+    same path.
 
     Parameters
     ----------
