@@ -143,6 +143,7 @@ def test_model_places_values_in_order() -> None:
     assert model.place('force_bias') == slice(5, 6)
     assert model.without('moving_environment').values == (K_e, B_e, 1.5)
     assert model.without('moving_environment').effects == ('force_bias',)
+    assert model.without('force_bias', 'moving_environment') == Model.of(nominal())
 
 
 @pytest.mark.parametrize('name', ['force_bias', 'no_such_effect'])

@@ -110,9 +110,7 @@ def test_shares_of_a_pair_do_not_depend_on_the_order_and_add_up() -> None:
     misfit = above_noise(base, shares.parts).sum()
 
     def left(*names: str) -> float:
-        model = shares.best.model
-        for name in set(PAIR) - set(names):
-            model = model.without(name)
+        model = shares.best.model.without(*(set(PAIR) - set(names)))
         errors = left_out_errors(recording, fit(recording, model), shares.parts, base)
         return float(np.minimum(errors, base).sum()) / misfit
 

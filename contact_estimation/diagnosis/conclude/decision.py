@@ -147,10 +147,8 @@ def _without_doubtful(
     if not doubtful:
         return None
     zeros = [name for name in doubtful if name in ZEROS]
-    model = best.model
-    for name in _dropped(shares, (zeros or doubtful)[-1]):
-        model = model.without(name)
-    rest = fit(selection.recordings, model)
+    dropped = _dropped(shares, (zeros or doubtful)[-1])
+    rest = fit(selection.recordings, best.model.without(*dropped))
     fewer = decide(_carrying(selection, rest), whole, progress, False)
     laws, left = _laws(best.model), _laws(fewer.best.model)
     if len(zeros) == len(doubtful) and not laws <= left:

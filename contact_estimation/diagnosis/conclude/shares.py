@@ -121,10 +121,7 @@ class Shares:
 
     def error_without(self, names: Sequence[str]) -> float:
         """Return the sum of the squared errors on parts left out, without some effects."""
-        model = self.best.model
-        for name in names:
-            model = model.without(name)
-        found = fit(self.recordings, model)
+        found = fit(self.recordings, self.best.model.without(*names))
         return float(left_out_errors(self.recordings, found, self.parts, self.base).sum())
 
     def is_flexible(self, name: str) -> bool:

@@ -114,12 +114,12 @@ class Model:
         """Return the model with one more effect."""
         return replace(self, effects=(*self.effects, name), values=(*self.values, *values))
 
-    def without(self, name: str) -> 'Model':
-        """Return the model without an effect."""
-        place = self.place(name)
-        values = self.values[:place.start] + self.values[place.stop:]
-        names = tuple(effect for effect in self.effects if effect != name)
-        return replace(self, effects=names, values=values)
+    def without(self, *names: str) -> 'Model':
+        """Return the model without some of its effects."""
+        dropped = {k for name in names for k in range(*self.place(name).indices(len(self.values)))}
+        values = tuple(value for k, value in enumerate(self.values) if k not in dropped)
+        effects = tuple(effect for effect in self.effects if effect not in names)
+        return replace(self, effects=effects, values=values)
 
     def place(self, name: str) -> slice:
         """Return the place of an effect's parameters in `values`."""
