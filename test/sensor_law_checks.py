@@ -91,6 +91,9 @@ def check_resonant_mount() -> None:
     assert np.mean(np.diff(rising)) * DT == pytest.approx(1.0 / 25.0, rel=0.01)
     decay = log(np.max(y[:60]) / np.max(y[400:460])) / 0.4
     assert decay == pytest.approx(0.02 * 2.0 * pi * 25.0, rel=0.1)
+    held = signals(np.zeros(2000))._replace(a=np.full(2000, 3.0))
+    heavy = law_of('resonant_mount', mass=2.0, frequency=25.0, zeta=0.02)
+    assert heavy.sense(held) == pytest.approx(0.0, abs=1e-9), 'a known mass is taken off'
 
 
 CHECKS: dict[str, Callable[[], None]] = {

@@ -27,8 +27,12 @@ class BentGauge(SensorLaw):
 
     y = F_e (1 + bend F_e).
     Fraden, Handbook of Modern Sensors, 2016 (nonlinearity).
+    On an attached specimen it is the same as a spring that bends: only the motion of a robot,
+    which feels the true force, tells the two apart.
 
     """
+
+    stages = ('press',)
 
     @classmethod
     def draw(cls, magnitudes: Magnitudes, rng: Generator) -> Strength:

@@ -28,7 +28,8 @@ class ResonantMount(SensorLaw):
     """
     A lightly damped resonance of sensor and tool between 20 and 60 Hz.
 
-    y'' + 2 zeta omega y' + omega^2 y = omega^2 (F_e - mass a).
+    y = r + mass a, r'' + 2 zeta omega r' + omega^2 r = omega^2 (F_e - mass a): the mass on the
+    sensor is known and taken off, its ringing is not.
     Eppinger and Seering, IEEE Control Systems Magazine 7(2), 1987 (sensor dynamics).
 
     """
@@ -47,5 +48,4 @@ class ResonantMount(SensorLaw):
         p, omega = self.values, 2.0 * pi * self.values.frequency
         dt, load = float(signals.t[1] - signals.t[0]), signals.force - p.mass * signals.a
         ringing = filtered(load, dt, [omega**2], [1.0, 2.0 * p.zeta * omega, omega**2], load[0])
-        # The mount as such is known; only its ringing is not.
-        return ringing
+        return ringing + p.mass * signals.a
