@@ -30,8 +30,10 @@ from ..fit.discrepancy import has_discrepancy
 from ..fit.fitting import cost_of, Fit, fit
 from ..fit.free_run import free_run
 from ..fit.model_uncertainty import discounted
+from ..fit.reference_hold import ReferenceHold
 from ..fit.search import Progress
 from ..fit.selection import fitted_again, select, Selection
+from ..observe.held_reference import with_held_reference
 from ..observe.held_samples import without_held_samples
 from ..observe.model import Model
 from ..observe.observed import observe
@@ -97,12 +99,17 @@ def diagnose(
     progress('noise and alignment')
     fitted = [part for one in fitted for part in continuous_parts(one, model)]
     held_out = [part for one in held_out for part in continuous_parts(one, model)]
-    prepared: Recordings = [prepare(one, nominal, hold=not held_out) for one in fitted]
+    prepared, selection = _selected(fitted, nominal, not held_out, progress)
+    held = None
+    if all(one.observed.reference is not None for one in prepared):
+        progress('reference between setpoints')
+        held = _selected_if_held(fitted, nominal, not held_out, prepared, selection, progress)
+        if held is not None:
+            prepared, selection = held
+            fitted, held_out = ([with_held_reference(one) for one in every]
+                                for every in (fitted, held_out))
     others: Recordings = [prepare(one, nominal, hold=False) for one in held_out]
-    progress('recalibration')
-    prepared, base = _recalibrate(prepared, nominal)
     nominal_cost = cost_of(prepared, nominal)
-    selection = select(prepared, base, progress)
     if all(one.driven_by_force(nominal) for one in prepared):
         between = _likeliest_between_samples(selection.recordings, selection)
         if between != prepared[0].observed.between:
@@ -117,7 +124,8 @@ def diagnose(
         largest = sorted(selected.recordings, key=lambda one: -cost_of([one], selected.base.model)
                          / one.residual_count)
         fits = Fitted(nominal, nominal_cost, selected._replace(recordings=largest), others)
-        return replace(conclude(fits, seed, progress), checks=examined.checks)
+        return replace(conclude(fits, seed, progress), checks=examined.checks,
+                       holds_reference=held is not None)
 
     diagnosis = concluded(selection)
     if _refuted(selection, diagnosis):
@@ -146,6 +154,30 @@ def _refuse_wrong_input(
             f'the nominal model must have no physics, got {", ".join(named)}; remove it: '
             'diagnose names the physics that a model without any lacks'
         )
+
+
+def _selected(
+    recordings: Sequence[Recording], nominal: Model, hold_out: bool, progress: Progress
+) -> tuple[Recordings, Selection]:
+    """Prepare recordings, recalibrate the model and select the effects it lacks."""
+    prepared: Recordings = [prepare(one, nominal, hold=hold_out) for one in recordings]
+    progress('recalibration')
+    prepared, base = _recalibrate(prepared, nominal)
+    return prepared, select(prepared, base, progress)
+
+
+def _selected_if_held(
+    raw: Sequence[Recording], nominal: Model, hold_out: bool, recordings: Recordings,
+    selection: Selection, progress: Progress,
+) -> tuple[Recordings, Selection] | None:
+    """Select again if the robot holds its reference between setpoints; None if it does not."""
+    held, base, best = ([with_held_reference(one) for one in raw], selection.base.model,
+                        selection.best.model)
+    hold = ReferenceHold(recordings, held, base)
+    if not hold.is_promising((base, best)):
+        return None
+    changed, again = _selected(held, nominal, hold_out, progress)
+    return (changed, again) if hold.is_better(again.best.model, best) else None
 
 
 def _recalibrate(recordings: Recordings, model: Model) -> tuple[Recordings, Fit]:

@@ -216,6 +216,8 @@ class Diagnosis:
         Positions of the free runs of the shown recording, by model.
     checks : list of Check
         For wrong use; if a fatal one failed, nothing was fitted and there are no recordings.
+    holds_reference : bool
+        Whether the robot holds its reference between setpoints instead of interpolating it.
 
     """
 
@@ -242,6 +244,7 @@ class Diagnosis:
     recordings: Recordings = field(repr=False)
     free_runs: dict[str, Array] = field(repr=False)
     checks: list[Check] = field(default_factory=list)
+    holds_reference: bool = False
 
     @property
     def refused(self) -> bool:

@@ -199,11 +199,7 @@ def observe(
     force, measured = _on_grid(signals.wrench_t, signals.force, t, h)
     position, sampled = _on_grid(signals.joint_t, signals.position, t, h)
     with_robot = len(signals.reference_t) > 1 and model.environment.unilateral
-    reference = None
-    if with_robot:
-        reference = _reference_on_grid(signals.reference_t, signals.reference, t)
-        if not model.robot.force_tracking:
-            reference[3] = 0.0
+    reference = reference_on_grid(signals, model, t) if with_robot else None
     if carried is None:
         carried = _carried(model, reference, force, position, h)
     # From the samples as they came: on the grid they may be means of two. No model follows a
@@ -281,12 +277,28 @@ def _on_grid(stamps: Array, values: Array, t: Array, h: float) -> tuple[Array, F
     return np.interp(t, stamps, values), sampled
 
 
-def _reference_on_grid(stamps: Array, values: Array, t: Array) -> Array:
+def reference_on_grid(signals: Signals, model: PlantParameters, t: Array) -> Array:
     """
     Interpolate a reference: straight lines as in a robot, but splines over dropped samples.
 
     The robot has received those; position and velocity are interpolated with recorded rates.
+
+    Parameters
+    ----------
+    signals : Signals
+        With a reference.
+    model : PlantParameters
+        Defines whether the robot tracks a force.
+    t : ndarray, shape (N,)
+        Where [s].
+
+    Returns
+    -------
+    reference : ndarray, shape (4, N)
+        As of `Observed`; the force is 0 without force tracking.
+
     """
+    stamps, values = signals.reference_t, signals.reference
     reference = np.array([np.interp(t, stamps, row) for row in values])
     after = np.clip(np.searchsorted(stamps, t), 1, len(stamps) - 1)
     steps = np.diff(stamps)
@@ -295,4 +307,6 @@ def _reference_on_grid(stamps: Array, values: Array, t: Array) -> Array:
         if in_gap.any() and values[row + 1].any():  # all rates 0: they were not recorded
             bent = CubicHermiteSpline(stamps, values[row], values[row + 1])
             reference[row, in_gap] = bent(t[in_gap])
+    if not model.robot.force_tracking:
+        reference[3] = 0.0
     return reference

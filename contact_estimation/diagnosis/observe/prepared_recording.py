@@ -29,7 +29,7 @@ from .discount import Discount
 from .episodes import HeldOut, hold_out, require_contact
 from .model import Model
 from .noise import force_error, force_noise, innovation_error, motion_noise
-from .observed import observe, Observed
+from .observed import observe, Observed, reference_on_grid
 from .observer import discretise, SecondOrder
 from .signals import Recording
 from .usable_samples import default_block, force_drops, usable
@@ -201,6 +201,12 @@ class PreparedRecording:
         observed = replace(self.observed, between=between)
         noise = motion_noise(model, observed, self.force_noise, self.widening, self.block)
         return replace(self, observed=observed, motion_noise=noise, discount=None)
+
+    def with_reference_of(self, recording: Recording, model: Model) -> 'PreparedRecording':
+        """Return the recording with the reference of another one of the same motion."""
+        o = self.observed
+        reference = reference_on_grid(recording.signals, model.nominal, o.t)
+        return replace(self, observed=replace(o, reference=reference), discount=None)
 
     def widened(self, widening: float, model: Model) -> 'PreparedRecording':
         """

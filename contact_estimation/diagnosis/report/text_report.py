@@ -48,7 +48,7 @@ def as_text(diagnosis: Diagnosis) -> str:
     -------
     text : str
         Failed checks, verdict, effects, what they leave, model parameters, held-out errors,
-        location of the mismatch, next experiment.
+        location of the mismatch, course of inputs between samples, next experiment.
 
     """
     d = diagnosis
@@ -56,7 +56,7 @@ def as_text(diagnosis: Diagnosis) -> str:
     if d.refused:
         return '\n\n'.join('\n'.join(lines) for lines in (failed, _verdict(d)))
     sections = [failed, _verdict(d), *(_effect(effect) for effect in d.effects), _remainder(d),
-                _parameters(d), _held_out(d), _location(d)]
+                _parameters(d), _held_out(d), _location(d), _between_samples(d)]
     if d.next_experiment:
         sections.append([f'Next experiment: {d.next_experiment}'])
     return '\n\n'.join('\n'.join(lines) for lines in sections if lines)
@@ -166,7 +166,14 @@ def _location(d: Diagnosis) -> list[str]:
         lines.append(f'Share of the {d.located_channel} residuals explained by')
         lines += [f'  {name + " model:":<20}{significant(found)}'
                   for name, found in tested.items()]
-    if d.between_samples in _BETWEEN:
-        lines.append(f'Between its samples the force is {_BETWEEN[d.between_samples]}; straight '
-                     'lines explain less.')
     return lines
+
+
+def _between_samples(d: Diagnosis) -> list[str]:
+    if d.between_samples in _BETWEEN:
+        return [f'Between its samples the force is {_BETWEEN[d.between_samples]}; straight '
+                'lines explain less.']
+    if d.holds_reference:
+        return ['The robot holds its reference between setpoints; straight lines explain its '
+                'motion less.']
+    return []

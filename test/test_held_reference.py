@@ -1,0 +1,103 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""A reference that the robot holds between setpoints is told from a late one."""
+
+from __future__ import annotations
+
+from math import floor
+from typing import Any
+
+from contact_estimation.diagnosis.conclude.diagnose import diagnose
+from contact_estimation.diagnosis.observe.held_reference import held_at, with_held_reference
+from contact_estimation.diagnosis.observe.signals import Recording, Signals
+from contact_estimation.diagnosis.report.text_report import as_text
+from contact_estimation.plant.open_loop import run_open_loop
+from diagnosed_worlds import INTEGRATION_HZ, nominal, RATE_HZ, TWO_TOUCHES, world
+import numpy as np
+import pytest
+
+STEPS = np.array([[0.0, 1.0, 3.0, 2.0, 2.0, 5.0]])
+STAMPS = 0.04 * np.arange(6)
+
+
+def staircase(t: Any) -> Any:
+    """Give the newest of STEPS."""
+    return STEPS[0][np.clip(np.searchsorted(STAMPS, t, side='right') - 1, 0, 5)]
+
+
+@pytest.mark.parametrize('period', [0.04, 0.01, 0.004])
+def test_lines_between_samples_have_the_areas_of_the_steps(period: float) -> None:
+    t = np.arange(0.0, 0.2 + 1e-9, period) + 0.5 * period
+    lines = held_at(t, STAMPS, STEPS)[0]
+    fine = np.arange(t[0], t[-1], 1e-6)
+    area = np.interp(fine, t, lines).mean()
+    assert area == pytest.approx(staircase(fine).mean(), abs=0.01)
+    between = np.abs(t[:, None] - STAMPS[None, :]).min(axis=1) > 0.51 * period
+    assert lines[between] == pytest.approx(staircase(t[between]))
+
+
+def test_steps_are_half_a_period_late_where_rates_are_equal() -> None:
+    late = held_at(STAMPS, STAMPS, STEPS)[0]
+    assert late[1:] == pytest.approx(0.5 * (STEPS[0][1:] + STEPS[0][:-1]))
+
+
+def recorded_with_hold(period: float, **changes: Any) -> Recording:
+    """Let the robot hold each setpoint; the desired trajectory is recorded as usual."""
+    plant = world(sensors__force_noise=0.3, sensors__position_noise=3e-6, sample_rate=RATE_HZ,
+                  integration_rate=INTEGRATION_HZ, seed=3, **changes)
+
+    def desired(t: float) -> tuple[float, float, float, float]:
+        return (*TWO_TOUCHES.desired(t)[:3], 0.0)
+
+    def held(t: float) -> tuple[float, float, float, float]:
+        return desired(floor(t / period + 1e-9) * period)
+
+    truths, samples = run_open_loop(plant, held, -0.01, TWO_TOUCHES.duration)
+    t = np.array([truth.t for truth in truths])
+    stamps = np.arange(0.0, t[-1] + 1e-9, period)
+    rows = np.array([desired(now) for now in stamps.tolist()]).T
+    return Recording('held.mcap', Signals(t, samples.force, t, samples.position, stamps, rows))
+
+
+def named(recording: Recording) -> dict[str, float]:
+    """Name effects with their first parameter."""
+    return {effect.name: next(iter(effect.parameters.values())).value
+            for effect in diagnose(recording, nominal()).effects}
+
+
+@pytest.mark.parametrize('periods', [1, 5])
+def test_a_held_reference_is_no_delay(periods: int) -> None:
+    found = diagnose(recorded_with_hold(periods / RATE_HZ), nominal())
+    assert (found.effects, found.holds_reference) == ([], True)
+    assert 'holds its reference' in as_text(found)
+
+
+def test_a_delay_beyond_the_hold_is_named() -> None:
+    found = named(recorded_with_hold(1.0 / RATE_HZ, physics__command_delay__delay=0.02))
+    assert list(found) == ['command_delay']
+    assert found['command_delay'] == pytest.approx(0.02, abs=0.5 / RATE_HZ)
+
+
+def test_friction_of_a_robot_that_holds_its_reference_is_named_alone() -> None:
+    found = named(recorded_with_hold(1.0 / RATE_HZ, physics__robot_friction__F_c=3.0))
+    assert list(found) == ['robot_friction']
+    assert found['robot_friction'] == pytest.approx(3.0, rel=0.05)
+
+
+def test_only_the_reference_changes() -> None:
+    recording = recorded_with_hold(5.0 / RATE_HZ)
+    signals, held = recording.signals, with_held_reference(recording).signals
+    assert held.reference_t is signals.wrench_t
+    assert held._replace(reference_t=signals.reference_t, reference=signals.reference) == signals
