@@ -173,7 +173,7 @@ def _selected_if_held(
     """Select again if the robot holds its reference between setpoints; None if it does not."""
     held, base, best = ([with_held_reference(one) for one in raw], selection.base.model,
                         selection.best.model)
-    hold = ReferenceHold(recordings, held, base)
+    hold = ReferenceHold(recordings, raw, held, base)
     if not hold.is_promising((base, best)):
         return None
     changed, again = _selected(held, nominal, hold_out, progress)

@@ -18,6 +18,8 @@ from __future__ import annotations
 
 from typing import Sequence
 
+import numpy as np
+
 from .criteria import penalty
 from .discrepancy import costs_by_channel
 from .fitting import fit
@@ -29,6 +31,8 @@ from ..observe.signals import Recording
 _MOTION = 1  # channel
 _LEAST, _SHARE = 5.0, 0.05  # least gain, and as a share of the misfit of the motion
 _PRICE = 2.0  # times the usual one: a delay near half a period fits a little better than the hold
+_PERIODS = 1.5  # of the reference: the hold and one cycle of a digital controller
+_OF_DELAY = 0.8  # least share of what such a delay explains, for the hold to stand for it
 
 
 class ReferenceHold:
@@ -39,20 +43,22 @@ class ReferenceHold:
     ----------
     recordings : sequence of PreparedRecording
         With the former, without a discrepancy.
-    held : sequence of Recording
-        The same with the latter.
-    model : Model
+    raw, held : sequence of Recording
+        As recorded, and with the latter.
+    base : Model
         Recalibrated.
 
     """
 
     def __init__(
-        self, recordings: Recordings, held: Sequence[Recording], model: Model
+        self, recordings: Recordings, raw: Sequence[Recording], held: Sequence[Recording],
+        base: Model,
     ) -> None:
-        self._straight = recordings
-        self._held = [discounted(one.with_reference_of(other, model), model)
+        self._straight, self._base = recordings, base
+        self._held = [discounted(one.with_reference_of(other, base), base)
                       for one, other in zip(recordings, held)]
         self._count = sum(one.block_count for one in recordings)
+        self._period = min(float(np.median(np.diff(one.signals.reference_t))) for one in raw)
 
     def is_promising(self, models: Sequence[Model]) -> bool:
         """Return whether one of some models explains the motion better if the robot holds."""
@@ -60,9 +66,20 @@ class ReferenceHold:
 
     def is_better(self, held: Model, straight: Model) -> bool:
         """Return whether a model explains the held reference better than another the straight."""
-        price = _price(self._straight, straight)
-        least = max(_LEAST, _SHARE * (price - self._count))
-        return price - _price(self._held, held) > least
+        after, price = _price(self._held, held), _price(self._straight, straight)
+        fewer = len(held.effects) < len(straight.effects)
+        least = _LEAST if fewer else max(_LEAST, _SHARE * (price - self._count))
+        if price - after > least:
+            return True
+        before = _price(self._straight, self._base)
+        return self._is_of_sampling(straight) and before - after > _OF_DELAY * (before - price)
+
+    def _is_of_sampling(self, model: Model) -> bool:
+        """Return whether a model has a delay that the sampling of the command may cause."""
+        if 'command_delay' not in model.effects:
+            return False
+        delay = model.values[model.place('command_delay').start]
+        return delay <= _PERIODS * self._period
 
 
 def _price(recordings: Recordings, model: Model) -> float:
