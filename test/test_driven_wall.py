@@ -95,6 +95,14 @@ def test_reference_runs_straight_between_its_samples_and_rests_outside() -> None
     assert (at(-1.0), at(4.0)) == ((0.0, 0.0, 0.0, 0.0), (2.0, 0.0, 0.0, 0.0))
 
 
+def test_held_reference_keeps_each_sample_until_the_next() -> None:
+    t, rows = np.array([0.0, 1.0, 3.0]), np.arange(12.0).reshape(4, 3)
+    at = reference_through(t, rows, held=True)
+    assert at(0.99) == (0.0, 3.0, 6.0, 9.0)
+    assert at(1.0) == at(2.9) == (1.0, 4.0, 7.0, 10.0)
+    assert at(3.0) == (2.0, 5.0, 8.0, 11.0)
+
+
 @pytest.mark.parametrize('t, rows', [
     ([0.0, 1.0], np.zeros((3, 2))), ([0.0, 0.0], np.zeros((4, 2))), ([], np.zeros((4, 0))),
 ])

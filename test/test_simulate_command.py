@@ -105,6 +105,26 @@ def test_simulating_like_a_simulation_repeats_it(tmp_path: Path) -> None:
     np.testing.assert_allclose(first.joint_states.values, again.joint_states.values, atol=1e-12)
 
 
+def test_robot_that_holds_its_reference_is_half_a_period_late(tmp_path: Path) -> None:
+    model = model_file(tmp_path, environment={'location': 1.0})
+    first = simulated(tmp_path, 'a.mcap', '--model', model,
+                      '--experiment', experiment_file(tmp_path))
+    held = simulated(tmp_path, 'b.mcap', '--model', model, '--like', str(tmp_path / 'a.mcap'),
+                     '--between', 'held')
+    t = (first.joint_states.stamp_ns - first.joint_states.stamp_ns[0]) * 1e-9
+    late = np.interp(t - 0.5 * (t[1] - t[0]), t, first.joint_states.values[0])
+    np.testing.assert_allclose(held.joint_states.values[0], late, atol=5e-6)
+    assert np.max(np.abs(held.joint_states.values[0] - first.joint_states.values[0])) > 3e-5
+
+
+def test_smooth_reference_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    model = model_file(tmp_path, seed=0)
+    simulated(tmp_path, 'a.mcap', '--model', model, '--experiment', experiment_file(tmp_path))
+    assert main(['--model', model, '--like', str(tmp_path / 'a.mcap'), '--between', 'smooth',
+                 '--output', str(tmp_path / 'b.mcap')]) == 1
+    assert 'must be straight or held, got smooth' in capsys.readouterr().err
+
+
 @pytest.mark.slow
 def test_reference_is_followed_straight_between_samples_that_lack_rates(tmp_path: Path) -> None:
     t = 0.04 * np.arange(50)

@@ -49,7 +49,7 @@ def make_parser() -> Parser:
     """Build the command line of `simulate`."""
     parser = Parser(
         prog='simulate',
-        description='Simulate a model on the command of a recording, interpolated linearly and '
+        description='Simulate a model on the command of a recording, interpolated as told and '
         'sampled at its stamps, or on an experiment. A permanently attached wall without a robot '
         'is driven by the recorded force.',
     )
@@ -67,8 +67,8 @@ def make_parser() -> Parser:
                         help='seed of all noise (default: that of the model file)')
     parser.add_argument(
         '--between', choices=tuple(BETWEEN), default='straight',
-        help='interpolation of a recorded force that drives an attached wall (default: '
-        'straight); `diagnose` reports which one the data support',
+        help='course of the recorded reference, straight or held, or of the force that drives '
+        'an attached wall (default: straight); `diagnose` reports which one the data support',
     )
     parser.add_argument('--picture', metavar='FILE.png',
                         help='plot force, motion and what `replay` estimates from them')
@@ -132,9 +132,12 @@ def _simulate_like(
 ) -> Simulation:
     wrench, reference, recording = signals.wrench, signals.reference_trajectory, options.like
     if len(reference):
-        start = _start(signals)
+        if options.between not in ('straight', 'held'):
+            raise ParameterRangeError(
+                f'--between of a reference must be straight or held, got {options.between}')
+        start, held = _start(signals), options.between == 'held'
         return simulate_command(
-            model, wrench.stamp_ns, reference.stamp_ns, reference.values, start
+            model, wrench.stamp_ns, reference.stamp_ns, reference.values, start, held
         )
     if model.environment.unilateral:
         raise RecordingError(

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Linear interpolation of a sampled reference."""
+"""A sampled reference, interpolated linearly or held."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ from ..reference.setpoints import Reference, ReferenceAt
 Array = NDArray[np.float64]
 
 
-def reference_through(t: Array, rows: Array) -> ReferenceAt:
+def reference_through(t: Array, rows: Array, held: bool = False) -> ReferenceAt:
     """
-    Interpolate a reference linearly; before the first and after the last sample it rests.
+    Continue a reference between its samples; before the first and after the last it rests.
 
     Parameters
     ----------
@@ -37,6 +37,8 @@ def reference_through(t: Array, rows: Array) -> ReferenceAt:
         Times of the samples [s], strictly increasing; N >= 1.
     rows : ndarray, shape (4, N)
         x_r [m], its rate [m/s] and acceleration [m/s^2], F_r [N].
+    held : bool
+        Whether each sample holds until the next; else straight lines connect them.
 
     Returns
     -------
@@ -61,7 +63,7 @@ def reference_through(t: Array, rows: Array) -> ReferenceAt:
         )
     times: list[float] = t.tolist()
     points: list[tuple[float, float, float, float]] = list(zip(*rows.tolist()))
-    slopes = list(zip(*(np.diff(rows) / np.diff(t)).tolist()))
+    slopes = list(zip(*((0.0 if held else 1.0) * np.diff(rows) / np.diff(t)).tolist()))
     before, after = (Reference(points[k][0], 0.0, 0.0) for k in (0, -1))
     begin, end, place = times[0], times[-1], 0
 

@@ -61,7 +61,7 @@ class Simulation:
 
 def simulate_command(
     model: PlantParameters, stamp_ns: Stamps, reference_ns: Stamps, reference: Array,
-    start: tuple[float, float],
+    start: tuple[float, float], held: bool = False,
 ) -> Simulation:
     """
     Simulate a model on a recorded reference.
@@ -73,9 +73,11 @@ def simulate_command(
     stamp_ns : ndarray of int64, shape (N,)
         Stamps of the measurements [ns], increasing.
     reference_ns, reference
-        As in `Simulation`; interpolated linearly.
+        As in `Simulation`.
     start : tuple of float
         Position [m] and velocity [m/s] of the robot at the first stamp.
+    held : bool
+        Whether the robot holds each setpoint until the next; else it interpolates linearly.
 
     Returns
     -------
@@ -84,7 +86,7 @@ def simulate_command(
 
     """
     first = stamp_ns[0]
-    follow = reference_through((reference_ns - first) * 1e-9, reference)
+    follow = reference_through((reference_ns - first) * 1e-9, reference, held)
     truths = simulate_at(model, (stamp_ns - first) * 1e-9, follow, *start)
     return Simulation(stamp_ns, _measured(model, truths), reference_ns, reference)
 
