@@ -26,10 +26,13 @@ from contact_estimation.diagnosis.report.text_report import as_text
 from contact_estimation.plant.open_loop import run_open_loop
 from diagnosed_worlds import INTEGRATION_HZ, nominal, RATE_HZ, TWO_TOUCHES, world
 import numpy as np
+from numpy.typing import NDArray
 import pytest
 
-STEPS = np.array([[0.0, 1.0, 3.0, 2.0, 2.0, 5.0]])
-STAMPS = 0.04 * np.arange(6)
+Array = NDArray[np.float64]
+
+STEPS: Array = np.array([[0.0, 1.0, 3.0, 2.0, 2.0, 5.0]])
+STAMPS: Array = np.linspace(0.0, 0.2, 6)
 
 
 def staircase(t: Any) -> Any:

@@ -46,6 +46,7 @@ _PROMISING, _ASSESSED = 0.4, 12  # of the largest gain in the fit, to be assesse
 _FLEXIBLE_SHARE, _FLEXIBLE_HARM = 0.85, 0.01
 _OF_LAW = 0.8  # share of the gain of a series, or of a law, that what replaces it must have
 _BESIDE_ZEROS = 3  # laws that are tried for each offset that the model lacks
+_OF_TIME = ('wall_motion', 'sensor_zero')  # families of curves that follow time alone
 _WEAK = 0.15  # share of the misfit that one size for all parts fits, of a law that holds in form
 
 FLEXIBLE_LEAD = 0.15
@@ -223,9 +224,12 @@ def _adequate(
         noise = sum(float(np.sum(part.noise[columns])) for part in parts)
         misfit = float(np.sum(before[:, columns])) - noise
         lead = (winner.total if winner else float(before.sum())) - curve.total
-        if (share.share > _FLEXIBLE_SHARE and share.harm < _FLEXIBLE_HARM
-                and lead > FLEXIBLE_LEAD * misfit):
-            return [_simpler_beside_an_offset(recordings, laws, curve, before, parts)]
+        if lead > FLEXIBLE_LEAD * misfit:
+            if share.share > _FLEXIBLE_SHARE and share.harm < _FLEXIBLE_HARM:
+                return [_simpler_beside_an_offset(recordings, laws, curve, before, parts)]
+            family = EFFECTS[curve.name].family
+            if family in _OF_TIME and (winner is None or family != EFFECTS[winner.name].family):
+                return []  # what time tells so much better than any law is none of them
     if winner is None:
         return []
     gain = float(before.sum()) - winner.total

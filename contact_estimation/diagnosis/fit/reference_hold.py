@@ -29,6 +29,7 @@ from ..observe.prepared_recording import Recordings
 from ..observe.signals import Recording
 
 _MOTION = 1  # channel
+_DELAY = 'command_delay'
 _LEAST, _SHARE = 5.0, 0.05  # least gain, and as a share of the misfit of the motion
 _PRICE = 2.0  # times the usual one: a delay near half a period fits a little better than the hold
 _PERIODS = 1.5  # of the reference: the hold and one cycle of a digital controller
@@ -71,15 +72,16 @@ class ReferenceHold:
         least = _LEAST if fewer else max(_LEAST, _SHARE * (price - self._count))
         if price - after > least:
             return True
+        if _DELAY in held.effects or not self._is_of_sampling(straight):
+            return False
         before = _price(self._straight, self._base)
-        return self._is_of_sampling(straight) and before - after > _OF_DELAY * (before - price)
+        return before - after > _OF_DELAY * (before - price)
 
     def _is_of_sampling(self, model: Model) -> bool:
         """Return whether a model has a delay that the sampling of the command may cause."""
-        if 'command_delay' not in model.effects:
+        if _DELAY not in model.effects:
             return False
-        delay = model.values[model.place('command_delay').start]
-        return delay <= _PERIODS * self._period
+        return model.values[model.place(_DELAY).start] <= _PERIODS * self._period
 
 
 def _price(recordings: Recordings, model: Model) -> float:
