@@ -203,6 +203,22 @@ def test_a_law_that_is_refused_beside_the_zeros_makes_room_for_the_next() -> Non
     assert taken is best
 
 
+@pytest.mark.parametrize('of_time, named', [(0.45, True), (0.8, False)])
+def test_no_law_is_taken_where_time_alone_predicts_far_better(of_time: float, named: bool) -> None:
+    parts = [part_of(str(k), np.arange(4) == k)._replace(noise=np.zeros(2)) for k in range(4)]
+    before = np.tile([100.0, 0.0], (4, 1))
+
+    def candidate(share: float, name: str, *values: float, flexible: bool = False) -> Candidate:
+        found = Fit(Model.of(nominal()).with_effect(name, values), 0.0, np.zeros(4), 4)
+        return Candidate(found, (1.0 - share) * before, None, flexible)
+
+    law = candidate(0.4, 'bilinear_stiffness', 500.0, 0.002)
+    drift = candidate(of_time, 'stiffness_drift', 0.01, flexible=True)
+    zeros: Any = SimpleNamespace(parts=parts, names=(), beside=lambda one: one)
+    taken = first_that_predicts([], [law, drift], zeros, before, before)
+    assert taken is (law if named else None)
+
+
 def test_discrepancy_brings_every_channel_to_variance_one() -> None:
     recording, base, _ = rubbing()
     weighed = with_discrepancy(recording, base.model)
