@@ -99,6 +99,19 @@ def test_friction_of_a_robot_that_holds_its_reference_is_named_alone() -> None:
     assert found['robot_friction'] == pytest.approx(3.0, rel=0.05)
 
 
+def test_nothing_is_held_without_a_reference() -> None:
+    signals = recorded_with_hold(1.0 / RATE_HZ).signals
+    bare = Recording('bare', signals._replace(reference_t=np.empty(0), reference=np.empty((4, 0))))
+    assert with_held_reference(bare) is bare
+
+
+def test_a_hold_found_in_one_recording_is_that_of_the_held_out_one() -> None:
+    recording = recorded_with_hold(1.0 / RATE_HZ)
+    found = diagnose(recording, nominal(), held_out=[recording])
+    assert found.holds_reference
+    assert found.motion.recalibrated == pytest.approx(found.motion.nominal, rel=0.5)
+
+
 def test_only_the_reference_changes() -> None:
     recording = recorded_with_hold(5.0 / RATE_HZ)
     signals, held = recording.signals, with_held_reference(recording).signals

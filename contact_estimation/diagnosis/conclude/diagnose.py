@@ -17,7 +17,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Sequence
+from typing import NamedTuple, Sequence
 
 import numpy as np
 
@@ -99,16 +99,9 @@ def diagnose(
     progress('noise and alignment')
     fitted = [part for one in fitted for part in continuous_parts(one, model)]
     held_out = [part for one in held_out for part in continuous_parts(one, model)]
-    prepared, selection = _selected(fitted, nominal, not held_out, progress)
-    held = None
-    if all(one.observed.reference is not None for one in prepared):
-        progress('reference between setpoints')
-        held = _selected_if_held(fitted, nominal, not held_out, prepared, selection, progress)
-        if held is not None:
-            prepared, selection = held
-            fitted, held_out = ([with_held_reference(one) for one in every]
-                                for every in (fitted, held_out))
-    others: Recordings = [prepare(one, nominal, hold=False) for one in held_out]
+    found = _selected(fitted, held_out, nominal, progress)
+    prepared, selection = found.prepared, found.selection
+    others: Recordings = [prepare(one, nominal, hold=False) for one in found.held_out]
     nominal_cost = cost_of(prepared, nominal)
     if all(one.driven_by_force(nominal) for one in prepared):
         between = _likeliest_between_samples(selection.recordings, selection)
@@ -117,7 +110,7 @@ def diagnose(
             prepared, selection = _with_force_between_samples(
                 between, prepared, selection, nominal, progress)
             nominal_cost = cost_of(prepared, nominal)
-    selection = _smooth_again(fitted, prepared, selection, nominal, progress)
+    selection = _smooth_again(found.fitted, prepared, selection, nominal, progress)
 
     def concluded(selected: Selection) -> Diagnosis:
         # The largest misfit first: that recording is located and shown.
@@ -125,7 +118,7 @@ def diagnose(
                          / one.residual_count)
         fits = Fitted(nominal, nominal_cost, selected._replace(recordings=largest), others)
         return replace(conclude(fits, seed, progress), checks=examined.checks,
-                       holds_reference=held is not None)
+                       holds_reference=found.holds_reference)
 
     diagnosis = concluded(selection)
     if _refuted(selection, diagnosis):
@@ -156,28 +149,41 @@ def _refuse_wrong_input(
         )
 
 
+class _Selected(NamedTuple):
+    """Recordings as fitted and held out, prepared, and the effects that they ask for."""
+
+    fitted: Sequence[Recording]
+    held_out: Sequence[Recording]
+    prepared: Recordings
+    selection: Selection
+    holds_reference: bool = False
+
+
 def _selected(
-    recordings: Sequence[Recording], nominal: Model, hold_out: bool, progress: Progress
-) -> tuple[Recordings, Selection]:
-    """Prepare recordings, recalibrate the model and select the effects it lacks."""
-    prepared: Recordings = [prepare(one, nominal, hold=hold_out) for one in recordings]
-    progress('recalibration')
-    prepared, base = _recalibrate(prepared, nominal)
-    return prepared, select(prepared, base, progress)
+    fitted: Sequence[Recording], held_out: Sequence[Recording], nominal: Model,
+    progress: Progress,
+) -> _Selected:
+    """Select the effects, with the reference as the robot seems to follow it."""
+    def selected(raw: Sequence[Recording]) -> tuple[Recordings, Selection]:
+        prepared: Recordings = [prepare(one, nominal, hold=not held_out) for one in raw]
+        progress('recalibration')
+        prepared, base = _recalibrate(prepared, nominal)
+        return prepared, select(prepared, base, progress)
 
-
-def _selected_if_held(
-    raw: Sequence[Recording], nominal: Model, hold_out: bool, recordings: Recordings,
-    selection: Selection, progress: Progress,
-) -> tuple[Recordings, Selection] | None:
-    """Select again if the robot holds its reference between setpoints; None if it does not."""
-    held, base, best = ([with_held_reference(one) for one in raw], selection.base.model,
-                        selection.best.model)
-    hold = ReferenceHold(recordings, raw, held, base)
+    straight = _Selected(fitted, held_out, *selected(fitted))
+    if any(one.observed.reference is None for one in straight.prepared):
+        return straight
+    progress('reference between setpoints')
+    held = [with_held_reference(one) for one in fitted]
+    base, best = straight.selection.base.model, straight.selection.best.model
+    hold = ReferenceHold(straight.prepared, fitted, held, base)
     if not hold.is_promising((base, best)):
-        return None
-    changed, again = _selected(held, nominal, hold_out, progress)
-    return (changed, again) if hold.is_better(again.best.model, best) else None
+        return straight
+    prepared, selection = selected(held)
+    if not hold.is_better(selection.best.model, best):
+        return straight
+    return _Selected(held, [with_held_reference(one) for one in held_out], prepared, selection,
+                     holds_reference=True)
 
 
 def _recalibrate(recordings: Recordings, model: Model) -> tuple[Recordings, Fit]:

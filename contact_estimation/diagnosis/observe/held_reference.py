@@ -38,16 +38,18 @@ def with_held_reference(recording: Recording) -> Recording:
     Parameters
     ----------
     recording : Recording
-        With a reference trajectory.
+        As recorded.
 
     Returns
     -------
     recording : Recording
         With a reference at the stamps of the wrenches whose straight lines have the areas of the
-        held one.
+        held one; the same if it has none.
 
     """
     s = recording.signals
+    if len(s.reference_t) < 2:
+        return recording
     reference = held_at(s.wrench_t, s.reference_t, s.reference)
     return Recording(recording.name, s._replace(reference_t=s.wrench_t, reference=reference))
 
