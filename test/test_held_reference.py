@@ -110,6 +110,8 @@ def test_a_hold_found_in_one_recording_is_that_of_the_held_out_one() -> None:
     found = diagnose(recording, nominal(), held_out=[recording])
     assert found.holds_reference
     assert found.motion.recalibrated == pytest.approx(found.motion.nominal, rel=0.5)
+    assert found.motion.recalibrated is not None
+    assert found.motion.recalibrated < 1e-5, 'ten times as much on straight lines'
 
 
 def test_only_the_reference_changes() -> None:

@@ -134,7 +134,8 @@ def _simulate_like(
     if len(reference):
         if options.between not in ('straight', 'held'):
             raise ParameterRangeError(
-                f'--between of a reference must be straight or held, got {options.between}')
+                f'--between of a reference must be straight or held, got {options.between}; '
+                'other courses are for the force that drives an attached wall')
         start, held = _start(signals), options.between == 'held'
         return simulate_command(
             model, wrench.stamp_ns, reference.stamp_ns, reference.values, start, held

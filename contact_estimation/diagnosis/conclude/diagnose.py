@@ -175,9 +175,9 @@ def _selected(
         return straight
     progress('reference between setpoints')
     held = [with_held_reference(one) for one in fitted]
-    base, best = straight.selection.base.model, straight.selection.best.model
-    hold = ReferenceHold(straight.prepared, fitted, held, base)
-    if not hold.is_promising((base, best)):
+    best = straight.selection.best.model
+    hold = ReferenceHold(straight.prepared, fitted, held, straight.selection.base.model)
+    if not hold.is_promising(best):
         return straight
     prepared, selection = selected(held)
     if not hold.is_better(selection.best.model, best):

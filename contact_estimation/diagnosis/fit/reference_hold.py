@@ -61,8 +61,9 @@ class ReferenceHold:
         self._count = sum(one.block_count for one in recordings)
         self._period = min(float(np.median(np.diff(one.signals.reference_t))) for one in raw)
 
-    def is_promising(self, models: Sequence[Model]) -> bool:
-        """Return whether one of some models explains the motion better if the robot holds."""
+    def is_promising(self, best: Model) -> bool:
+        """Return whether a hold explains the motion better, to the base or the best model."""
+        models = [self._base, best] if best.effects else [self._base]
         return any(self.is_better(model, model) for model in models)
 
     def is_better(self, held: Model, straight: Model) -> bool:
