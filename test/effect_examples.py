@@ -32,6 +32,7 @@ EXAMPLES: dict[str, tuple[float, ...]] = {
     'stribeck_friction': (4.0, 9.0, 0.02),
     'presliding_friction': (9.0, 15000.0),
     'environment_inertia': (8.0,),
+    'environment_resonance': (6.0, 7.0, 0.08),
     'cubic_stiffness': (1.5e7,),
     'power_law_stiffness': (1.3, 18000.0),
     'polynomial_stiffness': (-4e5, 4e7),
@@ -44,6 +45,7 @@ EXAMPLES: dict[str, tuple[float, ...]] = {
     'bouc_wen_hysteresis': (2000.0, 150.0, 40.0),
     'contact_offset': (-0.0015,),
     'moving_environment': (0.001, 2.0, 0.7),
+    'beating_environment': (0.001, 2.0, 0.7, 0.0006, 3.1, -0.4),
     'adhesion': (4.0,),
     'dmt_adhesion': (5.0, 0.003),
     'dead_zone': (0.002,),
@@ -55,6 +57,7 @@ EXAMPLES: dict[str, tuple[float, ...]] = {
     'tool_inertia': (2.0,),
     'force_lag': (0.02,),
     'force_creep': (0.1, 0.5),
+    'force_decay': (0.1, 0.5),
     'force_delay': (0.0123,),
     'force_bias': (3.0,),
     'force_drift': (-2.0,),
@@ -64,6 +67,7 @@ EXAMPLES: dict[str, tuple[float, ...]] = {
     'impedance_mismatch': (0.8, 1.2, 1.1),
     'reflected_inertia': (6.0,),
     'command_delay': (0.013,),
+    'actuator_lag': (0.012,),
     'actuator_saturation': (40.0,),
 }
 """Values in the order of the parameters; an effect that is not here starts its own search."""

@@ -67,6 +67,20 @@ def hysteresis(
     return cut(x, K_e * x + B_e * v + alpha * followed(step, len(t)))
 
 
+def resonance(
+    t: Array, x: Array, v: Array, a: Array, mass: float, frequency: float, ratio: float
+) -> Array:
+    """Take small steps of the mass; out of contact its surface is at rest."""
+    h, omega = t[1] - t[0], 2.0 * np.pi * frequency
+    y, w, pull = max(float(x[0]), 0.0), 0.0, np.zeros(len(t))
+    for k, (d, rate) in enumerate(zip(x.tolist(), v.tolist())):
+        d, rate = (d, rate) if d > 0.0 else (0.0, 0.0)
+        pull[k] = omega**2 * (d - y) + 2.0 * ratio * omega * (rate - w)
+        w += h * pull[k]
+        y += h * w
+    return cut(x, K_e * x + B_e * v + mass * pull)
+
+
 def dahl(t: Array, x: Array, v: Array, a: Array, F_c: float, sigma: float) -> Array:
     """Integrate dz = sigma (dd - z / F_c abs(dd)) over d = x > 0; z = 0 out of contact."""
     moves = np.diff(np.maximum(x, 0.0), prepend=max(float(x[0]), 0.0))
@@ -131,13 +145,14 @@ def sliding(speed: Any, F_c: float, F_s: float, v_s: float) -> Any:
     return (F_c + (F_s - F_c) * np.exp(-speed**2 / v_s**2)) * np.tanh(speed / 4e-4)
 
 
-def swinging(
-    t: Array, x: Array, v: Array, a: Array, amplitude: float, frequency: float, phase: float
-) -> Array:
-    """Move the surface as a sine."""
-    w = 2.0 * np.pi * frequency
-    d = x - amplitude * np.sin(w * t + phase)
-    return cut(d, K_e * d + B_e * (v - amplitude * w * np.cos(w * t + phase)))
+def swinging(t: Array, x: Array, v: Array, a: Array, *tones: float) -> Array:
+    """Move the surface as a sum of sines of amplitude, frequency and phase each."""
+    d, rate = x, v
+    for amplitude, frequency, phase in np.reshape(tones, (-1, 3)):
+        w = 2.0 * np.pi * frequency
+        d = d - amplitude * np.sin(w * t + phase)
+        rate = rate - amplitude * w * np.cos(w * t + phase)
+    return cut(d, K_e * d + B_e * rate)
 
 
 FORMULAS: dict[str, Formula] = {
@@ -145,6 +160,7 @@ FORMULAS: dict[str, Formula] = {
         x, K_e * x + B_e * v + F_c * np.tanh(v / 4e-4)),
     'stribeck_friction': lambda t, x, v, a, *p: cut(x, K_e * x + B_e * v + sliding(v, *p)),
     'presliding_friction': dahl,
+    'environment_resonance': resonance,
     'environment_inertia': lambda t, x, v, a, M_e: cut(x, K_e * x + B_e * v + M_e * a),
     'cubic_stiffness': lambda t, x, v, a, K_3: cut(x, K_e * x + B_e * v + K_3 * x**3),
     'power_law_stiffness': lambda t, x, v, a, n, K_n: cut(
@@ -164,6 +180,7 @@ FORMULAS: dict[str, Formula] = {
     'contact_offset': lambda t, x, v, a, offset: cut(
         x - offset, K_e * (x - offset) + B_e * v),
     'moving_environment': swinging,
+    'beating_environment': swinging,
     'adhesion': sticking,
     'dmt_adhesion': attracting,
     'dead_zone': lambda t, x, v, a, gap: cut(x, K_e * np.maximum(x - gap, 0.0) + B_e * v),
@@ -184,6 +201,7 @@ SENSED: dict[str, Any] = {
     'force_saturation': lambda t, F, a, limit: np.minimum(limit, np.maximum(-limit, F)),
     'force_delay': lambda t, F, a, delay: np.interp(t - delay, t, F),
     'force_creep': lambda t, F, a, share, tau: F + share * SENSED['force_lag'](t, F, a, tau),
+    'force_decay': lambda t, F, a, share, tau: F - share * SENSED['force_lag'](t, F, a, tau),
     'force_lag': lambda t, F, a, tau: F[0] + followed(
         lambda y, k: y + (t[1] - t[0]) / tau * (F[k] - F[0] - y), len(t)),
 }

@@ -26,29 +26,6 @@ from contact_estimation.physics.force_sensor_effect import ForceSensorEffect
 from contact_estimation.physics.robot_effect import RobotEffect
 
 
-class WallResonance(ContactEffect):
-    """A mass behind the surface, attached by a spring and a damper."""
-
-    name = 'wall_resonance'
-    states = 2
-
-    def _pull(self, d: float, v: float, state: Any) -> float:
-        omega, p = 2.0 * pi * self.values.frequency, self.values
-        return float(p.mass * omega * (omega * (d - state[0])
-                                       + 2.0 * p.damping_ratio * (v - state[1])))
-
-    def resistance(self, t: Any, d: Any, v: Any, state: Any, m: Any) -> Any:
-        """Return the force of spring and damper; see `ContactEffect.resistance`."""
-        return self._pull(d, v, state)
-
-    def state_rates(
-        self, t: float, d: float, v: float, contact: bool, state: tuple[float, ...]
-    ) -> tuple[float, ...]:
-        """Return the motion of the mass; out of contact the surface is at rest."""
-        pull = self._pull(d, v, state) if contact else self._pull(0.0, 0.0, state)
-        return state[1], pull / self.values.mass
-
-
 class SoftSpell(ContactEffect):
     """A wall that is softer during an interval."""
 
@@ -107,7 +84,7 @@ class Windage(RobotEffect):
 
 
 OUTSIDE_EFFECTS: dict[str, type[Effect]] = {
-    cls.name: cls for cls in (WallResonance, SoftSpell, WarmingWall, Ripple, BentGauge, Windage)
+    cls.name: cls for cls in (SoftSpell, WarmingWall, Ripple, BentGauge, Windage)
 }
 
 

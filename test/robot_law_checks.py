@@ -16,7 +16,7 @@
 
 from __future__ import annotations
 
-from math import exp
+from math import cos, exp, sin, sqrt
 from typing import Callable
 
 from law_runs import DT, law_of
@@ -56,10 +56,13 @@ def check_sampled_command() -> None:
 
 
 def check_torque_loop() -> None:
-    law, state = law_of('slow_torque_loop', tau=0.02), 0.0
-    for _ in range(20):
-        force, state = law.drive(5.0, 0.0, 0.0, DT, state)
-    assert force == pytest.approx(5.0 * (1.0 - exp(-1.0)))
+    law, tau, zeta = law_of('slow_torque_loop', tau=0.02, zeta=0.5), 0.02, 0.5
+    _, state = law.drive(0.0, 0.0, 0.0, 1e-5, 0.0)
+    for _ in range(3000):
+        force, state = law.drive(5.0, 0.0, 0.0, 1e-5, state)
+    root, t = sqrt(1.0 - zeta**2), 3000e-5
+    ringing = cos(root * t / tau) + zeta / root * sin(root * t / tau)
+    assert force == pytest.approx(5.0 * (1.0 - exp(-zeta * t / tau) * ringing), rel=1e-3)
 
 
 def check_torque_limit() -> None:

@@ -125,8 +125,12 @@ def check_surface(name: str, **values: float) -> None:
     assert np.max(np.abs(shift)) < 3.5e-3
 
 
-def check_swinging() -> None:
-    check_surface('swinging_fixture', frequency=2.0, ratio=0.8, phase=0.4)
+def check_breathing() -> None:
+    check_surface('breathing_surface', frequency=2.0, power=4.0, phase=0.4)
+    law = law_of('breathing_surface', amplitude=1e-3, frequency=2.0, power=4.0, phase=0.0)
+    shift = [law.surface(t)[0] for t in np.linspace(0.0, 0.5, 1001).tolist()]
+    assert np.mean(shift) == pytest.approx(0.375e-3, rel=1e-2)  # of cos^4
+    assert shift[0] == pytest.approx(shift[-1]) == pytest.approx(1e-3)
 
 
 def check_base_vibration() -> None:
@@ -136,13 +140,15 @@ def check_base_vibration() -> None:
     assert np.std(shift) == pytest.approx(1e-3, rel=0.2)
 
 
-def check_wall_resonance() -> None:
-    law = law_of('wall_resonance', mass=0.5, frequency=10.0, damping_ratio=0.05)
+def check_ringing_panel() -> None:
+    law = law_of('ringing_panel', mass=0.5, share=0.4, frequency=10.0, ratio=2.0,
+                 damping_ratio=0.05)
     t = np.arange(0.0, 20.0, DT)
     force = response(law, 1e-3 * np.sin(2.0 * pi * 6.0 * t))[-5000:]
-    w, r = 2.0 * pi * 6.0, 0.6
+    w, r = 2.0 * pi * 6.0, np.array([0.6, 0.3])
     transfer = (1.0 + 0.1j * r) / (1.0 - r**2 + 0.1j * r)  # of a vibration absorber
-    assert np.max(force) == pytest.approx(abs(0.5 * w**2 * 1e-3 * transfer), rel=0.01)
+    expected = abs(np.array([0.3, 0.2]) @ transfer * w**2 * 1e-3)
+    assert np.max(force) == pytest.approx(expected, rel=0.01)
 
 
 def check_soft_spell() -> None:
@@ -181,8 +187,8 @@ CHECKS: dict[str, Callable[[], None]] = {
     'power_law_damper': check_power_law,
     'jkr_adhesion': check_jkr,
     'rough_surface': check_rough_surface,
-    'swinging_fixture': check_swinging,
-    'wall_resonance': check_wall_resonance,
+    'breathing_surface': check_breathing,
+    'ringing_panel': check_ringing_panel,
     'soft_spell': check_soft_spell,
     'warming_wall': check_warming_wall,
     'force_ripple': check_force_ripple,

@@ -23,7 +23,6 @@ from concealed_worlds import (
     physics,
     prepared_from,
     recorded,
-    with_unknown,
 )
 from contact_estimation.diagnosis.conclude.location import guess_port, intervals, locate, Location
 from contact_estimation.diagnosis.fit.fitting import fit
@@ -103,8 +102,7 @@ def test_bias_is_seen_in_free_flight_too() -> None:
 
 @pytest.mark.slow
 def test_resonance_is_located_around_its_frequency() -> None:
-    place = locate(*recalibrated(with_unknown(
-        'wall_resonance', ('mass', 0.4), ('frequency', 9.0), ('damping_ratio', 0.05))))
+    place = locate(*recalibrated(recorded(**physics('environment_resonance', 0.4, 9.0, 0.05))))
     assert place.port == 'contact'
     assert place.band_hz[0] < 9.0 < place.band_hz[1] < 12.0
 

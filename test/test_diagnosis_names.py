@@ -52,6 +52,7 @@ WORLDS: dict[str, tuple[float, ...]] = {
     'stribeck_friction': (1.5, 4.0, 0.02),
     'presliding_friction': (3.0, 8000.0),
     'environment_inertia': (1.5,),
+    'environment_resonance': (0.4, 9.0, 0.05),
     'cubic_stiffness': (3e6,),
     'power_law_stiffness': (1.2, 12000.0),
     'polynomial_stiffness': (-3e5, 1.2e7),
@@ -64,6 +65,7 @@ WORLDS: dict[str, tuple[float, ...]] = {
     'bouc_wen_hysteresis': (1000.0, 150.0, 40.0),
     'contact_offset': (0.0004,),
     'moving_environment': (0.0003, 1.7, 0.7),
+    'beating_environment': (0.0003, 1.7, 0.7, 0.0002, 2.3, -0.5),
     'adhesion': (4.0,),
     'dmt_adhesion': (4.0, 0.002),
     'dead_zone': (0.0008,),
@@ -75,6 +77,7 @@ WORLDS: dict[str, tuple[float, ...]] = {
     'tool_inertia': (1.0,),
     'force_lag': (0.006,),
     'force_creep': (0.1, 0.4),
+    'force_decay': (0.1, 0.4),
     'force_delay': (0.006,),
     'force_bias': (2.0,),
     'force_drift': (0.3,),
@@ -84,6 +87,7 @@ WORLDS: dict[str, tuple[float, ...]] = {
     'impedance_mismatch': (0.95, 1.1, 1.05),
     'reflected_inertia': (1.5,),
     'command_delay': (0.006,),
+    'actuator_lag': (0.006,),
     'actuator_saturation': (90.0,),
 }
 """Parameters at which an effect is felt: it leaves 1 to 5 N, or as much in the motion."""
@@ -191,7 +195,6 @@ def test_bias_beside_a_law_is_not_taken_for_a_wrong_impedance() -> None:
 
 
 OUTSIDE = {
-    'wall_resonance': {'mass': 0.4, 'frequency': 9.0, 'damping_ratio': 0.05},
     'soft_spell': {'softer': 600.0, 'first': 1.3, 'last': 2.3},
     'warming_wall': {'softening': 15000.0, 'tau': 1.0},
     'ripple': {'amplitude': 3.0, 'wavelength': 0.004},
@@ -207,7 +210,6 @@ def of_unknown(name: str) -> Diagnosis:
 
 
 MISNAMED = {
-    'wall_resonance': 'a mass on the wall predicts nearly half of it on parts left out',
     'bent_gauge': 'a bent scale of the force looks like another impedance of the robot',
     'windage': 'drag in free flight looks like more damping of the robot',
 }
@@ -223,12 +225,6 @@ def test_what_the_library_has_not_is_located_and_not_named(name: str) -> None:
     assert found.location is not None
     assert found.location.port == OUTSIDE_EFFECTS[name].port
     assert found.next_experiment
-
-
-def test_resonance_is_located_around_its_frequency() -> None:
-    location = of_unknown('wall_resonance').location
-    assert location is not None
-    assert location.band_hz[0] < 9.0 < location.band_hz[1]
 
 
 @pytest.mark.parametrize('spell', [(1.3, 2.3), (3.5, 4.5)], ids=['fitted', 'held out'])

@@ -49,11 +49,12 @@ def resisting(more: Callable[..., float]) -> Callable[..., dict[str, Any]]:
     return lambda *p: {'law': lambda t, d, v: K_e * d + B_e * v + float(more(t, d, v, *p))}
 
 
-def swing(amplitude: float, frequency: float, phase: float) -> dict[str, Any]:
-    """Move the surface as a sine."""
-    w = 2.0 * np.pi * frequency
-    return {'surface': lambda t: (amplitude * np.sin(w * t + phase),
-                                  amplitude * w * np.cos(w * t + phase))}
+def swing(*tones: float) -> dict[str, Any]:
+    """Move the surface as a sum of sines of amplitude, frequency and phase each."""
+    A, f, phase = np.reshape(tones, (-1, 3)).T
+    w = 2.0 * np.pi * f
+    return {'surface': lambda t: (float(A @ np.sin(w * t + phase)),
+                                  float((A * w) @ np.cos(w * t + phase)))}
 
 
 INDEPENDENT: dict[str, Callable[..., dict[str, Any]]] = {
@@ -71,6 +72,7 @@ INDEPENDENT: dict[str, Callable[..., dict[str, Any]]] = {
     'quadratic_damping': resisting(lambda t, d, v, B_2: B_2 * v * abs(v)),
     'contact_offset': lambda offset: {'surface': lambda t: (offset, 0.0)},
     'moving_environment': swing,
+    'beating_environment': swing,
     'dead_zone': resisting(lambda t, d, v, gap: K_e * (max(d - gap, 0.0) - d)),
     'bilinear_stiffness': resisting(lambda t, d, v, K_2, depth: K_2 * max(d - depth, 0.0)),
     'stiffness_drift': resisting(lambda t, d, v, rate: K_e * rate * t * d),
@@ -93,6 +95,7 @@ RATES: dict[str, Callable[..., float]] = {
         v - beta * abs(v) * z - gamma * v * abs(z)),
 }
 TRANSFORMED = {'fractional_relaxation'}
+LAGGING, RESONANT = {'actuator_lag'}, {'environment_resonance'}
 # Facts about them: test_effect_laws.py
 NOT_SMOOTH = {'adhesion', 'backlash', 'dmt_adhesion', 'plastic_set', 'unloading_hysteresis'}
 
@@ -106,7 +109,7 @@ def positions(name: str, integration_rate: float = 5e3, **values: Any) -> Any:
 
 
 def test_every_effect_is_compared() -> None:
-    compared = {*INDEPENDENT, *RATES, *TRANSFORMED, *NOT_SMOOTH}
+    compared = {*INDEPENDENT, *RATES, *TRANSFORMED, *LAGGING, *RESONANT, *NOT_SMOOTH}
     assert {n for n, cls in EFFECTS.items() if cls.port != 'force_sensor'} == compared
 
 
@@ -131,6 +134,37 @@ def test_world_with_a_state_is_that_of_an_independent_integration(name: str) -> 
     expected = solve_ivp(rates, (0.0, T[-1]), [START, 0.0, 0.0], t_eval=T, max_step=2e-3, **SMOOTH)
     got = positions(name, environment__unilateral=False)
     np.testing.assert_allclose(got, expected.y[0], atol=1e-8)
+
+
+def test_world_with_slow_drives_is_that_of_an_independent_integration() -> None:
+    tau, = example_values('actuator_lag')
+
+    def rates(t: float, s: list[float]) -> list[float]:
+        acceleration = (s[2] - K_e * s[0] - B_e * s[1]) / M_t
+        return [s[1], acceleration, (control(t, s[0], s[1]) - s[2]) / tau]
+
+    begin = [START, 0.0, control(0.0, START, 0.0)]
+    expected = solve_ivp(rates, (0.0, T[-1]), begin, t_eval=T, max_step=2e-3, **SMOOTH)
+    got = positions('actuator_lag', environment__unilateral=False)
+    np.testing.assert_allclose(got, expected.y[0], atol=1e-8)
+    assert np.max(np.abs(got - positions('', environment__unilateral=False))) > 1e-4
+
+
+def test_world_with_a_resonance_is_that_of_an_independent_integration() -> None:
+    mass, frequency, ratio = example_values('environment_resonance')
+    k, c = mass * (2.0 * np.pi * frequency)**2, 2.0 * ratio * mass * 2.0 * np.pi * frequency
+
+    def rates(t: float, s: list[float]) -> list[float]:
+        x, v, y, w = s
+        pull = k * (x - y) + c * (v - w)  # of spring and damper on the mass behind the surface
+        acceleration = (control(t, x, v) - K_e * x - B_e * v - pull) / M_t
+        return [v, acceleration, w, pull / mass]
+
+    begin = [START, 0.0, START, 0.0]
+    expected = solve_ivp(rates, (0.0, T[-1]), begin, t_eval=T, max_step=2e-3, **SMOOTH)
+    got = positions('environment_resonance', environment__unilateral=False)
+    np.testing.assert_allclose(got, expected.y[0], atol=1e-8)
+    assert np.max(np.abs(got - positions('', environment__unilateral=False))) > 1e-4
 
 
 def inverse_laplace(transform: Callable[[Any], Any], t: float, nodes: int = 40) -> float:

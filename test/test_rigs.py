@@ -96,10 +96,10 @@ def test_a_compliance_is_in_series_with_the_wall(name: str) -> None:
     assert np.median(stiffness) == pytest.approx(expected, rel=1e-3)
 
 
-def test_a_wall_that_swings_carries_the_force_with_it() -> None:
-    swing = {'amplitude': 1e-3, 'frequency': 2.0, 'ratio': 0.8, 'phase': 0.0}
-    run = run_of(RIG, 'swinging_fixture', **swing)
-    law = ALL_LAWS['swinging_fixture'](swing)
+def test_a_wall_that_breathes_carries_the_force_with_it() -> None:
+    breath = {'amplitude': 1e-3, 'frequency': 2.0, 'power': 4.0, 'phase': 0.0}
+    run = run_of(RIG, 'breathing_surface', **breath)
+    law = ALL_LAWS['breathing_surface'](breath)
     shift, rate = np.array([law.surface(t) for t in run.t.tolist()]).T  # type: ignore
     d, v = run.x - shift, run.v - rate
     wall = np.where(d > 0.0, np.minimum(0.0, -4000.0 * d - 100.0 * v), 0.0)

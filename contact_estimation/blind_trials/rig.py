@@ -193,7 +193,8 @@ def _prescribed(rig: Rig, law: ForeignLaw | None, t: Array, planned: Array) -> _
 def _drive(rig: Rig, law: ForeignLaw | None, dt: float) -> Callable[[float, float, float], float]:
     """Return the driving force as a function of commanded force, x and v, called once a step."""
     own = law if isinstance(law, RobotLaw) else None
-    most, friction, state = rig.nuisances.robot_friction, 0.0, 0.0
+    most, friction = rig.nuisances.robot_friction, 0.0
+    state: Any = 0.0
 
     def drive(u: float, x: float, v: float) -> float:
         nonlocal friction, state

@@ -23,6 +23,7 @@ from __future__ import annotations
 from .asymmetric_coulomb import AsymmetricCoulomb
 from .base_vibration import BaseVibration
 from .bent_gauge import BentGauge
+from .breathing_surface import BreathingSurface
 from .cross_talk import CrossTalk
 from .elastoplastic_friction import ElastoplasticFriction
 from .flexible_joint import FlexibleJoint
@@ -47,6 +48,7 @@ from .preisach_hysteresis import PreisachHysteresis
 from .prony_relaxation import PronyRelaxation
 from .quasi_linear_viscoelasticity import QuasiLinearViscoelasticity
 from .resonant_mount import ResonantMount
+from .ringing_panel import RingingPanel
 from .rough_surface import RoughSurface
 from .sampled_command import SampledCommand
 from .second_order_filter import SecondOrderFilter
@@ -58,9 +60,7 @@ from .soft_tool import SoftTool
 from .soft_torque_limit import SoftTorqueLimit
 from .stiffness_ripple import StiffnessRipple
 from .stribeck_joint import StribeckJoint
-from .swinging_fixture import SwingingFixture
 from .tsuji_damping import TsujiDamping
-from .wall_resonance import WallResonance
 from .walton_braun import WaltonBraun
 from .warming_sensor import WarmingSensor
 from .warming_wall import WarmingWall
@@ -86,7 +86,8 @@ FOREIGN_LAWS: dict[str, type[ForeignLaw]] = {
     'power_law_damper': PowerLawDamper,
     'jkr_adhesion': JkrAdhesion,
     'rough_surface': RoughSurface,
-    'swinging_fixture': SwingingFixture,
+    'breathing_surface': BreathingSurface,
+    'ringing_panel': RingingPanel,
     'second_order_filter': SecondOrderFilter,
     'settling_bias': SettlingBias,
     'load_cell_creep': LoadCellCreep,
@@ -103,7 +104,6 @@ FOREIGN_LAWS: dict[str, type[ForeignLaw]] = {
 """Laws that a family of effects describes acceptably."""
 
 UNKNOWN_LAWS: dict[str, type[ForeignLaw]] = {
-    'wall_resonance': WallResonance,
     'soft_spell': SoftSpell,
     'warming_wall': WarmingWall,
     'force_ripple': ForceRipple,

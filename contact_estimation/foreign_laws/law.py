@@ -276,8 +276,8 @@ class RobotLaw(ForeignLaw):
         return reference
 
     def drive(
-        self, u: float, x: float, v: float, dt: float, state: float
-    ) -> tuple[float, float]:
+        self, u: float, x: float, v: float, dt: float, state: Any
+    ) -> tuple[float, Any]:
         """
         Return the force that drives the robot's mass.
 
@@ -289,14 +289,14 @@ class RobotLaw(ForeignLaw):
             Position [m] and velocity [m/s].
         dt : float
             Time since the last call [s].
-        state : float
-            State after the last call, 0 at first.
+        state : object
+            State after the last call, 0.0 at first.
 
         Returns
         -------
         force : float
             Delivered force less friction [N].
-        state : float
+        state : object
             State after this step.
 
         """

@@ -16,7 +16,7 @@
 
 from __future__ import annotations
 
-from math import expm1
+from typing import Any
 
 from numpy.random import Generator
 
@@ -25,10 +25,11 @@ from .law import Magnitudes, RobotLaw, Strength
 
 class SlowTorqueLoop(RobotLaw):
     """
-    The drives deliver the commanded force with a lag.
+    The drives deliver the commanded force through a loop of the second order.
 
-    tau f' + f = u.
-    Eppinger and Seering, Proc. IEEE Conf. Robotics and Automation, 1987 (actuator dynamics).
+    tau^2 f'' + 2 zeta tau f' + f = u.
+    Pratt and Williamson, Proc. IEEE/RSJ Int. Conf. Intelligent Robots and Systems, 1995 (series
+    elastic actuators).
 
     """
 
@@ -37,11 +38,17 @@ class SlowTorqueLoop(RobotLaw):
     @classmethod
     def draw(cls, magnitudes: Magnitudes, rng: Generator) -> Strength:
         """Draw; see `ForeignLaw.draw`."""
-        return lambda s: {'tau': 0.05 * s}
+        zeta = float(rng.uniform(0.4, 1.0))
+        return lambda s: {'tau': max(0.05 * s, 5e-4), 'zeta': zeta}
 
     def drive(
-        self, u: float, x: float, v: float, dt: float, state: float
-    ) -> tuple[float, float]:
-        """Return the lagging force; see `RobotLaw.drive`."""
-        state += (u - state) * -expm1(-dt / self.values.tau)
-        return state, state
+        self, u: float, x: float, v: float, dt: float, state: Any
+    ) -> tuple[float, Any]:
+        """Return the force of the loop; see `RobotLaw.drive`."""
+        tau, zeta = self.values.tau, self.values.zeta
+        f, rate = state or (u, 0.0)
+        # Implicit in f and its rate: stable for loops far faster than a step.
+        damping, spring = 2.0 * zeta / tau, 1.0 / tau**2
+        rate = (rate + dt * spring * (u - f)) / (1.0 + dt * damping + dt**2 * spring)
+        f += dt * rate
+        return f, (f, rate)

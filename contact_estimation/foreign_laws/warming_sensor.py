@@ -27,11 +27,12 @@ class WarmingSensor(SensorLaw):
     A gain that approaches another value exponentially.
 
     y = F_e (1 + change (1 - exp(-t / tau))).
-    Fraden, Handbook of Modern Sensors, 2016 (thermal sensitivity shift).
+    Fraden, Handbook of Modern Sensors, 2016 (thermal sensitivity shift). On a specimen it is the
+    same as a stiffness that drifts.
 
     """
 
-    stages = ('press', 'specimen', 'drive')
+    stages = ('press', 'drive')
 
     @classmethod
     def draw(cls, magnitudes: Magnitudes, rng: Generator) -> Strength:

@@ -18,9 +18,11 @@ from __future__ import annotations
 
 from dataclasses import make_dataclass
 
+from .actuator_lag import ActuatorLag
 from .actuator_saturation import ActuatorSaturation
 from .adhesion import Adhesion
 from .backlash import Backlash
+from .beating_environment import BeatingEnvironment
 from .bilinear_stiffness import BilinearStiffness
 from .bouc_wen_hysteresis import BoucWenHysteresis
 from .command_delay import CommandDelay
@@ -31,9 +33,11 @@ from .dead_zone import DeadZone
 from .dmt_adhesion import DmtAdhesion
 from .effect import Effect
 from .environment_inertia import EnvironmentInertia
+from .environment_resonance import EnvironmentResonance
 from .exponential_stiffness import ExponentialStiffness
 from .force_bias import ForceBias
 from .force_creep import ForceCreep
+from .force_decay import ForceDecay
 from .force_delay import ForceDelay
 from .force_drift import ForceDrift
 from .force_lag import ForceLag
@@ -63,6 +67,7 @@ EFFECTS: dict[str, type[Effect]] = {
     'stribeck_friction': StribeckFriction,
     'presliding_friction': PreslidingFriction,
     'environment_inertia': EnvironmentInertia,
+    'environment_resonance': EnvironmentResonance,
     'cubic_stiffness': CubicStiffness,
     'power_law_stiffness': PowerLawStiffness,
     'polynomial_stiffness': PolynomialStiffness,
@@ -76,6 +81,7 @@ EFFECTS: dict[str, type[Effect]] = {
     'unloading_hysteresis': UnloadingHysteresis,
     'contact_offset': ContactOffset,
     'moving_environment': MovingEnvironment,
+    'beating_environment': BeatingEnvironment,
     'adhesion': Adhesion,
     'dmt_adhesion': DmtAdhesion,
     'dead_zone': DeadZone,
@@ -87,6 +93,7 @@ EFFECTS: dict[str, type[Effect]] = {
     'force_lag': ForceLag,
     'force_delay': ForceDelay,
     'force_creep': ForceCreep,
+    'force_decay': ForceDecay,
     'force_bias': ForceBias,
     'force_drift': ForceDrift,
     'settling_bias': SettlingBias,
@@ -95,6 +102,7 @@ EFFECTS: dict[str, type[Effect]] = {
     'impedance_mismatch': ImpedanceMismatch,
     'reflected_inertia': ReflectedInertia,
     'command_delay': CommandDelay,
+    'actuator_lag': ActuatorLag,
     'actuator_saturation': ActuatorSaturation,
 }
 """Contact, then force sensor in the order of its signal chain, then robot."""

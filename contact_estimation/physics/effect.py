@@ -51,6 +51,8 @@ class Effect(ABC):
         All fields are floats; NaN, the default, switches the effect off.
     neutral : mapping
         Values of parameters at which the effect vanishes, where not 0.
+    linear_in : tuple of str
+        Parameters in which the law is linear; the first alone where empty.
     in_logarithm : tuple of str
         Parameters searched on a logarithmic scale, because their unit depends on another one.
     needs_touch : bool
@@ -63,6 +65,8 @@ class Effect(ABC):
         Name of the parameter of the wall that describes the same physics; '' if there is none.
     is_series : bool
         Whether the law is the beginning of a series, to which a law of its family is preferred.
+    reached_force : str
+        Parameter that is a force which the measured one has to reach; '' if there is none.
     either_sign : bool
         Whether the first parameter is drawn with either sign.
 
@@ -80,12 +84,14 @@ class Effect(ABC):
     description: ClassVar[str]
     Parameters: ClassVar[type[ParameterGroup]]
     neutral: ClassVar[Mapping[str, float]] = {}
+    linear_in: ClassVar[tuple[str, ...]] = ()
     in_logarithm: ClassVar[tuple[str, ...]] = ()
     needs_touch: ClassVar[bool] = False
     needs_penetration: ClassVar[bool] = False
     needs_spring: ClassVar[bool] = False
     base_parameter: ClassVar[str] = ''
     is_series: ClassVar[bool] = False
+    reached_force: ClassVar[str] = ''
     either_sign: ClassVar[bool] = False
 
     def __init__(self, values: ParameterGroup) -> None:

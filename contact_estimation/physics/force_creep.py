@@ -47,7 +47,7 @@ class ForceCreep(ForceSensorEffect):
     F + share y, tau y' + y = F.
 
     Bartel and Yaniv, J. Research of the National Bureau of Standards 102(3), 1997: creep of load
-    cells. A sensor whose force decays (share < 0) cannot be told from a wall that relaxes.
+    cells. One whose force decays is `ForceDecay`.
 
     """
 
@@ -61,23 +61,24 @@ class ForceCreep(ForceSensorEffect):
 
     def __init__(self, values: ForceCreepParameters) -> None:
         super().__init__(values)
+        self._share = values.share
         self._lag = ForceLag(ForceLagParameters(tau=values.tau))
 
     def sense(self, t: float, dt: float, force: float, acceleration: float) -> float:
         """Add the part that follows; see `ForceSensorEffect.sense`."""
-        return force + float(self.values.share * self._lag.sense(t, dt, force, acceleration))
+        return force + float(self._share * self._lag.sense(t, dt, force, acceleration))
 
     def sense_along(self, t: Array, force: Array, acceleration: Array) -> Array:
         """Add the part that follows; see `ForceSensorEffect.sense_along`."""
         followed = self._lag.sense_along(t, force, acceleration)
-        return np.asarray(force + self.values.share * followed)
+        return np.asarray(force + self._share * followed)
 
     def undo_along(self, t: Array, measured: Array) -> Array:
         """Invert the discrete filter; see `ForceSensorEffect.undo_along`."""
         from scipy.signal import lfilter, lfilter_zi  # slow to import, and no node needs it
 
         decay, begin, end = self._lag.weights(float(t[1] - t[0]))
-        share = self.values.share
+        share = self._share
         system = [1.0, -decay], [1.0 + share * end, share * begin - decay]
         rest = lfilter_zi(*system) * measured[0]
         return np.asarray(lfilter(*system, measured, zi=rest)[0])

@@ -27,7 +27,7 @@ from .numeric import Array
 from .scales import Scales
 from ..parameters.specification import optional_parameter, ParameterGroup
 
-_SLOWEST_S = 0.5  # of a force sensor
+_SLOWEST_S = 0.2  # of a force sensor
 
 
 @dataclass(frozen=True)

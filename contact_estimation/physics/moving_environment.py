@@ -26,7 +26,7 @@ from numpy.random import Generator
 from .contact_effect import ContactEffect
 from .numeric import Number
 from .random_strength import log_uniform, Strength
-from .scales import Scales
+from .scales import Scales, Tone
 from ..parameters.specification import optional_parameter, ParameterGroup
 
 
@@ -66,9 +66,7 @@ class MovingEnvironment(ContactEffect):
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """Start at the peaks of the residual spectrum: the cost has many minima in frequency."""
-        found = scales.peaks()
-        return [(abs(peak) / scales.spring, frequency, float(np.angle(1j * peak)))
-                for frequency, peak in found]
+        return [oscillation(tone, scales) for tone in scales.peaks()]
 
     @classmethod
     def draw(cls, scales: Scales, rng: Generator) -> Strength:
@@ -76,3 +74,24 @@ class MovingEnvironment(ContactEffect):
         frequency, phase = log_uniform(rng, 0.4, 5.0), float(rng.uniform(0.0, 2.0 * pi))
         return lambda s: {
             'amplitude': 0.3 * s * scales.depth, 'frequency': frequency, 'phase': phase}
+
+
+def oscillation(tone: Tone, scales: Scales) -> tuple[float, float, float]:
+    """
+    Return the motion of a surface that a tone of the contact residual suggests.
+
+    Parameters
+    ----------
+    tone : (float, complex)
+        Frequency [Hz] and amplitude [N].
+    scales : Scales
+        With the stiffness of the wall.
+
+    Returns
+    -------
+    amplitude, frequency, phase : float
+        In m, Hz, rad.
+
+    """
+    frequency, peak = tone
+    return abs(peak) / scales.spring, frequency, float(np.angle(1j * peak))

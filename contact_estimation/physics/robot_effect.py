@@ -35,6 +35,9 @@ class RobotEffect(Effect):
     reference_delay: float = 0.0
     """Delay of the reference [s]."""
 
+    actuator_lag: float = 0.0
+    """Time constant with which the drives follow the control force [s]."""
+
     def control(self, u: Number, m: Any) -> Number:
         """
         Return the control force that the drives deliver.

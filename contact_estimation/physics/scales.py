@@ -25,6 +25,9 @@ _SHARE = 0.1  # of the force, which an effect may add where there is no spring o
 _SLOWEST_S = 0.1  # delay
 _FEWEST, _MOST = 3, 9  # values of a spread
 
+Tone = tuple[float, complex]
+"""Frequency [Hz] and complex amplitude."""
+
 
 class Scales(NamedTuple):
     """
@@ -45,6 +48,8 @@ class Scales(NamedTuple):
         contact residual.
     sample_period : float
         Shortest time between samples [s]; 0 where unknown.
+    beat : tuple of (float, complex)
+        The two tones that together explain most of that residual; empty where unknown.
 
     """
 
@@ -57,8 +62,9 @@ class Scales(NamedTuple):
     stiffness: float
     damping: float
     mass: float
-    spectrum: tuple[tuple[float, complex], ...] = ()
+    spectrum: tuple[Tone, ...] = ()
     sample_period: float = 0.0
+    beat: tuple[Tone, ...] = ()
 
     @property
     def pace(self) -> float:
@@ -80,7 +86,7 @@ class Scales(NamedTuple):
         """Mass that the force accelerates at the pace of the motion [kg]."""
         return self.force * self.pace / self.speed
 
-    def peaks(self) -> tuple[tuple[float, complex], ...]:
+    def peaks(self) -> tuple[Tone, ...]:
         """Return the peaks of the residual spectrum, or one guess where none is known."""
         return self.spectrum or ((0.2 / self.pace, complex(0.0, -0.02 * self.force)),)
 

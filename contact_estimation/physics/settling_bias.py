@@ -47,6 +47,7 @@ class SettlingBias(ForceSensorEffect):
     family = 'sensor_zero'
     description = 'The zero of the force sensor settles exponentially, as after switching on.'
     Parameters = SettlingBiasParameters
+    linear_in = ('change', 'bias')
     either_sign = True
 
     def sense(self, t: float, dt: float, force: float, acceleration: float) -> float:

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from functools import partial
 import math
-from math import ceil, nan
+from math import ceil, isnan, nan
 from typing import Any, NamedTuple, Sequence
 
 from .contact_mode import FREE, HELD, Instant, Mode, PRESSING, SLACK
@@ -93,6 +93,7 @@ class World:
         self._present: Instant | None = None
         self.configure(parameters)
         self._state: State = (position, velocity) + (0.0,) * self._law.states
+        self._state += (nan,) * self._robot.states  # until the reference is known
         self._last_sensed = (-1.0, 0.0)
         self._credit = _MOST_SWITCHES
 
@@ -184,6 +185,10 @@ class World:
         if reference is not self._reference:
             self._reference = reference
             self._forget()
+            if self._robot.states and isnan(self._state[-1]):
+                x, v, *_ = self._state
+                u = self._robot.control(x, v, self._asked_for(self.t), math)
+                self._state = (*self._state[:-1], u)
 
     def _forget(self) -> None:
         """Drop what was computed under another reference or other parameters."""
@@ -192,20 +197,26 @@ class World:
 
     # -- equations --------------------------------------------------------------------------
 
-    def _control(self, t: float, x: float, v: float) -> float:
+    def _driving(self, t: float, x: float, v: float, states: State) -> float:
         """Eq. (1) without F_e: the force that drives the robot's mass."""
+        if self._robot.states:
+            return float(self._robot.less_drag(states[-1], v, math))
+        return float(self._drive(x, v, self._asked_for(t)))
+
+    def _asked_for(self, t: float) -> tuple[float, float, float, float]:
+        """Return the reference that reaches the robot at a time."""
         if t != self._asked:  # a step asks twice for its middle and twice for its end
             assert self._reference is not None
             x_r, v_r, a_r, F_r = self._reference(t - self._robot.reference_delay)
             tracked = F_r if self._force_tracking and F_r == F_r else 0.0
             self._asked, self._answer = t, (x_r, v_r, a_r, tracked)
-        return float(self._drive(x, v, self._answer))
+        return self._answer
 
     def _look(self, t: float, state: State) -> Instant:
         """Determine which equation of contact holds, and solve it."""
         law, mass = self._law, self._robot.mass
         x, v = state[0], state[1]
-        u = self._control(t, x, v)
+        u = self._driving(t, x, v, state[2:])
         contact, resistance, free = law.touch(t, x, v, state[2:], math)
         if not contact:
             return Instant((u + free) / mass, free, HELD if free else FREE)
@@ -217,7 +228,7 @@ class World:
 
     def _acceleration(self, t: float, x: float, v: float, states: State, mode: Mode) -> float:
         """Solve for the acceleration under the equation of a mode."""
-        u, law, mass = self._control(t, x, v), self._law, self._robot.mass
+        u, law, mass = self._driving(t, x, v, states), self._law, self._robot.mass
         if mode is FREE:
             return u / mass
         if mode is PRESSING:
@@ -247,17 +258,26 @@ class World:
     def _runge_kutta_with_states(self, t: float, state: State, h: float, now: Instant) -> State:
         half, mode = 0.5 * h, now.mode
         x, v, *_ = state
-        k1: State = (v, now.acceleration, *self._law.rates(t, x, v, state[2:]))
+        k1: State = (v, now.acceleration, *self._state_rates(t, x, v, state[2:]))
         k2 = self._rates(t + half, shift(state, half, k1), mode)
         k3 = self._rates(t + half, shift(state, half, k2), mode)
         k4 = self._rates(t + h, shift(state, h, k3), mode)
         x, v, *states = combine(state, h, k1, k2, k3, k4)
-        return (x, v, *self._law.settle(t + h, x, v, tuple(states)))
+        settled = self._law.settle(t + h, x, v, tuple(states))
+        return (x, v, *settled, *states[len(settled):])
 
     def _rates(self, t: float, state: State, mode: Mode) -> State:
         x, v, *_ = state
         states = state[2:]
-        return (v, self._acceleration(t, x, v, states, mode), *self._law.rates(t, x, v, states))
+        return (v, self._acceleration(t, x, v, states, mode), *self._state_rates(t, x, v, states))
+
+    def _state_rates(self, t: float, x: float, v: float, states: State) -> State:
+        """Return the rates of the wall's states, then of the drives' if they lag."""
+        rates, robot = self._law.rates(t, x, v, states), self._robot
+        if not robot.states:
+            return rates
+        asked = robot.control(x, v, self._asked_for(t), math)
+        return (*rates, robot.rate(asked, states[-1]))
 
     def _step_with_events(self, h: float, now: Instant) -> Instant:
         """Step, split at switches of the contact equation unless it chatters."""

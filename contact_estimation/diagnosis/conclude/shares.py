@@ -44,6 +44,7 @@ from ...physics import EFFECTS
 Array = NDArray[np.float64]
 
 _SPREAD = 1.0  # median deviation of a magnitude between parts, over its median
+_ALIKE = 0.3  # least ratio of that median and the magnitude on all parts, either way
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,11 +105,13 @@ class Shares:
                 for part, share, alone in zip(self.parts, self.of[name].parts, self._alone)]
 
     def agrees(self, name: str) -> bool:
-        """Return whether the magnitude of an effect is much the same on each part alone."""
+        """Return whether the magnitude of an effect is much the same on each part and on all."""
         place = self.best.model.place(name).start
         neutral = EFFECTS[name].neutral.get(names_of(name)[0], 0.0)
         sizes = np.array([alone[place] - neutral for alone in self._alone])
-        usual = float(np.median(sizes))
+        usual, whole = float(np.median(sizes)), self.best.model.values[place] - neutral
+        if not _ALIKE * abs(whole) <= usual * np.sign(whole) <= abs(whole) / _ALIKE:
+            return False
         return float(np.median(np.abs(sizes - usual))) <= _SPREAD * abs(usual)
 
     def sure(self, name: str) -> float:

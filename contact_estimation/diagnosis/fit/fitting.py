@@ -22,9 +22,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from ..observe.model import Model
+from ..observe.model import Model, names_of
 from ..observe.prepared_recording import Recordings
 from ..observe.residuals import residuals
+from ...physics import EFFECTS
 
 Array = NDArray[np.float64]
 
@@ -196,7 +197,7 @@ def step(recordings: Recordings, model: Model) -> tuple[float, Model]:
     Take one Gauss-Newton step, exact in linear parameters.
 
     A step of all values is too long where the newest law is far from linear in those that shape
-    it; then one of its magnitude and the wall alone is better.
+    it; then one of what it is linear in and the wall alone is better.
 
     Parameters
     ----------
@@ -240,11 +241,13 @@ def _cost(result: tuple[float, Array]) -> float:
 
 
 def _shapes(model: Model) -> NDArray[np.bool_]:
-    """Return which coordinates shape the newest law; its first parameter is its magnitude."""
+    """Return which coordinates shape the newest law, which is linear in its others."""
     shapes = np.zeros(len(model.values), bool)
     if model.effects:
-        place = model.place(model.effects[-1])
-        shapes[place.start + 1:place.stop] = True
+        name = model.effects[-1]
+        names = names_of(name)
+        linear = EFFECTS[name].linear_in or names[:1]
+        shapes[model.place(name)] = [parameter not in linear for parameter in names]
     return shapes[model.free]
 
 

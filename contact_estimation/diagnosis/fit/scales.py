@@ -16,16 +16,23 @@
 
 from __future__ import annotations
 
+from itertools import combinations
+
 import numpy as np
+from numpy.typing import NDArray
 from scipy.fft import next_fast_len
 
 from .fitting import Fit
 from ..observe.prepared_recording import PreparedRecording, Recordings
 from ..observe.residuals import force_residual
-from ...physics.scales import Scales
+from ...physics.scales import Scales, Tone
+
+Array = NDArray[np.float64]
+Tones = tuple[Tone, ...]
 
 _LEAST = 1e-30  # in any unit
 _PEAKS, _HIGHEST_HZ = 3, 12.0
+_STRONG, _ALIKE = 40, 1e-3  # frequencies that are tried in pairs; relative singular value
 _SPACED_S, _FINER = 0.02, 4  # samples of the residual; grid of the spectrum, over 1 / duration
 
 
@@ -61,37 +68,59 @@ def measure_scales(recordings: Recordings, base: Fit) -> Scales:
         if o.reference is not None:
             u = laws.robot.impedance_force(o.x, o.v, o.reference)
             control = max(control, float(np.max(np.abs(u))))
+    spectrum, beat = _spectrum(recordings[0], base)
     return Scales(
         depth, speed, force, control, pull, duration, max(model.stiffness, _LEAST),
-        max(model.damping, _LEAST), laws.robot.mass, _spectrum(recordings[0], base),
-        min(recording.observed.h for recording in recordings),
+        max(model.damping, _LEAST), laws.robot.mass, spectrum,
+        min(recording.observed.h for recording in recordings), beat,
     )
 
 
-def _spectrum(recording: PreparedRecording, base: Fit) -> tuple[tuple[float, complex], ...]:
-    """Find the largest peaks of the contact residual on a grid finer than 1 / duration."""
+def _spectrum(recording: PreparedRecording, base: Fit) -> tuple[Tones, Tones]:
+    """Find the largest peaks of the contact residual, and the two tones that fit it best."""
     o = recording.observed
     law = base.model.laws().contact
     if not law.unilateral:
-        return ()
+        return (), ()
     residual = force_residual(recording, base.model)
     use = recording.use & o.measured & (law.force(o.t, o.x, o.v, o.a) < 0.0)
     stride = max(1, round(_SPACED_S * o.pace / o.h))
     use, r = use[::stride], residual[::stride]
     count = int(np.count_nonzero(use))
     if count < 50:
-        return ()
+        return (), ()
+    r = np.where(use, r - r[use].mean(), 0.0)
     finer = next_fast_len(_FINER * len(r))
-    sums = np.fft.rfft(np.where(use, r - r[use].mean(), 0.0), finer)
     frequencies = np.fft.rfftfreq(finer, stride * o.h)
-    sums = sums * np.exp(-2j * np.pi * frequencies * o.t[0])
+    sums = np.fft.rfft(r, finer) * np.exp(-2j * np.pi * frequencies * o.t[0])
     inside = (frequencies >= 0.5 / float(o.t[-1])) & (frequencies < _HIGHEST_HZ / o.pace)
     frequencies, amplitudes = frequencies[inside], 2.0 / count * sums[inside]
+    order = np.argsort(-np.abs(amplitudes)).tolist()
     spacing = 1.0 / (finer * stride * o.h)
-    found: list[tuple[float, complex]] = []
-    for k in np.argsort(-np.abs(amplitudes)).tolist():
+    found: list[Tone] = []
+    for k in order:
         if all(abs(frequencies[k] - other) > 4.0 * spacing for other, _ in found):
             found.append((float(frequencies[k]), complex(amplitudes[k])))
         if len(found) == _PEAKS:
             break
-    return tuple(found)
+    strong = np.sort(frequencies[order[:_STRONG]])
+    return tuple(found), _beat(o.t[::stride][use], r[use], strong)
+
+
+def _beat(t: Array, r: Array, frequencies: Array) -> Tones:
+    """Fit all pairs of tones of some frequencies; return the best."""
+    angles = 2.0 * np.pi * t[:, None] * frequencies
+    columns = np.column_stack([np.cos(angles), np.sin(angles), np.ones(len(t))])
+    gram, push, count = columns.T @ columns, columns.T @ r, len(frequencies)
+    best, gain = np.zeros(0, int), 0.0
+    for one, other in combinations(range(count), 2):
+        chosen = np.array([one, other, one + count, other + count, 2 * count])
+        # Two tones of one frequency are one: the rest of their difference would be huge.
+        weights = np.linalg.lstsq(gram[np.ix_(chosen, chosen)], push[chosen], rcond=_ALIKE)[0]
+        explained = float(2.0 * weights @ push[chosen]
+                          - weights @ gram[np.ix_(chosen, chosen)] @ weights)
+        if explained > gain:
+            best, gain, found = chosen, explained, weights
+    if not len(best):
+        return ()
+    return tuple((float(frequencies[best[k]]), complex(found[k], -found[k + 2])) for k in (0, 1))

@@ -24,7 +24,7 @@ from .criteria import noise_scale, penalty
 from .discrepancy import costs_by_channel, has_discrepancy
 from .fitting import cost_of, Fit, fit, fit_at, fit_to_end, step
 from .scales import measure_scales
-from ..observe.model import Model
+from ..observe.model import Model, names_of
 from ..observe.prepared_recording import Recordings
 from ..observe.residuals import force_residual
 from ...physics import EFFECTS
@@ -39,6 +39,7 @@ _FAR = 2.0  # times the noise: power of the residuals
 # Of a clipped force, in standard deviations of its noise and as a share of the limit; of the time,
 # in the direction in which it is clipped less.
 _LEVEL, _SLOPE, _MOST_HELD = 3.0, 0.01, 0.25
+_REACHED = 1.5  # of the range of the force
 
 Progress = Callable[[str], None]
 
@@ -153,12 +154,14 @@ def is_credible(recordings: Recordings, model: Model) -> bool:
     -------
     credible : bool
         False for a saturating sensor if the measured force is not level where the sensor would
-        hold it, or is held for most of the time to and fro, as friction holds it.
+        hold it, or is held for most of the time to and fro, as friction holds it; and for a
+        friction beyond the range of the force, which never slips: that is a spring.
 
     """
-    if not model.plausible():
+    name = model.effects[-1]
+    if not model.plausible() or not _is_reached(recordings, model, name):
         return False
-    if model.effects[-1] != 'force_saturation':
+    if name != 'force_saturation':
         return True
     limit = model.values[model.place('force_saturation').start]
     held_by_side, count = np.zeros(2), 0
@@ -171,6 +174,15 @@ def is_credible(recordings: Recordings, model: Model) -> bool:
         if held.any() and float(np.std(np.abs(force[held]))) > most:
             return False
     return bool(held_by_side.any()) and bool(held_by_side.min() <= _MOST_HELD * count)
+
+
+def _is_reached(recordings: Recordings, model: Model, name: str) -> bool:
+    """Return whether the measured force is large enough for an effect to show."""
+    parameter = EFFECTS[name].reached_force
+    if not parameter:
+        return True
+    value = model.values[model.place(name)][names_of(name).index(parameter)]
+    return any(value <= _REACHED * float(np.ptp(one.observed.force)) for one in recordings)
 
 
 def _candidates(recordings: Recordings, model: Model) -> list[str]:

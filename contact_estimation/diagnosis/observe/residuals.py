@@ -203,7 +203,7 @@ def _robot_innovations(recording: PreparedRecording, laws: Laws, force: Array, d
     if robot.is_linear:
         push = robot.impedance_force(0.0, 0.0, reference)
     else:
-        push = (robot.force(o.x, o.v, reference, np) + robot.damping * o.v
+        push = (robot.force_along(o.t, o.x, o.v, reference) + robot.damping * o.v
                 + robot.stiffness * o.x)
     push = push + (at_touch_down(force, d) if laws.contact.unilateral else force)
     system = discretise(robot.mass, robot.damping, robot.stiffness, o.h)

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Fixture that swings at two frequencies."""
+"""Surface that breathes."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ from numpy.random import Generator
 from .law import ContactLaw, log_uniform, Magnitudes, Strength
 
 
-class SwingingFixture(ContactLaw):
+class BreathingSurface(ContactLaw):
     """
-    The surface moves as two coupled pendulums: a beat.
+    The surface rests at one end of its motion, as that of a patient who breathes.
 
-    x_e = amplitude (sin(omega t + phase) + sin(ratio omega t)) / 2.
-    Den Hartog, Mechanical Vibrations, 1956 (beats of coupled oscillators).
+    x_e = amplitude cos^(2 n)(pi frequency t + phase).
+    Lujan, Larsen, Balter and Ten Haken, Medical Physics 26(5), 1999.
 
     """
 
@@ -38,14 +38,15 @@ class SwingingFixture(ContactLaw):
     @classmethod
     def draw(cls, magnitudes: Magnitudes, rng: Generator) -> Strength:
         """Draw; see `ForeignLaw.draw`."""
-        frequency = log_uniform(rng, 0.3, 4.0)
-        ratio, phase = float(rng.uniform(0.75, 0.95)), float(rng.uniform(0.0, 2.0 * pi))
-        return lambda s: {'amplitude': 0.2 * s * magnitudes.depth, 'frequency': frequency,
-                          'ratio': ratio, 'phase': phase}
+        frequency, power = log_uniform(rng, 0.3, 3.0), int(rng.integers(1, 4))
+        phase, way = float(rng.uniform(0.0, pi)), float(rng.choice([-1.0, 1.0]))
+        return lambda s: {'amplitude': 0.3 * way * s * magnitudes.depth, 'frequency': frequency,
+                          'power': 2 * power, 'phase': phase}
 
     def surface(self, t: float) -> tuple[float, float]:
         """Return the motion of the surface; see `ContactLaw.surface`."""
-        p, omega = self.values, 2.0 * pi * self.values.frequency
-        one, other = omega * t + p.phase, p.ratio * omega * t
-        return (0.5 * p.amplitude * (sin(one) + sin(other)),
-                0.5 * p.amplitude * omega * (cos(one) + p.ratio * cos(other)))
+        p = self.values
+        angle, power = pi * p.frequency * t + p.phase, int(p.power)
+        c, s = cos(angle), sin(angle)
+        return (p.amplitude * c**power,
+                -p.amplitude * pi * p.frequency * power * c ** (power - 1) * s)

@@ -1,0 +1,115 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Mass behind the surface on a spring and a damper of its own."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi
+from typing import Any
+
+import numpy as np
+from numpy.random import Generator
+
+from .contact_effect import ContactEffect
+from .numeric import Array, Flags, Number
+from .random_strength import log_uniform, Strength
+from .scales import Scales
+from ..parameters.specification import optional_parameter, ParameterGroup
+
+_LIGHTLY = 0.05  # damped
+_LOWEST, _HIGHEST = 0.6, 4.0  # frequencies, times the pace of the motion
+
+
+@dataclass(frozen=True)
+class EnvironmentResonanceParameters(ParameterGroup):
+    """Parameters of `EnvironmentResonance`."""
+
+    mass: float = optional_parameter('Mass that resonates', 'kg', minimum=0.0)
+    frequency: float = optional_parameter(
+        'Its natural frequency while the surface rests', 'Hz', minimum=0.01)
+    damping_ratio: float = optional_parameter(
+        'Its damping over the critical one', '1', minimum=0.001, maximum=0.99)
+
+
+class EnvironmentResonance(ContactEffect):
+    """
+    R = mass y'', y'' = omega^2 (d - y) + 2 damping_ratio omega (v - y'); d = v = 0 out of contact.
+
+    Den Hartog, Mechanical Vibrations, 1956 (vibration absorber). States: z = y - d and w = y',
+    so that a wall at rest has none at any depth.
+
+    """
+
+    name = 'environment_resonance'
+    equation = ("F_e -= mass y'', y'' = omega^2 (d - y) + 2 damping_ratio omega (v - y'), "
+                'omega = 2 pi frequency')
+    family = 'inertia'
+    description = 'A mass behind the surface resonates on a spring and a damper of its own.'
+    Parameters = EnvironmentResonanceParameters
+
+    states = 2
+
+    @property
+    def _omega(self) -> float:
+        return float(2.0 * pi * self.values.frequency)
+
+    def _acceleration(self, v: Any, state: Any) -> Any:
+        z, w = state
+        return -self._omega * (self._omega * z + 2.0 * self.values.damping_ratio * (w - v))
+
+    def resistance(self, t: Number, d: Number, v: Number, state: Any, m: Any) -> Number:
+        """Return the inertial force of the mass; see `ContactEffect.resistance`."""
+        return self.values.mass * self._acceleration(v, state)
+
+    def state_rates(
+        self, t: float, d: float, v: float, contact: bool, state: tuple[float, ...]
+    ) -> tuple[float, ...]:
+        """Return the rates of z and w; see `ContactEffect.state_rates`."""
+        rate = v if contact else 0.0
+        return state[1] - rate, self._acceleration(rate, state)
+
+    def states_along(self, t: Array, d: Array, v: Array, contact: Flags) -> Array:
+        """Filter d, straight between samples; see `ContactEffect.states_along`."""
+        from scipy.signal import cont2discrete, lfilter, lfilter_zi, ss2tf  # slow to import
+
+        omega, damping = self._omega, 2.0 * self.values.damping_ratio * self._omega
+        # In y and p = w - 2 zeta omega d no rate of d appears, which jumps at a touch-down.
+        system = (np.array([[0.0, 1.0], [-omega**2, -damping]]),
+                  np.array([[damping], [omega**2 - damping**2]]), np.eye(2), np.zeros((2, 1)))
+        *sampled, _ = cont2discrete(system, float(t[1] - t[0]), 'foh')
+        rows, poles = ss2tf(*sampled)
+        surface = np.where(contact, d, 0.0)
+        y, p = (lfilter(row, poles, surface, zi=lfilter_zi(row, poles) * surface[0])[0]
+                for row in rows)
+        return np.array([y - surface, p + damping * surface])
+
+    @classmethod
+    def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
+        """Spread the frequency about the pace of the motion; the law is linear in the mass."""
+        frequencies = np.geomspace(_LOWEST, _HIGHEST, 5) / scales.pace
+        return [(0.01 * scales.moved_mass, float(f), _LIGHTLY) for f in frequencies]
+
+    @classmethod
+    def largest(cls, scales: Scales) -> float:
+        """Return the mass of the robot, or that which the force of a specimen accelerates."""
+        return scales.mass
+
+    @classmethod
+    def draw(cls, scales: Scales, rng: Generator) -> Strength:
+        """Draw frequency and damping."""
+        frequency, ratio = log_uniform(rng, 5.0, 25.0), log_uniform(rng, 0.03, 0.2)
+        return lambda s: {'mass': 0.5 * s * scales.mass, 'frequency': frequency,
+                          'damping_ratio': ratio}
