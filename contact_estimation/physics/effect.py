@@ -59,6 +59,8 @@ class Effect(ABC):
         Whether the effect cannot be identified in a permanently attached environment.
     needs_penetration : bool
         Whether the law holds for x beyond x_e only, in a permanently attached environment too.
+    needs_return : bool
+        Whether a specimen that is loaded once, and not unloaded, may as well relax.
     needs_spring : bool
         Whether the effect is without one a constant force, or nothing at all.
     base_parameter : str
@@ -88,6 +90,7 @@ class Effect(ABC):
     in_logarithm: ClassVar[tuple[str, ...]] = ()
     needs_touch: ClassVar[bool] = False
     needs_penetration: ClassVar[bool] = False
+    needs_return: ClassVar[bool] = False
     needs_spring: ClassVar[bool] = False
     base_parameter: ClassVar[str] = ''
     is_series: ClassVar[bool] = False
@@ -164,6 +167,29 @@ class Effect(ABC):
 
         """
         return True
+
+    @classmethod
+    def vanishes(cls, values: Any) -> bool:
+        """
+        Return whether the effect changes nothing.
+
+        Parameters
+        ----------
+        values : ParameterGroup
+            An instance of `Parameters`.
+
+        Returns
+        -------
+        vanishes : bool
+            All parameters in which the law is linear have their neutral value.
+
+        """
+        return all(getattr(values, name) == cls.neutral.get(name, 0.0) for name in cls.linear())
+
+    @classmethod
+    def linear(cls) -> tuple[str, ...]:
+        """Return the parameters in which the law is linear, by default the first."""
+        return cls.linear_in or (fields(cls.Parameters)[0].name,)
 
     @classmethod
     def is_flexible(cls, values: Any, duration: float) -> bool:

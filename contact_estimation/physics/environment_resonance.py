@@ -24,6 +24,7 @@ import numpy as np
 from numpy.random import Generator
 
 from .contact_effect import ContactEffect
+from .moving_environment import MANY_PERIODS
 from .numeric import Array, Flags, Number
 from .random_strength import log_uniform, Strength
 from .scales import Scales
@@ -95,6 +96,11 @@ class EnvironmentResonance(ContactEffect):
         y, p = (lfilter(row, poles, surface, zi=lfilter_zi(row, poles) * surface[0])[0]
                 for row in rows)
         return np.array([y - surface, p + damping * surface])
+
+    @classmethod
+    def is_flexible(cls, values: Any, duration: float) -> bool:
+        """Is one with few periods in the recording: that follows any slow misfit."""
+        return bool(values.frequency * duration < MANY_PERIODS)
 
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:

@@ -30,7 +30,8 @@ from .scales import Scales, Tone
 from ..parameters.specification import optional_parameter, ParameterGroup
 
 
-_MANY_PERIODS = 8.0  # in the recording; fewer can follow any slow misfit
+MANY_PERIODS = 8.0
+"""Least periods in a recording of an oscillation that cannot follow any slow misfit."""
 
 
 @dataclass(frozen=True)
@@ -61,7 +62,7 @@ class MovingEnvironment(ContactEffect):
     @classmethod
     def is_flexible(cls, values: Any, duration: float) -> bool:
         """Is one with few periods in the recording."""
-        return bool(values.frequency * duration < _MANY_PERIODS)
+        return bool(values.frequency * duration < MANY_PERIODS)
 
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:

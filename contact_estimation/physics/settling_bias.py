@@ -47,6 +47,7 @@ class SettlingBias(ForceSensorEffect):
     family = 'sensor_zero'
     description = 'The zero of the force sensor settles exponentially, as after switching on.'
     Parameters = SettlingBiasParameters
+    needs_return = True
     linear_in = ('change', 'bias')
     either_sign = True
 

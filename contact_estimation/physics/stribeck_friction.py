@@ -46,6 +46,7 @@ class StribeckFriction(ContactEffect):
     family = 'friction'
     description = 'Dry friction of the wall that decreases with speed (Stribeck effect).'
     Parameters = StribeckFrictionParameters
+    linear_in = ('F_c', 'F_s')
     jumps = True
 
     def resistance(self, t: Number, d: Number, v: Number, state: Any, m: Any) -> Number:

@@ -29,7 +29,7 @@ from .naming import advice, name_effects
 from .result import Diagnosis, NamedEffect, pair_of, Remainder, Value
 from .shares import Shares
 from ..fit.discrepancy import has_discrepancy
-from ..fit.fitting import Fit
+from ..fit.fitting import Fit, fit_at
 from ..fit.free_run import free_run
 from ..fit.model_uncertainty import discounted
 from ..fit.output_error import refine, refine_and_prune
@@ -43,6 +43,7 @@ from ...physics import EFFECTS
 Array = NDArray[np.float64]
 
 _CLEARLY_WORSE = 1.05  # ratio of force errors on held-out data
+_UNTOLD = 4.0  # cost of two standard deviations
 _NOTHING = 0.01  # of the misfit: a remainder that is not worth a word
 
 MODELS = ('nominal', 'recalibrated', 'corrected')
@@ -97,6 +98,7 @@ def conclude(fitted: Fitted, seed: int, progress: Progress) -> Diagnosis:
     decision = decide(fitted.selection, whole, progress)
     selection = decision.selection
     recordings, base, best = _refined(fitted.nominal, decision, progress)
+    best = _nominal_where_unknown(fitted.nominal, recordings, best)
     progress('held-out parts')
     models = (fitted.nominal, base.model, best.model)
     parts, free_runs = _held_out(recordings, whole, fitted.holdouts, models)
@@ -148,6 +150,20 @@ def _refined(
         return recordings, base, best
     recordings, base = refine(recordings, base)
     return recordings, base, base
+
+
+def _nominal_where_unknown(nominal: Model, recordings: Recordings, best: Fit) -> Fit:
+    """Keep a nominal K_e or B_e that the fitted part does not tell, such as the damping of a hold."""
+    if not best.model.effects:
+        return best
+    stds = standard_deviations(recordings, best)
+    for k in range(2):
+        values = list(best.model.values)
+        values[k] = nominal.values[k]
+        if best.model.free[k] and stds[k] > abs(values[k]) > 0.0:
+            kept = fit_at(recordings, best.model.at(values))
+            best = kept if kept.cost < best.cost + _UNTOLD else best
+    return best
 
 
 def _worse(parts: Sequence[Part], best: Model) -> bool:

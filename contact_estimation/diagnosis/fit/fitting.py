@@ -245,9 +245,8 @@ def _shapes(model: Model) -> NDArray[np.bool_]:
     shapes = np.zeros(len(model.values), bool)
     if model.effects:
         name = model.effects[-1]
-        names = names_of(name)
-        linear = EFFECTS[name].linear_in or names[:1]
-        shapes[model.place(name)] = [parameter not in linear for parameter in names]
+        linear = EFFECTS[name].linear()
+        shapes[model.place(name)] = [parameter not in linear for parameter in names_of(name)]
     return shapes[model.free]
 
 

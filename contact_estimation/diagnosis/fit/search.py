@@ -24,15 +24,17 @@ from .criteria import noise_scale, penalty
 from .discrepancy import costs_by_channel, has_discrepancy
 from .fitting import cost_of, Fit, fit, fit_at, fit_to_end, step
 from .scales import measure_scales
-from ..observe.model import Model, names_of
-from ..observe.prepared_recording import Recordings
+from ..observe.model import Model
+from ..observe.prepared_recording import PreparedRecording, Recordings
 from ..observe.residuals import force_residual
+from ...parameters.specification import ParameterGroup
 from ...physics import EFFECTS
 from ...physics.robot_effect import RobotEffect
 
 _STARTED = 14  # candidates that are fitted, the best after one step
 _OF_CHANNEL = 4  # further ones, the best in force or motion alone
 _FOLLOWED, _TO_END = 6, 2  # those that are refined, and those fitted to the end
+_STROKES = 1.5  # path over range: from one stroke to one and a return
 _SLACK = 0.02  # of the range, by which a pressed wall may be pulled
 _FAR = 2.0  # times the noise: power of the residuals
 
@@ -44,7 +46,9 @@ _REACHED = 1.5  # of the range of the force
 Progress = Callable[[str], None]
 
 
-def candidates_for(model: Model, with_robot: bool, pressed: bool = False) -> list[str]:
+def candidates_for(
+    model: Model, with_robot: bool, pressed: bool = False, returns: bool = True,
+) -> list[str]:
     """
     List the effects that may be added.
 
@@ -56,13 +60,15 @@ def candidates_for(model: Model, with_robot: bool, pressed: bool = False) -> lis
         Whether robot effects are.
     pressed : bool
         Whether a permanently attached wall is only pressed, never pulled.
+    returns : bool
+        Whether it is moved to and fro.
 
     Returns
     -------
     names : list of str
         In the order of the registry; effects of touching only for a unilateral wall, those of
-        penetration also for an attached one that is only pressed, those of a spring not for a
-        drive, whose K_e is 0.
+        penetration also for an attached one that is only pressed, those of a return also for one
+        that is moved to and fro, those of a spring not for a drive, whose K_e is 0.
 
     """
     wall = model.nominal.environment
@@ -72,6 +78,7 @@ def candidates_for(model: Model, with_robot: bool, pressed: bool = False) -> lis
         and (with_robot or not issubclass(cls, RobotEffect))
         and (wall.unilateral or not cls.needs_touch)
         and (wall.unilateral or pressed or not cls.needs_penetration)
+        and (wall.unilateral or returns or not cls.needs_return)
         and (wall.unilateral or wall.stiffness or not cls.needs_spring)
         and not (cls.base_parameter == 'inertia' and model.with_inertia)
     ]
@@ -155,11 +162,15 @@ def is_credible(recordings: Recordings, model: Model) -> bool:
     credible : bool
         False for a saturating sensor if the measured force is not level where the sensor would
         hold it, or is held for most of the time to and fro, as friction holds it; and for a
-        friction beyond the range of the force, which never slips: that is a spring.
+        friction beyond the range of the force, which never slips: that is a spring. Nor is one
+        credible that vanishes.
 
     """
     name = model.effects[-1]
-    if not model.plausible() or not _is_reached(recordings, model, name):
+    last = EFFECTS[name].Parameters(*model.values[model.place(name)])
+    if not model.plausible() or EFFECTS[name].vanishes(last):
+        return False
+    if not _is_reached(recordings, name, last):
         return False
     if name != 'force_saturation':
         return True
@@ -176,18 +187,22 @@ def is_credible(recordings: Recordings, model: Model) -> bool:
     return bool(held_by_side.any()) and bool(held_by_side.min() <= _MOST_HELD * count)
 
 
-def _is_reached(recordings: Recordings, model: Model, name: str) -> bool:
+def _is_reached(recordings: Recordings, name: str, values: ParameterGroup) -> bool:
     """Return whether the measured force is large enough for an effect to show."""
-    parameter = EFFECTS[name].reached_force
-    if not parameter:
-        return True
-    value = model.values[model.place(name)][names_of(name).index(parameter)]
-    return any(value <= _REACHED * float(np.ptp(one.observed.force)) for one in recordings)
+    force = getattr(values, EFFECTS[name].reached_force, 0.0)
+    return any(force <= _REACHED * float(np.ptp(one.observed.force)) for one in recordings)
 
 
 def _candidates(recordings: Recordings, model: Model) -> list[str]:
     with_robot = any(one.observed.reference is not None for one in recordings)
-    return candidates_for(model, with_robot, is_pressed(recordings, model))
+    return candidates_for(
+        model, with_robot, is_pressed(recordings, model), any(map(_returns, recordings)))
+
+
+def _returns(recording: PreparedRecording) -> bool:
+    """Return whether the motion is more than one stroke and a hold."""
+    x = recording.observed.x
+    return float(np.sum(np.abs(np.diff(x)))) > _STROKES * float(np.ptp(x))
 
 
 def nearest(recordings: Recordings, near: Sequence[Fit]) -> list[Fit]:
