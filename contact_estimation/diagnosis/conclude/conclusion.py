@@ -153,7 +153,7 @@ def _refined(
 
 
 def _nominal_where_unknown(nominal: Model, recordings: Recordings, best: Fit) -> Fit:
-    """Keep a nominal K_e or B_e that the fitted part does not tell, such as the damping of a hold."""
+    """Keep a nominal K_e or B_e that the data do not tell, such as the damping in a hold."""
     if not best.model.effects:
         return best
     stds = standard_deviations(recordings, best)

@@ -1,0 +1,134 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Laws that are not credible whatever they fit, and where a search for one starts."""
+
+from __future__ import annotations
+
+from concealed_worlds import diagnosed, named, nominal, physics, prepared_from, recorded
+from contact_estimation.diagnosis.conclude.conclusion import _nominal_where_unknown
+from contact_estimation.diagnosis.conclude.shares import Shares
+from contact_estimation.diagnosis.fit.fitting import Fit, fit, fit_at, step
+from contact_estimation.diagnosis.fit.scales import measure_scales
+from contact_estimation.diagnosis.fit.search import candidates_for, is_credible, search
+from contact_estimation.diagnosis.fit.uncertainty import standard_deviations
+from contact_estimation.diagnosis.observe.model import Model
+from contact_estimation.diagnosis.observe.prepared_recording import PreparedRecording
+from contact_estimation.diagnosis.observe.signals import Signals
+from contact_estimation.physics import EFFECTS
+import numpy as np
+from numpy.typing import NDArray
+import pytest
+
+SPRING = nominal(environment__stiffness=1000.0, environment__damping=20.0,
+                 environment__unilateral=False)
+T = np.arange(3000) / 200.0
+ONE_HOLD = 0.01 * np.clip(T / 2.0, 0.0, 1.0)
+TO_AND_FRO = 0.005 * np.sin(1.9 * T) + 0.004 * np.sin(4.4 * T)
+
+
+def specimen(x: NDArray[np.float64], stray: NDArray[np.float64] | float) -> Signals:
+    """Record an attached specimen whose force also strays [N]."""
+    force = 1000.0 * x + 5.0 * np.gradient(x, T) + stray
+    noise = np.random.default_rng(4).normal(0.0, 0.01, len(T))
+    return Signals(T, noise - force, T, x, np.empty(0), np.empty((4, 0)))
+
+
+def prepared(signals: Signals) -> tuple[PreparedRecording, Fit]:
+    """Recalibrate the spring."""
+    recording, model = prepared_from(signals, SPRING)
+    return recording, fit([recording], model)
+
+
+def test_a_friction_that_never_slips_is_a_spring() -> None:
+    recording, found = prepared(specimen(TO_AND_FRO, 0.0))
+    reach = float(np.ptp(recording.observed.force))
+    for share, credible in ((1.4, True), (1.6, False)):
+        model = found.model.with_effect('presliding_friction', (share * reach, 500.0))
+        assert is_credible([recording], model) is credible
+
+
+def test_an_effect_that_vanishes_is_none() -> None:
+    recording, found = prepared(specimen(TO_AND_FRO, 0.0))
+    for name, values, credible in (
+            ('coulomb_friction', (0.0,), False), ('coulomb_friction', (0.1,), True),
+            ('stribeck_friction', (0.0, 0.1, 0.01), True),
+            ('power_law_stiffness', (1.0, 1000.0), False)):
+        assert is_credible([recording], found.model.with_effect(name, values)) is credible
+
+
+def test_a_zero_that_settles_is_no_candidate_where_a_specimen_is_loaded_once() -> None:
+    assert 'settling_bias' not in candidates_for(Model.of(SPRING), False, returns=False)
+    assert 'settling_bias' in candidates_for(Model.of(SPRING), False)
+    assert 'settling_bias' in candidates_for(Model.of(nominal()), True, returns=False)
+
+
+@pytest.mark.parametrize('x, stray, family', [
+    (ONE_HOLD, -3.0 * (1.0 - np.exp(-np.maximum(T - 2.0, 0.0) / 3.0)), 'relaxation'),
+    (TO_AND_FRO, 3.0 * np.exp(-T / 3.0), 'sensor_zero')], ids=['one hold', 'to and fro'])
+def test_what_decays_is_the_specimen_where_it_is_loaded_once(
+    x: NDArray[np.float64], stray: NDArray[np.float64], family: str
+) -> None:
+    assert {EFFECTS[name].family for name in named(diagnosed(specimen(x, stray), SPRING))} == {
+        family}
+
+
+def test_the_search_finds_how_fast_a_zero_settles() -> None:
+    # From the first start a step of all three values ends with a time constant of 1 ms.
+    stray = 4.0 * np.exp(-T / 2.3) - 3.1
+    recording, found = prepared(specimen(TO_AND_FRO + 0.006 * np.exp(-T / 5.0), stray))
+    best = search([recording], found, lambda name: None, ['settling_bias'])[0].model
+    change, tau, bias = best.values[best.place('settling_bias')]
+    assert (-change, tau, -bias) == pytest.approx((4.0, 2.3, -3.1), rel=0.02)
+
+
+def test_one_step_may_be_of_all_that_a_law_is_linear_in() -> None:
+    recording, found = prepared(specimen(TO_AND_FRO, 4.0 * np.exp(-T / 2.3) - 3.1))
+    start = found.model.with_effect('settling_bias', (0.02, 2.3, 0.0))
+    cost, there = step([recording], start)
+    change, _, bias = there.values[there.place('settling_bias')]
+    assert (-change, -bias) == pytest.approx((4.0, -3.1), rel=0.02)
+    assert cost < 1.1 * fit([recording], start).cost
+
+
+def test_two_tones_within_one_peak_of_the_spectrum_are_told_apart() -> None:
+    swing = physics('beating_environment', 3e-4, 1.7, 0.7, 2.5e-4, 1.8, -0.5)
+    recording, model = prepared_from(recorded(**swing))
+    scales = measure_scales([recording], fit([recording], model))
+    assert sorted(tone for tone, _ in scales.beat) == pytest.approx([1.7, 1.8], abs=0.03)
+    assert sum(1.6 < tone < 1.9 for tone, _ in scales.peaks()) == 1
+
+
+@pytest.mark.parametrize('sizes, agrees', [
+    ((4.0, 5.0, 6.0), True), ((1.2, 1.4, 1.6), False), ((18.0, 20.0, 17.0), False),
+    ((-4.0, -5.0, -6.0), False), ((1.0, 5.0, 40.0), True)])
+def test_a_law_has_much_the_same_size_on_each_part_as_on_all(
+    monkeypatch: pytest.MonkeyPatch, sizes: tuple[float, ...], agrees: bool
+) -> None:
+    model = Model.of(SPRING).with_effect('cubic_stiffness', (5.0,))
+    monkeypatch.setattr(Shares, '_alone', [(1000.0, 20.0, size) for size in sizes])
+    none = np.zeros((3, 2))
+    shares = Shares([], [], none, Fit(model, 0.0, np.zeros(1), 1), none, {}, {}, {}, {})
+    assert shares.agrees('cubic_stiffness') is agrees
+
+
+def test_a_damping_that_a_hold_does_not_tell_stays_nominal() -> None:
+    hold, found = prepared(specimen(0.01 + 1e-7 * np.sin(9.0 * T), 0.0))
+    biased = found.model.with_effect('force_bias', (0.1,))
+    lost = fit_at([hold], fit([hold], biased).model.at((1000.0, 500.0, 0.0)))
+    assert standard_deviations([hold], lost)[1] > 20.0
+    assert _nominal_where_unknown(Model.of(SPRING), [hold], lost).model.damping == 20.0
+    told, of_motion = prepared(specimen(TO_AND_FRO, 0.0))
+    moving = fit([told], of_motion.model.with_effect('coulomb_friction', (0.1,)))
+    assert _nominal_where_unknown(Model.of(SPRING), [told], moving) is moving
