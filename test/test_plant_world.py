@@ -335,3 +335,17 @@ def test_world_can_be_changed_while_it_runs() -> None:
             world.advance(0.002, hold)
         expected = -50.0 * stiffness / (stiffness + 5000.0)
         assert world.truth(hold).force == pytest.approx(expected, rel=1e-6)
+
+
+@pytest.mark.parametrize('name', ['viscoelastic_relaxation', 'environment_resonance',
+                                  'actuator_lag', 'coulomb_friction'])
+def test_an_effect_may_be_switched_while_running(name: str) -> None:
+    world = World(plant_with(), 0.0)
+    for plant in (plant_with(), with_effect(name), plant_with(), with_effect(name)):
+        world.configure(plant)
+        world.advance(0.8, hold)
+        x = world.position
+        assert x == pytest.approx(50.0 / (5000.0 + K_e), rel=0.02)
+    world.configure(with_effect(name, environment__stiffness=2.0 * K_e))  # keeps its past
+    world.advance(2e-3, hold)
+    assert world.position == pytest.approx(x, rel=0.01)

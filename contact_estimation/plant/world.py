@@ -89,11 +89,11 @@ class World:
     ) -> None:
         self.t, self._further = begin, further
         self._physics: Any = None
+        self._effects: list[Effect] = []
         self._reference: ReferenceAt | None = None
         self._present: Instant | None = None
+        self._state: State = (position, velocity)
         self.configure(parameters)
-        self._state: State = (position, velocity) + (0.0,) * self._law.states
-        self._state += (nan,) * self._robot.states  # until the reference is known
         self._last_sensed = (-1.0, 0.0)
         self._credit = _MOST_SWITCHES
 
@@ -104,9 +104,10 @@ class World:
         Parameters
         ----------
         parameters : PlantParameters
-            New parameters; the set of effects with internal states must not change.
+            New parameters. If other effects are on than before, all forget their past.
 
         """
+        before = [effect.name for effect in self._effects]
         if parameters.physics != self._physics:  # else effects would lose their past
             self._physics = parameters.physics
             self._effects = [*effects_that_are_on(parameters.physics), *self._further]
@@ -121,6 +122,10 @@ class World:
         law = self._robot
         self._drive = law.impedance_force if law.is_linear else partial(law.force, m=math)
         self._rate = parameters.integration_rate
+        if [effect.name for effect in effects] != before:
+            self._state = (*self._state[:2], *(0.0,) * self._law.states)
+            self._state += (nan,) * law.states  # until the reference is known
+            self._reference = None
         self._forget()
 
     @property
