@@ -17,6 +17,7 @@
 from __future__ import annotations
 
 from concealed_worlds import diagnosed, named, nominal, physics, prepared_from, recorded
+from contact_estimation.diagnosis.conclude.apparent_mass import is_resonance
 from contact_estimation.diagnosis.conclude.conclusion import _nominal_where_unknown
 from contact_estimation.diagnosis.conclude.shares import Shares
 from contact_estimation.diagnosis.fit.fitting import Fit, fit, fit_at, step
@@ -121,6 +122,19 @@ def test_a_law_has_much_the_same_size_on_each_part_as_on_all(
     none = np.zeros((3, 2))
     shares = Shares([], [], none, Fit(model, 0.0, np.zeros(1), 1), none, {}, {}, {}, {})
     assert shares.agrees('cubic_stiffness') is agrees
+
+
+@pytest.mark.parametrize('ringing', [False, True], ids=['mass', 'resonance'])
+@pytest.mark.parametrize('name', ['tool_inertia', 'environment_inertia'])
+def test_a_mass_that_vanishes_at_low_frequencies_is_a_resonance(name: str, ringing: bool) -> None:
+    x = TO_AND_FRO + 0.002 * np.sin(9.7 * T)
+    a = np.gradient(np.gradient(x, T), T)
+    rate = np.gradient(np.gradient(a, T), T)
+    rung = -4.0 / (2.0 * np.pi * 5.0)**2 * rate  # 4 kg on a mount that rings at 5 Hz
+    recording, found = prepared(specimen(x, rung if ringing else 0.7 * a))
+    model = fit([recording], found.model.with_effect(name, (0.5,))).model
+    assert model.values[model.place(name).start] > 0.1
+    assert is_resonance([recording], model, name) is ringing
 
 
 def test_a_damping_that_a_hold_does_not_tell_stays_nominal() -> None:

@@ -65,8 +65,10 @@ class Effect(ABC):
         Whether the effect is without one a constant force, or nothing at all.
     base_parameter : str
         Name of the parameter of the wall that describes the same physics; '' if there is none.
+    is_mass : bool
+        Whether the parameter is a mass that shows in the measured force.
     is_series : bool
-        Whether the law is the beginning of a series, to which a law of its family is preferred.
+        Whether the law is wider than others of its family, which are preferred to it.
     reached_force : str
         Parameter that is a force which the measured one has to reach; '' if there is none.
     either_sign : bool
@@ -93,6 +95,7 @@ class Effect(ABC):
     needs_return: ClassVar[bool] = False
     needs_spring: ClassVar[bool] = False
     base_parameter: ClassVar[str] = ''
+    is_mass: ClassVar[bool] = False
     is_series: ClassVar[bool] = False
     reached_force: ClassVar[str] = ''
     either_sign: ClassVar[bool] = False

@@ -22,6 +22,7 @@ from typing import NamedTuple, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from .apparent_mass import is_resonance
 from .shares import Shares, shares_of
 from ..fit.criteria import enough, explained_share, leaves_noise, noise_scale, THRESHOLD
 from ..fit.discrepancy import (
@@ -120,6 +121,7 @@ def decide(
         exact = not has_discrepancy(recordings)
         doubtful = [name for name in best.model.effects if name != in_form and (
             not shares.agrees(name)
+            or _is_resonance(recordings, best.model, name)
             or shares.most(name) < (_TRIFLE if shares.sure(name) > 0.0 else _UNSURE)
             or shares.sure(name) <= _least_sure(exact, shares.is_flexible(name)))]
         fewer = _without_doubtful(selection, best, shares, doubtful, whole, progress, again)
@@ -193,6 +195,13 @@ def _carrying(selection: Selection, rest: Fit) -> Selection:
     if not rest.model.effects or has_discrepancy(selection.recordings):
         return fewer
     return fitted_again(selection.recordings, fewer)
+
+
+def _is_resonance(recordings: Recordings, model: Model, name: str) -> bool:
+    """Return whether an effect is a mass that vanishes at low frequencies."""
+    if not EFFECTS[name].is_mass or not has_discrepancy(recordings):
+        return False
+    return is_resonance(recordings, model, name)
 
 
 def _least_sure(exact: bool, flexible: bool) -> float:

@@ -131,7 +131,7 @@ def search(
     """
     scales = measure_scales(recordings, base)
     near: list[Fit] = []
-    for name in _candidates(recordings, base.model) if names is None else names:
+    for name in candidates_in(recordings, base.model) if names is None else names:
         progress(name)
         starts = [base.model.with_effect(name, values) for values in EFFECTS[name].starts(scales)]
         near.append(fit_at(recordings, _best_start(recordings, starts)))
@@ -193,7 +193,23 @@ def _is_reached(recordings: Recordings, name: str, values: ParameterGroup) -> bo
     return any(force <= _REACHED * float(np.ptp(one.observed.force)) for one in recordings)
 
 
-def _candidates(recordings: Recordings, model: Model) -> list[str]:
+def candidates_in(recordings: Recordings, model: Model) -> list[str]:
+    """
+    List the effects that recordings may show.
+
+    Parameters
+    ----------
+    recordings : sequence of PreparedRecording
+        To be fitted.
+    model : Model
+        Its effects are no candidates.
+
+    Returns
+    -------
+    names : list of str
+        Of `candidates_for`.
+
+    """
     with_robot = any(one.observed.reference is not None for one in recordings)
     return candidates_for(
         model, with_robot, is_pressed(recordings, model), any(map(_returns, recordings)))

@@ -32,7 +32,7 @@ from .discrepancy import has_discrepancy, material, noise_by_channel, weighed
 from .exact_laws import exact_laws, exchange, laws_before_curves, prune, Rivals
 from .fitting import Fit, fit
 from .ranking import FLEXIBLE_LEAD, rank_by_prediction, Ranking
-from .search import Progress, search
+from .search import candidates_in, Progress, search
 from .zeros import beside, ZEROS, zeros_lacking
 from ..observe.model import Model
 from ..observe.prepared_recording import Recordings
@@ -42,6 +42,7 @@ MOST_EFFECTS = 3
 """Effects that are selected at most."""
 
 _FULLY = 0.995  # share of the misfit from which on the rest is the method's own error
+_OF_WIDER = 0.85  # least share of the gain of a wider law, for one of its family to replace it
 _NEARLY = 3.0  # mean square, in that of the noise, of what is small
 
 
@@ -135,6 +136,8 @@ def select(
                 break
     if leaves_noise(best):
         best, rivals = prune(recordings, best, rivals)
+    best = _narrowest(recordings, base, best, progress)
+    if leaves_noise(best):
         best = fit(recordings, best.model) if best.model.effects else base
         return Selection(recordings, base, best, rivals, evidence)
     carried, best = weigh(recordings, best)
@@ -222,6 +225,19 @@ def _law_instead(
     if laws and laws[0].cost <= most and not _is_curve(recordings, laws[0]):
         return laws
     return ranked
+
+
+def _narrowest(recordings: Recordings, base: Fit, best: Fit, progress: Progress) -> Fit:
+    """Put a law of its family in the place of a wider one that fits little better."""
+    for name in [one for one in best.model.effects if EFFECTS[one].is_series]:
+        rest = fit(recordings, best.model.without(name))
+        laws = [law for law in candidates_in(recordings, rest.model)
+                if EFFECTS[law].family == EFFECTS[name].family and not EFFECTS[law].is_series]
+        fits = search(recordings, rest, progress, laws)
+        found = min(fits, key=lambda one: one.cost, default=best)
+        if base.cost - found.cost >= _OF_WIDER * (base.cost - best.cost):
+            best = found
+    return best
 
 
 def _without_trifles(recordings: Recordings, best: Fit) -> Fit:
