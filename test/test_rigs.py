@@ -196,9 +196,10 @@ def test_a_law_stands_out_two_to_ten_times(name: str) -> None:
 
 
 def test_every_ninth_rig_is_clean_and_laws_come_evenly() -> None:
-    trials = plan_study(0, 0, 5, unknown=12, foreign=36)
-    unknown, foreign = trials[:12], trials[12:]
-    assert [t.effect for t in foreign].count('') == 4
+    rigs, others = 9 * len(FOREIGN_LAWS) // 8, len(UNKNOWN_LAWS)
+    trials = plan_study(0, 0, 5, unknown=others, foreign=rigs)
+    unknown, foreign = trials[:others], trials[others:]
+    assert [t.effect for t in foreign].count('') == rigs // 9
     assert sorted(t.effect for t in foreign if t.effect) == sorted(FOREIGN_LAWS)
     assert sorted(t.effect for t in unknown) == sorted(UNKNOWN_LAWS)
     assert all(t.on_rig for t in trials)
