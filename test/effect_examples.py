@@ -69,6 +69,7 @@ EXAMPLES: dict[str, tuple[float, ...]] = {
     'command_delay': (0.013,),
     'actuator_lag': (0.012,),
     'actuator_saturation': (40.0,),
+    'torque_saturation': (60.0,),
 }
 """Values in the order of the parameters; an effect that is not here starts its own search."""
 

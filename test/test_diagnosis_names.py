@@ -89,6 +89,7 @@ WORLDS: dict[str, tuple[float, ...]] = {
     'command_delay': (0.006,),
     'actuator_lag': (0.006,),
     'actuator_saturation': (90.0,),
+    'torque_saturation': (150.0,),
 }
 """Parameters at which an effect is felt: it leaves 1 to 5 N, or as much in the motion."""
 

@@ -83,6 +83,8 @@ INDEPENDENT: dict[str, Callable[..., dict[str, Any]]] = {
     'reflected_inertia': lambda M_r: {'mass': M_t + M_r},
     'actuator_saturation': lambda limit: {
         'drive': lambda t, x, v: max(-limit, min(limit, control(t, x, v)))},
+    'torque_saturation': lambda limit: {
+        'drive': lambda t, x, v: limit * np.tanh(control(t, x, v) / limit)},
     'command_delay': lambda delay: {'drive': lambda t, x, v: (
         control(t - delay, x, v))},
 }

@@ -52,6 +52,7 @@ VANISHING = {  # where 0 or the neutral value is out of range, or another has to
     'dmt_adhesion': {'physics__dmt_adhesion__reach': 1.0},
     'force_saturation': {'physics__force_saturation__limit': 1e9},
     'actuator_saturation': {'physics__actuator_saturation__limit': 1e5},
+    'torque_saturation': {'physics__torque_saturation__limit': 1e9},
 }
 WITHOUT_DAMPING = {name for name, cls in EFFECTS.items()
                    if getattr(cls, 'replaces_damping', False)}

@@ -58,6 +58,7 @@ from .settling_bias import SettlingBias
 from .stiffness_drift import StiffnessDrift
 from .stribeck_friction import StribeckFriction
 from .tool_inertia import ToolInertia
+from .torque_saturation import TorqueSaturation
 from .unloading_hysteresis import UnloadingHysteresis
 from .viscoelastic_relaxation import ViscoelasticRelaxation
 from ..parameters.specification import group, ParameterGroup
@@ -104,6 +105,7 @@ EFFECTS: dict[str, type[Effect]] = {
     'command_delay': CommandDelay,
     'actuator_lag': ActuatorLag,
     'actuator_saturation': ActuatorSaturation,
+    'torque_saturation': TorqueSaturation,
 }
 """Contact, then force sensor in the order of its signal chain, then robot."""
 

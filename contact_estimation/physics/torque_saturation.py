@@ -1,0 +1,67 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Drives whose force grows less and less with the commanded one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from numpy.random import Generator
+
+from .numeric import Number
+from .random_strength import Strength
+from .robot_effect import RobotEffect
+from .scales import Scales
+from ..parameters.specification import optional_parameter, ParameterGroup
+
+
+@dataclass(frozen=True)
+class TorqueSaturationParameters(ParameterGroup):
+    """Parameters of `TorqueSaturation`."""
+
+    limit: float = optional_parameter('Force that the drives approach', 'N', minimum=1e-9)
+
+
+class TorqueSaturation(RobotEffect):
+    """
+    The control force limit tanh(u / limit).
+
+    Iron saturates, and torque falls behind current (Hughes and Drury, Electric Motors and Drives,
+    2019). A limit of the controller clips instead, see `ActuatorSaturation`.
+
+    """
+
+    name = 'torque_saturation'
+    equation = "M_t x'' = limit tanh(u / limit) + F_e"
+    family = 'limits'
+    description = 'The drives deliver less and less of a growing control force.'
+    Parameters = TorqueSaturationParameters
+    in_logarithm = ('limit',)
+
+    def control(self, u: Number, m: Any) -> Number:
+        """Bend u; see `RobotEffect.control`."""
+        limit = self.values.limit
+        return limit * m.tanh(u / limit)
+
+    @classmethod
+    def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
+        """Spread the limit about the greatest control force."""
+        return [(share * scales.control,) for share in (0.8, 1.5, 3.0, 8.0)]
+
+    @classmethod
+    def draw(cls, scales: Scales, rng: Generator) -> Strength:
+        """Lower the limit to half of the largest control force; nothing else is random."""
+        return lambda s: {'limit': scales.control / (2.0 * max(s, 1e-3))}
