@@ -60,6 +60,13 @@ def test_a_friction_that_never_slips_is_a_spring() -> None:
         assert is_credible([recording], model) is credible
 
 
+@pytest.mark.parametrize('frequency, credible', [(24.0, True), (26.0, False)])
+def test_a_resonance_needs_eight_samples_a_period(frequency: float, credible: bool) -> None:
+    recording, found = prepared(specimen(TO_AND_FRO, 0.0))
+    model = found.model.with_effect('environment_resonance', (0.1, frequency, 0.05))
+    assert is_credible([recording], model) is credible
+
+
 def test_an_effect_that_vanishes_is_none() -> None:
     recording, found = prepared(specimen(TO_AND_FRO, 0.0))
     for name, values, credible in (

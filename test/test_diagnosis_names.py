@@ -212,7 +212,6 @@ def of_unknown(name: str) -> Diagnosis:
 
 MISNAMED = {
     'bent_gauge': 'a bent scale of the force looks like another impedance of the robot',
-    'windage': 'drag in free flight looks like more damping of the robot',
 }
 
 

@@ -71,6 +71,8 @@ class Effect(ABC):
         Whether the law is wider than others of its family, which are preferred to it.
     reached_force : str
         Parameter that is a force which the measured one has to reach; '' if there is none.
+    sampled_frequency : str
+        Parameter that is a frequency which the samples have to resolve; '' if there is none.
     either_sign : bool
         Whether the first parameter is drawn with either sign.
 
@@ -98,6 +100,7 @@ class Effect(ABC):
     is_mass: ClassVar[bool] = False
     is_series: ClassVar[bool] = False
     reached_force: ClassVar[str] = ''
+    sampled_frequency: ClassVar[str] = ''
     either_sign: ClassVar[bool] = False
 
     def __init__(self, values: ParameterGroup) -> None:

@@ -61,6 +61,7 @@ class EnvironmentResonance(ContactEffect):
     description = 'A mass behind the surface resonates on a spring and a damper of its own.'
     Parameters = EnvironmentResonanceParameters
     is_series = True
+    sampled_frequency = 'frequency'
 
     states = 2
 

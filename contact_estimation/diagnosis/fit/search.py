@@ -42,6 +42,7 @@ _FAR = 2.0  # times the noise: power of the residuals
 # in the direction in which it is clipped less.
 _LEVEL, _SLOPE, _MOST_HELD = 3.0, 0.01, 0.25
 _REACHED = 1.5  # of the range of the force
+_RESOLVED = 0.125  # periods a sample: faster is the course of a force between samples
 
 Progress = Callable[[str], None]
 
@@ -163,7 +164,7 @@ def is_credible(recordings: Recordings, model: Model) -> bool:
         False for a saturating sensor if the measured force is not level where the sensor would
         hold it, or is held for most of the time to and fro, as friction holds it; and for a
         friction beyond the range of the force, which never slips: that is a spring. Nor is one
-        credible that vanishes.
+        credible that vanishes, or a resonance of fewer than eight samples a period.
 
     """
     name = model.effects[-1]
@@ -188,9 +189,11 @@ def is_credible(recordings: Recordings, model: Model) -> bool:
 
 
 def _is_reached(recordings: Recordings, name: str, values: ParameterGroup) -> bool:
-    """Return whether the measured force is large enough for an effect to show."""
+    """Return whether force and samples are large and dense enough for an effect to show."""
     force = getattr(values, EFFECTS[name].reached_force, 0.0)
-    return any(force <= _REACHED * float(np.ptp(one.observed.force)) for one in recordings)
+    frequency = getattr(values, EFFECTS[name].sampled_frequency, 0.0)
+    return any(force <= _REACHED * float(np.ptp(one.observed.force))
+               and frequency * one.observed.h <= _RESOLVED for one in recordings)
 
 
 def candidates_in(recordings: Recordings, model: Model) -> list[str]:
