@@ -344,8 +344,7 @@ def test_an_effect_may_be_switched_while_running(name: str) -> None:
     for plant in (plant_with(), with_effect(name), plant_with(), with_effect(name)):
         world.configure(plant)
         world.advance(0.8, hold)
-        x = world.position
-        assert x == pytest.approx(50.0 / (5000.0 + K_e), rel=0.02)
+        assert (x := world.position) == pytest.approx(50.0 / (5000.0 + K_e), rel=0.02)
     world.configure(with_effect(name, environment__stiffness=2.0 * K_e))  # keeps its past
     world.advance(2e-3, hold)
     assert world.position == pytest.approx(x, rel=0.01)

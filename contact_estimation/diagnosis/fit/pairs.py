@@ -32,7 +32,7 @@ from .discrepancy import noise_by_channel
 from .fitting import Fit
 from .invariance import left_out_errors, share_of
 from .parts import Part
-from .search import candidates_for, is_pressed, search
+from .search import candidates_in, search
 from ..observe.prepared_recording import Recordings
 from ...physics import EFFECTS
 
@@ -83,8 +83,7 @@ def pairs_that_predict(
             return []
         least = max(_LEAST, 1.0 - left + _LEAD)
     elastic = [one for one in found if EFFECTS[one.model.effects[-1]].family == _ELASTIC]
-    pressed = is_pressed(recordings, present.model)
-    losses = [name for name in candidates_for(present.model, False, pressed)
+    losses = [name for name in candidates_in(recordings, present.model)
               if EFFECTS[name].family in _LOSSES]
     pairs = [pair for law in elastic
              for pair in search(recordings, law, lambda name: None, losses)]
