@@ -21,9 +21,11 @@ import os
 import signal
 import sys
 from threading import Event
+import time
 from typing import Callable, Iterable, Protocol, Sequence
 
 import rclpy
+from rclpy.duration import Duration
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.logging import LoggingSeverity, set_logger_level
 from rclpy.node import Node
@@ -32,6 +34,9 @@ from rclpy.signals import SignalHandlerOptions
 from ..exceptions import ContactEstimationError
 from ..parameters.specification import ParameterSpecification
 from ..parameters.value_text import value_text
+
+
+_DELIVERY_S = 4.0  # DDS offers again what was lost on the way every 3 s
 
 
 class RunnableNode(Protocol):
@@ -128,9 +133,17 @@ def _spin(node: RunnableNode, interrupted: Event) -> int:
             executor.spin_once(timeout_sec=0.2)
     finally:
         node.stop()
+        _deliver(node)
         executor.shutdown()
         node.destroy_node()
     return 0
+
+
+def _deliver(node: Node) -> None:
+    """Wait until every reliable subscriber has what was published: else its end would be lost."""
+    give_up = time.monotonic() + _DELIVERY_S
+    for publisher in node.publishers:
+        publisher.wait_for_all_acked(Duration(seconds=max(0.0, give_up - time.monotonic())))
 
 
 def help_text(
