@@ -64,6 +64,7 @@ EXAMPLES: dict[str, tuple[float, ...]] = {
     'settling_bias': (3.0, 0.4, -1.0),
     'force_saturation': (30.0,),
     'robot_friction': (8.0,),
+    'robot_drag': (800.0,),
     'impedance_mismatch': (0.8, 1.2, 1.1),
     'reflected_inertia': (6.0,),
     'command_delay': (0.013,),

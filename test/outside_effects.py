@@ -73,18 +73,19 @@ class BentGauge(ForceSensorEffect):
         return force * (1.0 + float(self.values.bend) * force)
 
 
-class Windage(RobotEffect):
-    """A robot with drag proportional to the square of its speed."""
+class DeadBand(RobotEffect):
+    """Drives that do not answer to small forces."""
 
-    name = 'windage'
+    name = 'dead_band'
 
-    def drag(self, velocity: Any, m: Any) -> Any:
-        """Return c v abs(v); see `RobotEffect.drag`."""
-        return self.values.c * velocity * abs(velocity)
+    def control(self, u: Any, m: Any) -> Any:
+        """Return what exceeds the band; see `RobotEffect.control`."""
+        width = self.values.width
+        return u - 0.5 * (abs(u + width) - abs(u - width))
 
 
 OUTSIDE_EFFECTS: dict[str, type[Effect]] = {
-    cls.name: cls for cls in (SoftSpell, WarmingWall, Ripple, BentGauge, Windage)
+    cls.name: cls for cls in (SoftSpell, WarmingWall, Ripple, BentGauge, DeadBand)
 }
 
 

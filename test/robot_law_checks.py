@@ -76,6 +76,12 @@ def check_windage() -> None:
     assert [law.drive(0.0, 0.0, v, DT, 0.0)[0] for v in (0.1, -0.2)] == pytest.approx([-1.0, 4.0])
 
 
+def check_cogging() -> None:
+    law = law_of('cogging_torque', amplitude=2.0, pitch=0.004)
+    forces = [law.drive(1.0, x, 0.0, DT, 0.0)[0] for x in (0.0, 0.001, 0.003)]
+    assert forces == pytest.approx([1.0, 3.0, -1.0])
+
+
 CHECKS: dict[str, Callable[[], None]] = {
     'flexible_mount': lambda: check_tip('flexible_mount'),
     'flexible_joint': lambda: check_tip('flexible_joint'),
@@ -85,4 +91,5 @@ CHECKS: dict[str, Callable[[], None]] = {
     'slow_torque_loop': check_torque_loop,
     'soft_torque_limit': check_torque_limit,
     'windage': check_windage,
+    'cogging_torque': check_cogging,
 }

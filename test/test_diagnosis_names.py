@@ -84,6 +84,7 @@ WORLDS: dict[str, tuple[float, ...]] = {
     'settling_bias': (20.0, 6.0, -6.0),
     'force_saturation': (70.0,),
     'robot_friction': (3.0,),
+    'robot_drag': (600.0,),
     'impedance_mismatch': (0.95, 1.1, 1.05),
     'reflected_inertia': (1.5,),
     'command_delay': (0.006,),
@@ -200,7 +201,7 @@ OUTSIDE = {
     'warming_wall': {'softening': 15000.0, 'tau': 1.0},
     'ripple': {'amplitude': 3.0, 'wavelength': 0.004},
     'bent_gauge': {'bend': 0.002},
-    'windage': {'c': 600.0},
+    'dead_band': {'width': 6.0},
 }
 
 

@@ -24,6 +24,7 @@ from .asymmetric_coulomb import AsymmetricCoulomb
 from .base_vibration import BaseVibration
 from .bent_gauge import BentGauge
 from .breathing_surface import BreathingSurface
+from .cogging_torque import CoggingTorque
 from .cross_talk import CrossTalk
 from .elastoplastic_friction import ElastoplasticFriction
 from .flexible_joint import FlexibleJoint
@@ -100,6 +101,7 @@ FOREIGN_LAWS: dict[str, type[ForeignLaw]] = {
     'sampled_command': SampledCommand,
     'slow_torque_loop': SlowTorqueLoop,
     'soft_torque_limit': SoftTorqueLimit,
+    'windage': Windage,
 }
 """Laws that a family of effects describes acceptably."""
 
@@ -114,7 +116,7 @@ UNKNOWN_LAWS: dict[str, type[ForeignLaw]] = {
     'warming_sensor': WarmingSensor,
     'bent_gauge': BentGauge,
     'resonant_mount': ResonantMount,
-    'windage': Windage,
+    'cogging_torque': CoggingTorque,
 }
 """Laws that no effect describes: the right answer names nothing."""
 

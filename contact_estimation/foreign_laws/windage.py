@@ -30,6 +30,8 @@ class Windage(RobotLaw):
 
     """
 
+    families = ('robot',)
+
     @classmethod
     def draw(cls, magnitudes: Magnitudes, rng: Generator) -> Strength:
         """Draw; see `ForeignLaw.draw`."""

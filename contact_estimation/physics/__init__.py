@@ -53,6 +53,7 @@ from .power_law_stiffness import PowerLawStiffness
 from .presliding_friction import PreslidingFriction
 from .quadratic_damping import QuadraticDamping
 from .reflected_inertia import ReflectedInertia
+from .robot_drag import RobotDrag
 from .robot_friction import RobotFriction
 from .settling_bias import SettlingBias
 from .stiffness_drift import StiffnessDrift
@@ -100,6 +101,7 @@ EFFECTS: dict[str, type[Effect]] = {
     'settling_bias': SettlingBias,
     'force_saturation': ForceSaturation,
     'robot_friction': RobotFriction,
+    'robot_drag': RobotDrag,
     'impedance_mismatch': ImpedanceMismatch,
     'reflected_inertia': ReflectedInertia,
     'command_delay': CommandDelay,

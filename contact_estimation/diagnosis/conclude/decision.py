@@ -30,6 +30,7 @@ from ..fit.discrepancy import (
     has_discrepancy,
     least_material,
     material,
+    weighed,
     without_discrepancy,
 )
 from ..fit.fitting import Fit, fit
@@ -51,6 +52,7 @@ EXPLAINED = 0.5
 """Least share of the misfit that names must predict on parts left out to explain it."""
 
 _TRIFLE, _UNSURE = 0.01, 0.1  # shares not worth a name: of an effect beyond doubt, of another
+_SMALL = 1.0 / 3.0  # of the discrepancy that is worth a name where laws may be inexact
 _PREDICTABLE = 0.1  # share of the residual that a smoother predicts: structure, not noise
 _SIGNIFICANT = 3.0  # standard deviations
 _HELD_OUT_POWER = 2.0  # held-out mean square, over that of the noise, of a wrong model
@@ -122,6 +124,7 @@ def decide(
         doubtful = [name for name in best.model.effects if name != in_form and (
             not shares.agrees(name)
             or _is_resonance(recordings, best.model, name)
+            or exact and _is_trifle(recordings, best, name)
             or shares.most(name) < (_TRIFLE if shares.sure(name) > 0.0 else _UNSURE)
             or shares.sure(name) <= _least_sure(exact, shares.is_flexible(name)))]
         fewer = _without_doubtful(selection, best, shares, doubtful, whole, progress, again)
@@ -202,6 +205,19 @@ def _is_resonance(recordings: Recordings, model: Model, name: str) -> bool:
     if not EFFECTS[name].is_mass or not has_discrepancy(recordings):
         return False
     return is_resonance(recordings, model, name)
+
+
+def _is_trifle(recordings: Recordings, best: Fit, name: str) -> bool:
+    """
+    Return whether a name takes away little beside the force, and less than the noise.
+
+    With long recordings every imperfection of a rig is significant.
+    """
+    without = fit(recordings, best.model.without(name))
+    if without.cost - best.cost > best.residual_count:
+        return False
+    return not any(material(one, without.model, _SMALL)
+                   for one in weighed(recordings, without.model))
 
 
 def _least_sure(exact: bool, flexible: bool) -> float:

@@ -104,9 +104,9 @@ def name_effects(
         rival_models.update({rival.model.effects[-1]: rival.model for rival in alike})
         cls, share = EFFECTS[name], shares.of[name]
         effects.append(NamedEffect(
-            name, cls.family, cls.port, cls.equation, likely[name] / (1.0 + exact * len(alike)),
-            share.share,
-            share.interval, shares.on_parts(name), _values(best, name, stds),
+            name, cls.family, cls.port, cls.equation,
+            likely[name] / (1.0 + exact * len(_other_families(cls.family, alike))),
+            share.share, share.interval, shares.on_parts(name), _values(best, name, stds),
             [rival.model.effects[-1] for rival in alike],
             locate(shown, dropped.model, cls.port),
             shares.in_form[name].share if name in shares.in_form else None))
@@ -149,6 +149,11 @@ def _alike(
         ):
             alike.append(rival)
     return alike[:_MOST_RIVALS]
+
+
+def _other_families(family: str, alike: Sequence[Fit]) -> set[str]:
+    """Return the families that may be right instead: a probability is that of the family."""
+    return {EFFECTS[rival.model.effects[-1]].family for rival in alike} - {family}
 
 
 def advice(names: Sequence[NamedEffect], verdict: str, touching: bool) -> str:

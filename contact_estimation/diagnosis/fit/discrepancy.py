@@ -114,7 +114,7 @@ def forces(recording: PreparedRecording, model: Model) -> list[float]:
     return stds
 
 
-def material(recording: PreparedRecording, model: Model) -> list[int]:
+def material(recording: PreparedRecording, model: Model, share: float = 1.0) -> list[int]:
     """
     Return in which channels a discrepancy is large enough, beside the force, to be worth a name.
 
@@ -124,6 +124,8 @@ def material(recording: PreparedRecording, model: Model) -> list[int]:
         With its discrepancy.
     model : Model
         With the mass of the robot.
+    share : float
+        Of `least_material`, from which on it is.
 
     Returns
     -------
@@ -131,7 +133,7 @@ def material(recording: PreparedRecording, model: Model) -> list[int]:
         Of `CHANNELS`; the only one of a wall driven by a force by the force that it lacks.
 
     """
-    least = least_material(recording)
+    least = share * least_material(recording)
     sizes = [recording.force_discrepancy]
     if recording.observed.reference is not None:
         sizes.append(_stiffness(recording, model) * recording.motion_discrepancy)
