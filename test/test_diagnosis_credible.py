@@ -19,6 +19,7 @@ from __future__ import annotations
 from concealed_worlds import diagnosed, named, nominal, physics, prepared_from, recorded
 from contact_estimation.diagnosis.conclude.apparent_mass import is_resonance
 from contact_estimation.diagnosis.conclude.conclusion import _nominal_where_unknown
+from contact_estimation.diagnosis.conclude.naming import _other_families
 from contact_estimation.diagnosis.conclude.shares import Shares
 from contact_estimation.diagnosis.fit.fitting import Fit, fit, fit_at, step
 from contact_estimation.diagnosis.fit.scales import measure_scales
@@ -153,3 +154,17 @@ def test_a_damping_that_a_hold_does_not_tell_stays_nominal() -> None:
     told, of_motion = prepared(specimen(TO_AND_FRO, 0.0))
     moving = fit([told], of_motion.model.with_effect('coulomb_friction', (0.1,)))
     assert _nominal_where_unknown(Model.of(SPRING), [told], moving) is moving
+
+
+def test_an_effect_smaller_than_the_noise_gets_no_name() -> None:
+    assert named(diagnosed(recorded(**physics('coulomb_friction', 0.1)))) == []
+    assert named(diagnosed(recorded(**physics('coulomb_friction', 0.4)))) == ['coulomb_friction']
+
+
+def test_only_other_families_take_a_part_of_a_probability() -> None:
+    recording, found = prepared(specimen(TO_AND_FRO, 0.0))
+    rivals = [fit_at([recording], found.model.with_effect(name, values)) for name, values in (
+        ('power_law_stiffness', (1.5, 2e4)), ('stribeck_friction', (1.0, 1.0, 0.01)),
+        ('coulomb_friction', (1.0,)))]
+    assert _other_families('elastic_law', rivals) == {'friction'}
+    assert _other_families('friction', rivals[1:]) == set()
