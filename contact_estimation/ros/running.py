@@ -35,7 +35,6 @@ from ..exceptions import ContactEstimationError
 from ..parameters.specification import ParameterSpecification
 from ..parameters.value_text import value_text
 
-
 _DELIVERY_S = 4.0  # DDS offers again what was lost on the way every 3 s
 
 

@@ -124,9 +124,9 @@ def decide(
         doubtful = [name for name in best.model.effects if name != in_form and (
             not shares.agrees(name)
             or _is_resonance(recordings, best.model, name)
-            or exact and _is_trifle(recordings, best, name)
             or shares.most(name) < (_TRIFLE if shares.sure(name) > 0.0 else _UNSURE)
-            or shares.sure(name) <= _least_sure(exact, shares.is_flexible(name)))]
+            or shares.sure(name) <= _least_sure(exact, shares.is_flexible(name))
+            or exact and _is_trifle(recordings, best, name))]  # last: it fits again
         fewer = _without_doubtful(selection, best, shares, doubtful, whole, progress, again)
         if fewer is not None:
             return fewer
