@@ -25,6 +25,7 @@ from contact_estimation.diagnosis.fit.model_uncertainty import discounted
 from contact_estimation.diagnosis.fit.uncertainty import standard_deviations
 from contact_estimation.diagnosis.observe.model import Model, names_of
 from contact_estimation.diagnosis.observe.residuals import residuals
+from contact_estimation.diagnosis.observe.signals import Signals
 from contact_estimation.physics import EFFECTS
 import numpy as np
 import pytest
@@ -38,6 +39,19 @@ def test_fit_recovers_stiffness_and_damping() -> None:
     found = fit([recording], model)
     assert found.model.values == pytest.approx((5600.0, 90.0), rel=0.01)
     assert found.residual_count == recording.residual_count
+
+
+@pytest.mark.parametrize(('known', 'expected'), [(0.0, -3.0), (30.0, 0.0)])
+def test_what_a_drive_moves_may_be_repelled_but_no_specimen(known: float, expected: float) -> None:
+    t = np.arange(2000) / 250.0
+    x, v = np.sin(1.7 * t) + 0.4 * np.sin(4.1 * t), 1.7 * np.cos(1.7 * t) + 1.64 * np.cos(4.1 * t)
+    force = 3.0 * x - 40.0 * v + np.random.default_rng(4).normal(0.0, 0.2, len(t))
+    signals = Signals(t, force, t, x, np.empty(0), np.empty((4, 0)))
+    recording, model = prepared_from(signals, nominal(
+        environment__stiffness=known, environment__damping=60.0, environment__unilateral=False))
+    found = fit([recording], model).model
+    assert found.stiffness == pytest.approx(expected, abs=0.1)
+    assert found.damping == pytest.approx(40.0, rel=0.01)
 
 
 def test_cost_of_a_fit_is_that_of_its_residuals() -> None:

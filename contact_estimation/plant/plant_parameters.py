@@ -19,6 +19,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Any
 
+from ..exceptions import ParameterRangeError
 from ..parameters.specification import group, parameter, ParameterGroup
 from ..physics import PhysicsParameters
 
@@ -30,11 +31,20 @@ PAPER_NOISE = {'sensors.force_noise': 1.0, 'sensors.distribution': 'uniform'}
 class WallParameters(ParameterGroup):
     """The environment, eq. (3)."""
 
-    stiffness: float = parameter(4800.0, 'Stiffness K_e', 'N/m', minimum=0.0)
+    stiffness: float = parameter(
+        4800.0, 'Stiffness K_e; below 0 only if permanently attached', 'N/m')
     damping: float = parameter(200.0, 'Damping B_e', 'N s/m', minimum=0.0)
     location: float = parameter(0.0, 'Position x_e of the untouched surface', 'm')
     inertia: float = parameter(0.0, 'Mass M_e moving with the tool in contact', 'kg', minimum=0.0)
     unilateral: bool = parameter(True, 'The wall cannot pull; false: permanently attached')
+
+    def __post_init__(self) -> None:
+        """Check all fields; what a drive moves, as a link above its joint, may be repelled."""
+        super().__post_init__()
+        if self.unilateral and self.stiffness < 0.0:
+            raise ParameterRangeError(
+                f'environment.stiffness must be a number >= 0 [N/m], got {self.stiffness:g}; only '
+                'a permanently attached environment (environment.unilateral: false) may have less')
 
 
 @dataclass(frozen=True)

@@ -73,9 +73,9 @@ def _natural_frequency(evidence: Evidence) -> float | None:
     """Return the natural frequency of the nominal contact [rad/s]."""
     wall, robot = evidence.model.environment, evidence.model.robot
     if evidence.with_reference:
-        return sqrt((wall.stiffness + robot.stiffness) / robot.mass)
+        return sqrt(max(wall.stiffness + robot.stiffness, 0.0) / robot.mass)
     if not wall.unilateral and wall.inertia > 0.0:
-        return sqrt(wall.stiffness / wall.inertia)
+        return sqrt(max(wall.stiffness, 0.0) / wall.inertia)
     return None
 
 

@@ -100,7 +100,7 @@ def _steps(model: Model, o: Observed) -> int:
     steps = max(1, math.ceil(o.h * steepness / _STABLE))
     if o.pace <= 1.0:
         return steps
-    stiffness = model.stiffness + laws.robot.stiffness
+    stiffness = max(model.stiffness + laws.robot.stiffness, 0.0)
     return max(steps, math.ceil(o.h * math.sqrt(stiffness / laws.robot.mass) / _RESOLVED))
 
 

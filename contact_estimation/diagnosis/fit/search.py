@@ -69,7 +69,7 @@ def candidates_for(
     names : list of str
         In the order of the registry; effects of touching only for a unilateral wall, those of
         penetration also for an attached one that is only pressed, those of a return also for one
-        that is moved to and fro, those of a spring not for a drive, whose K_e is 0.
+        that is moved to and fro, those of a spring not for a drive, which has none.
 
     """
     wall = model.nominal.environment
@@ -80,7 +80,7 @@ def candidates_for(
         and (wall.unilateral or not cls.needs_touch)
         and (wall.unilateral or pressed or not cls.needs_penetration)
         and (wall.unilateral or returns or not cls.needs_return)
-        and (wall.unilateral or wall.stiffness or not cls.needs_spring)
+        and (wall.unilateral or wall.stiffness > 0.0 or not cls.needs_spring)
         and not (cls.base_parameter == 'inertia' and model.with_inertia)
     ]
 

@@ -172,7 +172,7 @@ class Model:
     def _no_wall(self) -> Array:
         """Largest K_e and B_e that practically are none; in small units they are small."""
         wall = self.nominal.environment
-        stiffness, damping = wall.stiffness, wall.damping
+        stiffness, damping = abs(wall.stiffness), wall.damping
         known = max(stiffness, damping) or wall.inertia or 1.0
         return _NO_WALL * np.minimum(1.0, [stiffness or known, damping or known])
 
@@ -197,8 +197,11 @@ class Model:
     @property
     def bounds(self) -> tuple[Array, Array]:
         """Ranges of all values: those of the parameters, the wall's from 0."""
+        wall = self.nominal.environment
+        # Gravity or a cable repels what a drive moves as often as it attracts it.
+        drives = not wall.unilateral and wall.stiffness <= 0.0
         # A wall driven by a force needs some mass.
-        low = [0.0, 0.0, 1e-3 * self.nominal.environment.inertia][:self.base_count]
+        low = [-np.inf if drives else 0.0, 0.0, 1e-3 * wall.inertia][:self.base_count]
         high = [np.inf] * self.base_count
         for effect in self.effects:
             for _, minimum, maximum in _ranges(effect):

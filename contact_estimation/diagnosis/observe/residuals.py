@@ -221,7 +221,7 @@ def _wall_time(recording: PreparedRecording, model: Model) -> float:
     """Return the time in which the nominal wall springs back [s]."""
     wall = model.nominal.environment
     slowest = recording.observed.observer_cutoff
-    return 0.5 / max(slowest, np.sqrt(wall.stiffness / wall.inertia))
+    return 0.5 / max(slowest, np.sqrt(max(wall.stiffness, 0.0) / wall.inertia))
 
 
 def huber(values: Array) -> Array:
