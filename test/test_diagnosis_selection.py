@@ -29,7 +29,7 @@ from contact_estimation.diagnosis.fit.criteria import (
     SHARE,
     THRESHOLD,
 )
-from contact_estimation.diagnosis.fit.exact_laws import prune, Rivals
+from contact_estimation.diagnosis.fit.exact_laws import prune, Rivals, simplest_first
 from contact_estimation.diagnosis.fit.fitting import Fit, fit
 from contact_estimation.diagnosis.fit.model_uncertainty import discounted
 from contact_estimation.diagnosis.fit.scales import measure_scales
@@ -103,6 +103,22 @@ def test_attached_wall_has_no_effects_of_touching_and_one_inertia() -> None:
     assert 'environment_inertia' not in names
     assert not any(EFFECTS[name].needs_touch for name in names)
     assert {'cubic_stiffness', 'force_bias'} <= names
+
+
+@pytest.mark.parametrize(('cost', 'first'), [
+    (940.0, 'presliding_friction'), (960.0, 'bouc_wen_hysteresis'),
+    (1010.0, 'bouc_wen_hysteresis')])
+def test_simplest_law_that_leaves_noise_is_first_unless_it_is_worse_beyond_doubt(
+    cost: float, first: str
+) -> None:
+    fits = [with_cost(900.0, 'bouc_wen_hysteresis'), with_cost(cost, 'presliding_friction')]
+    assert simplest_first(fits, 5000.0)[0].model.effects == (first,)
+
+
+def test_simplest_law_that_leaves_little_more_than_one_near_the_noise_is_first() -> None:
+    for cost, first in ((1600.0, 'presliding_friction'), (2000.0, 'bouc_wen_hysteresis')):
+        fits = [with_cost(1500.0, 'bouc_wen_hysteresis'), with_cost(cost, 'presliding_friction')]
+        assert simplest_first(fits, 5000.0)[0].model.effects == (first,)
 
 
 def test_parameters_of_effects_are_priced() -> None:

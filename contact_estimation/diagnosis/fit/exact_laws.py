@@ -26,6 +26,7 @@ from .search import is_credible, Progress, search
 from ..observe.prepared_recording import Recordings
 
 _EXCHANGE_GAIN = 10.0  # cost, in that of the noise
+_BEYOND_DOUBT = 50.0  # the same: seven standard deviations of one parameter
 _ASSESSED = 12  # candidates that may be exact
 _STRICTLY = 1.15  # mean square, in that of the noise, of a law that leaves nothing else
 _NEAR_NOISE = 4.0  # the same, from which a candidate may be exact
@@ -68,13 +69,33 @@ def exact_laws(
     most = _STRICTLY if strictly else 1.0 + LEFT
     if not any(one.cost <= most * one.residual_count for one in fits):
         return []
-    fits = laws_before_curves(recordings, present, fits)
-    if fits[0].cost <= _STRICTLY * count:
-        # The noise is not known exactly: of laws that leave no more, the simplest stands first.
-        return sorted(fits, key=lambda one: (
-            (0.0, penalty(one.model)) if one.cost <= count else (1.0, 0.0)))
-    # Not quite exact: a simpler law that leaves little more stands first.
-    most = fits[0].cost + ADEQUATE * (present - fits[0].cost)
+    return simplest_first(laws_before_curves(recordings, present, fits), present)
+
+
+def simplest_first(fits: Sequence[Fit], present: float) -> list[Fit]:
+    """
+    Put the simplest of the laws that fit about as well as the best before it.
+
+    Parameters
+    ----------
+    fits : sequence of Fit
+        Of laws near the noise, best first.
+    present : float
+        Cost without them.
+
+    Returns
+    -------
+    fits : list of Fit
+        Where the best leaves only noise, those that leave no more than that, whose size is not
+        known exactly, and are not worse beyond doubt are as good; else those that leave little
+        more.
+
+    """
+    best, count = fits[0].cost, fits[0].residual_count
+    if best <= _STRICTLY * count:
+        most = min(float(count), best + _BEYOND_DOUBT)
+    else:
+        most = best + ADEQUATE * (present - best)
     return sorted(fits, key=lambda one: (
         (0.0, penalty(one.model)) if one.cost <= most else (1.0, 0.0)))
 
