@@ -79,6 +79,11 @@ class BeatingEnvironment(ContactEffect):
         return MovingEnvironment.is_flexible(tone, duration)
 
     @classmethod
+    def is_resolved(cls, values: Any, duration: float) -> bool:
+        """Tell tones apart that gain a period on one another (Rayleigh's criterion)."""
+        return bool(abs(values.frequency - values.frequency_2) * duration >= 1.0)
+
+    @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """Start at the two tones that fit the residual best, and at pairs of its peaks."""
         pairs = [scales.beat] if scales.beat else []

@@ -218,6 +218,26 @@ class Effect(ABC):
         return False
 
     @classmethod
+    def is_resolved(cls, values: Any, duration: float) -> bool:
+        """
+        Return whether a recording is long enough to tell the parameters apart.
+
+        Parameters
+        ----------
+        values : ParameterGroup
+            An instance of `Parameters`.
+        duration : float
+            Of the recording [s].
+
+        Returns
+        -------
+        resolved : bool
+            If not, the effect is not named with these values.
+
+        """
+        return True
+
+    @classmethod
     def largest(cls, scales: Scales) -> float:
         """
         Return the largest plausible magnitude of the first parameter.

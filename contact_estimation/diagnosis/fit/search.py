@@ -164,7 +164,8 @@ def is_credible(recordings: Recordings, model: Model) -> bool:
         False for a saturating sensor if the measured force is not level where the sensor would
         hold it, or is held for most of the time to and fro, as friction holds it; and for a
         friction beyond the range of the force, which never slips: that is a spring. Nor is one
-        credible that vanishes, or a resonance of fewer than eight samples a period.
+        credible that vanishes, a resonance of fewer than eight samples a period, or two tones too
+        near one another for the duration.
 
     """
     name = model.effects[-1]
@@ -189,11 +190,13 @@ def is_credible(recordings: Recordings, model: Model) -> bool:
 
 
 def _is_reached(recordings: Recordings, name: str, values: ParameterGroup) -> bool:
-    """Return whether force and samples are large and dense enough for an effect to show."""
+    """Return whether force, rate and duration are large enough for an effect to show."""
     force = getattr(values, EFFECTS[name].reached_force, 0.0)
     frequency = getattr(values, EFFECTS[name].sampled_frequency, 0.0)
     return any(force <= _REACHED * float(np.ptp(one.observed.force))
-               and frequency * one.observed.h <= _RESOLVED for one in recordings)
+               and frequency * one.observed.h <= _RESOLVED
+               and EFFECTS[name].is_resolved(values, float(one.observed.t[-1]))
+               for one in recordings)
 
 
 def candidates_in(recordings: Recordings, model: Model) -> list[str]:
