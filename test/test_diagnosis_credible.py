@@ -72,7 +72,8 @@ def test_a_resonance_needs_eight_samples_a_period(frequency: float, credible: bo
 def test_two_tones_gain_a_period_on_one_another(apart: float, credible: bool) -> None:
     recording, found = prepared(specimen(TO_AND_FRO, 0.0))  # of 15 s
     tones = (1e-3, 0.5, 0.0, 1e-3, 0.5 + apart, 0.0)
-    assert is_credible([recording], found.model.with_effect('beating_environment', tones)) is credible
+    model = found.model.with_effect('beating_environment', tones)
+    assert is_credible([recording], model) is credible
 
 
 def test_an_effect_that_vanishes_is_none() -> None:
