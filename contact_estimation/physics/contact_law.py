@@ -244,7 +244,10 @@ class ContactLaw:
             d, v, _ = effect.transmit(d, v, states[place], np)
         for effect, place in self._stateful:
             if id(effect) not in known:
-                states[place] = effect.states_along(t, d, v, self._touching(d))
+                along = effect.states_along(t, d, v, self._touching(d))
+                if effect.states == self.states:  # no copy: there may be many
+                    return along
+                states[place] = along
         return states
 
     def _touching(self, d: Array) -> NDArray[np.bool_]:

@@ -78,6 +78,22 @@ def _shares(elapsed: float) -> tuple[tuple[float, ...], tuple[float, ...]]:
     return kept, (1.0, *(-tau / elapsed * expm1(-elapsed / tau) for tau in _TIMES))
 
 
+@lru_cache(maxsize=4)
+def _states_along(moves: bytes, bends: bytes, h: float) -> Array:
+    """Solve the branches; cached, because they depend on no parameter."""
+    from scipy.signal import lfilter  # slow to import, and no node needs it
+
+    move, bend = np.frombuffer(moves), np.frombuffer(bends)
+    states = np.zeros((_BRANCHES + 3, len(move)))
+    states[2] = np.cumsum(move)
+    kept, entered = _shares(h)
+    for row, tau, k, e in zip(states[3:], _TIMES, kept[1:], entered[1:]):
+        bent = tau * (0.5 * (1.0 + k) - e)
+        row[:] = lfilter([1.0], [1.0, -k], e * move + bent * bend)
+    states.flags.writeable = False
+    return states
+
+
 @dataclass(frozen=True)
 class FractionalRelaxationParameters(ParameterGroup):
     """Parameters of `FractionalRelaxation`."""
@@ -139,19 +155,10 @@ class FractionalRelaxation(ContactEffect):
 
     def states_along(self, t: Array, d: Array, v: Array, contact: Flags) -> Array:
         """Solve the branches exactly, v straight between samples in contact."""
-        from scipy.signal import lfilter  # slow to import, and no node needs it
-
-        h = float(t[1] - t[0])
         moves, bends = np.zeros(len(t)), np.zeros(len(t))
         moves[1:] = np.diff(np.where(contact, d, 0.0))
         bends[1:] = np.where(contact[1:] & contact[:-1], np.diff(v), 0.0)
-        states = np.zeros((self.states, len(t)))
-        states[2] = np.cumsum(moves)
-        kept, entered = _shares(h)
-        for row, tau, k, e in zip(states[3:], _TIMES, kept[1:], entered[1:]):
-            bent = tau * (0.5 * (1.0 + k) - e)
-            row[:] = lfilter([1.0], [1.0, -k], e * moves + bent * bends)
-        return states
+        return _states_along(moves.tobytes(), bends.tobytes(), float(t[1] - t[0]))
 
     @classmethod
     def plausible(cls, values: Any) -> bool:
