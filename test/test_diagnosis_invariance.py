@@ -239,7 +239,7 @@ def test_channels_are_compared_as_forces() -> None:
 
 def test_exact_model_leaves_no_discrepancy_worth_a_name() -> None:
     recording, model = prepared_from(recorded())
-    assert material(with_discrepancy(recording, model), model) == []
+    assert not material([with_discrepancy(recording, model)], model)
 
 
 def test_correlation_time_is_that_of_an_autoregressive_process() -> None:

@@ -134,7 +134,7 @@ def decide(
     progress('structure of the residuals')
     recordings = _plain(recordings, base.model)
     carried, _ = weigh(recordings, fit(recordings, best.model))
-    if not any(material(one, base.model) for one in carried):
+    if not material(carried, base.model):
         usual = max(1.0, best.cost / best.residual_count)
         powers = _held_out_powers(whole, best.model, trifles=False)
         late = _largest(powers) > _HELD_OUT_POWER * usual
@@ -216,8 +216,7 @@ def _is_trifle(recordings: Recordings, best: Fit, name: str) -> bool:
     without = fit(recordings, best.model.without(name))
     if without.cost - best.cost > best.residual_count:
         return False
-    return not any(material(one, without.model, _SMALL)
-                   for one in weighed(recordings, without.model))
+    return not material(weighed(recordings, without.model), without.model, _SMALL)
 
 
 def _least_sure(exact: bool, flexible: bool) -> float:

@@ -114,14 +114,14 @@ def forces(recording: PreparedRecording, model: Model) -> list[float]:
     return stds
 
 
-def material(recording: PreparedRecording, model: Model, share: float = 1.0) -> list[int]:
+def material(recordings: Recordings, model: Model, share: float = 1.0) -> set[int]:
     """
     Return in which channels a discrepancy is large enough, beside the force, to be worth a name.
 
     Parameters
     ----------
-    recording : PreparedRecording
-        With its discrepancy.
+    recordings : sequence of PreparedRecording
+        With their discrepancies.
     model : Model
         With the mass of the robot.
     share : float
@@ -129,15 +129,19 @@ def material(recording: PreparedRecording, model: Model, share: float = 1.0) -> 
 
     Returns
     -------
-    channels : list of int
-        Of `CHANNELS`; the only one of a wall driven by a force by the force that it lacks.
+    channels : set of int
+        Of `CHANNELS`, in any recording; the only one of a wall driven by a force by the force that
+        it lacks.
 
     """
-    least = share * least_material(recording)
-    sizes = [recording.force_discrepancy]
-    if recording.observed.reference is not None:
-        sizes.append(_stiffness(recording, model) * recording.motion_discrepancy)
-    return [k for k, size in enumerate(sizes) if size >= least]
+    channels = set[int]()
+    for recording in recordings:
+        sizes = [recording.force_discrepancy]
+        if recording.observed.reference is not None:
+            sizes.append(_stiffness(recording, model) * recording.motion_discrepancy)
+        least = share * least_material(recording)
+        channels |= {k for k, size in enumerate(sizes) if size >= least}
+    return channels
 
 
 def least_material(recording: PreparedRecording) -> float:

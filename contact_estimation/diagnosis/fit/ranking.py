@@ -130,8 +130,8 @@ def rank_by_prediction(
         law = law_in_form(recordings, assessed, parts, before)
         if law is not None:
             return Ranking([law.found], True)
-    worth = any(material(one, present.model) for one in recordings)
-    if only_zeros and worth and (best is None or _takes_a_zero(present, best)):
+    worth = only_zeros and material(recordings, present.model)
+    if worth and (best is None or _takes_a_zero(present, best)):
         pairs = pairs_that_predict(recordings, present, found, parts, before, best)
         if pairs:
             fits = [pair.found for pair in pairs]
@@ -197,7 +197,7 @@ def _promising(
     least_share: float,
 ) -> list[Fit]:
     """Leave out candidates that fit too little of a channel to predict enough of it."""
-    large = {number for one in recordings for number in material(one, present.model)}
+    large = material(recordings, present.model)
     confirmed = channel is None and any(one.observed.reference is not None for one in recordings)
     if not confirmed and (channel or 0) not in large:
         return []  # trifles that no other channel confirms

@@ -185,8 +185,7 @@ def _is_explained(recordings: Recordings, base: Fit, best: Fit) -> bool:
 def _carried(recordings: Recordings, best: Fit) -> tuple[Recordings, Fit]:
     """Carry a discrepancy, unless only trifles are left: a law that is inexact explains none."""
     carried, present = weigh(recordings, best)
-    immaterial = not any(material(one, best.model) for one in carried)
-    if immaterial and best.cost < _NEARLY * best.residual_count:
+    if not material(carried, best.model) and best.cost < _NEARLY * best.residual_count:
         return recordings, present
     return carried, present
 

@@ -100,8 +100,8 @@ class Zeros(NamedTuple):
         """
         names = zeros_lacking(present.model)
         if not names:
-            large = {k for one in recordings for k in material(one, present.model)}
-            return cls(recordings, parts, (), before, whole, frozenset(large))
+            large = frozenset(material(recordings, present.model))
+            return cls(recordings, parts, (), before, whole, large)
         found = fit(recordings, beside(present.model, names))
         errors = left_out_errors(recordings, found, parts, before)
         if present.model.effects:
@@ -109,9 +109,8 @@ class Zeros(NamedTuple):
             whole = left_out_errors(recordings, bare, parts, whole)
         else:
             whole = errors
-        large = {k for one in weighed(recordings, found.model)
-                 for k in material(one, found.model)}
-        return cls(recordings, parts, names, errors, whole, frozenset(large))
+        large = frozenset(material(weighed(recordings, found.model), found.model))
+        return cls(recordings, parts, names, errors, whole, large)
 
     def beside(self, one: Candidate) -> Candidate | None:
         """
