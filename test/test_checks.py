@@ -277,7 +277,8 @@ SPECIMEN = nominal(environment__stiffness=5000.0, environment__damping=0.0,
 def test_laws_of_time_are_not_named_in_one_stroke_at_constant_speed() -> None:
     (found,) = failed(stroke(1e-3), SPECIMEN)
     assert (found.name, found.fatal) == ('constant_speed', False)
-    assert {'viscoelastic_relaxation', 'force_drift', 'quadratic_damping'} <= found.could_cause
+    assert {'viscoelastic_relaxation', 'force_drift', 'quadratic_damping',
+            'environment_resonance'} <= found.could_cause
     assert not {'cubic_stiffness', 'plastic_set', 'force_bias'} & found.could_cause
     assert not failed(stroke(1e-3, back=True), SPECIMEN)
 

@@ -99,7 +99,8 @@ def test_effect_is_not_added_twice() -> None:
 def test_attached_wall_has_no_effects_of_touching_and_one_inertia() -> None:
     names = set(candidates_for(Model.of(nominal(**ATTACHED)), False))
     drive = Model.of(nominal(**{**ATTACHED, 'environment__stiffness': 0.0}))
-    assert names - set(candidates_for(drive, False)) == {'contact_offset'}
+    assert names - set(candidates_for(drive, False)) == {
+        'bouc_wen_hysteresis', 'contact_offset'}
     assert 'environment_inertia' not in names
     assert not any(EFFECTS[name].needs_touch for name in names)
     assert {'cubic_stiffness', 'force_bias'} <= names

@@ -102,6 +102,7 @@ class BoucWenHysteresis(ContactEffect):
     Parameters = BoucWenHysteresisParameters
 
     states = 1
+    needs_spring = True  # without one it is friction: see `PreslidingFriction`
 
     def resistance(self, t: Number, d: Number, v: Number, state: Any, m: Any) -> Number:
         """Return alpha z; see `ContactEffect.resistance`."""

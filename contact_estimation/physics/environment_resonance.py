@@ -105,6 +105,11 @@ class EnvironmentResonance(ContactEffect):
         return bool(values.frequency * duration < MANY_PERIODS)
 
     @classmethod
+    def is_resolved(cls, values: Any, duration: float) -> bool:
+        """Need a period: what is slower only bends the course of the force."""
+        return bool(values.frequency * duration >= 1.0)
+
+    @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """Spread the frequency about the pace of the motion; the law is linear in the mass."""
         frequencies = np.geomspace(_LOWEST, _HIGHEST, 5) / scales.pace

@@ -52,7 +52,7 @@ EXPLAINED = 0.5
 """Least share of the misfit that names must predict on parts left out to explain it."""
 
 _TRIFLE, _UNSURE = 0.01, 0.1  # shares not worth a name: of an effect beyond doubt, of another
-_SMALL = 1.0 / 3.0  # of the discrepancy that is worth a name where laws may be inexact
+_SMALL = 0.5  # of the discrepancy that is worth a name where laws may be inexact
 _PREDICTABLE = 0.1  # share of the residual that a smoother predicts: structure, not noise
 _SIGNIFICANT = 3.0  # standard deviations
 _HELD_OUT_POWER = 2.0  # held-out mean square, over that of the noise, of a wrong model

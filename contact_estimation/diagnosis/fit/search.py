@@ -164,8 +164,8 @@ def is_credible(recordings: Recordings, model: Model) -> bool:
         False for a saturating sensor if the measured force is not level where the sensor would
         hold it, or is held for most of the time to and fro, as friction holds it; and for a
         friction beyond the range of the force, which never slips: that is a spring. Nor is one
-        credible that vanishes, a resonance of fewer than eight samples a period, or two tones too
-        near one another for the duration.
+        credible that vanishes, a resonance of fewer than eight samples a period or of less than
+        a period, or two tones too near one another for the duration.
 
     """
     name = model.effects[-1]
