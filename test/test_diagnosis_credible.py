@@ -63,7 +63,9 @@ def test_a_friction_that_never_slips_is_a_spring() -> None:
 
 @pytest.mark.parametrize('frequency, credible', [
     (0.06, False), (0.07, True), (24.0, True), (26.0, False)])
-def test_a_resonance_needs_a_period_in_the_recording_and_eight_samples_in_a_period(frequency: float, credible: bool) -> None:
+def test_a_resonance_needs_one_period_and_eight_samples_in_it(
+    frequency: float, credible: bool
+) -> None:
     recording, found = prepared(specimen(TO_AND_FRO, 0.0))
     model = found.model.with_effect('environment_resonance', (0.1, frequency, 0.05))
     assert is_credible([recording], model) is credible

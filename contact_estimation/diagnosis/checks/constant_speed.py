@@ -53,4 +53,5 @@ def find(evidence: Evidence) -> Finding:
 
 
 TEST = Test(find, after=('clock_offset', 'excitation'), alone=True, could_cause=of_families(
-    'relaxation', 'wall_motion', 'timing', 'damping_law', 'inertia') | {'force_drift', 'settling_bias'})
+    'relaxation', 'wall_motion', 'timing', 'damping_law', 'inertia',
+) | {'force_drift', 'settling_bias'})
