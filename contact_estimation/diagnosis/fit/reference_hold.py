@@ -63,7 +63,9 @@ class ReferenceHold:
 
     def is_promising(self, best: Model) -> bool:
         """Return whether a hold explains the motion better, to the base or the best model."""
-        models = [self._base, best] if best.effects else [self._base]
+        models = [best, self._base] if best.effects else [self._base]
+        if _price(self._straight, best) < self._count and not self._is_of_sampling(best):
+            models = models[:1]  # of what is explained down to the noise no selection finds more
         return any(self.is_better(model, model) for model in models)
 
     def is_better(self, held: Model, straight: Model) -> bool:
