@@ -59,14 +59,23 @@ def test_parts_of_a_single_event_are_pieces_of_all_contacts() -> None:
     assert min(of_event[:2]) > 0.3 * sum(of_event) and sum(of_event[2:]) == 0.0
 
 
-def spring(cubic: float, stray: float) -> Signals:
+def spring(cubic: float, stray: float, noise_std: float = 1e-3) -> Signals:
     """Record an attached spring with a curvature; its force also strays by so much [N]."""
     t = np.arange(2000) / 100.0
     x = 0.01 * np.sin(2.0 * t) + 0.005 * np.sin(5.3 * t)
     v = 0.02 * np.cos(2.0 * t) + 0.0265 * np.cos(5.3 * t)
     force = 1000.0 * x + 5.0 * v + cubic * x**3 + stray * np.sin(0.7 * t) * np.sin(3.1 * t)
-    noise = np.random.default_rng(4).normal(0.0, 1e-3, len(t))
+    noise = np.random.default_rng(4).normal(0.0, noise_std, len(t))
     return Signals(t, noise - force, t, x, np.empty(0), np.empty((4, 0)))
+
+
+@pytest.mark.parametrize('constant, names', [(True, ['cubic_stiffness']), (False, [])])
+def test_an_effect_smaller_than_the_noise_is_named_if_it_is_the_same_on_all_parts(
+    constant: bool, names: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    if not constant:
+        monkeypatch.setattr(Shares, 'is_constant', lambda self, name: False)
+    assert named(diagnosed(spring(3e4, 0.0, 0.03), SPRING)) == names
 
 
 @pytest.mark.parametrize('cubic, stray, verdict, names', [

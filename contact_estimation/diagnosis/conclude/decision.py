@@ -126,7 +126,8 @@ def decide(
             or _is_resonance(recordings, best.model, name)
             or shares.most(name) < (_TRIFLE if shares.sure(name) > 0.0 else _UNSURE)
             or shares.sure(name) <= _least_sure(exact, shares.is_flexible(name))
-            or exact and _is_trifle(recordings, best, name))]  # last: it fits again
+            or exact and not shares.is_constant(name)
+            and _is_trifle(recordings, best, name))]  # last: it fits again
         fewer = _without_doubtful(selection, best, shares, doubtful, whole, progress, again)
         if fewer is not None:
             return fewer
@@ -211,7 +212,8 @@ def _is_trifle(recordings: Recordings, best: Fit, name: str) -> bool:
     """
     Return whether a name takes away little beside the force, and less than the noise.
 
-    With long recordings every imperfection of a rig is significant.
+    With long recordings every imperfection of a rig is significant. One that is the same on all
+    parts is a law however small.
     """
     without = fit(recordings, best.model.without(name))
     if without.cost - best.cost > best.residual_count:

@@ -44,6 +44,7 @@ from ...physics import EFFECTS
 Array = NDArray[np.float64]
 
 _SPREAD = 1.0  # median deviation of a magnitude between parts, over its median
+_CONSTANT = 0.2  # the same, of a law that is told by the likelihood
 _ALIKE = 0.3  # least ratio of that median and the magnitude on all parts, either way
 
 
@@ -106,13 +107,24 @@ class Shares:
 
     def agrees(self, name: str) -> bool:
         """Return whether the magnitude of an effect is much the same on each part and on all."""
-        place = self.best.model.place(name).start
-        neutral = EFFECTS[name].neutral.get(names_of(name)[0], 0.0)
-        sizes = np.array([alone[place] - neutral for alone in self._alone])
-        usual, whole = float(np.median(sizes)), self.best.model.values[place] - neutral
+        sizes, whole = self._magnitudes(name)
+        usual = float(np.median(sizes))
         if not _ALIKE * abs(whole) <= usual * np.sign(whole) <= abs(whole) / _ALIKE:
             return False
         return float(np.median(np.abs(sizes - usual))) <= _SPREAD * abs(usual)
+
+    def is_constant(self, name: str) -> bool:
+        """Return whether an effect is sure and its magnitude the same on most parts and on all."""
+        sizes, whole = self._magnitudes(name)
+        return self.sure(name) > 0.0 and bool(
+            np.median(np.abs(sizes - whole)) <= _CONSTANT * abs(whole))
+
+    def _magnitudes(self, name: str) -> tuple[Array, float]:
+        """Return the magnitude of an effect on each part alone, and on all."""
+        place = self.best.model.place(name).start
+        neutral = EFFECTS[name].neutral.get(names_of(name)[0], 0.0)
+        sizes = np.array([alone[place] - neutral for alone in self._alone])
+        return sizes, self.best.model.values[place] - neutral
 
     def sure(self, name: str) -> float:
         """Return the lower end of the share of an effect, or of that beside the others."""
