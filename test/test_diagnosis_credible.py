@@ -23,7 +23,7 @@ from contact_estimation.diagnosis.conclude.naming import _other_families
 from contact_estimation.diagnosis.conclude.shares import Shares
 from contact_estimation.diagnosis.fit.fitting import Fit, fit, fit_at, step
 from contact_estimation.diagnosis.fit.scales import measure_scales
-from contact_estimation.diagnosis.fit.search import candidates_for, is_credible, search
+from contact_estimation.diagnosis.fit.search import candidates_for, is_credible, may_show, search
 from contact_estimation.diagnosis.fit.uncertainty import standard_deviations
 from contact_estimation.diagnosis.observe.model import Model
 from contact_estimation.diagnosis.observe.prepared_recording import PreparedRecording
@@ -69,6 +69,33 @@ def test_a_resonance_needs_one_period_and_eight_samples_in_it(
     recording, found = prepared(specimen(TO_AND_FRO, 0.0))
     model = found.model.with_effect('environment_resonance', (0.1, frequency, 0.05))
     assert is_credible([recording], model) is credible
+
+
+def test_an_exponential_needs_a_motion_that_shows_more_than_a_parabola() -> None:
+    recording, found = prepared(specimen(TO_AND_FRO, 0.0))
+    reach = float(np.ptp(recording.observed.x))
+    for share, credible in ((4.9, True), (5.1, False)):
+        model = found.model.with_effect('exponential_stiffness', (1.0, share * reach))
+        assert is_credible([recording], model) is credible
+
+
+@pytest.mark.parametrize('offset, credible', [(0.1, True), (-0.1, True), (1.0, False),
+                                              (-1.0, False)])
+def test_a_surface_is_not_far_beyond_the_motion(offset: float, credible: bool) -> None:
+    recording, model = prepared_from(recorded())
+    assert 0.02 < float(np.ptp(recording.observed.x)) < 0.2
+    offset_first = model.with_effect('contact_offset', (offset,)).with_effect(
+        'coulomb_friction', (1.0,))
+    assert may_show([recording], offset_first, 'contact_offset') is credible
+    assert is_credible([recording], offset_first)
+
+
+@pytest.mark.parametrize('name', ['force_delay', 'command_delay'])
+def test_a_delay_is_no_smaller_than_stamps_are_known(name: str) -> None:
+    recording, model = prepared_from(recorded())
+    for share, credible in ((0.04, False), (0.06, True)):
+        delayed = model.with_effect(name, (share * recording.observed.h,))
+        assert is_credible([recording], delayed) is credible
 
 
 @pytest.mark.parametrize('apart, credible', [(0.06, False), (0.07, True)])
@@ -136,11 +163,27 @@ def test_two_tones_within_one_peak_of_the_spectrum_are_told_apart() -> None:
 def test_a_law_has_much_the_same_size_on_each_part_as_on_all(
     monkeypatch: pytest.MonkeyPatch, sizes: tuple[float, ...], agrees: bool
 ) -> None:
+    assert agreeing(monkeypatch, sizes, (1.0, 1.0, 1.0)) is agrees
+
+
+@pytest.mark.parametrize('told, agrees', [
+    ((9.0, 9.0, 0.8, 0.8), True), ((9.0, 9.0, 1.0, 1.0), False), ((9.0, 0.8, 0.8, 0.8), False)])
+def test_parts_that_do_not_determine_a_size_do_not_contradict_it(
+    monkeypatch: pytest.MonkeyPatch, told: tuple[float, ...], agrees: bool
+) -> None:
+    assert agreeing(monkeypatch, (5.0, 6.0, -60.0, -60.0), told) is agrees
+
+
+def agreeing(
+    monkeypatch: pytest.MonkeyPatch, sizes: tuple[float, ...], told: tuple[float, ...]
+) -> bool:
+    """Return whether sizes of a cubic stiffness of 5 agree, on parts that tell so much of it."""
     model = Model.of(SPRING).with_effect('cubic_stiffness', (5.0,))
     monkeypatch.setattr(Shares, '_alone', [(1000.0, 20.0, size) for size in sizes])
+    monkeypatch.setattr(Shares, '_information', np.outer(told, (1.0, 1.0, 1.0)))
     none = np.zeros((3, 2))
     shares = Shares([], [], none, Fit(model, 0.0, np.zeros(1), 1), none, {}, {}, {}, {})
-    assert shares.agrees('cubic_stiffness') is agrees
+    return shares.agrees('cubic_stiffness')
 
 
 @pytest.mark.parametrize('ringing', [False, True], ids=['mass', 'resonance'])

@@ -24,7 +24,7 @@ from contact_estimation.diagnosis.conclude.shares import Shares, shares_of
 from contact_estimation.diagnosis.fit.discrepancy import weighed
 from contact_estimation.diagnosis.fit.fitting import Fit, fit
 from contact_estimation.diagnosis.fit.invariance import left_out_errors
-from contact_estimation.diagnosis.fit.pairs import pairs_that_predict
+from contact_estimation.diagnosis.fit.pairs import is_pair, pairs_that_predict
 from contact_estimation.diagnosis.fit.parts import above_noise, evened, parts_of
 from contact_estimation.diagnosis.fit.search import search
 from contact_estimation.diagnosis.observe.prepared_recording import PreparedRecording
@@ -94,6 +94,16 @@ def test_pair_is_taken_where_both_laws_are_missing() -> None:
 @pytest.mark.parametrize('elastic, loss', [(True, False), (False, True)])
 def test_no_pair_is_taken_where_one_law_is_missing(elastic: bool, loss: bool) -> None:
     assert chosen(elastic, loss) == ()
+
+
+@pytest.mark.parametrize('names, pair', [
+    (('cubic_stiffness', 'coulomb_friction'), True),
+    (('force_bias', 'viscoelastic_relaxation', 'cubic_stiffness'), True),
+    (('cubic_stiffness',), False), (('coulomb_friction', 'quadratic_damping'), False),
+    (('cubic_stiffness', 'bilinear_stiffness'), False),
+    (('cubic_stiffness', 'coulomb_friction', 'quadratic_damping'), False)])
+def test_a_pair_is_one_elastic_law_and_one_loss(names: tuple[str, ...], pair: bool) -> None:
+    assert is_pair(names) is pair
 
 
 def of_pair() -> Shares:

@@ -16,12 +16,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import lru_cache
+from typing import Any
 
 from concealed_worlds import diagnosed, named, nominal, prepared_from, recorded, touches
-from contact_estimation.diagnosis.conclude.shares import Shares
+from contact_estimation.diagnosis.conclude import decision as decision_module
+from contact_estimation.diagnosis.conclude.decision import beside_zeros, decide, Decision
+from contact_estimation.diagnosis.conclude.shares import Shares, shares_of
+from contact_estimation.diagnosis.fit.criteria import SHARE
 from contact_estimation.diagnosis.fit.fitting import Fit, fit
-from contact_estimation.diagnosis.fit.parts import parts_of
+from contact_estimation.diagnosis.fit.parts import counts_of, evened, parts_of
+from contact_estimation.diagnosis.fit.ranking import _promising
+from contact_estimation.diagnosis.fit.selection import Selection, weigh
 from contact_estimation.diagnosis.observe.prepared_recording import PreparedRecording
 from contact_estimation.diagnosis.observe.signals import Signals
 import numpy as np
@@ -59,6 +66,23 @@ def test_parts_of_a_single_event_are_pieces_of_all_contacts() -> None:
     assert min(of_event[:2]) > 0.3 * sum(of_event) and sum(of_event[2:]) == 0.0
 
 
+def test_a_single_event_does_not_hide_a_law_that_holds_everywhere_else() -> None:
+    recording, model = prepared_from(spring(2e6, 0.1), SPRING)
+    base = fit([recording], model)
+    carried, base = weigh([recording], base)
+    law = fit(carried, base.model.with_effect('cubic_stiffness', (1e5,)))
+    event = np.zeros_like(base.residuals)
+    event[20:60] = 4.0 * np.abs(base.residuals).max()
+    hit = [one._replace(residuals=one.residuals + event) for one in (base, law)]
+    parts = parts_of(carried, hit[0])
+    of_part = np.array([[part.squares(hit[0].residuals).sum(), 0.0] for part in parts])
+    evenly = counts_of(evened(parts, of_part)[0], len(event))
+    alike = np.ones(len(event))
+    assert _promising(carried, base, [law], alike, None, SHARE) == [law]
+    assert _promising(carried, hit[0], hit[1:], alike, None, SHARE) == []
+    assert _promising(carried, hit[0], hit[1:], evenly, None, SHARE) == hit[1:]
+
+
 def spring(cubic: float, stray: float, noise_std: float = 1e-3) -> Signals:
     """Record an attached spring with a curvature; its force also strays by so much [N]."""
     t = np.arange(2000) / 100.0
@@ -88,6 +112,60 @@ def test_an_inexact_law_is_named_only_if_it_is_no_trifle_beside_the_force(
 ) -> None:
     diagnosis = diagnosed(spring(cubic, stray), SPRING)
     assert (diagnosis.verdict, named(diagnosis)) == (verdict, names)
+
+
+@pytest.mark.parametrize('friction, stray, names', [
+    (0.12, 0.06, ['friction']), (0.12, 0.08, []), (0.02, 0.06, [])])
+def test_a_trifle_of_a_single_channel_is_named_if_one_law_explains_nearly_all_of_it(
+    friction: float, stray: float, names: list[str]
+) -> None:
+    signals = spring(0.0, stray)
+    rubbed = friction * np.sign(np.gradient(signals.position, signals.joint_t))
+    range_n = float(np.ptp(signals.force))
+    assert friction < 0.006 * range_n
+    diagnosis = diagnosed(signals._replace(force=signals.force - rubbed), SPRING)
+    assert [effect.family for effect in diagnosis.effects] == names
+
+
+def specimen_of_two_laws() -> tuple[list[PreparedRecording], Fit, Fit]:
+    """Fit an attached spring that bends and rubs, with neither and with both laws."""
+    signals = spring(2e6, 0.1)
+    rubbed = 1.0 * np.tanh(np.gradient(signals.position, signals.joint_t) / 1e-3)
+    recording, model = prepared_from(signals._replace(force=signals.force - rubbed), SPRING)
+    base = fit([recording], model)
+    bent = base.model.with_effect('cubic_stiffness', (2e6,))
+    both = fit([recording], bent.with_effect('coulomb_friction', (1.0,)))
+    carried, best = weigh([recording], both)
+    return list(carried), fit(carried, base.model), best
+
+
+@pytest.mark.parametrize('sure_together', [True, False])
+def test_an_elastic_law_and_a_loss_that_are_sure_only_together_are_judged_together(
+    monkeypatch: pytest.MonkeyPatch, sure_together: bool
+) -> None:
+    def unsure_alone(*arguments: Any) -> Shares:
+        shares = shares_of(*arguments)
+        if sure_together and arguments[-1]:
+            return shares
+        doubtful = {name: share._replace(interval=(-1.0, 1.0))
+                    for name, share in shares.of_channel.items()}
+        return replace(shares, of_channel=doubtful, beside=doubtful)
+
+    monkeypatch.setattr(decision_module, 'shares_of', unsure_alone)
+    recordings, base, best = specimen_of_two_laws()
+    selection = Selection(recordings, base, best, {}, {})
+    found = decide(selection, recordings, lambda name: None, again=False)
+    assert found.best.model.effects == (best.model.effects if sure_together else ())
+
+
+def test_a_zero_that_was_dropped_comes_back_where_the_law_fails_without_it() -> None:
+    recordings, base, best = specimen_of_two_laws()
+    zeroed = fit(recordings, best.model.with_effect('force_bias', (0.0,)))
+    decision = Decision(Selection(recordings, base, best, {}, {}), best, False, 0.0, None)
+    found = beside_zeros(Selection(recordings, base, zeroed, {}, {}), decision)
+    assert found is not None and found.shares is not None
+    assert found.best.model.effects == zeroed.model.effects and found.shares.explained > 0.9
+    assert beside_zeros(decision.selection, decision) is None
 
 
 def test_a_law_whose_size_differs_between_parts_makes_room_for_the_next(

@@ -99,6 +99,12 @@ def test_friction_of_a_robot_that_holds_its_reference_is_named_alone() -> None:
     assert found['robot_friction'] == pytest.approx(3.0, rel=0.05)
 
 
+def test_a_law_of_the_contact_is_named_alone_where_the_reference_is_held() -> None:
+    # On straight lines the hold is half a period of delay beside the law.
+    found = named(recorded_with_hold(1.0 / RATE_HZ, physics__quadratic_damping__B_2=1500.0))
+    assert list(found) == ['quadratic_damping']
+
+
 def test_nothing_is_held_without_a_reference() -> None:
     signals = recorded_with_hold(1.0 / RATE_HZ).signals
     bare = Recording('bare', signals._replace(reference_t=np.empty(0), reference=np.empty((4, 0))))

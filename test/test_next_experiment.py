@@ -21,6 +21,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Sequence
 
+from contact_estimation.diagnosis.conclude import next_experiment
 from contact_estimation.diagnosis.conclude.candidates import (
     Candidate,
     candidates,
@@ -28,7 +29,12 @@ from contact_estimation.diagnosis.conclude.candidates import (
     scaling_test,
 )
 from contact_estimation.diagnosis.conclude.naming import advice
-from contact_estimation.diagnosis.conclude.next_experiment import choose, Judge, reach_of
+from contact_estimation.diagnosis.conclude.next_experiment import (
+    _pressed,
+    choose,
+    Judge,
+    reach_of,
+)
 from contact_estimation.diagnosis.conclude.result import Diagnosis
 from contact_estimation.diagnosis.fit.fitting import fit, residual_function
 from contact_estimation.diagnosis.fit.model_uncertainty import discounted
@@ -205,3 +211,27 @@ def test_attached_environment_has_no_robot_to_play_an_experiment() -> None:
     d = open_question()
     wall = PlantParameters(environment=WallParameters(unilateral=False, inertia=1.0))
     assert choose(replace(d, nominal=replace(d.nominal, nominal=wall))) is None
+
+
+def test_without_a_robot_an_experiment_is_the_motion_that_the_wall_lets_it_have(
+    monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refused(*arguments: object) -> None:
+        raise AssertionError('a robot that nothing is known of is simulated')
+
+    monkeypatch.setattr(next_experiment, 'simulate_on', refused)
+    d = open_question()
+    bare = [replace(one, observed=replace(one.observed, reference=None), observer=None,
+                    discount=None) for one in d.recordings]
+    judge = Judge(replace(d, recordings=bare))
+    experiment = candidates(reach_of(d))[0].experiment
+    difference = judge.least_difference(experiment)
+    assert difference.force > 1.0 and difference.motion is None
+    gain = reach_of(d).gain
+    asked = motion(experiment)
+    x_e = d.corrected.nominal.environment.location
+    x, v, _ = _pressed(asked, d.corrected, gain)
+    inside = asked[0] > x_e
+    assert x[inside] - x_e == pytest.approx((asked[0][inside] - x_e) / gain)
+    assert v[inside] == pytest.approx(asked[1][inside] / gain)
+    assert (x[~inside] == asked[0][~inside]).all()

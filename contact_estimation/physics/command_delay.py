@@ -38,6 +38,7 @@ class CommandDelay(RobotEffect):
     family = 'timing'
     description = 'The robot follows its reference with a delay.'
     Parameters = CommandDelayParameters
+    sampled_delay = 'delay'
 
     def __init__(self, values: CommandDelayParameters) -> None:
         super().__init__(values)

@@ -40,6 +40,7 @@ class ContactOffset(ContactEffect):
     family = 'clearance'
     description = 'The surface is not where the model places it.'
     Parameters = ContactOffsetParameters
+    reached_length = 'offset'
     either_sign = True
     needs_spring = True
 

@@ -71,8 +71,13 @@ class Effect(ABC):
         Whether the law is wider than others of its family, which are preferred to it.
     reached_force : str
         Parameter that is a force which the measured one has to reach; '' if there is none.
+    reached_length : str
+        Parameter that is a length a fair part of which the motion has to cover; '' if there is
+        none.
     sampled_frequency : str
         Parameter that is a frequency which the samples have to resolve; '' if there is none.
+    sampled_delay : str
+        Parameter that is a delay, to be a fair share of a sample period; '' if there is none.
     either_sign : bool
         Whether the first parameter is drawn with either sign.
 
@@ -100,7 +105,9 @@ class Effect(ABC):
     is_mass: ClassVar[bool] = False
     is_series: ClassVar[bool] = False
     reached_force: ClassVar[str] = ''
+    reached_length: ClassVar[str] = ''
     sampled_frequency: ClassVar[str] = ''
+    sampled_delay: ClassVar[str] = ''
     either_sign: ClassVar[bool] = False
 
     def __init__(self, values: ParameterGroup) -> None:

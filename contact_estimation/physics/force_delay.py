@@ -45,6 +45,7 @@ class ForceDelay(ForceSensorEffect):
     family = 'timing'
     description = 'The force signal is delayed relative to the motion.'
     Parameters = ForceDelayParameters
+    sampled_delay = 'delay'
 
     memory = True
 

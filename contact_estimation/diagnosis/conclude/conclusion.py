@@ -21,7 +21,7 @@ from typing import NamedTuple, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from .decision import decide, Decision, verdict_of
+from .decision import beside_zeros, decide, Decision, verdict_of
 from .dependence import dependences
 from .held_out import by_part, errors_of, improvement_interval, measure_part, Part
 from .location import locate, Location
@@ -96,17 +96,17 @@ def conclude(fitted: Fitted, seed: int, progress: Progress) -> Diagnosis:
     whole = [discounted(one.whole(base_model), base_model)
              for one in fitted.selection.recordings]
     decision = decide(fitted.selection, whole, progress)
-    selection = decision.selection
-    recordings, base, best = _refined(fitted.nominal, decision, progress)
-    best = _nominal_where_unknown(fitted.nominal, recordings, best)
-    progress('held-out parts')
-    models = (fitted.nominal, base.model, best.model)
-    parts, free_runs = _held_out(recordings, whole, fitted.holdouts, models)
-    if best.model.effects and _worse(parts, best.model):  # a false name is worse than no name
-        decision = Decision(selection, selection.base, True, decision.predictable, None)
-        recordings, base, best = selection.recordings, selection.base, selection.base
-        models = (fitted.nominal, base.model, base.model)
-        parts, free_runs = _held_out(recordings, whole, fitted.holdouts, models)
+    tested = _tested(fitted, whole, decision, progress)
+    if tested.worse:  # a law may predict only beside the zeros that its rig has
+        zeroed = beside_zeros(fitted.selection, decision)
+        tested = tested if zeroed is None else _tested(fitted, whole, zeroed, progress)
+    if tested.worse:  # a false name is worse than no name
+        selection = decision.selection
+        tested = _tested(fitted, whole, Decision(
+            selection._replace(best=selection.base), selection.base, True, decision.predictable,
+            None), progress)
+    decision, recordings, base, best, parts, free_runs, _ = tested
+    selection, models = decision.selection, (fitted.nominal, base.model, best.model)
     verdict = verdict_of(decision, selection.base, fitted.nominal_cost)
     stds = standard_deviations(recordings, best)
     names = name_effects(
@@ -133,6 +133,31 @@ def conclude(fitted: Fitted, seed: int, progress: Progress) -> Diagnosis:
                      for name in pair_of(bool(names.effects))},
         recordings=recordings, free_runs=free_runs,
     )
+
+
+class _Tested(NamedTuple):
+    """A decision, its models refined, and their errors on the held-out parts."""
+
+    decision: Decision
+    recordings: Recordings
+    base: Fit
+    best: Fit
+    parts: list[Part]
+    free_runs: dict[str, Array]
+    worse: bool
+
+
+def _tested(
+    fitted: Fitted, whole: Recordings, decision: Decision, progress: Progress
+) -> _Tested:
+    """Test the models of a decision on held-out parts."""
+    recordings, base, best = _refined(fitted.nominal, decision, progress)
+    best = _nominal_where_unknown(fitted.nominal, recordings, best)
+    progress('held-out parts')
+    models = (fitted.nominal, base.model, best.model)
+    parts, free_runs = _held_out(recordings, whole, fitted.holdouts, models)
+    worse = bool(best.model.effects) and _worse(parts, best.model)
+    return _Tested(decision, recordings, base, best, parts, free_runs, worse)
 
 
 def _refined(

@@ -37,7 +37,8 @@ from ..fit.fitting import Fit, fit
 from ..fit.flexible import autocorrelation, predictable_share
 from ..fit.model_uncertainty import discounted
 from ..fit.output_error import refine, runs_true
-from ..fit.search import Progress
+from ..fit.pairs import is_pair
+from ..fit.search import may_show, Progress
 from ..fit.selection import fitted_again, select, Selection, weigh
 from ..fit.uncertainty import standard_deviations
 from ..fit.zeros import ZEROS
@@ -122,7 +123,8 @@ def decide(
                            together if len(together) > 1 else ())
         exact = not has_discrepancy(recordings)
         doubtful = [name for name in best.model.effects if name != in_form and (
-            not shares.agrees(name)
+            not may_show(recordings, best.model, name)
+            or not shares.agrees(name)
             or _is_resonance(recordings, best.model, name)
             or shares.most(name) < (_TRIFLE if shares.sure(name) > 0.0 else _UNSURE)
             or shares.sure(name) <= _least_sure(exact, shares.is_flexible(name))
@@ -149,7 +151,11 @@ def _without_doubtful(
     selection: Selection, best: Fit, shares: Shares, doubtful: Sequence[str], whole: Recordings,
     progress: Progress, again: bool,
 ) -> Decision | None:
-    """Decide without what is doubtful; None if nothing is, or laws are not sure without it."""
+    """
+    Decide without what is doubtful; None if nothing is, or laws are not sure without it.
+
+    An elastic law and a loss of which neither is sure without the other are judged together.
+    """
     if not doubtful:
         return None
     zeros = [name for name in doubtful if name in ZEROS]
@@ -159,11 +165,43 @@ def _without_doubtful(
     laws, left = _laws(best.model), _laws(fewer.best.model)
     if len(zeros) == len(doubtful) and not laws <= left:
         return None
+    if not left and not selection.pair and is_pair(best.model.effects):
+        pair = tuple(name for name in best.model.effects if name in laws)
+        both = decide(selection._replace(best=best, pair=pair), whole, progress, False)
+        if laws <= _laws(both.best.model) and not both.unexplained:
+            return both
     differing = {name for name in laws if not shares.agrees(name)}
     if left or not differing or not again:
         return fewer
     other = decide(_without(selection, differing, progress), whole, progress, False)
     return other if _laws(other.best.model) else fewer
+
+
+def beside_zeros(selection: Selection, decision: Decision) -> Decision | None:
+    """
+    Decide for the same laws beside the zeros with which they were selected.
+
+    Parameters
+    ----------
+    selection : Selection
+        As selected.
+    decision : Decision
+        Without zeros that were doubtful.
+
+    Returns
+    -------
+    decision : Decision or None
+        None if no zero had been dropped.
+
+    """
+    named, selected = decision.best.model.effects, selection.best.model
+    zeros = [name for name in selected.effects if name in ZEROS and name not in named]
+    if not zeros or not set(named) <= set(selected.effects):
+        return None
+    others = [name for name in selected.effects if name not in (*named, *zeros)]
+    best = fit(selection.recordings, selected.without(*others))
+    shares = shares_of(selection.recordings, selection.base.model, best.model)
+    return Decision(selection._replace(best=best), best, shares.explained < EXPLAINED, 0.0, shares)
 
 
 def _dropped(shares: Shares, name: str) -> tuple[str, ...]:

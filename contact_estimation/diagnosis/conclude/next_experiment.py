@@ -34,7 +34,7 @@ from .naming import indistinguishable_pairs, what_is_explained
 from .result import Diagnosis
 from ..fit.criteria import THRESHOLD
 from ..fit.fitting import differentiate_by, residual_function
-from ..fit.free_run import plant_of
+from ..fit.free_run import plant_of, steps_a_sample
 from ..fit.model_uncertainty import discounted
 from ..observe.episodes import episodes
 from ..observe.model import Model
@@ -76,14 +76,16 @@ class Difference(NamedTuple):
     ----------
     strength : float
         Mean square of the residuals, in that of the noise.
-    force, motion : float
-        Greatest difference in each channel, in standard deviations of one sample.
+    force : float
+        Greatest difference of the forces, in standard deviations of one sample.
+    motion : float or None
+        The same of the motion; None where no robot was recorded.
 
     """
 
     strength: float
     force: float
-    motion: float
+    motion: float | None
 
 
 def choose(diagnosis: Diagnosis) -> Proposal | None:
@@ -157,8 +159,9 @@ def _sentence(
     pairs: str, best: Candidate, difference: Difference, tried: int, force_noise: float
 ) -> str:
     size = (f'{_short(difference.force * force_noise)} N in force ({_short(difference.force)} '
-            f'times the noise of a sample) and {_short(difference.motion)} times the noise in '
-            'motion')
+            'times the noise of a sample)')
+    if difference.motion is not None:
+        size += f' and {_short(difference.motion)} times the noise in motion'
     if difference.strength < THRESHOLD:
         return (
             f'Within the reach of this recording it is hard to tell {pairs}. The best of {tried} '
@@ -188,6 +191,7 @@ class Judge:
     def __init__(self, diagnosis: Diagnosis) -> None:
         self._model, self._rivals = diagnosis.corrected, dict(diagnosis.rivals)
         self._recording = diagnosis.recordings[0]
+        self._gain = reach_of(diagnosis).gain
         self._known: Mapping[str, Array] = {
             name: _sensitivities(diagnosis.recordings, rival)
             for name, rival in self._rivals.items()
@@ -222,30 +226,47 @@ class Judge:
         parts = played.split(off + new @ change)
         strength = float(np.sum(parts**2)) / played.residual_count
         if not isfinite(strength):
-            return Difference(0.0, 0.0, 0.0)
-        peaks = np.max(np.abs(parts), axis=1) / sqrt(played.block)
-        return Difference(strength, float(peaks[0]), float(peaks[1]))
+            return Difference(0.0, 0.0, None)
+        force, *motion = np.max(np.abs(parts), axis=1) / sqrt(played.block)
+        return Difference(strength, float(force), float(motion[0]) if motion else None)
 
     def _played(self, experiment: Experiment) -> PreparedRecording:
-        """Simulate an experiment with the corrected model, without noise."""
+        """Predict an experiment with the corrected model, without noise."""
         old = self._recording
         o, h = old.observed, old.observed.h
         t: Array = h * np.arange(round(experiment.duration / h), dtype=np.float64)
         setpoints = [experiment.desired(now) for now in t.tolist()]
         reference = np.array([(*desired[:3], 0.0) for desired in setpoints]).T
-        parameters = dataclasses.replace(
-            plant_of(self._model), sample_rate=1.0 / h,
-            integration_rate=max(_INTEGRATION_RATE, 1.0 / h),
-        )
-        truths = simulate_on(parameters, t, reference, float(reference[0, 0]))
-        _, x, v, a, _, force = np.array(truths, np.float64).T
-        observed = Observed(t, h, force, np.ones(len(t), bool), x, x, v, a, reference,
-                            o.position_noise, o.cutoff)
+        if o.reference is None:
+            x, v, a = _pressed(reference[:3], self._model, self._gain)
+            force = self._model.laws().contact.force(t, x, v, a)
+        else:
+            _, x, v, a, _, force = self._simulated(t, reference)
+        observed = Observed(
+            t, h, force, np.ones(len(t), bool), x, x, v, a,
+            None if o.reference is None else reference, o.position_noise, o.cutoff)
         return PreparedRecording(
             experiment.name, observed, old.force_noise, old.motion_noise,
             usable(self._model, observed), default_block(observed),
             observer=nominal_observer(self._model, observed),
             force_discrepancy=old.force_discrepancy, motion_discrepancy=old.motion_discrepancy)
+
+    def _simulated(self, t: Array, reference: Array) -> Array:
+        """Return time, x, v, a, F_e and its measured value [SI], shape (6, N)."""
+        h = self._recording.observed.h
+        slow = self._recording.observed.pace > 1.0
+        rate = steps_a_sample(self._model, self._recording.observed) / h if slow else max(
+            _INTEGRATION_RATE, 1.0 / h)
+        plant = dataclasses.replace(
+            plant_of(self._model), sample_rate=1.0 / h, integration_rate=rate)
+        return np.array(simulate_on(plant, t, reference, float(reference[0, 0])), np.float64).T
+
+
+def _pressed(motion: Array, model: Model, gain: float) -> Array:
+    """Return the motion [SI], shape (3, N), of a robot that yields so much to the wall."""
+    x_e = model.nominal.environment.location
+    yields = np.where(motion[0] > x_e, 1.0 / gain, 1.0)
+    return motion * yields + np.outer((1.0, 0.0, 0.0), x_e * (1.0 - yields))
 
 
 def _sensitivities(recordings: Recordings, model: Model) -> Array:

@@ -29,6 +29,7 @@ from ..fit.fitting import Fit, fit
 from ..fit.invariance import (
     channel_of,
     errors_with_own_size,
+    jacobian_of,
     judged_by_channel,
     left_out_errors,
     Share,
@@ -45,6 +46,7 @@ Array = NDArray[np.float64]
 
 _SPREAD = 1.0  # median deviation of a magnitude between parts, over its median
 _CONSTANT = 0.2  # the same, of a law that is told by the likelihood
+_INFORMED = 0.1  # least information on a magnitude, in that of the part that tells most
 _ALIKE = 0.3  # least ratio of that median and the magnitude on all parts, either way
 
 
@@ -108,10 +110,10 @@ class Shares:
     def agrees(self, name: str) -> bool:
         """Return whether the magnitude of an effect is much the same on each part and on all."""
         sizes, whole = self._magnitudes(name)
-        usual = float(np.median(sizes))
-        if not _ALIKE * abs(whole) <= usual * np.sign(whole) <= abs(whole) / _ALIKE:
-            return False
-        return float(np.median(np.abs(sizes - usual))) <= _SPREAD * abs(usual)
+        told = self._information[:, self.best.model.place(name).start]
+        informed = told >= _INFORMED * told.max()
+        return _agree(sizes, whole) or (
+            int(np.count_nonzero(informed)) > 1 and _agree(sizes[informed], whole))
 
     def is_constant(self, name: str) -> bool:
         """Return whether an effect is sure and its magnitude the same on most parts and on all."""
@@ -146,9 +148,26 @@ class Shares:
         return EFFECTS[name].is_flexible(values, duration)
 
     @cached_property
+    def _information(self) -> Array:
+        """Return what each part tells about each value of the model, shape (parts, P)."""
+        jacobian = jacobian_of(self.recordings, self.best)
+        told = np.zeros((len(self.parts), len(self.best.model.values)))
+        told[:, self.best.model.free] = [
+            part.weights @ jacobian[part.there] ** 2 for part in self.parts]
+        return told
+
+    @cached_property
     def _alone(self) -> list[tuple[float, ...]]:
         """Return the values of the model on each part alone."""
         return [values_on(self.recordings, self.best, part).values for part in self.parts]
+
+
+def _agree(sizes: Array, whole: float) -> bool:
+    """Return whether magnitudes on parts are much the same, and that on all."""
+    usual = float(np.median(sizes))
+    if not _ALIKE * abs(whole) <= usual * np.sign(whole) <= abs(whole) / _ALIKE:
+        return False
+    return float(np.median(np.abs(sizes - usual))) <= _SPREAD * abs(usual)
 
 
 def shares_of(

@@ -193,7 +193,9 @@ def weighed(recordings: Recordings, model: Model) -> Recordings:
     return [discounted(with_discrepancy(one, model), model) for one in recordings]
 
 
-def noise_by_channel(recordings: Recordings, model: Model) -> Array:
+def noise_by_channel(
+    recordings: Recordings, model: Model, counts: Array | float = 1.0
+) -> Array:
     """
     Compute the cost that noise alone would leave in each channel.
 
@@ -203,6 +205,8 @@ def noise_by_channel(recordings: Recordings, model: Model) -> Array:
         With or without a discrepancy.
     model : Model
         Defines the channels.
+    counts : ndarray, shape (R,), or float
+        Factor of each square.
 
     Returns
     -------
@@ -210,14 +214,13 @@ def noise_by_channel(recordings: Recordings, model: Model) -> Array:
         The number of residuals where there is no discrepancy, less where there is one.
 
     """
-    costs = np.zeros(CHANNELS)
-    for one in recordings:
-        for number, channel in enumerate(one.channels(model)):
-            costs[number] += channel.noise_share.sum()
-    return costs
+    shares = [channel.noise_share for one in recordings for channel in one.channels(model)]
+    return _by_channel(recordings, model, counts * np.concatenate(shares))
 
 
-def costs_by_channel(recordings: Recordings, found: Fit) -> Array:
+def costs_by_channel(
+    recordings: Recordings, found: Fit, counts: Array | float = 1.0
+) -> Array:
     """
     Compute the cost of a fit in each channel.
 
@@ -227,6 +230,8 @@ def costs_by_channel(recordings: Recordings, found: Fit) -> Array:
         As fitted.
     found : Fit
         To them.
+    counts : ndarray, shape (R,), or float
+        Factor of each square.
 
     Returns
     -------
@@ -234,13 +239,18 @@ def costs_by_channel(recordings: Recordings, found: Fit) -> Array:
         Sums of squared residuals.
 
     """
-    costs, begin = np.zeros(CHANNELS), 0
+    return _by_channel(recordings, found.model, counts * found.residuals**2)
+
+
+def _by_channel(recordings: Recordings, model: Model, stacked: Array) -> Array:
+    """Sum stacked values, one for each residual, by channel."""
+    sums, begin = np.zeros(CHANNELS), 0
     for one in recordings:
-        for number in range(len(one.channels(found.model))):
+        for number in range(len(one.channels(model))):
             stop = begin + one.block_count
-            costs[number] += np.sum(found.residuals[begin:stop] ** 2)
+            sums[number] += np.sum(stacked[begin:stop])
             begin = stop
-    return costs
+    return sums
 
 
 def has_discrepancy(recordings: Recordings) -> bool:

@@ -87,8 +87,24 @@ class Run(NamedTuple):
     force: Array
 
 
-def _steps(model: Model, o: Observed) -> int:
-    """Return the Runge-Kutta steps a sample at which steep drag at standstill is stable."""
+def steps_a_sample(model: Model, o: Observed) -> int:
+    """
+    Return how many Runge-Kutta steps a sample asks for.
+
+    Parameters
+    ----------
+    model : Model
+        With a robot.
+    o : Observed
+        Defines the sample period and the reach of the motion.
+
+    Returns
+    -------
+    steps : int
+        So many that steep drag at standstill is stable and, at a slow pace, the oscillation of
+        robot and wall is resolved.
+
+    """
     laws, wall = model.laws(), model.nominal.environment
     least = min(1e-4, 1e-2 * float(np.ptp(o.x)))
     x, states = wall.location + 0.5 * max(float(np.max(o.x)) - wall.location, least), (0.0,) * 99
@@ -125,7 +141,7 @@ def free_run(model: Model, observed: Observed) -> Run:
     if o.reference is None:
         return Run(_free_wall(model, o), o.force)
     parameters = dataclasses.replace(
-        plant_of(model), sample_rate=1.0 / o.h, integration_rate=_steps(model, o) / o.h,
+        plant_of(model), sample_rate=1.0 / o.h, integration_rate=steps_a_sample(model, o) / o.h,
     )
     v = float(o.v[0]) if o.starts_moving else 0.0
     truths = simulate_on(parameters, o.t, o.reference, float(o.x[0]), v, begin=float(o.t[0]))

@@ -192,6 +192,27 @@ def errors_with_own_size(recordings: Recordings, found: Fit, parts: Sequence[Par
     return squares
 
 
+def jacobian_of(recordings: Recordings, found: Fit) -> Array:
+    """
+    Differentiate the residuals of a fit by its free values.
+
+    Parameters
+    ----------
+    recordings : sequence of PreparedRecording
+        Fitted together.
+    found : Fit
+        To them.
+
+    Returns
+    -------
+    jacobian : ndarray, shape (R, F)
+        For a change of each value by its typical size.
+
+    """
+    function = residual_function(recordings, found.model)
+    return _jacobian(found.model, function, function(found.model.coordinates))
+
+
 def _jacobian(model: Model, function: Callable[[Array], Array], here: Array) -> Array:
     return differentiate_by(
         model.coordinates, model.steps, function, here, most=model.ranges[1])

@@ -33,6 +33,7 @@ from .fitting import Fit
 from .invariance import left_out_errors, share_of
 from .parts import Part
 from .search import candidates_in, search
+from .zeros import ZEROS
 from ..observe.prepared_recording import Recordings
 from ...physics import EFFECTS
 
@@ -43,6 +44,26 @@ _LEAST_FIT = 0.5  # share of the misfit that a pair must fit, to be assessed
 _ASSESSED = 8
 _LEAST = 0.5  # share of the misfit that it must predict
 _LEFT, _LEAD = 0.3, 0.15  # shares: left by a zero that may be in the place of a pair; lead over it
+
+
+def is_pair(names: Sequence[str]) -> bool:
+    """
+    Return whether effects are an elastic law and a loss, zeros of sensor and surface aside.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Effects of a model.
+
+    Returns
+    -------
+    pair : bool
+        If so, each may be bent to replace the other.
+
+    """
+    families = [EFFECTS[name].family for name in names if name not in ZEROS]
+    return (len(families) == 2 and families.count(_ELASTIC) == 1
+            and any(family in _LOSSES for family in families))
 
 
 def pairs_that_predict(

@@ -56,6 +56,8 @@ class Part(NamedTuple):
         Of the squares of these residuals: channels with a discrepancy are compared as forces.
     noise : ndarray, shape (CHANNELS,)
         Expected weighted sum of squares if all of them were noise.
+    counts : float
+        Factor by which `evened` lessened weights and noise.
 
     """
 
@@ -64,6 +66,7 @@ class Part(NamedTuple):
     channel: NDArray[np.int_]
     weights: Array
     noise: Array
+    counts: float = 1.0
 
     def squares(self, residuals: Array) -> Array:
         """Sum the weighted squares of stacked residuals, shape (R,), on the part by channel."""
@@ -71,7 +74,8 @@ class Part(NamedTuple):
 
     def scaled(self, factor: float) -> 'Part':
         """Return the part with all its squares, and their noise, multiplied by a factor."""
-        return self._replace(weights=factor * self.weights, noise=factor * self.noise)
+        return self._replace(weights=factor * self.weights, noise=factor * self.noise,
+                             counts=factor * self.counts)
 
 
 def _sum_by_channel(channel: NDArray[np.int_], values: Array) -> Array:
@@ -212,6 +216,29 @@ def evened(parts: Sequence[Part], whole: Array) -> tuple[list[Part], Array]:
     factors = np.minimum(1.0, _OUTWEIGHS * np.median(misfit) / misfit)
     return ([part.scaled(float(factor)) for part, factor in zip(parts, factors)],
             factors[:, np.newaxis] * whole)
+
+
+def counts_of(parts: Sequence[Part], residual_count: int) -> Array:
+    """
+    Return by how much residuals count where no part outweighs the others.
+
+    Parameters
+    ----------
+    parts : sequence of Part
+        From `evened`.
+    residual_count : int
+        Number R of stacked residuals.
+
+    Returns
+    -------
+    counts : ndarray, shape (R,)
+        Factor of each square.
+
+    """
+    counts = np.ones(residual_count)
+    for part in parts:
+        counts[part.there] = part.counts
+    return counts
 
 
 def above_noise(

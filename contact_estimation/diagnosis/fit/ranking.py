@@ -33,7 +33,7 @@ from .fitting import Fit, fit
 from .form import law_in_form
 from .invariance import channel_of, judged_by_channel, left_out_errors, share_of
 from .pairs import pairs_that_predict
-from .parts import evened, Part, parts_of
+from .parts import counts_of, evened, Part, parts_of
 from .zeros import is_zero, resembles_zero, with_zeros, ZEROS, Zeros
 from ..observe.model import Model
 from ..observe.prepared_recording import Recordings
@@ -45,7 +45,9 @@ _PROMISING, _ASSESSED = 0.4, 12  # of the largest gain in the fit, to be assesse
 # What a curve that fits almost anything must show.
 _FLEXIBLE_SHARE, _FLEXIBLE_HARM = 0.85, 0.01
 _OF_LAW = 0.8  # share of the gain of a series, or of a law, that what replaces it must have
+_SURELY, _AT_LEAST = 0.75, 0.6  # share and its lower end, of a law of which only a trifle shows
 _BESIDE_ZEROS = 3  # laws that are tried for each offset that the model lacks
+_ROBOT = 1  # the channel of its effects
 _OF_TIME = ('wall_motion', 'sensor_zero')  # families of curves that follow time alone
 _WEAK = 0.15  # share of the misfit that one size for all parts fits, of a law that holds in form
 
@@ -104,27 +106,30 @@ def rank_by_prediction(
     if judged_by_channel(recordings, present.model):
         groups = {channel: [one for one in found if channel_of(one.model.effects[-1]) == channel]
                   for channel in range(CHANNELS)}
-    promising = {channel: _promising(recordings, present, group, channel, SHARE)
+    first = fit(recordings, with_zeros(base, present.model)) if present.model.effects else present
+    parts = parts_of(recordings, first)
+    parts, whole = evened(parts, left_out_errors(recordings, first, parts))
+    counts = counts_of(parts, len(present.residuals))
+    promising = {channel: _promising(recordings, present, group, counts, channel, SHARE)
                  for channel, group in groups.items()}
     only_zeros = not set(present.model.effects) - set(ZEROS)
     if not any(promising.values()) and not only_zeros:
         return Ranking([])
-    first = fit(recordings, with_zeros(base, present.model)) if present.model.effects else present
-    parts = parts_of(recordings, first)
-    parts, whole = evened(parts, left_out_errors(recordings, first, parts))
     before = left_out_errors(recordings, present, parts) if present.model.effects else whole
     assessed, taken = list[Candidate](), list[Candidate]()
     if any(promising.values()):
         zeros = Zeros.of(recordings, base, present, parts, before, whole)
         for channel, group in promising.items():
             candidates = assess(recordings, group, parts, before, channel)
+            if _is_trifling(recordings, present, channel):
+                candidates = [one for one in candidates if _is_sure(one, zeros, before)]
             assessed += candidates
             enough = first_that_predicts(recordings, candidates, zeros, before, whole)
             taken += [] if enough is None else [enough]
     best = min(taken, key=lambda one: one.total, default=None)
     if best is None and only_zeros:  # only the main misfit is worth a law that holds in form alone
         for channel, every in groups.items():
-            weak = [one for one in _promising(recordings, present, every, channel, _WEAK)
+            weak = [one for one in _promising(recordings, present, every, counts, channel, _WEAK)
                     if all(one is not other for other in promising[channel])]
             assessed += assess(recordings, weak, parts, before, channel)
         law = law_in_form(recordings, assessed, parts, before)
@@ -193,22 +198,44 @@ def _takes_a_zero(present: Fit, best: Candidate) -> bool:
 
 
 def _promising(
-    recordings: Recordings, present: Fit, found: Sequence[Fit], channel: int | None,
-    least_share: float,
+    recordings: Recordings, present: Fit, found: Sequence[Fit], counts: Array,
+    channel: int | None, least_share: float,
 ) -> list[Fit]:
-    """Leave out candidates that fit too little of a channel to predict enough of it."""
-    large = material(recordings, present.model)
-    confirmed = channel is None and any(one.observed.reference is not None for one in recordings)
-    if not confirmed and (channel or 0) not in large:
-        return []  # trifles that no other channel confirms
+    """
+    Leave out candidates that fit too little of a channel to predict enough of it.
+
+    A part with a single event, such as a drive at its stop, outweighs no other here either.
+    """
+    if _is_trifling(recordings, present, channel):
+        least_share = _SURELY
     columns = slice(None) if channel is None else channel
-    before = costs_by_channel(recordings, present)
-    misfit = float(np.sum((before - noise_by_channel(recordings, present.model))[columns]))
-    gains = [float(np.sum((before - costs_by_channel(recordings, one))[columns]))
+    before = costs_by_channel(recordings, present, counts)
+    noise = noise_by_channel(recordings, present.model, counts)
+    misfit = float(np.sum((before - noise)[columns]))
+    gains = [float(np.sum((before - costs_by_channel(recordings, one, counts))[columns]))
              for one in found]
     least = max(least_share * misfit, _PROMISING * max(gains, default=0.0))
     order = np.argsort(gains, kind='stable')[::-1][:_ASSESSED]
     return [found[k] for k in sorted(order) if gains[k] > least]
+
+
+def _is_trifling(recordings: Recordings, present: Fit, channel: int | None) -> bool:
+    """Return whether a channel lacks little beside the force, which no other channel confirms."""
+    confirmed = channel is None and any(one.observed.reference is not None for one in recordings)
+    return not confirmed and (channel or 0) not in material(recordings, present.model)
+
+
+def _is_sure(one: Candidate, zeros: Zeros, before: Array) -> bool:
+    """
+    Return whether a law explains nearly all of a trifle, beside the zeros too.
+
+    A rig has several small imperfections, of which none stands out.
+    """
+    if one.flexible or one.channel == _ROBOT or resembles_zero(one.name):
+        return False
+    shares = (share_of(before, one.errors, zeros.parts, before, one.channel),
+              zeros.share_beside(one))
+    return all(share.share >= _SURELY and share.interval[0] >= _AT_LEAST for share in shares)
 
 
 def _adequate(

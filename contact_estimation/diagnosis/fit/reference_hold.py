@@ -64,7 +64,10 @@ class ReferenceHold:
     def is_promising(self, best: Model) -> bool:
         """Return whether a hold explains the motion better, to the base or the best model."""
         models = [best, self._base] if best.effects else [self._base]
-        if _price(self._straight, best) < self._count and not self._is_of_sampling(best):
+        if self._is_of_sampling(best):
+            if self.is_better(best.without(_DELAY), best):
+                return True
+        elif _price(self._straight, best) < self._count:
             models = models[:1]  # of what is explained down to the noise no selection finds more
         return any(self.is_better(model, model) for model in models)
 

@@ -41,8 +41,9 @@ _FAR = 2.0  # times the noise: power of the residuals
 # Of a clipped force, in standard deviations of its noise and as a share of the limit; of the time,
 # in the direction in which it is clipped less.
 _LEVEL, _SLOPE, _MOST_HELD = 3.0, 0.01, 0.25
-_REACHED = 1.5  # of the range of the force
+_REACHED, _COVERED = 1.5, 5.0  # of the range of the force, and of that of the motion
 _RESOLVED = 0.125  # periods a sample: faster is the course of a force between samples
+_LATE = 0.05  # of a sample period: stamps are known no better
 
 Progress = Callable[[str], None]
 
@@ -161,18 +162,39 @@ def is_credible(recordings: Recordings, model: Model) -> bool:
     Returns
     -------
     credible : bool
+        If so, recordings may show it.
+
+    """
+    return model.plausible() and may_show(recordings, model, model.effects[-1])
+
+
+def may_show(recordings: Recordings, model: Model, name: str) -> bool:
+    """
+    Return whether recordings may show an effect where the values of a model put it.
+
+    Parameters
+    ----------
+    recordings : sequence of PreparedRecording
+        As fitted.
+    model : Model
+        With effects.
+    name : str
+        One of them.
+
+    Returns
+    -------
+    shown : bool
         False for a saturating sensor if the measured force is not level where the sensor would
         hold it, or is held for most of the time to and fro, as friction holds it; and for a
         friction beyond the range of the force, which never slips: that is a spring. Nor is one
-        credible that vanishes, a resonance of fewer than eight samples a period or of less than
-        a period, or two tones too near one another for the duration.
+        shown that vanishes, an exponential of which the motion covers a parabola alone, a surface
+        far beyond the motion, a resonance of fewer than eight samples a period or of less than a
+        period, a delay of less than a twentieth of a sample period, or two tones too near one
+        another for the duration.
 
     """
-    name = model.effects[-1]
-    last = EFFECTS[name].Parameters(*model.values[model.place(name)])
-    if not model.plausible() or EFFECTS[name].vanishes(last):
-        return False
-    if not _is_reached(recordings, name, last):
+    values = EFFECTS[name].Parameters(*model.values[model.place(name)])
+    if EFFECTS[name].vanishes(values) or not _is_reached(recordings, name, values):
         return False
     if name != 'force_saturation':
         return True
@@ -190,11 +212,15 @@ def is_credible(recordings: Recordings, model: Model) -> bool:
 
 
 def _is_reached(recordings: Recordings, name: str, values: ParameterGroup) -> bool:
-    """Return whether force, rate and duration are large enough for an effect to show."""
+    """Return whether force, motion, rate and duration are large enough for an effect to show."""
     force = getattr(values, EFFECTS[name].reached_force, 0.0)
+    length = abs(getattr(values, EFFECTS[name].reached_length, 0.0))
     frequency = getattr(values, EFFECTS[name].sampled_frequency, 0.0)
+    delay = getattr(values, EFFECTS[name].sampled_delay, np.inf)
     return any(force <= _REACHED * float(np.ptp(one.observed.force))
+               and length <= _COVERED * float(np.ptp(one.observed.x))
                and frequency * one.observed.h <= _RESOLVED
+               and delay >= _LATE * one.observed.h
                and EFFECTS[name].is_resolved(values, float(one.observed.t[-1]))
                for one in recordings)
 

@@ -31,7 +31,7 @@ from .candidate import Candidate
 from .criteria import predicts_enough, SHARE
 from .discrepancy import material, weighed
 from .fitting import Fit, fit, fit_to_end
-from .invariance import left_out_errors, share_of
+from .invariance import left_out_errors, Share, share_of
 from .parts import Part
 from ..observe.model import Model
 from ..observe.prepared_recording import Recordings
@@ -130,11 +130,9 @@ class Zeros(NamedTuple):
         """
         if one.flexible and one.channel is not None and one.channel not in self.material:
             return None
+        made, of_present = self._beside_all(one)
+        names = self._others(one)
         values = one.found.model.values[one.found.model.place(one.name)]
-        names = tuple(name for name in self.names
-                      if EFFECTS[name].family != EFFECTS[one.name].family)
-        made = self._made(one, names, values)
-        of_present = share_of(self.errors, made.errors, self.parts, self.errors, one.channel)
         of_whole = share_of(self.errors, made.errors, self.parts, self.whole)
         if not made.found.model.plausible() or not predicts_enough(of_present, of_whole):
             return None
@@ -144,6 +142,33 @@ class Zeros(NamedTuple):
             if share.share < SHARE or share.interval[0] <= 0.0:
                 made, names = without, tuple(other for other in names if other != name)
         return made
+
+    def share_beside(self, one: Candidate) -> Share:
+        """
+        Return the share of what the zeros leave that a candidate takes away beside them.
+
+        Parameters
+        ----------
+        one : Candidate
+            Without the zeros.
+
+        Returns
+        -------
+        share : Share
+            In the channel by which it is judged.
+
+        """
+        return self._beside_all(one)[1]
+
+    def _beside_all(self, one: Candidate) -> tuple[Candidate, Share]:
+        """Test a candidate beside all zeros but those of its own family."""
+        values = one.found.model.values[one.found.model.place(one.name)]
+        made = self._made(one, self._others(one), values)
+        return made, share_of(self.errors, made.errors, self.parts, self.errors, one.channel)
+
+    def _others(self, one: Candidate) -> tuple[str, ...]:
+        family = EFFECTS[one.name].family
+        return tuple(name for name in self.names if EFFECTS[name].family != family)
 
     def _made(
         self, one: Candidate, names: tuple[str, ...], values: tuple[float, ...]
