@@ -24,6 +24,7 @@ from contact_estimation.diagnosis.checks import check, CHECKS, clock_offset, exa
 from contact_estimation.diagnosis.checks.check import Check
 from contact_estimation.diagnosis.checks.evidence import Lag, Line
 from contact_estimation.diagnosis.conclude.diagnose import diagnose
+from contact_estimation.diagnosis.observe.reference_rates import with_reference_rates
 from contact_estimation.diagnosis.observe.signals import Recording, Signals
 from contact_estimation.diagnosis.report.json_report import as_dict
 from contact_estimation.diagnosis.report.page.builder import as_html
@@ -60,6 +61,16 @@ def late(wrench: float, joints: float = 0.0) -> Change:
     def change(s: Signals) -> Signals:
         return s._replace(joint_t=s.joint_t + joints - wrench, reference_t=s.reference_t - wrench)
     return change
+
+
+def late_reference(seconds: float) -> Change:
+    """Stamp the reference later than the robot follows it."""
+    return lambda s: s._replace(reference_t=s.reference_t + seconds)
+
+
+def without_rates(s: Signals) -> Signals:
+    """Record the positions of the reference alone."""
+    return s._replace(reference=s.reference * [[1.0], [0.0], [0.0], [1.0]])
 
 
 def slow_clock(factor: float) -> Change:
@@ -126,10 +137,12 @@ WRONG: Mapping[str, tuple[str, Change]] = {
     'stamps of a fast clock': ('sampling_rate', slow_clock(1e-3)),
     'reference measured': ('command_topic', measured_reference),
     'reference of another axis': ('command_topic', other_reference),
+    'reference stamped late': ('reference_clock', late_reference(0.05)),
 }
 COARSE: Mapping[str, tuple[str, Change]] = {
     'ten hertz': ('sampling_rate', thinned(25)),
     'a pause': ('gaps', paused),
+    'positions of the reference alone': ('reference_rates', without_rates),
     'rounded': ('quantisation', rounded),
     'clipped': ('force_clipping', lambda s: s._replace(
         force=np.maximum(s.force, 0.6 * float(np.min(s.force))))),
@@ -167,6 +180,29 @@ def test_coarse_data_fail_a_check_that_is_not_fatal(coarse: str) -> None:
 def test_every_check_is_tested_here() -> None:
     tested = {name for name, _ in (*WRONG.values(), *COARSE.values())}
     assert tested | {'wall_location', 'constant_speed'} == set(CHECKS)
+
+
+def test_a_reference_that_leads_the_robot_is_no_wrong_clock() -> None:
+    for seconds in (-0.02, 0.0):
+        assert failed(late_reference(seconds)(recorded()), nominal()) == []
+
+
+def test_missing_rates_of_a_reference_are_those_of_its_positions() -> None:
+    whole, bare = recorded(), without_rates(recorded())
+    found = with_reference_rates(Recording('bare', bare)).signals.reference
+    assert found[1] == pytest.approx(whole.reference[1], abs=0.01 * np.ptp(whole.reference[1]))
+    assert found[2] == pytest.approx(whole.reference[2], abs=0.05 * np.ptp(whole.reference[2]))
+    steps = bare._replace(reference=np.repeat(bare.reference[:, ::10], 10, axis=1)[
+        :, :len(bare.reference_t)])
+    for rightly in (whole, steps):
+        recording = Recording('as it was', rightly)
+        assert with_reference_rates(recording) is recording
+
+
+def test_a_reference_without_rates_hides_no_friction_and_invents_no_robot() -> None:
+    for changes, names in (({}, []), (physics('coulomb_friction', 4.0), ['coulomb_friction'])):
+        found = diagnose(Recording('bare', without_rates(recorded(**changes))), nominal())
+        assert [effect.name for effect in found.effects] == names
 
 
 @pytest.mark.parametrize('location', [-0.1, 0.06, 1.0])

@@ -59,6 +59,12 @@ def test_constant_position_is_refused() -> None:
     refused(changed(position=np.zeros(1825)), 'joint_states is constant at 0.*topic, axis')
 
 
+def test_impossible_values_are_refused() -> None:
+    force = recorded().force.copy()
+    force[[7, 300]] = 1e300
+    refused(changed(force=force), 'wrench must have possible values only, got 2 beyond 1e.30')
+
+
 @pytest.mark.parametrize('count', [5, LEAST_SAMPLES - 1])
 def test_recordings_of_few_samples_are_refused(count: int) -> None:
     few = cut(recorded(), 0.5, 0.498 + 0.004 * count)

@@ -36,6 +36,7 @@ from contact_estimation.diagnosis.conclude.held_out import (
     Part,
 )
 from contact_estimation.diagnosis.conclude.result import Errors
+from contact_estimation.diagnosis.observe import episodes as episodes_module
 from contact_estimation.diagnosis.observe.episodes import episodes, hold_out, require_contact
 from contact_estimation.diagnosis.observe.model import Model
 from contact_estimation.diagnosis.observe.observed import Observed
@@ -121,6 +122,14 @@ def in_late_thirds(samples: Flags, first: int, stop: int) -> bool:
     return len(spans(samples)) == 3 and all(
         begin <= there[0] and there[1] <= begin + 0.6 * third
         for begin, there in zip(begins, spans(samples)))
+
+
+def test_of_one_episode_of_fewer_samples_than_blocks_the_whole_recording_counts(
+    monkeypatch: pytest.MonkeyPatch
+) -> None:
+    o = moved((0.02,))
+    monkeypatch.setattr(episodes_module, 'episodes', lambda model, observed: [(138, 150)])
+    assert in_late_thirds(hold_out(MODEL, o).samples, 0, 150)
 
 
 def test_of_one_episode_a_late_block_of_each_third_is_held_out() -> None:

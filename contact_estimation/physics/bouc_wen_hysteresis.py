@@ -100,6 +100,7 @@ class BoucWenHysteresis(ContactEffect):
     family = 'hysteresis'
     description = 'Hysteresis: the force differs between loading and unloading at any speed.'
     Parameters = BoucWenHysteresisParameters
+    needs_return = True
 
     states = 1
     needs_spring = True  # without one it is friction: see `PreslidingFriction`

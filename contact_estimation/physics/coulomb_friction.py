@@ -40,6 +40,7 @@ class CoulombFriction(ContactEffect):
     family = 'friction'
     description = 'Dry friction of constant magnitude opposes the motion of the wall.'
     Parameters = CoulombFrictionParameters
+    needs_return = True
     jumps = True
 
     def resistance(self, t: Number, d: Number, v: Number, state: Any, m: Any) -> Number:

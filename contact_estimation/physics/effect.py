@@ -60,7 +60,8 @@ class Effect(ABC):
     needs_penetration : bool
         Whether the law holds for x beyond x_e only, in a permanently attached environment too.
     needs_return : bool
-        Whether a specimen that is loaded once, and not unloaded, may as well relax.
+        Whether a specimen that is loaded once, and not unloaded, may as well relax or follow an
+        elastic law.
     needs_spring : bool
         Whether the effect is without one a constant force, or nothing at all.
     base_parameter : str

@@ -43,6 +43,7 @@ class PlasticSet(ContactEffect):
     family = 'hysteresis'
     description = 'The wall deforms plastically: part of the deepest indentation remains.'
     Parameters = PlasticSetParameters
+    needs_return = True
     needs_penetration = True
 
     states = 1  # greatest d so far, from the untouched surface

@@ -68,6 +68,7 @@ class PreslidingFriction(ContactEffect):
     family = 'friction'
     description = 'Dry friction that rises over a short travel after each reversal (Dahl model).'
     Parameters = PreslidingFrictionParameters
+    needs_return = True
     reached_force = 'F_c'
 
     states = 2

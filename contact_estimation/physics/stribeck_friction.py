@@ -46,6 +46,7 @@ class StribeckFriction(ContactEffect):
     family = 'friction'
     description = 'Dry friction of the wall that decreases with speed (Stribeck effect).'
     Parameters = StribeckFrictionParameters
+    needs_return = True
     linear_in = ('F_c', 'F_s')
     jumps = True
 

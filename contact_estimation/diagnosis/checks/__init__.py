@@ -32,6 +32,8 @@ from . import (
     length_unit,
     position_sign,
     quantisation,
+    reference_clock,
+    reference_rates,
     sampling_rate,
     wall_location,
 )
@@ -51,6 +53,8 @@ CHECKS: Mapping[str, Test] = {
     'length_unit': length_unit.TEST,
     'force_unit': force_unit.TEST,
     'command_topic': command_topic.TEST,
+    'reference_clock': reference_clock.TEST,
+    'reference_rates': reference_rates.TEST,
     'axis': axis.TEST,
     'wall_location': wall_location.TEST,
     'force_clipping': force_clipping.TEST,

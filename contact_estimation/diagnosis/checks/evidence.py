@@ -38,6 +38,7 @@ _DECILE = 0.1
 _CONTACT = 0.03  # of the range of the force: more is a contact
 _CLEAR = 8.0  # standard deviations of the smoothed noise
 _LONGEST_LAG = 0.25  # of the recording
+_LONGEST_AHEAD_S = 0.4
 _LEAST_COMMON = 0.5  # of the shorter topic
 
 
@@ -121,6 +122,23 @@ class Lag(NamedTuple):
     seconds: float
     correlation: float
     unshifted: float
+
+
+class Early(NamedTuple):
+    """
+    By how much the robot is ahead of its reference.
+
+    Attributes
+    ----------
+    seconds : float
+        Shift of the reference at which eq. (1) holds best, >= 0.
+    left : float
+        The squared misfit of eq. (1) there, of that without a shift.
+
+    """
+
+    seconds: float
+    left: float
 
 
 class Onset(NamedTuple):
@@ -300,6 +318,22 @@ class Evidence:
         unshifted = (values[lags == 0][0], line_through(one.smooth.x, force).correlation)
         return Lag(float(lags[best] * self.period), float(values[best]),
                    float(np.max(np.abs(unshifted))))
+
+    @cached_property
+    def ahead_of_reference(self) -> Early:
+        """By how much the nominal robot is ahead of its reference."""
+        longest = max(self.parts, key=lambda part: len(part.wrench_t))
+        s, robot = _smooth(longest, True), self.model.robot
+        assert s.reference is not None
+        law = RobotLaw(robot.mass, robot.damping, robot.stiffness, ())
+        rows = s.reference if robot.force_tracking else s.reference * [[1], [1], [1], [0]]
+        felt, most = robot.mass * s.a - s.force, round(_LONGEST_AHEAD_S / self.period)
+        count = len(felt) - min(most, round(_LONGEST_LAG * len(felt)))
+        misfits = np.array([float(np.mean((felt[:count] - law.impedance_force(
+            s.x[:count], s.v[:count], rows[:, early:early + count])) ** 2))
+            for early in range(len(felt) - count + 1)])
+        best = int(np.argmin(misfits))
+        return Early(best * self.period, float(misfits[best] / max(misfits[0], 1e-300)))
 
 
 def line_through(x: Array, y: Array) -> Line:

@@ -39,6 +39,7 @@ from ..observe.model import Model
 from ..observe.observed import observe
 from ..observe.parts import continuous_parts
 from ..observe.prepared_recording import prepare, PreparedRecording, Recordings
+from ..observe.reference_rates import with_reference_rates
 from ..observe.signals import Recording
 from ...exceptions import ModelFileError, ParameterRangeError
 from ...physics import effects_that_are_on
@@ -96,6 +97,8 @@ def diagnose(
     if examined.refused:
         return refuse(examined.checks, nominal)
     fitted, held_out = (examined.recordings[:len(fitted)], examined.recordings[len(fitted):])
+    fitted, held_out = ([with_reference_rates(one) for one in every]
+                        for every in (fitted, held_out))
     progress('noise and alignment')
     fitted = [part for one in fitted for part in continuous_parts(one, model)]
     held_out = [part for one in held_out for part in continuous_parts(one, model)]

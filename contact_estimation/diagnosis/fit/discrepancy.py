@@ -255,7 +255,7 @@ def _by_channel(recordings: Recordings, model: Model, stacked: Array) -> Array:
 
 def has_discrepancy(recordings: Recordings) -> bool:
     """Return whether any recording carries a discrepancy."""
-    return any(one.force_discrepancy > 0.0 or one.motion_discrepancy > 0.0 for one in recordings)
+    return any(one.carries_discrepancy for one in recordings)
 
 
 def std_beyond_noise(left: Array, channel: Channel) -> float:

@@ -154,6 +154,8 @@ def hold_out(model: Model, observed: Observed) -> HeldOut:
 def _late_blocks(o: Observed, first: int, stop: int) -> HeldOut:
     """Hold out a late block of each third."""
     count = _THIRDS * _BLOCKS
+    if stop - first < count:  # a contact of fewer samples than blocks
+        first, stop = 0, len(o.t)
     travel = np.concatenate(([0.0], np.cumsum(np.abs(np.diff(o.x[first:stop])))))
     block = (stop - first) // count
     edges = stop - block * np.arange(count, -1, -1)

@@ -192,6 +192,11 @@ class PreparedRecording:
         """Duration of a block [s]."""
         return self.observed.h * self.block
 
+    @property
+    def carries_discrepancy(self) -> bool:
+        """Return whether what no law explains has a size of its own."""
+        return self.force_discrepancy > 0.0 or self.motion_discrepancy > 0.0
+
     def driven_by_force(self, model: Model) -> bool:
         """Return whether there is no robot, but a wall whose mass the measured force moves."""
         return self.observed.driven_by_force(model.nominal)

@@ -52,7 +52,8 @@ def residuals(
     model : Model
         With its values.
     robust : bool
-        Whether to bend large ones, see `huber`; without impacts there is no need to.
+        Whether to bend large ones, see `huber`; an attached specimen whose law may be exact has no
+        impacts, so that there is no need to.
     briefly : bool
         Whether the innovations of a wall without a robot forget within the wall's own time, see
         `DrivenWall.innovations`: less sharp, but a step from afar goes in the right direction.
@@ -74,7 +75,8 @@ def residuals(
         stacked[:len(charge)] = np.hypot(stacked[:len(charge)], charge)
     if recording.discount is not None:
         stacked = recording.discount.apply(stacked)
-    return huber(stacked) if robust and laws.contact.unilateral else stacked
+    bends = laws.contact.unilateral or recording.carries_discrepancy
+    return huber(stacked) if robust and bends else stacked
 
 
 def _of_channels(recording: PreparedRecording, laws: Laws) -> Array:

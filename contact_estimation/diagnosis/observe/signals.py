@@ -28,6 +28,7 @@ from ...recordings.recorded_signals import RecordedSignals
 Array = NDArray[np.float64]
 
 LEAST_SAMPLES = 50
+_ABSURD = 1e30  # in any unit
 
 
 class Signals(NamedTuple):
@@ -129,6 +130,12 @@ def check_signals(signals: Signals) -> None:
         if not np.isfinite(values).all():
             raise RecordingError(
                 f'{name} must have finite values only, got NaN or infinity; remove these samples'
+            )
+        absurd = np.count_nonzero(np.abs(values) > _ABSURD)
+        if absurd:
+            raise RecordingError(
+                f'{name} must have possible values only, got {absurd} beyond {_ABSURD:g}; remove '
+                'these samples'
             )
     for name, values in (('wrench', signals.force), ('joint_states', signals.position)):
         if float(np.ptp(values)) == 0.0:
