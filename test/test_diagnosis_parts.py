@@ -24,10 +24,11 @@ from concealed_worlds import diagnosed, named, nominal, prepared_from, recorded,
 from contact_estimation.diagnosis.conclude import decision as decision_module
 from contact_estimation.diagnosis.conclude.decision import beside_zeros, decide, Decision
 from contact_estimation.diagnosis.conclude.shares import Shares, shares_of
+from contact_estimation.diagnosis.fit import ranking as ranking_module
 from contact_estimation.diagnosis.fit.criteria import SHARE
 from contact_estimation.diagnosis.fit.fitting import Fit, fit
 from contact_estimation.diagnosis.fit.parts import counts_of, evened, parts_of
-from contact_estimation.diagnosis.fit.ranking import _promising
+from contact_estimation.diagnosis.fit.ranking import _is_little, _promising
 from contact_estimation.diagnosis.fit.selection import Selection, weigh
 from contact_estimation.diagnosis.observe.prepared_recording import PreparedRecording
 from contact_estimation.diagnosis.observe.signals import Signals
@@ -116,15 +117,26 @@ def test_an_inexact_law_is_named_only_if_it_is_no_trifle_beside_the_force(
 
 @pytest.mark.parametrize('friction, stray, names', [
     (0.12, 0.06, ['friction']), (0.12, 0.08, []), (0.02, 0.06, [])])
-def test_a_trifle_of_a_single_channel_is_named_if_one_law_explains_nearly_all_of_it(
+def test_little_of_a_single_channel_is_named_if_one_law_explains_nearly_all_of_it(
     friction: float, stray: float, names: list[str]
 ) -> None:
     signals = spring(0.0, stray)
     rubbed = friction * np.sign(np.gradient(signals.position, signals.joint_t))
-    range_n = float(np.ptp(signals.force))
-    assert friction < 0.006 * range_n
+    assert friction < 0.01 * float(np.ptp(signals.force))
     diagnosis = diagnosed(signals._replace(force=signals.force - rubbed), SPRING)
     assert [effect.family for effect in diagnosis.effects] == names
+
+
+@pytest.mark.parametrize('channel, size, little', [
+    (0, 0.9, True), (0, 1.1, False), (None, 1.1, False), (1, 1.2, True), (1, 1.3, False)])
+def test_more_must_show_in_the_motion_alone(
+    channel: int | None, size: float, little: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(ranking_module, 'material', lambda recordings, model, share=1.0: (
+        {channel or 0} if size >= share else set()))
+    recording, base = prepared()
+    bare = replace(recording, observed=replace(recording.observed, reference=None))
+    assert _is_little([bare], base, channel) is little
 
 
 def specimen_of_two_laws() -> tuple[list[PreparedRecording], Fit, Fit]:

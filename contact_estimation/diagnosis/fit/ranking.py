@@ -45,7 +45,8 @@ _PROMISING, _ASSESSED = 0.4, 12  # of the largest gain in the fit, to be assesse
 # What a curve that fits almost anything must show.
 _FLEXIBLE_SHARE, _FLEXIBLE_HARM = 0.85, 0.01
 _OF_LAW = 0.8  # share of the gain of a series, or of a law, that what replaces it must have
-_SURELY, _AT_LEAST = 0.75, 0.6  # share and its lower end, of a law of which only a trifle shows
+_SURELY, _AT_LEAST = 0.75, 0.6  # share and its lower end, of a law of which little shows
+_LITTLE = 1.25  # times the least discrepancy that is worth a name, in the motion alone
 _BESIDE_ZEROS = 3  # laws that are tried for each offset that the model lacks
 _ROBOT = 1  # the channel of its effects
 _OF_TIME = ('wall_motion', 'sensor_zero')  # families of curves that follow time alone
@@ -121,8 +122,10 @@ def rank_by_prediction(
         zeros = Zeros.of(recordings, base, present, parts, before, whole)
         for channel, group in promising.items():
             candidates = assess(recordings, group, parts, before, channel)
-            if _is_trifling(recordings, present, channel):
+            if _is_little(recordings, present, channel):
                 candidates = [one for one in candidates if _is_sure(one, zeros, before)]
+                if channel == _ROBOT and channel not in material(recordings, present.model):
+                    candidates = []  # in the motion alone more is needed
             assessed += candidates
             enough = first_that_predicts(recordings, candidates, zeros, before, whole)
             taken += [] if enough is None else [enough]
@@ -206,7 +209,7 @@ def _promising(
 
     A part with a single event, such as a drive at its stop, outweighs no other here either.
     """
-    if _is_trifling(recordings, present, channel):
+    if _is_little(recordings, present, channel):
         least_share = _SURELY
     columns = slice(None) if channel is None else channel
     before = costs_by_channel(recordings, present, counts)
@@ -219,19 +222,20 @@ def _promising(
     return [found[k] for k in sorted(order) if gains[k] > least]
 
 
-def _is_trifling(recordings: Recordings, present: Fit, channel: int | None) -> bool:
+def _is_little(recordings: Recordings, present: Fit, channel: int | None) -> bool:
     """Return whether a channel lacks little beside the force, which no other channel confirms."""
     confirmed = channel is None and any(one.observed.reference is not None for one in recordings)
-    return not confirmed and (channel or 0) not in material(recordings, present.model)
+    least = _LITTLE if channel == _ROBOT else 1.0
+    return not confirmed and (channel or 0) not in material(recordings, present.model, least)
 
 
 def _is_sure(one: Candidate, zeros: Zeros, before: Array) -> bool:
     """
-    Return whether a law explains nearly all of a trifle, beside the zeros too.
+    Return whether a law explains nearly all of the little that shows, beside the zeros too.
 
     A rig has several small imperfections, of which none stands out.
     """
-    if one.flexible or one.channel == _ROBOT or resembles_zero(one.name):
+    if one.flexible or resembles_zero(one.name):
         return False
     shares = (share_of(before, one.errors, zeros.parts, before, one.channel),
               zeros.share_beside(one))
