@@ -251,11 +251,24 @@ class Evidence:
     @cached_property
     def implied_force(self) -> Array:
         """F_e that the nominal robot must have felt to move as it did, shape (N,) [N]; eq. (1)."""
+        s = self.smooth
+        return self.model.robot.mass * s.a - self._impedance_force(0, len(s.x))
+
+    def _impedance_force(self, early: int, count: int) -> Array:
+        """Return u of eq. (1) [N] at the first samples, the reference shifted by so many."""
         robot, s = self.model.robot, self.smooth
         assert s.reference is not None
         law = RobotLaw(robot.mass, robot.damping, robot.stiffness, ())
         reference = s.reference if robot.force_tracking else s.reference * [[1], [1], [1], [0]]
-        return np.asarray(robot.mass * s.a - law.impedance_force(s.x, s.v, reference))
+        return np.asarray(law.impedance_force(
+            s.x[:count], s.v[:count], reference[:, early:early + count]))
+
+    @cached_property
+    def _longest(self) -> 'Evidence':
+        """Return the evidence of the longest part."""
+        if len(self.parts) == 1:
+            return self
+        return Evidence(max(self.parts, key=lambda part: len(part.wrench_t)), self.model)
 
     @cached_property
     def of_wall(self) -> Line:
@@ -305,8 +318,7 @@ class Evidence:
     @cached_property
     def lag(self) -> Lag:
         """Shift of the wrench against the joints, by the force of the nominal wall."""
-        longest = max(self.parts, key=lambda part: len(part.wrench_t))
-        one = self if len(self.parts) == 1 else Evidence(longest, self.model)
+        one = self._longest
         force, wall = -one.smooth.force, one.wall_force
         force, wall = force - np.mean(force), wall - np.mean(wall)
         both = max(float(np.sqrt((force @ force) * (wall @ wall))), 1e-300)
@@ -322,16 +334,14 @@ class Evidence:
     @cached_property
     def ahead_of_reference(self) -> Early:
         """By how much the nominal robot is ahead of its reference."""
-        longest = max(self.parts, key=lambda part: len(part.wrench_t))
-        s, robot = _smooth(longest, True), self.model.robot
-        assert s.reference is not None
-        law = RobotLaw(robot.mass, robot.damping, robot.stiffness, ())
-        rows = s.reference if robot.force_tracking else s.reference * [[1], [1], [1], [0]]
-        felt, most = robot.mass * s.a - s.force, round(_LONGEST_AHEAD_S / self.period)
-        count = len(felt) - min(most, round(_LONGEST_LAG * len(felt)))
-        misfits = np.array([float(np.mean((felt[:count] - law.impedance_force(
-            s.x[:count], s.v[:count], rows[:, early:early + count])) ** 2))
-            for early in range(len(felt) - count + 1)])
+        one = self._longest
+        felt, most = self.model.robot.mass * one.smooth.a - one.smooth.force, round(
+            _LONGEST_AHEAD_S / self.period)
+        most = min(most, round(_LONGEST_LAG * len(felt)))
+        count = len(felt) - most
+        misfits = np.array([
+            float(np.mean((felt[:count] - one._impedance_force(early, count)) ** 2))
+            for early in range(most + 1)])
         best = int(np.argmin(misfits))
         return Early(best * self.period, float(misfits[best] / max(misfits[0], 1e-300)))
 

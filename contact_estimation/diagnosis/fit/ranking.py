@@ -123,9 +123,7 @@ def rank_by_prediction(
         for channel, group in promising.items():
             candidates = assess(recordings, group, parts, before, channel)
             if _is_little(recordings, present, channel):
-                candidates = [one for one in candidates if _is_sure(one, zeros, before)]
-                if channel == _ROBOT and channel not in material(recordings, present.model):
-                    candidates = []  # in the motion alone more is needed
+                candidates = _sure_of_little(recordings, present, candidates, zeros, before)
             assessed += candidates
             enough = first_that_predicts(recordings, candidates, zeros, before, whole)
             taken += [] if enough is None else [enough]
@@ -227,6 +225,16 @@ def _is_little(recordings: Recordings, present: Fit, channel: int | None) -> boo
     confirmed = channel is None and any(one.observed.reference is not None for one in recordings)
     least = _LITTLE if channel == _ROBOT else 1.0
     return not confirmed and (channel or 0) not in material(recordings, present.model, least)
+
+
+def _sure_of_little(
+    recordings: Recordings, present: Fit, candidates: Sequence[Candidate], zeros: Zeros,
+    before: Array,
+) -> list[Candidate]:
+    """Keep what explains nearly all of the little that shows; in the motion alone not of less."""
+    large = material(recordings, present.model)
+    return [one for one in candidates
+            if (one.channel != _ROBOT or _ROBOT in large) and _is_sure(one, zeros, before)]
 
 
 def _is_sure(one: Candidate, zeros: Zeros, before: Array) -> bool:
