@@ -22,7 +22,8 @@ from typing import Any
 
 from concealed_worlds import diagnosed, named, nominal, prepared_from, recorded, touches
 from contact_estimation.diagnosis.conclude import decision as decision_module
-from contact_estimation.diagnosis.conclude.decision import beside_zeros, decide, Decision
+from contact_estimation.diagnosis.conclude.alternatives import beside_zeros
+from contact_estimation.diagnosis.conclude.decision import decide, Decision
 from contact_estimation.diagnosis.conclude.shares import Shares, shares_of
 from contact_estimation.diagnosis.fit import ranking as ranking_module
 from contact_estimation.diagnosis.fit.criteria import SHARE

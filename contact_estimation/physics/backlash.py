@@ -48,6 +48,7 @@ class Backlash(ContactEffect):
     Parameters = BacklashParameters
     lets_go = True
     needs_touch = True
+    resolved_length = 'gap'
 
     states = 1  # position of the tool within the play, x - y
 

@@ -153,7 +153,7 @@ class BoucWenHysteresis(ContactEffect):
 
     @classmethod
     def draw(cls, scales: Scales, rng: Generator) -> Strength:
-        """Draw beta and gamma."""
+        """Draw beta, and gamma of either sign; without gamma it is presliding friction."""
         beta = log_uniform(rng, 0.8, 8.0) / scales.depth
-        gamma = float(rng.uniform(-0.4, 0.4)) * beta
+        gamma = float(rng.choice((-1.0, 1.0)) * rng.uniform(0.15, 0.4)) * beta
         return lambda s: {'alpha': 1.5 * s * scales.stiffness, 'beta': beta, 'gamma': gamma}

@@ -75,6 +75,8 @@ class Effect(ABC):
     reached_length : str
         Parameter that is a length a fair part of which the motion has to cover; '' if there is
         none.
+    resolved_length : str
+        Parameter that is a length well above the noise of the positions; '' if there is none.
     sampled_frequency : str
         Parameter that is a frequency which the samples have to resolve; '' if there is none.
     sampled_delay : str
@@ -107,6 +109,7 @@ class Effect(ABC):
     is_series: ClassVar[bool] = False
     reached_force: ClassVar[str] = ''
     reached_length: ClassVar[str] = ''
+    resolved_length: ClassVar[str] = ''
     sampled_frequency: ClassVar[str] = ''
     sampled_delay: ClassVar[str] = ''
     either_sign: ClassVar[bool] = False

@@ -30,8 +30,8 @@ from .random_strength import log_uniform, Strength
 from .scales import Scales
 from ..parameters.specification import optional_parameter, ParameterGroup
 
-_LIGHTLY = 0.05  # damped
-_LOWEST, _HIGHEST = 0.6, 4.0  # frequencies, times the pace of the motion
+_DAMPED = 0.3  # wide enough for the next of the frequencies to be near
+_LOWEST, _HIGHEST, _FREQUENCIES = 0.6, 6.0, 6  # times the pace of the motion
 
 
 @dataclass(frozen=True)
@@ -112,8 +112,8 @@ class EnvironmentResonance(ContactEffect):
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """Spread the frequency about the pace of the motion; the law is linear in the mass."""
-        frequencies = np.geomspace(_LOWEST, _HIGHEST, 5) / scales.pace
-        return [(0.01 * scales.moved_mass, float(f), _LIGHTLY) for f in frequencies]
+        frequencies = np.geomspace(_LOWEST, _HIGHEST, _FREQUENCIES) / scales.pace
+        return [(0.01 * scales.moved_mass, float(f), _DAMPED) for f in frequencies]
 
     @classmethod
     def largest(cls, scales: Scales) -> float:

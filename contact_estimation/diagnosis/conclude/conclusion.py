@@ -21,7 +21,8 @@ from typing import NamedTuple, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from .decision import beside_zeros, decide, Decision, verdict_of
+from .alternatives import beside_zeros, in_family
+from .decision import decide, Decision, verdict_of
 from .dependence import dependences
 from .held_out import by_part, errors_of, improvement_interval, measure_part, Part
 from .location import locate, Location
@@ -42,7 +43,7 @@ from ...physics import EFFECTS
 
 Array = NDArray[np.float64]
 
-_CLEARLY_WORSE = 1.05  # ratio of force errors on held-out data
+_CLEARLY_WORSE, _THE_SAME = 1.05, 1.01  # ratios of errors on held-out data
 _UNTOLD = 4.0  # cost of two standard deviations
 _NOTHING = 0.01  # of the misfit: a remainder that is not worth a word
 
@@ -100,6 +101,12 @@ def conclude(fitted: Fitted, seed: int, progress: Progress) -> Diagnosis:
     if tested.worse:  # a law may predict only beside the zeros that its rig has
         zeroed = beside_zeros(fitted.selection, decision)
         tested = tested if zeroed is None else _tested(fitted, whole, zeroed, progress)
+    if tested.worse:  # a law may not last: a bias that settles is none at the start
+        for other in in_family(decision.selection, decision, progress):
+            again = _tested(fitted, whole, other, progress)
+            if not again.worse:
+                tested = again
+                break
     if tested.worse:  # a false name is worse than no name
         selection = decision.selection
         tested = _tested(fitted, whole, Decision(
@@ -156,7 +163,8 @@ def _tested(
     progress('held-out parts')
     models = (fitted.nominal, base.model, best.model)
     parts, free_runs = _held_out(recordings, whole, fitted.holdouts, models)
-    worse = bool(best.model.effects) and _worse(parts, best.model)
+    worse = bool(best.model.effects) and _worse(
+        parts, best.model, not has_discrepancy(recordings))
     return _Tested(decision, recordings, base, best, parts, free_runs, worse)
 
 
@@ -191,11 +199,12 @@ def _nominal_where_unknown(nominal: Model, recordings: Recordings, best: Fit) ->
     return best
 
 
-def _worse(parts: Sequence[Part], best: Model) -> bool:
+def _worse(parts: Sequence[Part], best: Model, exact: bool) -> bool:
     """
     Return whether the corrected model predicts held-out data worse than the recalibrated one.
 
-    Force and motion both, or clearly the force alone if no name is of the robot.
+    Force and motion both, or clearly the force alone if no name is of the robot. Names down to the
+    noise may not show there at all, such as an adhesion without a separation.
     """
     force, motion = (
         one.corrected / one.recalibrated if one.recalibrated and one.corrected is not None
@@ -204,6 +213,8 @@ def _worse(parts: Sequence[Part], best: Model) -> bool:
     if not ratios:
         return False
     of_robot = any(EFFECTS[name].port == 'robot' for name in best.effects)
+    if exact and max(ratios) <= _THE_SAME:
+        return False
     return min(ratios) >= 1.0 or not of_robot and force is not None and force > _CLEARLY_WORSE
 
 

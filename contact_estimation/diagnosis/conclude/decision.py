@@ -59,6 +59,7 @@ _SIGNIFICANT = 3.0  # standard deviations
 _HELD_OUT_POWER = 2.0  # held-out mean square, over that of the noise, of a wrong model
 _HELD_OUT_EXPLAINED = 0.5  # least share of the held-out misfit that names must explain
 _SURELY_MOST = 0.6  # of the misfit that a curve explains down to the noise: a bias would, in part
+_DOWN_TO_NOISE = 0.95  # share of the misfit of a part
 _AUTOCORRELATION = 0.25  # of neighbouring residuals: structure that no smoother predicts
 
 
@@ -127,7 +128,7 @@ def decide(
             or not shares.agrees(name)
             or _is_resonance(recordings, best.model, name)
             or shares.most(name) < (_TRIFLE if shares.sure(name) > 0.0 else _UNSURE)
-            or shares.sure(name) <= _least_sure(exact, shares.is_flexible(name))
+            or not _is_sure(shares, name, exact)
             or exact and not shares.is_constant(name)
             and _is_trifle(recordings, best, name))]  # last: it fits again
         fewer = _without_doubtful(selection, best, shares, doubtful, whole, progress, again)
@@ -175,33 +176,6 @@ def _without_doubtful(
         return fewer
     other = decide(_without(selection, differing, progress), whole, progress, False)
     return other if _laws(other.best.model) else fewer
-
-
-def beside_zeros(selection: Selection, decision: Decision) -> Decision | None:
-    """
-    Decide for the same laws beside the zeros with which they were selected.
-
-    Parameters
-    ----------
-    selection : Selection
-        As selected.
-    decision : Decision
-        Without zeros that were doubtful.
-
-    Returns
-    -------
-    decision : Decision or None
-        None if no zero had been dropped.
-
-    """
-    named, selected = decision.best.model.effects, selection.best.model
-    zeros = [name for name in selected.effects if name in ZEROS and name not in named]
-    if not zeros or not set(named) <= set(selected.effects):
-        return None
-    others = [name for name in selected.effects if name not in (*named, *zeros)]
-    best = fit(selection.recordings, selected.without(*others))
-    shares = shares_of(selection.recordings, selection.base.model, best.model)
-    return Decision(selection._replace(best=best), best, shares.explained < EXPLAINED, 0.0, shares)
 
 
 def _dropped(shares: Shares, name: str) -> tuple[str, ...]:
@@ -259,11 +233,14 @@ def _is_trifle(recordings: Recordings, best: Fit, name: str) -> bool:
     return not material(weighed(recordings, without.model), without.model, _SMALL)
 
 
-def _least_sure(exact: bool, flexible: bool) -> float:
-    """Return the value that the interval of a share must exceed."""
-    if flexible:
-        return _SURELY_MOST if exact else 0.0
-    return -np.inf if exact else 0.0
+def _is_sure(shares: Shares, name: str, exact: bool) -> bool:
+    """Return whether an effect surely predicts enough of the parts that were left out."""
+    sure = shares.sure(name)
+    if not exact:
+        return sure > 0.0
+    # What happens once, such as a sensor that settles, no other part tells.
+    return not shares.is_flexible(name) or sure > _SURELY_MOST or (
+        sure > 0.0 and float(np.median(shares.of_channel[name].parts)) > _DOWN_TO_NOISE)
 
 
 def _confirmed(base: Fit, best: Fit, recordings: Recordings, whole: Recordings) -> Fit:

@@ -26,11 +26,13 @@ from .search import is_credible, Progress, search
 from ..observe.prepared_recording import Recordings
 
 _EXCHANGE_GAIN = 10.0  # cost, in that of the noise
-_BEYOND_DOUBT = 50.0  # the same: seven standard deviations of one parameter
 _ASSESSED = 12  # candidates that may be exact
 _STRICTLY = 1.15  # mean square, in that of the noise, of a law that leaves nothing else
 _NEAR_NOISE = 4.0  # the same, from which a candidate may be exact
 _NEARLY_EXACT, _POLISHED = 0.1, 5  # of the present cost, likewise; candidates fitted to the noise
+
+BEYOND_DOUBT = 50.0
+"""Cost by which one exact law is surely right instead of another: seven standard deviations."""
 
 Rivals = dict[str, list[Fit]]
 """For each effect taken, fits with another in its place, best first."""
@@ -93,7 +95,7 @@ def simplest_first(fits: Sequence[Fit], present: float) -> list[Fit]:
     """
     best, count = fits[0].cost, fits[0].residual_count
     if best <= _STRICTLY * count:
-        most = min(float(count), best + _BEYOND_DOUBT)
+        most = min(float(count), best + BEYOND_DOUBT)
     else:
         most = best + ADEQUATE * (present - best)
     return sorted(fits, key=lambda one: (

@@ -42,6 +42,7 @@ _FAR = 2.0  # times the noise: power of the residuals
 # in the direction in which it is clipped less.
 _LEVEL, _SLOPE, _MOST_HELD = 3.0, 0.01, 0.25
 _REACHED, _COVERED = 1.5, 5.0  # of the range of the force, and of that of the motion
+_ABOVE_NOISE = 2.0  # of the positions
 _RESOLVED = 0.125  # periods a sample: faster is the course of a force between samples
 _LATE = 0.05  # of a sample period: stamps are known no better
 
@@ -188,9 +189,9 @@ def may_show(recordings: Recordings, model: Model, name: str) -> bool:
         hold it, or is held for most of the time to and fro, as friction holds it; and for a
         friction beyond the range of the force, which never slips: that is a spring. Nor is one
         shown that vanishes, an exponential of which the motion covers a parabola alone, a surface
-        far beyond the motion, a resonance of fewer than eight samples a period or of less than a
-        period, a delay of less than a twentieth of a sample period, or two tones too near one
-        another for the duration.
+        far beyond the motion, a play within the noise of the positions, a resonance of fewer than
+        eight samples a period or of less than a period, a delay of less than a twentieth of a
+        sample period, or two tones too near one another for the duration.
 
     """
     values = EFFECTS[name].Parameters(*model.values[model.place(name)])
@@ -215,10 +216,12 @@ def _is_reached(recordings: Recordings, name: str, values: ParameterGroup) -> bo
     """Return whether force, motion, rate and duration are large enough for an effect to show."""
     force = getattr(values, EFFECTS[name].reached_force, 0.0)
     length = abs(getattr(values, EFFECTS[name].reached_length, 0.0))
+    resolved = getattr(values, EFFECTS[name].resolved_length, np.inf)
     frequency = getattr(values, EFFECTS[name].sampled_frequency, 0.0)
     delay = getattr(values, EFFECTS[name].sampled_delay, np.inf)
     return any(force <= _REACHED * float(np.ptp(one.observed.force))
                and length <= _COVERED * float(np.ptp(one.observed.x))
+               and resolved >= _ABOVE_NOISE * one.observed.position_noise
                and frequency * one.observed.h <= _RESOLVED
                and delay >= _LATE * one.observed.h
                and EFFECTS[name].is_resolved(values, float(one.observed.t[-1]))

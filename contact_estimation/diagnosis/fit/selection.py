@@ -29,7 +29,7 @@ from typing import NamedTuple, Sequence
 from .candidate import is_flexible
 from .criteria import enough, explained_share, leaves_noise, SHARE, THRESHOLD
 from .discrepancy import has_discrepancy, material, noise_by_channel, weighed
-from .exact_laws import exact_laws, exchange, laws_before_curves, prune, Rivals
+from .exact_laws import BEYOND_DOUBT, exact_laws, exchange, laws_before_curves, prune, Rivals
 from .fitting import Fit, fit
 from .ranking import FLEXIBLE_LEAD, rank_by_prediction, Ranking
 from .search import candidates_in, Progress, search
@@ -234,7 +234,8 @@ def _narrowest(recordings: Recordings, base: Fit, best: Fit, progress: Progress)
                 if EFFECTS[law].family == EFFECTS[name].family and not EFFECTS[law].is_series]
         fits = search(recordings, rest, progress, laws)
         found = min(fits, key=lambda one: one.cost, default=best)
-        if base.cost - found.cost >= _OF_WIDER * (base.cost - best.cost):
+        sharply = best.cost < best.residual_count and found.cost > best.cost + BEYOND_DOUBT
+        if base.cost - found.cost >= _OF_WIDER * (base.cost - best.cost) and not sharply:
             best = found
     return best
 

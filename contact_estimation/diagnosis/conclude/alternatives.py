@@ -1,0 +1,90 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Alternatives to laws that predict parts of the recordings, but not the held-out data."""
+
+from __future__ import annotations
+
+from typing import Iterator
+
+from .decision import Decision, EXPLAINED
+from .shares import shares_of
+from ..fit.fitting import Fit, fit
+from ..fit.search import candidates_in, Progress, search
+from ..fit.selection import Selection
+from ..fit.zeros import ZEROS
+from ...physics import EFFECTS
+
+
+def beside_zeros(selection: Selection, decision: Decision) -> Decision | None:
+    """
+    Decide for the same laws beside the zeros with which they were selected.
+
+    Parameters
+    ----------
+    selection : Selection
+        As selected.
+    decision : Decision
+        Without zeros that were doubtful.
+
+    Returns
+    -------
+    decision : Decision or None
+        None if no zero had been dropped.
+
+    """
+    named, selected = decision.best.model.effects, selection.best.model
+    zeros = [name for name in selected.effects if name in ZEROS and name not in named]
+    if not zeros or not set(named) <= set(selected.effects):
+        return None
+    others = [name for name in selected.effects if name not in (*named, *zeros)]
+    return _decision(selection, fit(selection.recordings, selected.without(*others)))
+
+
+def in_family(
+    selection: Selection, decision: Decision, progress: Progress
+) -> Iterator[Decision]:
+    """
+    Decide for another law of its family in the place of the last effect.
+
+    Parameters
+    ----------
+    selection : Selection
+        As selected.
+    decision : Decision
+        With the effect.
+    progress : callable
+        Called with the name of each candidate.
+
+    Yields
+    ------
+    decision : Decision
+        With another that explains most of the misfit on parts left out, the best fit first.
+
+    """
+    recordings, best = selection.recordings, decision.best.model
+    name = best.effects[-1]
+    rest = fit(recordings, best.without(name))
+    names = [one for one in candidates_in(recordings, rest.model)
+             if EFFECTS[one].family == EFFECTS[name].family and one != name]
+    for found in sorted(search(recordings, rest, progress, names), key=lambda one: one.cost):
+        other = _decision(selection, found)
+        if not other.unexplained:
+            yield other
+
+
+def _decision(selection: Selection, best: Fit) -> Decision:
+    """Decide for a model with effects."""
+    shares = shares_of(selection.recordings, selection.base.model, best.model)
+    return Decision(selection._replace(best=best), best, shares.explained < EXPLAINED, 0.0, shares)
