@@ -140,6 +140,15 @@ def recovering(t: Array, x: Array, v: Array, a: Array, ratio: float) -> Array:
     return cut(left, K_e * left + B_e * v)
 
 
+def struck(t: Array, x: Array, v: Array, a: Array, chi: float) -> Array:
+    """Damp with the depth and inversely to the speed of the last touch-down."""
+    speed, speeds = 0.0, np.empty(len(x))
+    for k, d in enumerate(x):
+        speed = (speed or abs(v[k])) if d > 0.0 else 0.0
+        speeds[k] = speed or 1.0
+    return cut(x, K_e * x + B_e * v + chi * x * v / speeds)
+
+
 def sliding(speed: Any, F_c: float, F_s: float, v_s: float) -> Any:
     """Friction that falls from F_s to F_c."""
     return (F_c + (F_s - F_c) * np.exp(-speed**2 / v_s**2)) * np.tanh(speed / 4e-4)
@@ -190,11 +199,13 @@ FORMULAS: dict[str, Formula] = {
     'stiffness_drift': lambda t, x, v, a, rate: cut(x, K_e * (1.0 + rate * t) * x + B_e * v),
     'plastic_set': dent,
     'unloading_hysteresis': recovering,
+    'impact_damping': struck,
 }
 """Of the contact: (t, x, v, a, parameters) -> F_e, for a wall at 0 with K_e and B_e."""
 
 SENSED: dict[str, Any] = {
     'tool_inertia': lambda t, F, a, mass: F - mass * a,
+    'force_gain': lambda t, F, a, gain: gain * F,
     'force_bias': lambda t, F, a, bias: F + bias,
     'force_drift': lambda t, F, a, rate: F + rate * t,
     'settling_bias': lambda t, F, a, change, tau, bias: F + bias + change * np.exp(-t / tau),

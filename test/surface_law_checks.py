@@ -105,12 +105,11 @@ def check_kuwabara_kono() -> None:
     assert power_of('kuwabara_kono', False, c=90.0) == pytest.approx(1.0)
 
 
-def check_lankarani() -> None:
-    law = law_of('lankarani_nikravesh', gain=100.0, slowest=1e-3)
-    _, state = law.respond(0.0, 1e-6, 0.25, DT, law.start(DT, 1))
-    assert law.respond(0.0, 0.01, 0.5, DT, state)[0] == pytest.approx(100.0 * 0.01 * 0.5 / 0.25)
-    _, state = law.release(0.0, -0.01, -0.1, DT, state)
-    assert law.respond(0.0, 0.01, 0.5, DT, state)[0] == pytest.approx(100.0 * 0.01)
+def check_jankowski() -> None:
+    assert power_of('jankowski_pounding', True, c=50.0) == pytest.approx(0.5)
+    law = law_of('jankowski_pounding', c=50.0)
+    assert law.respond(0.0, 0.01, 0.5, DT, None)[0] == pytest.approx(50.0 * 0.1 * 0.5)
+    assert law.respond(0.0, 0.01, -0.5, DT, None)[0] == 0.0
 
 
 def check_power_law() -> None:
@@ -183,7 +182,7 @@ CHECKS: dict[str, Callable[[], None]] = {
     'neo_hookean': check_neo_hookean,
     'tsuji_damping': check_tsuji,
     'kuwabara_kono': check_kuwabara_kono,
-    'lankarani_nikravesh': check_lankarani,
+    'jankowski_pounding': check_jankowski,
     'power_law_damper': check_power_law,
     'jkr_adhesion': check_jkr,
     'rough_surface': check_rough_surface,

@@ -46,9 +46,9 @@ import pytest
 SCALES = Scales(0.02, 0.1, 80.0, 150.0, 0.0, 15.0, 4000.0, 100.0, 20.0)
 
 
-def rms_of(port: str, world: RandomWorld, run: Run) -> float:
-    """Return the RMS residual of a port."""
-    return float(np.sqrt(np.nanmean(residual(port, world, run) ** 2)))
+def rms_of(in_motion: bool, world: RandomWorld, run: Run) -> float:
+    """Return the RMS residual of the contact, or that in the motion of the robot."""
+    return float(np.sqrt(np.nanmean(residual(in_motion, world, run) ** 2)))
 
 
 def slow_press(count: int = 20000) -> Run:
@@ -149,7 +149,7 @@ def test_rates_of_a_faded_sine_match_finite_differences() -> None:
 
 
 def test_contact_residual_of_a_spring_damper_is_zero() -> None:
-    assert rms_of('contact', WORLD, synthetic_run()) < 1e-9
+    assert rms_of(False, WORLD, synthetic_run()) < 1e-9
 
 
 def test_contact_residual_matches_the_normal_equations() -> None:
@@ -161,16 +161,16 @@ def test_contact_residual_matches_the_normal_equations() -> None:
     K, B = np.linalg.solve(A.T @ A, -A.T @ (run.force + extra)[on])
     predicted = np.minimum(0.0, -K * run.x - B * run.v)[touching]
     rms = float(np.sqrt(np.mean(((run.force + extra)[touching] - predicted) ** 2)))
-    assert rms_of('contact', WORLD, synthetic_run(run.force + extra)) == pytest.approx(rms)
+    assert rms_of(False, WORLD, synthetic_run(run.force + extra)) == pytest.approx(rms)
 
 
 def test_degree_is_residual_relative_to_the_force_noise() -> None:
     run = synthetic_run()
     biased = synthetic_run(run.force + 0.5 * np.sin(40.0 * run.t))
-    rms = rms_of('contact', WORLD, biased)
-    r = degree('force_sensor', WORLD, biased, run)
+    rms = rms_of(False, WORLD, biased)
+    r = degree(False, WORLD, biased, run)
     assert r == pytest.approx(np.hypot(1.0, rms / WORLD.sensors.force_std), rel=1e-6)
-    assert degree('contact', WORLD, run, run) == 1.0
+    assert degree(False, WORLD, run, run) == 1.0
 
 
 def test_degree_of_a_robot_effect_is_relative_to_the_noise_of_eq_1() -> None:
@@ -178,21 +178,21 @@ def test_degree_of_a_robot_effect_is_relative_to_the_noise_of_eq_1() -> None:
     x = sensors.position_std * rng.standard_normal(len(run.t))
     still = 0.0 * run.x
     F = sensors.force_std * rng.standard_normal(len(run.t))
-    noise = rms_of('robot', WORLD, Run(run.t, x, still, still, F, still, still, still))
+    noise = rms_of(True, WORLD, Run(run.t, x, still, still, F, still, still, still))
     pushed = Run(run.t, still, still, still, still + 3.0, still, still, still)
     nothing = Run(run.t, *(still for _ in range(7)))
-    r = degree('robot', WORLD, pushed, nothing)
+    r = degree(True, WORLD, pushed, nothing)
     assert r == pytest.approx(np.hypot(1.0, 3.0 / noise), rel=0.02)
 
 
 def test_impedance_residual_is_small_for_the_true_robot_only() -> None:
     own = simulate(WORLD, {}, 500.0)
     other = simulate(WORLD, {'robot_friction.F_c': 6.0}, 500.0)
-    assert rms_of('robot', WORLD, own) < 0.4
-    assert rms_of('robot', WORLD, other) > 2.0
+    assert rms_of(True, WORLD, own) < 0.4
+    assert rms_of(True, WORLD, other) > 2.0
     stiff = replace(WORLD, robot=replace(ROBOT, stiffness=5000.0))
     wrong = float(np.sqrt(np.mean((1000.0 * (own.x - own.x_r)) ** 2)))
-    assert rms_of('robot', stiff, own) == pytest.approx(wrong, rel=0.02)
+    assert rms_of(True, stiff, own) == pytest.approx(wrong, rel=0.02)
 
 
 def test_active_intervals_cover_the_large_residual() -> None:
@@ -226,7 +226,7 @@ def test_trial_has_its_requested_degree() -> None:
     trial = draw_trial('coulomb_friction', np.random.default_rng(4))
     rate = trial.world.sensors.rate
     run = simulate(trial.world, trial.physics, rate)
-    r = degree('contact', trial.world, run, simulate(trial.world, {}, rate))
+    r = degree(False, trial.world, run, simulate(trial.world, {}, rate))
     assert MIN_DEGREE <= trial.requested_degree <= MAX_DEGREE
     assert r == pytest.approx(trial.requested_degree, rel=0.1)
 

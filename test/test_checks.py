@@ -23,6 +23,7 @@ from concealed_worlds import ATTACHED, attached, nominal, physics, recorded
 from contact_estimation.diagnosis.checks import check, CHECKS, clock_offset, examine
 from contact_estimation.diagnosis.checks.check import Check
 from contact_estimation.diagnosis.checks.evidence import Lag, Line
+from contact_estimation.diagnosis.checks.spikes import spikes
 from contact_estimation.diagnosis.conclude.diagnose import diagnose
 from contact_estimation.diagnosis.observe.reference_rates import with_reference_rates
 from contact_estimation.diagnosis.observe.signals import Recording, Signals
@@ -109,6 +110,13 @@ def paused(s: Signals) -> Signals:
     return Signals(t, s.force[kept], t, s.position[kept], t, s.reference[:, kept])
 
 
+def spiked(signals: Signals) -> Signals:
+    """Put five positions a metre off."""
+    wild = signals.position.copy()
+    wild[100:1100:200] += 1.0
+    return signals._replace(position=wild)
+
+
 def rounded(s: Signals) -> Signals:
     """Round positions to a tenth of a millimetre."""
     return s._replace(position=1e-4 * np.round(s.position / 1e-4))
@@ -144,14 +152,18 @@ COARSE: Mapping[str, tuple[str, Change]] = {
     'a pause': ('gaps', paused),
     'positions of the reference alone': ('reference_rates', without_rates),
     'rounded': ('quantisation', rounded),
+    'wild positions': ('spikes', spiked),
     'clipped': ('force_clipping', lambda s: s._replace(
         force=np.maximum(s.force, 0.6 * float(np.min(s.force))))),
 }
 
 
+OF_FILES = {'complete_file': (0.0, 'it ends within its data'), 'stamp_order': (3.0, '')}
+
+
 def failed(signals: Signals, model: PlantParameters) -> list[Check]:
     """Return the checks that fail."""
-    return [one for one in check(Recording('file', signals), model) if not one.ok]
+    return [one for one in check(Recording('file', signals), model)[0] if not one.ok]
 
 
 @pytest.mark.parametrize('wrong', WRONG)
@@ -179,7 +191,26 @@ def test_coarse_data_fail_a_check_that_is_not_fatal(coarse: str) -> None:
 
 def test_every_check_is_tested_here() -> None:
     tested = {name for name, _ in (*WRONG.values(), *COARSE.values())}
-    assert tested | {'wall_location', 'constant_speed'} == set(CHECKS)
+    assert tested | {'wall_location', 'constant_speed', *OF_FILES} == set(CHECKS)
+
+
+@pytest.mark.parametrize('name', OF_FILES)
+def test_fault_of_a_file_fails_its_check_alone(name: str) -> None:
+    recording = Recording('file', recorded(), *OF_FILES[name])
+    (found,) = [one for one in check(recording, nominal())[0] if not one.ok]
+    assert (found.name, found.fatal) == (name, name == 'stamp_order')
+
+
+def test_wild_positions_are_left_out() -> None:
+    clean = recorded()
+    (kept,) = examine([Recording('file', spiked(clean))], nominal()).recordings
+    assert len(kept.signals.position) == len(clean.position) - 5
+    assert set(kept.signals.position) < set(clean.position)
+
+
+def test_a_motion_sampled_coarsely_has_no_wild_positions() -> None:
+    t = np.arange(0.0, 60.0, 0.35)
+    assert not spikes(np.sin(2.0 * np.pi * t)).any()
 
 
 def test_a_reference_that_leads_the_robot_is_no_wrong_clock() -> None:

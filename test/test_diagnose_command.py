@@ -254,6 +254,39 @@ def test_recording_of_the_fit_is_not_held_out(
         assert f'--holdout {tested} must be another recording' in line and str(clean) in line
 
 
+def test_recording_does_not_count_twice(folder: Path, tmp_path: Path, command: Command) -> None:
+    clean, copy = folder / 'clean.mcap', tmp_path / 'copy.mcap'
+    copy.write_bytes(clean.read_bytes())
+    line = command.refusal(clean, copy, '--nominal', folder / 'model.yaml')
+    assert f'{clean} holds the same data as {copy}' in line and 'leave one of them out' in line
+
+
+@pytest.mark.slow
+def test_file_that_is_cut_short_is_diagnosed_and_told(
+    folder: Path, tmp_path: Path, command: Command
+) -> None:
+    content, cut = (folder / 'clean.mcap').read_bytes(), tmp_path / 'cut.mcap'
+    cut.write_bytes(content[:len(content) * 4 // 5])
+    ended = command(cut, '--nominal', folder / 'model.yaml')
+    assert ended.code == 0
+    assert 'Check complete_file: the file is damaged: it ends within its data' in ended.out
+    cut.write_bytes(content[:300])
+    line = command.refusal(cut, '--nominal', folder / 'model.yaml')
+    assert 'it ends before the first topic' in line
+
+
+@pytest.mark.slow
+def test_clock_that_was_set_back_is_refused(
+    folder: Path, tmp_path: Path, command: Command
+) -> None:
+    signals = recorded()
+    t = signals.wrench_t - np.where(signals.wrench_t > 4.0, 2.0, 0.0)
+    recording = write_recording(tmp_path / 'a.mcap', signals._replace(wrench_t=t))
+    ended = command(recording, '--nominal', folder / 'model.yaml')
+    assert ended.code == 0 and 'jump back by 2 s' in ended.out
+    assert 'must be put right first: stamp order' in ended.out
+
+
 @pytest.mark.slow
 def test_fitted_and_held_out_recording_may_have_the_same_file_name(
     folder: Path, tmp_path: Path, command: Command

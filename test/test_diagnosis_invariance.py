@@ -145,6 +145,7 @@ def test_effect_is_judged_by_the_misfit_of_its_channel() -> None:
     assert share_of(before, after, parts, before, 1).share == pytest.approx(0.9)
     assert channel_of('robot_friction') == 1
     assert channel_of('coulomb_friction') == channel_of('force_lag') == 0
+    assert channel_of('force_gain') is None
 
 
 def test_channels_of_a_part_add_up_to_its_residuals() -> None:

@@ -30,6 +30,7 @@ from contact_estimation.diagnosis.fit.model_uncertainty import discounted
 from contact_estimation.diagnosis.observe.model import Model
 from contact_estimation.diagnosis.observe.prepared_recording import PreparedRecording
 from contact_estimation.diagnosis.observe.signals import Signals
+from contact_estimation.physics import EFFECTS
 import numpy as np
 import pytest
 
@@ -109,7 +110,7 @@ def test_resonance_is_located_around_its_frequency() -> None:
 
 def test_port_that_is_known_is_kept() -> None:
     recording, model = recalibrated(recorded(**physics('force_bias', 2.0)))
-    assert locate(recording, model, 'robot').port == 'robot'
+    assert locate(recording, model, EFFECTS['robot_drag']).port == 'robot'
 
 
 def test_without_a_robot_the_contact_is_blamed() -> None:

@@ -101,7 +101,8 @@ RATES: dict[str, Callable[..., float]] = {
 TRANSFORMED = {'fractional_relaxation'}
 LAGGING, RESONANT = {'actuator_lag'}, {'environment_resonance'}
 # Facts about them: test_effect_laws.py
-NOT_SMOOTH = {'adhesion', 'backlash', 'dmt_adhesion', 'plastic_set', 'unloading_hysteresis'}
+NOT_SMOOTH = {'adhesion', 'backlash', 'dmt_adhesion', 'impact_damping', 'plastic_set',
+              'unloading_hysteresis'}
 
 
 @lru_cache(maxsize=None)

@@ -16,8 +16,8 @@
 Degree of concealment of an effect, and search for the strength that gives a degree.
 
 Concealed r times: the RMS force residual of a refitted spring-damper in contact is r times that
-of the same world without the effect. For effects of the robot: likewise the residual of eq. (1)
-with the nominal robot and central differences of the measured position.
+of the same world without the effect. For effects that the motion of the robot tells: likewise the
+residual of eq. (1) with the nominal robot and central differences of the measured position.
 """
 
 from __future__ import annotations
@@ -64,14 +64,14 @@ class Concealed(NamedTuple):
     not_concealable: bool = False
 
 
-def degree(port: str, world: RandomWorld, run: Run, without: Run) -> float:
+def degree(in_motion: bool, world: RandomWorld, run: Run, without: Run) -> float:
     """
     Compute the degree of concealment.
 
     Parameters
     ----------
-    port : str
-        Port of the effect.
+    in_motion : bool
+        Whether the motion of the robot tells the effect.
     world : RandomWorld
         World without the effect.
     run, without : Run
@@ -83,8 +83,8 @@ def degree(port: str, world: RandomWorld, run: Run, without: Run) -> float:
         Expected value over the noise; 1 without an effect.
 
     """
-    noise = _impedance_noise(world) if port == 'robot' else world.sensors.force_std
-    return rms_ratio(noise, residual(port, world, run), residual(port, world, without))
+    noise = _impedance_noise(world) if in_motion else world.sensors.force_std
+    return rms_ratio(noise, residual(in_motion, world, run), residual(in_motion, world, without))
 
 
 def rms_ratio(noise: float, with_effect: Array, without: Array) -> float:
@@ -108,14 +108,14 @@ def rms_ratio(noise: float, with_effect: Array, without: Array) -> float:
     return hypot(noise, rms) / hypot(noise, rms_without)
 
 
-def residual(port: str, world: RandomWorld, run: Run) -> Array:
+def residual(in_motion: bool, world: RandomWorld, run: Run) -> Array:
     """
-    Compute the residual in which an effect at a port shows.
+    Compute the residual in which an effect shows.
 
     Parameters
     ----------
-    port : str
-        Port of the effect.
+    in_motion : bool
+        Whether the motion of the robot tells the effect.
     world : RandomWorld
         World without the effect.
     run : Run
@@ -127,7 +127,7 @@ def residual(port: str, world: RandomWorld, run: Run) -> Array:
         Of eq. (1) at the robot, else of a refitted spring-damper [N]; NaN where undefined.
 
     """
-    return _impedance_residual(world, run) if port == 'robot' else _contact_residual(world, run)
+    return _impedance_residual(world, run) if in_motion else _contact_residual(world, run)
 
 
 def active_intervals(residual: Array, t: Array) -> list[tuple[float, float]]:

@@ -68,7 +68,7 @@ def _degree(trial: Trial, run: Run) -> float:
         return 1.0
     world = trial.world
     without = simulate(world, {}, world.sensors.rate)
-    return degree(trial.port, world, _at_sample_rate(trial, run), without)
+    return degree(EFFECTS[trial.effect].needs_robot, world, _at_sample_rate(trial, run), without)
 
 
 def _at_sample_rate(trial: Trial, run: Run) -> Run:

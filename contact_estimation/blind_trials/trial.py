@@ -74,7 +74,7 @@ class Trial:
     @property
     def port(self) -> str:
         """Port of the effect."""
-        return port_of(self.effect)
+        return EFFECTS[self.effect].port
 
     @property
     def is_exact(self) -> bool:
@@ -137,11 +137,11 @@ def _trial(
 def _conceal(
     effect: str, strength: Strength, world: RandomWorld, without: Run, requested: float
 ) -> Concealed:
-    port, rate = port_of(effect), world.sensors.rate
+    in_motion, rate = EFFECTS[effect].needs_robot, world.sensors.rate
 
     def degree_of(s: float) -> float:
         physics = {f'{effect}.{name}': value for name, value in strength(s).items()}
-        return degree(port, world, simulate(world, physics, rate), without)
+        return degree(in_motion, world, simulate(world, physics, rate), without)
 
     return conceal(degree_of, requested)
 
@@ -150,24 +150,6 @@ def _is_usable(run: Run) -> bool:
     """Return whether the contact is long enough and free of hard impacts."""
     contact_s = float(np.mean(run.force < 0.0)) * float(run.t[-1])
     return contact_s > _MIN_CONTACT_S and float(-np.min(run.force)) < _MAX_FORCE
-
-
-def port_of(effect: str) -> str:
-    """
-    Return the port of an effect.
-
-    Parameters
-    ----------
-    effect : str
-        Key of EFFECTS.
-
-    Returns
-    -------
-    port : str
-        'contact', 'force_sensor' or 'robot'.
-
-    """
-    return EFFECTS[effect].port
 
 
 def plan_effects(count: int, seed: int, names: Iterable[str] = EFFECTS) -> list[str]:

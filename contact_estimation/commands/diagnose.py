@@ -17,6 +17,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import combinations
 import json
 from pathlib import Path
 from typing import Any, Sequence
@@ -98,7 +99,7 @@ def run(options: Any) -> int:
     if options.html:
         require_matplotlib()
     nominal = read_model(options.nominal)
-    _refuse_circular_proof(options.recordings, options.holdout)
+    _refuse_same_data(options.recordings, options.holdout)
     progress = Progress('diagnose')
     stages: list[str] = []
 
@@ -124,8 +125,14 @@ def run(options: Any) -> int:
     return 0
 
 
-def _refuse_circular_proof(fitted: Sequence[str], held_out: Sequence[str]) -> None:
-    """Refuse to test on the data of the fit."""
+def _refuse_same_data(fitted: Sequence[str], held_out: Sequence[str]) -> None:
+    """Refuse to count a recording twice, and to test on the data of the fit."""
+    for one, other in combinations(fitted, 2):
+        if share_data(one, other):
+            raise RecordingError(
+                f'every recording must be given once, but {one} holds the same data as {other}: '
+                'parts that are told from themselves prove nothing; leave one of them out'
+            )
     for tested in held_out:
         for path in fitted:
             if share_data(tested, path):

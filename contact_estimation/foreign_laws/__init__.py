@@ -33,10 +33,10 @@ from .foam_plateau import FoamPlateau
 from .force_ripple import ForceRipple
 from .fractional_relaxation import FractionalRelaxation
 from .fung_elasticity import FungElasticity
+from .jankowski_pounding import JankowskiPounding
 from .jkr_adhesion import JkrAdhesion
 from .joint_friction import JointFriction
 from .kuwabara_kono import KuwabaraKono
-from .lankarani_nikravesh import LankaraniNikravesh
 from .law import ForeignLaw
 from .load_cell_creep import LoadCellCreep
 from .lugre_friction import LuGreFriction
@@ -83,7 +83,7 @@ FOREIGN_LAWS: dict[str, type[ForeignLaw]] = {
     'neo_hookean': NeoHookean,
     'tsuji_damping': TsujiDamping,
     'kuwabara_kono': KuwabaraKono,
-    'lankarani_nikravesh': LankaraniNikravesh,
+    'jankowski_pounding': JankowskiPounding,
     'power_law_damper': PowerLawDamper,
     'jkr_adhesion': JkrAdhesion,
     'rough_surface': RoughSurface,

@@ -40,10 +40,12 @@ from .force_creep import ForceCreep
 from .force_decay import ForceDecay
 from .force_delay import ForceDelay
 from .force_drift import ForceDrift
+from .force_gain import ForceGain
 from .force_lag import ForceLag
 from .force_saturation import ForceSaturation
 from .fractional_relaxation import FractionalRelaxation
 from .hunt_crossley_damping import HuntCrossleyDamping
+from .impact_damping import ImpactDamping
 from .impedance_mismatch import ImpedanceMismatch
 from .moving_environment import MovingEnvironment
 from .plastic_set import PlasticSet
@@ -76,6 +78,7 @@ EFFECTS: dict[str, type[Effect]] = {
     'exponential_stiffness': ExponentialStiffness,
     'hunt_crossley_damping': HuntCrossleyDamping,
     'power_law_damping': PowerLawDamping,
+    'impact_damping': ImpactDamping,
     'quadratic_damping': QuadraticDamping,
     'viscoelastic_relaxation': ViscoelasticRelaxation,
     'fractional_relaxation': FractionalRelaxation,
@@ -96,6 +99,7 @@ EFFECTS: dict[str, type[Effect]] = {
     'force_delay': ForceDelay,
     'force_creep': ForceCreep,
     'force_decay': ForceDecay,
+    'force_gain': ForceGain,
     'force_bias': ForceBias,
     'force_drift': ForceDrift,
     'settling_bias': SettlingBias,

@@ -64,6 +64,9 @@ class Effect(ABC):
         elastic law.
     needs_spring : bool
         Whether the effect is without one a constant force, or nothing at all.
+    needs_robot : bool
+        Whether the motion of a robot tells the effect: without one, the parameters of the wall
+        make up for it.
     base_parameter : str
         Name of the parameter of the wall that describes the same physics; '' if there is none.
     is_mass : bool
@@ -104,6 +107,7 @@ class Effect(ABC):
     needs_penetration: ClassVar[bool] = False
     needs_return: ClassVar[bool] = False
     needs_spring: ClassVar[bool] = False
+    needs_robot: ClassVar[bool] = False
     base_parameter: ClassVar[str] = ''
     is_mass: ClassVar[bool] = False
     is_series: ClassVar[bool] = False

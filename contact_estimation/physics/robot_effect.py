@@ -26,6 +26,7 @@ class RobotEffect(Effect):
     """Physics of the robot: how its motion departs from the target impedance of eq. (1)."""
 
     port = 'robot'
+    needs_robot = True
     mass_scale: float = 1.0
     damping_scale: float = 1.0
     stiffness_scale: float = 1.0

@@ -24,6 +24,7 @@ from .chunk_reader import RecordedMessage
 from .mcap_file import McapFile
 from .rosbags_file import RosbagsFile
 from .topic_names import canonical, require_topics
+from ..exceptions import RecordingError
 
 __all__ = ['RecordedMessage', 'RecordingReader']
 
@@ -139,7 +140,8 @@ class RecordingReader:
         Raises
         ------
         RecordingError
-            If the recording lacks one of the topics: at the call, not at the first message.
+            If the recording lacks one of the topics, or ends before any: at the call, not at the
+            first message.
 
         """
         return (message for batch in self.batches(topics) for message in batch)
@@ -163,12 +165,19 @@ class RecordingReader:
         Raises
         ------
         RecordingError
-            If the recording lacks one of the topics: at the call, not at the first message.
+            If the recording lacks one of the topics, or ends before any: at the call, not at the
+            first message.
 
         """
         wanted = None
         if topics is not None:
-            require_topics(topics, self.topics(topics), f'recording {self.path}')
+            types = self.topics(topics)
+            if self.truncated and not types:
+                raise RecordingError(
+                    f'recording {self.path} must hold messages, but it ends before the first '
+                    'topic; end the recorder before copying its file, or record again'
+                )
+            require_topics(topics, types, f'recording {self.path}')
             wanted = {canonical(topic): topic for topic in topics}
         return self._batches(wanted)
 

@@ -44,11 +44,14 @@ class Signal:
     values : ndarray, shape (n, N)
         wrench: F_e [N]; joint_states: x [m] and its rate [m/s], NaN where not recorded;
         reference_trajectory: x_r [m], its rate [m/s] and acceleration [m/s^2], F_r [N].
+    back_ns : int
+        By how much a stamp lay before that of an earlier message, at most [ns].
 
     """
 
     stamp_ns: NDArray[np.int64]
     values: NDArray[np.float64]
+    back_ns: int = 0
 
     def __len__(self) -> int:
         """Return the number of samples."""
@@ -241,5 +244,7 @@ def stacked(stamps: array[int], rows: array[float], width: int) -> Signal:
     stamp_ns = np.array(stamps, np.int64)
     values = np.array(rows, np.float64).reshape(-1, width)
     finite = np.isfinite(values[:, 0])
-    stamp_ns, first = np.unique(stamp_ns[finite], return_index=True)
-    return Signal(stamp_ns, values[finite][first].T)
+    in_order = stamp_ns[finite]
+    stamp_ns, first = np.unique(in_order, return_index=True)
+    back = np.max(np.maximum.accumulate(in_order) - in_order, initial=0)
+    return Signal(stamp_ns, values[finite][first].T, int(back))

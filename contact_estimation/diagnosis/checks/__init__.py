@@ -23,6 +23,7 @@ from . import (
     axis,
     clock_offset,
     command_topic,
+    complete_file,
     constant_speed,
     excitation,
     force_clipping,
@@ -35,6 +36,8 @@ from . import (
     reference_clock,
     reference_rates,
     sampling_rate,
+    spikes,
+    stamp_order,
     wall_location,
 )
 from .check import Check, Test
@@ -44,6 +47,9 @@ from ...physics import EFFECTS
 from ...plant.plant_parameters import PlantParameters
 
 CHECKS: Mapping[str, Test] = {
+    'complete_file': complete_file.TEST,
+    'stamp_order': stamp_order.TEST,
+    'spikes': spikes.TEST,
     'sampling_rate': sampling_rate.TEST,
     'clock_offset': clock_offset.TEST,
     'gaps': gaps.TEST,
@@ -109,7 +115,7 @@ def examine(
     Returns
     -------
     examined : Examined
-        With the sign of a specimen's force put right.
+        With what is beyond doubt put right: the sign of a specimen's force, positions that jump.
 
     Raises
     ------
@@ -121,17 +127,16 @@ def examine(
     alone = (len(recordings) if fitted is None else fitted) == 1
     found = [check(recording, model, alone) for recording in recordings]
     named = [[_named(one, recording.name) if several else one for one in checks]
-             for recording, checks in zip(recordings, found)]
+             for checks, recording in found]
     checks = [_worst(alike) for alike in zip(*named)]
-    return Examined(checks, [_put_right(one, checks)
-                             for one, checks in zip(recordings, found)])
+    return Examined(checks, [recording for _, recording in found])
 
 
 def check(
     recording: Recording, model: PlantParameters, alone: bool = True
-) -> list[Check]:
+) -> tuple[list[Check], Recording]:
     """
-    Check one recording.
+    Check one recording; put right what is beyond doubt.
 
     Parameters
     ----------
@@ -146,10 +151,12 @@ def check(
     -------
     checks : list of Check
         One for each of `CHECKS`.
+    recording : Recording
+        What is to be fitted.
 
     """
     check_signals(recording.signals)
-    evidence = Evidence(recording.signals, model)
+    evidence = Evidence(recording.signals, model, recording)
     checks: list[Check] = []
     for name, test in CHECKS.items():
         missing = [one.name for one in checks if one.name in test.after and one.fatal]
@@ -165,7 +172,10 @@ def check(
         causes = frozenset(EFFECTS) if fatal else test.could_cause
         checks.append(Check(name, found.ok, found.text, fatal,
                             frozenset() if found.ok else causes))
-    return checks
+        if not found.ok and not fatal and test.put_right is not None:
+            recording = replace(recording, signals=test.put_right(recording.signals))
+            evidence = Evidence(recording.signals, model, recording)
+    return checks, recording
 
 
 def _worst(alike: Sequence[Check]) -> Check:
@@ -179,11 +189,3 @@ def _worst(alike: Sequence[Check]) -> Check:
 
 def _named(one: Check, recording: str) -> Check:
     return one if one.ok else replace(one, text=f'{recording}: {one.text}')
-
-
-def _put_right(recording: Recording, checks: Sequence[Check]) -> Recording:
-    wrong = any(one.name == 'force_sign' and not one.ok for one in checks)
-    if not wrong:
-        return recording
-    signals = recording.signals
-    return Recording(recording.name, signals._replace(force=-signals.force))

@@ -20,6 +20,7 @@ from dataclasses import dataclass
 from typing import Callable, NamedTuple
 
 from .evidence import Evidence
+from ..observe.signals import Signals
 from ...physics import EFFECTS
 
 
@@ -88,6 +89,8 @@ class Test:
         Effects for which a failure that is not fatal would be mistaken.
     alone : bool
         Whether it has a meaning only where nothing else is fitted together with the recording.
+    put_right : callable, optional
+        From the signals that fail to those to be fitted, where that is beyond doubt.
 
     """
 
@@ -95,6 +98,7 @@ class Test:
     after: tuple[str, ...] = ()
     could_cause: frozenset[str] = frozenset()
     alone: bool = False
+    put_right: Callable[[Signals], Signals] | None = None
 
 
 def of_families(*families: str) -> frozenset[str]:

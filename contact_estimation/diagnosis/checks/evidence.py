@@ -171,11 +171,16 @@ class Evidence:
         The recording.
     model : PlantParameters
         Nominal.
+    recording : Recording, optional
+        As read; without one, of unknown origin.
 
     """
 
-    def __init__(self, whole: Signals, model: PlantParameters) -> None:
+    def __init__(
+        self, whole: Signals, model: PlantParameters, recording: Recording | None = None,
+    ) -> None:
         self.whole, self.model = whole, model
+        self.recording = recording or Recording('', whole)
 
     @cached_property
     def parts(self) -> list[Signals]:

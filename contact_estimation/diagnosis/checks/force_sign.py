@@ -20,6 +20,7 @@ import numpy as np
 
 from .check import Finding, Test
 from .evidence import Evidence
+from ..observe.signals import Signals
 
 _SMALL = 0.3  # of the expected force: that of another axis
 _STRONGER = 3.0  # times the force on the other side
@@ -73,4 +74,9 @@ def _of_specimen(evidence: Evidence) -> Finding:
                           'Change the sign of the recorded force or of the position', fatal=False)
 
 
-TEST = Test(find, after=('clock_offset',))
+def inverted(signals: Signals) -> Signals:
+    """Invert the force; parameters as `Test.put_right`."""
+    return signals._replace(force=-signals.force)
+
+
+TEST = Test(find, after=('clock_offset',), put_right=inverted)

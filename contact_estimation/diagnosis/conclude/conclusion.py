@@ -224,7 +224,7 @@ def _locate(
     """Locate what the recalibrated model lacks."""
     if verdict not in ('physics_missing', 'unexplained'):
         return None
-    return locate(shown, base.model, names[0].port if names else None)
+    return locate(shown, base.model, EFFECTS[names[0].name] if names else None)
 
 
 def _remainder(shares: Shares | None, best: Fit, shown: PreparedRecording) -> Remainder | None:

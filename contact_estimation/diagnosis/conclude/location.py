@@ -31,6 +31,7 @@ from ..observe.residuals import (
     residuals,
     response_to,
 )
+from ...physics.effect import Effect
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -79,7 +80,9 @@ class Location(NamedTuple):
         }
 
 
-def locate(recording: PreparedRecording, model: Model, acting: str | None = None) -> Location:
+def locate(
+    recording: PreparedRecording, model: Model, acting: type[Effect] | None = None,
+) -> Location:
     """
     Locate the misfit of a model.
 
@@ -89,8 +92,8 @@ def locate(recording: PreparedRecording, model: Model, acting: str | None = None
         The recording.
     model : Model
         Fitted without the effect that is located.
-    acting : str, optional
-        The port, if it is known.
+    acting : type of Effect, optional
+        What is missing, if it is known.
 
     Returns
     -------
@@ -99,11 +102,12 @@ def locate(recording: PreparedRecording, model: Model, acting: str | None = None
 
     """
     parts = recording.split(residuals(recording, model)) ** 2
-    port = acting or guess_port(recording, model)
-    energy = parts[-1] if port == 'robot' else parts[0]
+    port = acting.port if acting else guess_port(recording, model)
+    in_motion = acting.needs_robot if acting else port == 'robot'
+    energy = parts[-1] if in_motion else parts[0]
     return Location(
         port, intervals(recording, energy), _phase(energy, phases(recording, model)),
-        _region(recording, model, energy), _band(recording, model, port),
+        _region(recording, model, energy), _band(recording, model, in_motion),
     )
 
 
@@ -234,8 +238,8 @@ def _region(recording: PreparedRecording, model: Model, energy: Array) -> str:
     return ', '.join(words) or 'all over the contact'
 
 
-def _band(recording: PreparedRecording, model: Model, port: str) -> tuple[float, float]:
-    motion = port == 'robot' and recording.observed.reference is not None
+def _band(recording: PreparedRecording, model: Model, in_motion: bool) -> tuple[float, float]:
+    motion = in_motion and recording.observed.reference is not None
     residual = (motion_residual if motion else force_residual)(recording, model)
     assert residual is not None
     rate = 1.0 / recording.observed.h

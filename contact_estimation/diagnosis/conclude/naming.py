@@ -108,7 +108,7 @@ def name_effects(
             likely[name] / (1.0 + exact * len(_other_families(cls.family, alike))),
             share.share, share.interval, shares.on_parts(name), _values(best, name, stds),
             [rival.model.effects[-1] for rival in alike],
-            locate(shown, dropped.model, cls.port),
+            locate(shown, dropped.model, cls),
             shares.in_form[name].share if name in shares.in_form else None))
     return Names(effects, rival_models)
 

@@ -71,7 +71,7 @@ class Share(NamedTuple):
     harm: float = 0.0
 
 
-def channel_of(effect: str) -> int:
+def channel_of(effect: str) -> int | None:
     """
     Return the channel by which an effect is judged where the robot has a misfit of its own.
 
@@ -82,11 +82,13 @@ def channel_of(effect: str) -> int:
 
     Returns
     -------
-    channel : int
-        Of `CHANNELS`: an effect of the robot shows in the motion alone.
+    channel : int or None
+        Of `CHANNELS`: an effect of the robot shows in the motion alone; None for one that shows as
+        a contradiction between force and motion, in either.
 
     """
-    return int(EFFECTS[effect].port == 'robot')
+    of_robot = EFFECTS[effect].port == 'robot'
+    return None if EFFECTS[effect].needs_robot and not of_robot else int(of_robot)
 
 
 def judged_by_channel(recordings: Recordings, model: Model) -> bool:

@@ -105,7 +105,8 @@ def rank_by_prediction(
     """
     groups: dict[int | None, Sequence[Fit]] = {None: found}
     if judged_by_channel(recordings, present.model):
-        groups = {channel: [one for one in found if channel_of(one.model.effects[-1]) == channel]
+        groups = {channel: [one for one in found
+                            if channel_of(one.model.effects[-1]) in (channel, None)]
                   for channel in range(CHANNELS)}
     first = fit(recordings, with_zeros(base, present.model)) if present.model.effects else present
     parts = parts_of(recordings, first)

@@ -29,7 +29,6 @@ from ..observe.prepared_recording import PreparedRecording, Recordings
 from ..observe.residuals import force_residual
 from ...parameters.specification import ParameterGroup
 from ...physics import EFFECTS
-from ...physics.robot_effect import RobotEffect
 
 _STARTED = 14  # candidates that are fitted, the best after one step
 _OF_CHANNEL = 4  # further ones, the best in force or motion alone
@@ -60,7 +59,7 @@ def candidates_for(
     model : Model
         Its effects are no candidates.
     with_robot : bool
-        Whether robot effects are.
+        Whether there is a robot.
     pressed : bool
         Whether a permanently attached wall is only pressed, never pulled.
     returns : bool
@@ -78,7 +77,7 @@ def candidates_for(
     return [
         name for name, cls in EFFECTS.items()
         if name not in model.effects and name not in model.excluded
-        and (with_robot or not issubclass(cls, RobotEffect))
+        and (with_robot or not cls.needs_robot)
         and (wall.unilateral or not cls.needs_touch)
         and (wall.unilateral or pressed or not cls.needs_penetration)
         and (wall.unilateral or returns or not cls.needs_return)

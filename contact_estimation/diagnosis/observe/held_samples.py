@@ -20,6 +20,8 @@ A staircase of repeated positions has velocities and accelerations that the moti
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -51,7 +53,7 @@ def without_held_samples(recording: Recording) -> Recording:
     wrench, joint = updates(s.force), updates(s.position)
     if len(wrench) == len(s.force) and len(joint) == len(s.position):
         return recording
-    return Recording(recording.name, s._replace(
+    return replace(recording, signals=s._replace(
         wrench_t=s.wrench_t[wrench], force=s.force[wrench],
         joint_t=s.joint_t[joint], position=s.position[joint]))
 

@@ -75,4 +75,12 @@ def read_recording(
     reader = RecordingReader(str(path))
     arm = build(EstimationParameters, arm_parameters(reader, source, parameters or {}))
     signals = read_contact_signals(reader, source, arm, axis, joint, most_samples)
-    return Recording(Path(path).name, signals_of(signals))
+    back = max(signals.wrench.back_ns, signals.joint_states.back_ns)
+    return Recording(Path(path).name, signals_of(signals), 1e-9 * back, _damage(reader))
+
+
+def _damage(reader: RecordingReader) -> str:
+    """Say what of a file could not be read; '' if all was."""
+    if reader.damaged_chunks:
+        return f'{reader.damaged_chunks} stretch(es) of it cannot be read'
+    return 'it ends within its data' if reader.truncated else ''

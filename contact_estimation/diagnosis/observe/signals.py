@@ -67,11 +67,17 @@ class Recording:
         For texts.
     signals : Signals
         As recorded.
+    stamps_back_s : float
+        By how much a stamp lay before that of an earlier message, at most [s].
+    damage : str
+        What of the file could not be read; '' if all was.
 
     """
 
     name: str
     signals: Signals
+    stamps_back_s: float = 0.0
+    damage: str = ''
 
 
 def signals_of(recorded: RecordedSignals) -> Signals:

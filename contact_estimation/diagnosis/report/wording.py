@@ -179,9 +179,10 @@ def place_of(location: Location) -> str:
     """
     times = ', '.join(f'{a:.1f}-{b:.1f} s' for a, b in location.intervals_s[:_MOST_INTERVALS])
     times += ', ...' if len(location.intervals_s) > _MOST_INTERVALS else ''
+    times = f' ({times})' if times else ''
     strongest = 'strongest at ' if location.region.startswith(('small', 'large')) else ''
     low, high = location.band_hz
-    return (f'{_PHASES.get(location.phase, location.phase)} ({times}), '
+    return (f'{_PHASES.get(location.phase, location.phase)}{times}, '
             f'{strongest}{location.region}, {low:.3g} to {high:.3g} Hz')
 
 

@@ -12,10 +12,11 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Impact damping scaled by the speed of the impact."""
+"""Damping of the approach alone."""
 
 from __future__ import annotations
 
+from math import sqrt
 from typing import Any
 
 from numpy.random import Generator
@@ -23,12 +24,12 @@ from numpy.random import Generator
 from .law import ContactLaw, Magnitudes, Strength
 
 
-class LankaraniNikravesh(ContactLaw):
+class JankowskiPounding(ContactLaw):
     """
-    Damping proportional to the depth and inversely to the speed of the touch-down.
+    Structures that collide lose energy while they approach, and none while they part.
 
-    R = 3 (1 - e^2) / 4 K d v / v_0 in place of B_e v, v_0 the speed at the last touch-down.
-    Lankarani and Nikravesh, J. Mechanical Design 112(3), 1990.
+    R = c sqrt(d) v for v > 0, else 0, in place of B_e v.
+    Jankowski, Earthquake Engineering and Structural Dynamics 34(6), 2005.
 
     """
 
@@ -39,22 +40,11 @@ class LankaraniNikravesh(ContactLaw):
     @classmethod
     def draw(cls, magnitudes: Magnitudes, rng: Generator) -> Strength:
         """Draw; see `ForeignLaw.draw`."""
-        slowest = 0.1 * magnitudes.speed
-        return lambda s: {'gain': 6.0 * s * magnitudes.stiffness, 'slowest': slowest}
-
-    def start(self, dt: float, count: int) -> Any:
-        """Return the speed of the touch-down, 0 out of contact."""
-        return 0.0
+        c = 2.0 * magnitudes.force / (magnitudes.speed * sqrt(magnitudes.depth))
+        return lambda s: {'c': s * c}
 
     def respond(
         self, t: float, d: float, v: float, dt: float, state: Any
     ) -> tuple[float, Any]:
         """Return the damping force; see `ContactLaw.respond`."""
-        state = state or max(abs(v), self.values.slowest)
-        return self.values.gain * d * v / state, state
-
-    def release(
-        self, t: float, d: float, v: float, dt: float, state: Any
-    ) -> tuple[float, Any]:
-        """Return no force; the next touch-down counts."""
-        return 0.0, 0.0
+        return self.values.c * sqrt(abs(d)) * max(v, 0.0), None

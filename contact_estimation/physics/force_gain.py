@@ -1,0 +1,77 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Wrong sensitivity of the force sensor."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.random import Generator
+
+from .force_sensor_effect import ForceSensorEffect
+from .numeric import Array, Number
+from .random_strength import random_sign, Strength
+from .scales import Scales
+from ..parameters.specification import optional_parameter, ParameterGroup
+
+
+@dataclass(frozen=True)
+class ForceGainParameters(ParameterGroup):
+    """Parameters of `ForceGain`."""
+
+    gain: float = optional_parameter('Measured over true force', '1', minimum=0.01)
+
+
+class ForceGain(ForceSensorEffect):
+    """
+    gain F.
+
+    K_e and B_e make up for it in the force; the motion of a robot, which feels the true force,
+    tells it. It is the same as an impedance of which M_t, B_t and K_t are all 1 / gain of the
+    target.
+
+    """
+
+    name = 'force_gain'
+    equation = 'F_measured = gain F_e'
+    family = 'sensor_gain'
+    description = 'The sensitivity of the force sensor is not that of its calibration.'
+    Parameters = ForceGainParameters
+    neutral = {'gain': 1.0}
+    needs_robot = True
+
+    def sense(self, t: float, dt: float, force: float, acceleration: float) -> float:
+        """Multiply by the gain; see `ForceSensorEffect.sense`."""
+        return force * float(self.values.gain)
+
+    def sense_along(self, t: Array, force: Array, acceleration: Array) -> Array:
+        """Multiply by the gain; see `ForceSensorEffect.sense_along`."""
+        return np.asarray(force * self.values.gain)
+
+    def undo(self, t: Number, measured: Number) -> Number:
+        """Divide by the gain; see `ForceSensorEffect.undo`."""
+        return measured / self.values.gain
+
+    @classmethod
+    def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
+        """One start: the law is linear in the gain."""
+        return [(1.01,)]
+
+    @classmethod
+    def draw(cls, scales: Scales, rng: Generator) -> Strength:
+        """Draw a gain on either side of 1."""
+        change = 0.5 * random_sign(rng)
+        return lambda s: {'gain': 1.0 + s * change}
