@@ -81,7 +81,10 @@ def test_damping_of_another_size_in_each_touch_is_named_by_its_form() -> None:
 
 @pytest.mark.slow
 def test_report_says_that_the_size_differs() -> None:
-    assert 'explains 95 % with a size of its own in each part' in as_text(diagnosis())
+    effect, = diagnosis().effects
+    assert effect.share_in_form is not None
+    explained = f'{100.0 * effect.share_in_form:.0f} %'
+    assert f'explains {explained} with a size of its own in each part' in as_text(diagnosis())
 
 
 @pytest.mark.parametrize('interval, parts, holds', [

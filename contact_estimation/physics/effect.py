@@ -84,6 +84,8 @@ class Effect(ABC):
         Parameter that is a frequency which the samples have to resolve; '' if there is none.
     sampled_delay : str
         Parameter that is a delay, to be a fair share of a sample period; '' if there is none.
+    least_share : float
+        Least share of the misfit that it must predict where it is flexible, see `is_flexible`.
     either_sign : bool
         Whether the first parameter is drawn with either sign.
 
@@ -116,6 +118,7 @@ class Effect(ABC):
     resolved_length: ClassVar[str] = ''
     sampled_frequency: ClassVar[str] = ''
     sampled_delay: ClassVar[str] = ''
+    least_share: ClassVar[float] = 0.85
     either_sign: ClassVar[bool] = False
 
     def __init__(self, values: ParameterGroup) -> None:

@@ -17,6 +17,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.random import Generator
@@ -26,6 +27,8 @@ from .numeric import Array, Number
 from .random_strength import random_sign, Strength
 from .scales import Scales
 from ..parameters.specification import optional_parameter, ParameterGroup
+
+_CALIBRATED = 0.05  # a smaller error is usual
 
 
 @dataclass(frozen=True)
@@ -52,6 +55,7 @@ class ForceGain(ForceSensorEffect):
     Parameters = ForceGainParameters
     neutral = {'gain': 1.0}
     needs_robot = True
+    least_share = 0.96  # a sensor that bends or saturates has a gain too, but leaves more
 
     def sense(self, t: float, dt: float, force: float, acceleration: float) -> float:
         """Multiply by the gain; see `ForceSensorEffect.sense`."""
@@ -66,12 +70,22 @@ class ForceGain(ForceSensorEffect):
         return measured / self.values.gain
 
     @classmethod
+    def vanishes(cls, values: Any) -> bool:
+        """Vanish within the calibration of a sensor and a robot; see `Effect.vanishes`."""
+        return bool(abs(values.gain - 1.0) < _CALIBRATED)
+
+    @classmethod
+    def is_flexible(cls, values: Any, duration: float) -> bool:
+        """Is always one: it lets force and motion each have a wall of its own."""
+        return True
+
+    @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """One start: the law is linear in the gain."""
-        return [(1.01,)]
+        return [(1.1,)]
 
     @classmethod
     def draw(cls, scales: Scales, rng: Generator) -> Strength:
-        """Draw a gain on either side of 1."""
-        change = 0.5 * random_sign(rng)
-        return lambda s: {'gain': 1.0 + s * change}
+        """Draw a gain on either side of 1, beyond the calibration."""
+        sign = random_sign(rng)
+        return lambda s: {'gain': 1.0 + sign * (1.1 * _CALIBRATED + 0.4 * s)}

@@ -42,8 +42,7 @@ from ...physics import EFFECTS
 Array = NDArray[np.float64]
 
 _PROMISING, _ASSESSED = 0.4, 12  # of the largest gain in the fit, to be assessed; at most so many
-# What a curve that fits almost anything must show.
-_FLEXIBLE_SHARE, _FLEXIBLE_HARM = 0.85, 0.01
+_FLEXIBLE_HARM = 0.01  # most harm of a curve that fits almost anything
 _OF_LAW = 0.8  # share of the gain of a series, or of a law, that what replaces it must have
 _SURELY, _AT_LEAST = 0.75, 0.6  # share and its lower end, of a law of which little shows
 _LITTLE = 1.25  # times the least discrepancy that is worth a name, in the motion alone
@@ -105,9 +104,8 @@ def rank_by_prediction(
     """
     groups: dict[int | None, Sequence[Fit]] = {None: found}
     if judged_by_channel(recordings, present.model):
-        groups = {channel: [one for one in found
-                            if channel_of(one.model.effects[-1]) in (channel, None)]
-                  for channel in range(CHANNELS)}
+        groups = {channel: [one for one in found if channel_of(one.model.effects[-1]) == channel]
+                  for channel in (*range(CHANNELS), None)}
     first = fit(recordings, with_zeros(base, present.model)) if present.model.effects else present
     parts = parts_of(recordings, first)
     parts, whole = evened(parts, left_out_errors(recordings, first, parts))
@@ -129,6 +127,8 @@ def rank_by_prediction(
             enough = first_that_predicts(recordings, candidates, zeros, before, whole)
             taken += [] if enough is None else [enough]
     best = min(taken, key=lambda one: one.total, default=None)
+    if best is not None and best.flexible:
+        best = _simplest(taken, float(before.sum()))
     if best is None and only_zeros:  # only the main misfit is worth a law that holds in form alone
         for channel, every in groups.items():
             weak = [one for one in _promising(recordings, present, every, counts, channel, _WEAK)
@@ -257,7 +257,7 @@ def _adequate(
     """List the best candidate, or the simplest of those that are adequate, then the others."""
     laws = [one for one in assessed if not one.flexible]
     winner = min(laws, key=lambda one: one.total, default=None)
-    curve = min((one for one in assessed if one.flexible), key=lambda one: one.total, default=None)
+    curve = _simplest(assessed, float(before.sum()))
     if curve is not None:
         share = share_of(before, curve.errors, parts, before, curve.channel)
         columns = slice(None) if curve.channel is None else curve.channel
@@ -265,7 +265,8 @@ def _adequate(
         misfit = float(np.sum(before[:, columns])) - noise
         lead = (winner.total if winner else float(before.sum())) - curve.total
         if lead > FLEXIBLE_LEAD * misfit:
-            if share.share > _FLEXIBLE_SHARE and share.harm < _FLEXIBLE_HARM:
+            least = EFFECTS[curve.name].least_share
+            if share.share > least and share.harm < _FLEXIBLE_HARM:
                 return [_simpler_beside_an_offset(recordings, laws, curve, before, parts)]
             family = EFFECTS[curve.name].family
             if family in _OF_TIME and (winner is None or family != EFFECTS[winner.name].family):
@@ -285,6 +286,14 @@ def _adequate(
     first = _simpler_beside_an_offset(recordings, laws, first, before, parts)
     others = [one for one in adequate if one is not first]
     return [first, *sorted(others, key=lambda one: one.total)]
+
+
+def _simplest(assessed: Sequence[Candidate], before: float) -> Candidate | None:
+    """Return the simplest of the curves that predict about as well as the best."""
+    curves = [one for one in assessed if one.flexible]
+    least = min((one.total for one in curves), default=0.0)
+    return min((one for one in curves if one.total <= least + ADEQUATE * (before - least)),
+               key=lambda one: (one.size, one.total), default=None)
 
 
 def _instead_of_series(
