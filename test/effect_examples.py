@@ -82,10 +82,10 @@ def example_values(name: str) -> tuple[float, ...]:
     return EXAMPLES.get(name) or EFFECTS[name].starts(SCALES)[0]
 
 
-def example(name: str) -> Any:
-    """Make an effect."""
+def example(name: str, values: tuple[float, ...] | None = None) -> Any:
+    """Make an effect, of its usual values by default."""
     cls: type[Effect] = EFFECTS[name]
-    return cls(cls.Parameters(*example_values(name)))
+    return cls(cls.Parameters(*(values or example_values(name))))
 
 
 def switched_on(name: str, prefix: str = 'physics.') -> dict[str, float]:

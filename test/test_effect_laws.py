@@ -19,6 +19,7 @@ from __future__ import annotations
 from typing import Any
 
 from contact_estimation.physics import EFFECTS
+from contact_estimation.physics.backlash import played
 from contact_estimation.physics.contact_effect import ContactEffect
 from contact_estimation.physics.contact_law import ContactLaw
 from contact_estimation.physics.force_sensor_effect import ForceSensorEffect
@@ -199,6 +200,29 @@ def test_wall_does_not_reach_for_an_approaching_tool() -> None:
     force = law_of('adhesion').force(
         instants(3), x, np.array([-1.0, -1.0, 0.1]), np.zeros(3))
     assert force[1] > 0.0 == force[2]
+
+
+@pytest.mark.parametrize('count', [1, 2, 3, 7, 1000])
+def test_play_of_all_steps_at_once_is_that_of_one_after_the_other(count: int) -> None:
+    steps, place, places = np.random.default_rng(count).normal(0.0, 0.3, count), 0.0, []
+    for step in steps:
+        place = min(1.0, max(-1.0, place + step))
+        places.append(place)
+    np.testing.assert_allclose(played(steps, 1.0), places, atol=1e-12)
+
+
+@pytest.mark.parametrize('name', STATEFUL)
+def test_states_that_are_kept_are_those_of_a_law_computed_anew(name: str) -> None:
+    t, x, v, a = motion(2e-3)
+    for signal in (x, v):
+        signal.flags.writeable = False
+    values = example_values(name)
+    for changed in (values, *(tuple(1.1 * p if k == n else p for n, p in enumerate(values))
+                              for k in range(len(values)))):
+        law = ContactLaw(K_e, B_e, 0.0, 0.0, True, [example(name, changed)])
+        expected = law.force(t, x.copy(), v.copy(), a)
+        for _ in range(2):
+            np.testing.assert_array_equal(law.force(t, x, v, a), expected)
 
 
 def test_an_attracting_wall_pulls_while_it_is_pressed_too() -> None:

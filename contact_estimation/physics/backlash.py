@@ -31,6 +31,38 @@ POSITION_TOLERANCE = 1e-5
 """Tolerance of measured positions at the end of the play [m]."""
 
 
+def played(steps: Array, half: float) -> Array:
+    """
+    Return the sum of steps that stops at two ends, z = min(half, max(-half, z + step)).
+
+    Two such maps in a row are one, min(high, max(low, z + shift)): all sums of 2, 4, 8 ... steps
+    follow from one another (Hillis and Steele 1986).
+
+    Parameters
+    ----------
+    steps : ndarray, shape (N,)
+        From z = 0.
+    half : float
+        Distance of the ends from 0, >= 0.
+
+    Returns
+    -------
+    z : ndarray, shape (N,)
+        After each step.
+
+    """
+    shift, low, high = steps.copy(), np.full(len(steps), -half), np.full(len(steps), half)
+    reach = 1
+    while reach < len(steps):
+        later, earlier = slice(reach, None), slice(None, -reach)
+        least, most = (np.clip(end[earlier] + shift[later], low[later], high[later])
+                       for end in (low, high))
+        shift[later] = shift[later] + shift[earlier]
+        low[later], high[later] = least, most
+        reach *= 2
+    return np.asarray(np.clip(shift, low, high))
+
+
 @dataclass(frozen=True)
 class BacklashParameters(ParameterGroup):
     """Parameters of `Backlash`."""
@@ -77,12 +109,7 @@ class Backlash(ContactEffect):
 
     def states_along(self, t: Array, d: Array, v: Array, contact: Flags) -> Array:
         """Apply the play operator to the measured positions."""
-        half, place = 0.5 * self.values.gap, 0.0
-        places = [0.0]
-        for step in np.diff(d).tolist():
-            place = min(half, max(-half, place + step))
-            places.append(place)
-        return np.array(places)[None, :]
+        return played(np.diff(d, prepend=d[0]), 0.5 * self.values.gap)[None, :]
 
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:

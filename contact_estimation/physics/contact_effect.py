@@ -38,6 +38,9 @@ class ContactEffect(Effect):
     states: ClassVar[int] = 0
     """Number of internal states, integrated with the plant."""
 
+    weights: ClassVar[tuple[str, ...]] = ()
+    """Parameters that weigh the states, and on which they do not depend."""
+
     replaces_stiffness: ClassVar[bool] = False
     """Whether K_e is undefined with this effect."""
 

@@ -24,10 +24,12 @@ from numpy.typing import NDArray
 
 from .contact_effect import ContactEffect
 from .effect import Effect
+from .kept_states import KeptStates
 from .numeric import Array
 
 State = tuple[float, ...]
 _HOOKS = ('surface', 'transmit', 'deflection', 'spring', 'damper', 'resistance')
+_KEPT = KeptStates()
 
 
 class Touch(NamedTuple):
@@ -226,9 +228,15 @@ class ContactLaw:
             In the order of the effects.
 
         """
-        states = np.zeros((self.states, len(t)))
         if not self.states:
-            return states
+            return np.zeros((0, len(t)))
+        moving = [place[0] for place in (*self._surfaces, *self._transmissions, *self._stateful)]
+        law = (self._x_e, self.unilateral, float(t[1] - t[0]),
+               tuple(_shaping(effect) for effect in moving))
+        return _KEPT.along(law, x, v, lambda: self._integrated(t, x, v))
+
+    def _integrated(self, t: Array, x: Array, v: Array) -> Array:
+        states = np.zeros((self.states, len(t)))
         d = x - self._x_e
         known: set[int] = set()
         for effect, place in self._surfaces:
@@ -295,6 +303,12 @@ class ContactLaw:
         """
         d = self.penetration(t, x, v, self.states_along(t, x, v), np)[0]
         return np.asarray(d > 0.0)
+
+
+def _shaping(effect: ContactEffect) -> tuple[type, tuple[float, ...]]:
+    """Return an effect's type and the values on which its states and motion depend."""
+    return type(effect), tuple(
+        value for name, value in vars(effect.values).items() if name not in effect.weights)
 
 
 def _overrides(effect: ContactEffect, hook: str) -> bool:

@@ -17,6 +17,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from math import pi
 from typing import Any
 
@@ -32,6 +33,19 @@ from ..parameters.specification import optional_parameter, ParameterGroup
 
 _DAMPED = 0.3  # wide enough for the next of the frequencies to be near
 _LOWEST, _HIGHEST, _FREQUENCIES = 0.6, 6.0, 6  # times the pace of the motion
+
+
+@lru_cache(maxsize=64)
+def _sampled(omega: float, damping: float, h: float) -> tuple[Array, Array, tuple[Array, ...]]:
+    """Return the filters from a surface, straight between samples, to y and p, and their rest."""
+    from scipy.signal import cont2discrete, lfilter_zi, ss2tf  # slow to import
+
+    # In y and p = w - 2 zeta omega d no rate of d appears, which jumps at a touch-down.
+    system = (np.array([[0.0, 1.0], [-omega**2, -damping]]),
+              np.array([[damping], [omega**2 - damping**2]]), np.eye(2), np.zeros((2, 1)))
+    *sampled, _ = cont2discrete(system, h, 'foh')
+    rows, poles = ss2tf(*sampled)
+    return rows, poles, tuple(lfilter_zi(row, poles) for row in rows)
 
 
 @dataclass(frozen=True)
@@ -64,6 +78,7 @@ class EnvironmentResonance(ContactEffect):
     sampled_frequency = 'frequency'
 
     states = 2
+    weights = ('mass',)
 
     @property
     def _omega(self) -> float:
@@ -86,17 +101,13 @@ class EnvironmentResonance(ContactEffect):
 
     def states_along(self, t: Array, d: Array, v: Array, contact: Flags) -> Array:
         """Filter d, straight between samples; see `ContactEffect.states_along`."""
-        from scipy.signal import cont2discrete, lfilter, lfilter_zi, ss2tf  # slow to import
+        from scipy.signal import lfilter  # slow to import
 
-        omega, damping = self._omega, 2.0 * self.values.damping_ratio * self._omega
-        # In y and p = w - 2 zeta omega d no rate of d appears, which jumps at a touch-down.
-        system = (np.array([[0.0, 1.0], [-omega**2, -damping]]),
-                  np.array([[damping], [omega**2 - damping**2]]), np.eye(2), np.zeros((2, 1)))
-        *sampled, _ = cont2discrete(system, float(t[1] - t[0]), 'foh')
-        rows, poles = ss2tf(*sampled)
+        damping = 2.0 * self.values.damping_ratio * self._omega
+        rows, poles, at_rest = _sampled(self._omega, damping, float(t[1] - t[0]))
         surface = np.where(contact, d, 0.0)
-        y, p = (lfilter(row, poles, surface, zi=lfilter_zi(row, poles) * surface[0])[0]
-                for row in rows)
+        y, p = (lfilter(row, poles, surface, zi=rest * surface[0])[0]
+                for row, rest in zip(rows, at_rest))
         return np.array([y - surface, p + damping * surface])
 
     @classmethod

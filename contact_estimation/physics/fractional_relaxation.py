@@ -122,6 +122,7 @@ class FractionalRelaxation(ContactEffect):
     Parameters = FractionalRelaxationParameters
 
     states = _BRANCHES + 3
+    weights = ('C', 'alpha')
 
     def __init__(self, values: FractionalRelaxationParameters) -> None:
         super().__init__(values)

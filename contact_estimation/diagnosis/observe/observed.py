@@ -213,6 +213,7 @@ def observe(
     left, cutoff = smooth_enough(
         position - carried, weight, h, noise, pace_of(h, float(t[-1] - t[0])))
     x, v, a = differentiate(carried + left, h)
+    x.flags.writeable = v.flags.writeable = False  # the states of a law along them are kept
     static = not model.environment.unilateral and model.environment.inertia == 0.0
     # A straight line over a dropped sample cuts the bend, and innovations would ring from it.
     position = np.where(sampled, position, x)
