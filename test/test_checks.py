@@ -22,7 +22,7 @@ from typing import Any, Callable, Mapping
 from concealed_worlds import ATTACHED, attached, nominal, physics, recorded
 from contact_estimation.diagnosis.checks import check, CHECKS, clock_offset, examine
 from contact_estimation.diagnosis.checks.check import Check
-from contact_estimation.diagnosis.checks.evidence import Lag, Line
+from contact_estimation.diagnosis.checks.measures import Lag, Line
 from contact_estimation.diagnosis.checks.spikes import spikes
 from contact_estimation.diagnosis.conclude.diagnose import diagnose
 from contact_estimation.diagnosis.observe.reference_rates import with_reference_rates

@@ -19,7 +19,8 @@ from __future__ import annotations
 import numpy as np
 
 from .check import Finding, Test
-from .evidence import Evidence, line_through
+from .evidence import Evidence
+from .measures import line_through
 
 _SAME = 0.05  # of the deflection that the force must cause
 _UNRELATED, _FELT = 0.3, 0.8  # correlation of the positions, of the forces

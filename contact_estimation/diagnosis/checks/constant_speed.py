@@ -19,7 +19,8 @@ from __future__ import annotations
 import numpy as np
 
 from .check import Finding, of_families, Test
-from .evidence import Evidence, line_through
+from .evidence import Evidence
+from .measures import line_through
 
 _STRAIGHT = 0.01  # of the range: deviation of the motion from a straight line in time
 

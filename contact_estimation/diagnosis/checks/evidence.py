@@ -17,12 +17,12 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import correlate, correlation_lags, savgol_filter
 
+from .measures import Early, Lag, Line, line_through, Onset, Overlap, Smooth
 from ..observe.pace import pace_of
 from ..observe.parts import continuous_parts
 from ..observe.signals import LEAST_SAMPLES, Recording, Signals
@@ -40,125 +40,6 @@ _CLEAR = 8.0  # standard deviations of the smoothed noise
 _LONGEST_LAG = 0.25  # of the recording
 _LONGEST_AHEAD_S = 0.4
 _LEAST_COMMON = 0.5  # of the shorter topic
-
-
-class Line(NamedTuple):
-    """
-    A straight line through one signal over another.
-
-    Attributes
-    ----------
-    slope : float
-        Ratio of their units.
-    correlation : float
-        -1 to 1.
-
-    """
-
-    slope: float
-    correlation: float
-
-
-class Smooth(NamedTuple):
-    """
-    All parts of a recording on even grids, smoothed alike.
-
-    Attributes
-    ----------
-    force : ndarray, shape (N,)
-        F_e [N].
-    x, v, a : ndarray, shape (N,)
-        Position and its derivatives [m], [m/s], [m/s^2].
-    reference : ndarray, shape (4, N), or None
-        x_r [m], its recorded rate and acceleration, F_r [N].
-    reference_rate : ndarray, shape (N,), or None
-        Rate of the recorded x_r itself [m/s].
-
-    """
-
-    force: Array
-    x: Array
-    v: Array
-    a: Array
-    reference: Array | None
-    reference_rate: Array | None
-
-
-class Overlap(NamedTuple):
-    """
-    The time that topics have in common.
-
-    Attributes
-    ----------
-    spans : dict of str to (float, float)
-        First and last stamp of each topic [s].
-    seconds : float
-        In common [s].
-    enough : bool
-        Whether that is most of the shorter one of wrench and joints.
-
-    """
-
-    spans: dict[str, tuple[float, float]]
-    seconds: float
-    enough: bool
-
-
-class Lag(NamedTuple):
-    """
-    The shift at which the force fits the motion best.
-
-    Attributes
-    ----------
-    seconds : float
-        Positive if the force comes late.
-    correlation : float
-        There.
-    unshifted : float
-        The largest magnitude of a correlation without a shift.
-
-    """
-
-    seconds: float
-    correlation: float
-    unshifted: float
-
-
-class Early(NamedTuple):
-    """
-    By how much the robot is ahead of its reference.
-
-    Attributes
-    ----------
-    seconds : float
-        Shift of the reference at which eq. (1) holds best, >= 0.
-    left : float
-        The squared misfit of eq. (1) there, of that without a shift.
-
-    """
-
-    seconds: float
-    left: float
-
-
-class Onset(NamedTuple):
-    """
-    The first sign of a contact in the force.
-
-    Attributes
-    ----------
-    position : float
-        Median over the contacts [m].
-    depth : float
-        From there to the deepest positions [m].
-    blur : float
-        Travel within the smoothing, by which both are uncertain [m].
-
-    """
-
-    position: float
-    depth: float
-    blur: float
 
 
 class Evidence:
@@ -349,27 +230,6 @@ class Evidence:
             for early in range(most + 1)])
         best = int(np.argmin(misfits))
         return Early(best * self.period, float(misfits[best] / max(misfits[0], 1e-300)))
-
-
-def line_through(x: Array, y: Array) -> Line:
-    """
-    Fit a straight line.
-
-    Parameters
-    ----------
-    x, y : ndarray, shape (N,)
-        Any units.
-
-    Returns
-    -------
-    line : Line
-        Slope of y over x.
-
-    """
-    x, y = x - np.mean(x), y - np.mean(y)
-    square = max(float(x @ x), 1e-300)
-    product = float(x @ y)
-    return Line(product / square, product / max(float(np.sqrt(square * (y @ y))), 1e-300))
 
 
 def _window(period: float, duration: float) -> int:

@@ -19,7 +19,8 @@ from __future__ import annotations
 import numpy as np
 
 from .check import Finding, Test
-from .evidence import Evidence, line_through
+from .evidence import Evidence
+from .measures import line_through
 
 _ONLY_NOISE = 1.5  # times the white noise: spread of a signal
 _FELT, _CORRELATED = 10.0, 0.7  # times the noise, and with that of the wall: the robot felt it

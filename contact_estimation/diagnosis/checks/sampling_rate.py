@@ -19,7 +19,8 @@ from __future__ import annotations
 from math import pi, sqrt
 
 from .check import Finding, of_families, Test
-from .evidence import Evidence, line_through
+from .evidence import Evidence
+from .measures import line_through
 
 _COARSE = 1.0  # radians of the natural oscillation, a sample
 _STAMPS = 4.0  # factor between recorded rates of the reference and those of its positions
