@@ -21,6 +21,7 @@ from dataclasses import make_dataclass
 from .actuator_lag import ActuatorLag
 from .actuator_saturation import ActuatorSaturation
 from .adhesion import Adhesion
+from .asymmetric_damping import AsymmetricDamping
 from .backlash import Backlash
 from .beating_environment import BeatingEnvironment
 from .bilinear_stiffness import BilinearStiffness
@@ -80,6 +81,7 @@ EFFECTS: dict[str, type[Effect]] = {
     'power_law_damping': PowerLawDamping,
     'impact_damping': ImpactDamping,
     'quadratic_damping': QuadraticDamping,
+    'asymmetric_damping': AsymmetricDamping,
     'viscoelastic_relaxation': ViscoelasticRelaxation,
     'fractional_relaxation': FractionalRelaxation,
     'bouc_wen_hysteresis': BoucWenHysteresis,

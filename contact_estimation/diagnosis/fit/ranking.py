@@ -46,6 +46,8 @@ _FLEXIBLE_HARM = 0.01  # most harm of a curve that fits almost anything
 _OF_LAW = 0.8  # share of the gain of a series, or of a law, that what replaces it must have
 _SURELY, _AT_LEAST = 0.75, 0.6  # share and its lower end, of a law of which little shows
 _LITTLE = 1.25  # times the least discrepancy that is worth a name, in the motion alone
+# Of a spring the same as a force; at constant speed to and fro likewise.
+_LIKE_A_BIAS = ('contact_offset', 'asymmetric_damping')
 _BESIDE_ZEROS = 3  # laws that are tried for each offset that the model lacks
 _ROBOT = 1  # the channel of its effects
 _OF_TIME = ('wall_motion', 'sensor_zero')  # families of curves that follow time alone
@@ -276,7 +278,7 @@ def _adequate(
     gain = float(before.sum()) - winner.total
     adequate = [one for one in laws if one.total <= winner.total + ADEQUATE * gain]
     attached = not winner.found.model.nominal.environment.unilateral
-    if attached and winner.name == 'contact_offset':  # of a spring: the same as a force
+    if attached and winner.name in _LIKE_A_BIAS:
         alike = (1.0 + ADEQUATE) * winner.found.cost
         winner = next((one for one in laws
                        if one.name == 'force_bias' and one.found.cost <= alike), winner)

@@ -1,0 +1,65 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Damping that differs between the directions of motion."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from .contact_effect import ContactEffect
+from .numeric import Number
+from .scales import Scales
+from ..parameters.specification import optional_parameter, ParameterGroup
+
+
+@dataclass(frozen=True)
+class AsymmetricDampingParameters(ParameterGroup):
+    """Parameters of `AsymmetricDamping`."""
+
+    B_a: float = optional_parameter(
+        'Half the difference of the damping towards larger and smaller x', 'N s/m')
+
+
+class AsymmetricDamping(ContactEffect):
+    """
+    R = B_a |v|: the damping is B_e + B_a for v > 0 and B_e - B_a for v < 0.
+
+    A shock absorber damps rebound more than compression (Dixon, The Shock Absorber Handbook,
+    2007); colliding structures damp their approach (Jankowski 2005).
+
+    """
+
+    name = 'asymmetric_damping'
+    equation = 'F_e -= B_a |v|'
+    family = 'damping_law'
+    description = 'Damping that differs between the two directions of motion.'
+    Parameters = AsymmetricDampingParameters
+    needs_return = True
+    either_sign = True
+
+    def resistance(self, t: Number, d: Number, v: Number, state: Any, m: Any) -> Number:
+        """Return B_a |v|; see `ContactEffect.resistance`."""
+        return self.values.B_a * abs(v)
+
+    @classmethod
+    def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
+        """One start: the law is linear in B_a."""
+        return [(0.01 * scales.damper,)]
+
+    @classmethod
+    def largest(cls, scales: Scales) -> float:
+        """Return the damping of the wall: more would drive the motion in one direction."""
+        return scales.damper
