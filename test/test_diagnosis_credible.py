@@ -71,6 +71,14 @@ def test_a_resonance_needs_one_period_and_eight_samples_in_it(
     assert is_credible([recording], model) is credible
 
 
+def test_a_play_within_the_noise_of_the_positions_is_none() -> None:
+    recording, model = prepared_from(recorded())
+    noise = recording.observed.position_noise
+    for share, credible in ((1.9, False), (2.1, True)):
+        playing = model.with_effect('backlash', (share * noise,))
+        assert is_credible([recording], playing) is credible
+
+
 def test_an_exponential_needs_a_motion_that_shows_more_than_a_parabola() -> None:
     recording, found = prepared(specimen(TO_AND_FRO, 0.0))
     reach = float(np.ptp(recording.observed.x))

@@ -86,6 +86,14 @@ def test_step_is_exact_for_what_is_linear() -> None:
     assert cost - again < 1e-3 * cost
 
 
+@pytest.mark.parametrize('times', [0.2, 5.0])
+def test_step_is_exact_for_a_linear_value_searched_by_its_logarithm(times: float) -> None:
+    recording, model = prepared_from(recorded(**physics('power_law_damping', 1500.0, 0.5)))
+    base = fit([recording], model).model
+    _, stepped = step([recording], base.with_effect('power_law_damping', (times * 1500.0, 0.5)))
+    assert stepped.values[-2] == pytest.approx(1500.0, rel=0.05)
+
+
 def test_step_never_makes_things_worse() -> None:
     recording, model = prepared_from(recorded())
     start = model.with_effect('power_law_stiffness', (2.0, 1e6))

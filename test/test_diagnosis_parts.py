@@ -22,8 +22,10 @@ from typing import Any
 
 from concealed_worlds import diagnosed, named, nominal, prepared_from, recorded, touches
 from contact_estimation.diagnosis.conclude import decision as decision_module
-from contact_estimation.diagnosis.conclude.alternatives import beside_zeros
+from contact_estimation.diagnosis.conclude.alternatives import beside_zeros, in_family
+from contact_estimation.diagnosis.conclude.conclusion import _worse
 from contact_estimation.diagnosis.conclude.decision import decide, Decision
+from contact_estimation.diagnosis.conclude.held_out import Part
 from contact_estimation.diagnosis.conclude.shares import Shares, shares_of
 from contact_estimation.diagnosis.fit import ranking as ranking_module
 from contact_estimation.diagnosis.fit.criteria import SHARE
@@ -31,8 +33,10 @@ from contact_estimation.diagnosis.fit.fitting import Fit, fit
 from contact_estimation.diagnosis.fit.parts import counts_of, evened, parts_of
 from contact_estimation.diagnosis.fit.ranking import _is_little, _promising
 from contact_estimation.diagnosis.fit.selection import Selection, weigh
+from contact_estimation.diagnosis.observe.model import Model
 from contact_estimation.diagnosis.observe.prepared_recording import PreparedRecording
 from contact_estimation.diagnosis.observe.signals import Signals
+from contact_estimation.physics import EFFECTS
 import numpy as np
 import pytest
 
@@ -179,6 +183,29 @@ def test_a_zero_that_was_dropped_comes_back_where_the_law_fails_without_it() -> 
     assert found is not None and found.shares is not None
     assert found.best.model.effects == zeroed.model.effects and found.shares.explained > 0.9
     assert beside_zeros(decision.selection, decision) is None
+
+
+def test_another_of_its_family_takes_the_place_of_a_law_the_best_fit_first() -> None:
+    recordings, base, _ = specimen_of_two_laws()
+    lawful = fit(recordings, base.model.with_effect('cubic_stiffness', (2e6,)))
+    decision = Decision(Selection(recordings, base, lawful, {}, {}), lawful, False, 0.0, None)
+    others = list(in_family(decision.selection, decision, lambda name: None))
+    names = [one.best.model.effects[-1] for one in others]
+    assert 'polynomial_stiffness' in names and 'cubic_stiffness' not in names
+    assert {EFFECTS[name].family for name in names} == {'elastic_law'}
+    assert not any(one.unexplained for one in others)
+    costs = [one.best.cost for one in others]
+    assert costs == sorted(costs)
+
+
+@pytest.mark.parametrize('corrected, exact, worse', [
+    (1.003, True, False), (1.003, False, True), (1.02, True, True), (0.9, False, False)])
+def test_names_down_to_the_noise_need_not_show_in_the_held_out_part(
+    corrected: float, exact: bool, worse: bool
+) -> None:
+    squares = np.array([[9.0, 9.0], [1.0, 1.0], [corrected**2, corrected**2]])
+    part = Part('held out', squares, np.full(2, 100.0), 1e-12 * squares, np.full(2, 100.0))
+    assert _worse([part], Model.of(SPRING).with_effect('cubic_stiffness', (2e6,)), exact) is worse
 
 
 def test_a_law_whose_size_differs_between_parts_makes_room_for_the_next(

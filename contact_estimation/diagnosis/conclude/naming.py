@@ -39,6 +39,7 @@ from ...physics import EFFECTS
 Array = NDArray[np.float64]
 
 _NEAREST, _MOST_RIVALS = 4, 2
+_LIKELIER = 8.0  # cost that a further parameter must take away: by BIC
 _NEAR = 3.0  # times the best cost: other rivals are out of the question
 
 
@@ -138,10 +139,7 @@ def _alike(
     alike, exact = [], not has_discrepancy(recordings)
     for rival in rivals:
         candidate = name != rival.model.effects[-1] and not enough(rival, best) and (
-            # Of exact laws that fit alike, the one with fewer parameters is right.
-            not exact or (
-                len(rival.model.values) <= len(best.model.values)
-                and rival.cost - best.cost <= PRICE * noise_scale(best)))
+            not exact or _is_as_likely(best, rival))
         if candidate and all(
             as_good(recording.whole(best.model), recording.held_out.samples, best.model,
                     rival.model, generator)
@@ -149,6 +147,20 @@ def _alike(
         ):
             alike.append(rival)
     return alike[:_MOST_RIVALS]
+
+
+def _is_as_likely(best: Fit, rival: Fit) -> bool:
+    """
+    Return whether an exact law is as likely as the one that was taken.
+
+    Of laws that fit alike, the one with fewer parameters is right. It was taken for its simplicity
+    if a wider one fits better, but not beyond doubt.
+    """
+    further = len(rival.model.values) - len(best.model.values)
+    scale = noise_scale(best)
+    if further > 0:
+        return rival.cost < best.cost - _LIKELIER * scale * further
+    return rival.cost - best.cost <= PRICE * scale
 
 
 def _other_families(family: str, alike: Sequence[Fit]) -> set[str]:

@@ -32,6 +32,7 @@ Array = NDArray[np.float64]
 _STEP = 1e-4  # relative, of the finite differences
 _MOST_SEARCHES, _SLOWLY = 4, 0.99  # of 25 steps; less than a hundredth is no progress
 _AT_BOUND = 1e-6  # of its typical change: a value at the lower bound of its range
+_LEAST_CHANGE = -0.99  # relative, of a value that a law is linear in and that is above 0
 _LARGEST = 1e6  # standard deviations, also for what is not finite: a diverged model
 
 
@@ -225,12 +226,15 @@ def step(recordings: Recordings, model: Model) -> tuple[float, Model]:
     def tried(free: NDArray[np.bool_], share: float = 1.0) -> tuple[float, Array]:
         change = np.zeros(len(start))
         change[free] = np.linalg.lstsq(columns[:, free], -at_start, rcond=1e-10)[0] * size[free]
+        if not np.any(free & shapes):  # then the law is linear in the values of the logarithms
+            change[factors] = np.log1p(np.maximum(change[factors], _LEAST_CHANGE))
         there = np.clip(start + share * change, low, high)
         return _sum_of_squares(bent(there)), there
 
-    every = np.ones(len(start), bool)
+    shapes, every = _shapes(model), np.ones(len(start), bool)
+    factors = _of_newest(model) & model.logarithmic[model.free] & ~shapes
     cost_at_start = _sum_of_squares(bent(start))
-    best_cost, best = min((tried(free) for free in (every, ~_shapes(model))), key=_cost)
+    best_cost, best = min((tried(free) for free in (every, ~shapes)), key=_cost)
     if best_cost >= cost_at_start:
         best_cost, best = min((cost_at_start, start), tried(every, 0.3), key=_cost)
     return best_cost, model.with_free(best)
@@ -248,6 +252,14 @@ def _shapes(model: Model) -> NDArray[np.bool_]:
         linear = EFFECTS[name].linear()
         shapes[model.place(name)] = [parameter not in linear for parameter in names_of(name)]
     return shapes[model.free]
+
+
+def _of_newest(model: Model) -> NDArray[np.bool_]:
+    """Return which coordinates are those of the newest law."""
+    newest = np.zeros(len(model.values), bool)
+    if model.effects:
+        newest[model.place(model.effects[-1])] = True
+    return newest[model.free]
 
 
 def fit_at(recordings: Recordings, model: Model) -> Fit:

@@ -42,6 +42,7 @@ Flags = NDArray[np.bool_]
 _STEPS = (1.0, 0.5, 0.25, 0.1)  # shares of a Gauss-Newton step that are tried
 _LOOSE, _ROUNDS = 3.0, 3  # a part alone: sizes of a value that its prior allows, steps
 _OWN_STEPS = 8  # of the size of an effect on a part
+_TOLD = 1e-4  # share of the information on a value, from which on it is told
 _FAINT = 1e-6  # information that keeps an undetermined value finite
 _ROUNDING = 1e-13  # share of the information that rounding may make of nothing
 _TWO_SIDED = 1.96  # standard deviations of a 95 % interval
@@ -148,8 +149,9 @@ def left_out_errors(
         squares[k] = part.squares(there)
         if before is not None:
             gain = float((before[k] - squares[k]).sum())
-            if _spread(part, jacobian, rest, here) > gain:
-                squares[k] = squares[k] if gain < 0.0 else before[k]
+            if _spread(part, jacobian, rest, here) > gain and (
+                    gain > 0.0 or not _tells_all(jacobian, rest)):
+                squares[k] = before[k]
     return squares
 
 
@@ -242,6 +244,12 @@ def _spread(part: Part, jacobian: Array, rest: Flags, left: Array) -> float:
     covariance = np.linalg.inv(normal) * float(np.mean(left[rest] ** 2))
     here = jacobian[part.there]
     return float(part.weights @ np.einsum('ij,jk,ik->i', here, covariance, here))
+
+
+def _tells_all(jacobian: Array, rest: Flags) -> bool:
+    """Return whether the rest tells something on every value, which may show on one part alone."""
+    told, every = (np.sum(rows**2, axis=0) for rows in (jacobian[rest], jacobian))
+    return bool(np.all(told >= _TOLD * every))
 
 
 def _square(values: Array) -> float:

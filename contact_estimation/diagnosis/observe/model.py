@@ -135,14 +135,14 @@ class Model:
         """Return the model at other `coordinates`; values that are not free stay."""
         every = np.array(self.values)
         every[self.free] = coordinates
-        logarithms = np.minimum(every[self._logarithmic], _LARGEST_LOGARITHM)
-        every[self._logarithmic] = np.exp(logarithms)
+        logarithms = np.minimum(every[self.logarithmic], _LARGEST_LOGARITHM)
+        every[self.logarithmic] = np.exp(logarithms)
         return self.at(every)
 
     def _of_free(self, values: Array) -> Array:
         """Convert values to coordinates of the free ones."""
         logarithms = np.log(np.maximum(np.abs(values), _LEAST_MAGNITUDE))
-        return np.asarray(np.where(self._logarithmic, logarithms, values)[self.free])
+        return np.asarray(np.where(self.logarithmic, logarithms, values)[self.free])
 
     @property
     def coordinates(self) -> Array:
@@ -158,7 +158,7 @@ class Model:
     @property
     def steps(self) -> Array:
         """Typical change of each coordinate: that which changes its value by `sizes`."""
-        return np.where(self._logarithmic[self.free], 1.0, self.sizes[self.free])
+        return np.where(self.logarithmic[self.free], 1.0, self.sizes[self.free])
 
     @property
     def sizes(self) -> Array:
@@ -177,7 +177,8 @@ class Model:
         return _NO_WALL * np.minimum(1.0, [stiffness or known, damping or known])
 
     @cached_property
-    def _logarithmic(self) -> NDArray[np.bool_]:
+    def logarithmic(self) -> NDArray[np.bool_]:
+        """Which of all values are searched on a logarithmic scale."""
         names = [name in EFFECTS[effect].in_logarithm
                  for effect in self.effects for name in names_of(effect)]
         return np.array([False] * self.base_count + names)
