@@ -19,8 +19,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from numpy.random import Generator
+
 from .contact_effect import ContactEffect
 from .numeric import Number
+from .random_strength import random_sign, Strength
 from .scales import Scales
 from ..parameters.specification import optional_parameter, ParameterGroup
 
@@ -29,37 +32,39 @@ from ..parameters.specification import optional_parameter, ParameterGroup
 class AsymmetricDampingParameters(ParameterGroup):
     """Parameters of `AsymmetricDamping`."""
 
-    B_a: float = optional_parameter(
-        'Half the difference of the damping towards larger and smaller x', 'N s/m')
+    asymmetry: float = optional_parameter(
+        'Difference of the damping towards larger and smaller x, over their sum', '1',
+        minimum=-1.0, maximum=1.0)
 
 
 class AsymmetricDamping(ContactEffect):
     """
-    R = B_a |v|: the damping is B_e + B_a for v > 0 and B_e - B_a for v < 0.
+    B_e (v + asymmetry |v|) in place of B_e v.
 
     A shock absorber damps rebound more than compression (Dixon, The Shock Absorber Handbook,
-    2007); colliding structures damp their approach (Jankowski 2005).
+    2007); colliding structures damp their approach (Jankowski 2005). No direction is driven.
 
     """
 
     name = 'asymmetric_damping'
-    equation = 'F_e -= B_a |v|'
+    equation = 'F_e = -(K_e d + B_e (v + asymmetry |v|))'
     family = 'damping_law'
     description = 'Damping that differs between the two directions of motion.'
     Parameters = AsymmetricDampingParameters
     needs_return = True
-    either_sign = True
+    needs_speeds = True
 
-    def resistance(self, t: Number, d: Number, v: Number, state: Any, m: Any) -> Number:
-        """Return B_a |v|; see `ContactEffect.resistance`."""
-        return self.values.B_a * abs(v)
+    def damper(self, d: Number, v: Number, force: Number, exponent: float, m: Any) -> Number:
+        """Return B_e (v + asymmetry |v|); see `ContactEffect.damper`."""
+        return force + self.values.asymmetry * abs(force)
 
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
-        """One start: the law is linear in B_a."""
-        return [(0.01 * scales.damper,)]
+        """One start: the law is linear in the asymmetry."""
+        return [(0.05,)]
 
     @classmethod
-    def largest(cls, scales: Scales) -> float:
-        """Return the damping of the wall: more would drive the motion in one direction."""
-        return scales.damper
+    def draw(cls, scales: Scales, rng: Generator) -> Strength:
+        """Draw the direction that is damped more."""
+        sign = random_sign(rng)
+        return lambda s: {'asymmetry': sign * s}

@@ -80,8 +80,9 @@ class BeatingEnvironment(ContactEffect):
 
     @classmethod
     def is_resolved(cls, values: Any, duration: float) -> bool:
-        """Tell tones apart that gain a period on one another (Rayleigh's criterion)."""
-        return bool(abs(values.frequency - values.frequency_2) * duration >= 1.0)
+        """Need a period, and one that the tones gain on one another (Rayleigh's criterion)."""
+        low, high = sorted((values.frequency, values.frequency_2))
+        return bool(min(low, high - low) * duration >= 1.0)
 
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:

@@ -62,6 +62,8 @@ class Effect(ABC):
     needs_return : bool
         Whether a specimen that is loaded once, and not unloaded, may as well relax or follow an
         elastic law.
+    needs_speeds : bool
+        Whether the effect is an elastic law where the depth tells the speed.
     needs_spring : bool
         Whether the effect is without one a constant force, or nothing at all.
     needs_robot : bool
@@ -108,6 +110,7 @@ class Effect(ABC):
     needs_touch: ClassVar[bool] = False
     needs_penetration: ClassVar[bool] = False
     needs_return: ClassVar[bool] = False
+    needs_speeds: ClassVar[bool] = False
     needs_spring: ClassVar[bool] = False
     needs_robot: ClassVar[bool] = False
     base_parameter: ClassVar[str] = ''

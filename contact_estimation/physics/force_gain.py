@@ -81,8 +81,8 @@ class ForceGain(ForceSensorEffect):
 
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
-        """One start: the law is linear in the gain."""
-        return [(1.1,)]
+        """Spread the gain: the product of it and K_e is known far better than either."""
+        return [(gain,) for gain in (0.65, 0.85, 1.15, 1.4)]
 
     @classmethod
     def draw(cls, scales: Scales, rng: Generator) -> Strength:

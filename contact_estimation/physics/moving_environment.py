@@ -65,6 +65,11 @@ class MovingEnvironment(ContactEffect):
         return bool(values.frequency * duration < MANY_PERIODS)
 
     @classmethod
+    def is_resolved(cls, values: Any, duration: float) -> bool:
+        """Need a period: what is slower is any curve."""
+        return bool(values.frequency * duration >= 1.0)
+
+    @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """Start at the peaks of the residual spectrum: the cost has many minima in frequency."""
         return [oscillation(tone, scales) for tone in scales.peaks()]

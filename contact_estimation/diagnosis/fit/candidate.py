@@ -22,12 +22,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .fitting import Fit, fit_to_end
-from .invariance import left_out_errors
+from .invariance import is_flexible, left_out_errors
 from .parts import Part
 from .search import is_credible
-from ..observe.model import Model, names_of
+from ..observe.model import names_of
 from ..observe.prepared_recording import Recordings
-from ...physics import EFFECTS
 
 Array = NDArray[np.float64]
 
@@ -101,25 +100,3 @@ def assess(
     return [Candidate(one, left_out_errors(recordings, one, parts, before), channel,
                       is_flexible(one.model, duration))
             for one in fits if is_credible(recordings, one.model)]
-
-
-def is_flexible(model: Model, duration: float) -> bool:
-    """
-    Return whether the last effect is a curve that follows any slow misfit.
-
-    Parameters
-    ----------
-    model : Model
-        With effects.
-    duration : float
-        Of the longest recording [s].
-
-    Returns
-    -------
-    flexible : bool
-        If so, more is asked of it than of a law.
-
-    """
-    name = model.effects[-1]
-    values = EFFECTS[name].Parameters(*model.values[model.place(name)])
-    return EFFECTS[name].is_flexible(values, duration)

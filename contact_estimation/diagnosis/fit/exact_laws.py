@@ -18,9 +18,9 @@ from __future__ import annotations
 
 from typing import Sequence
 
-from .candidate import is_flexible
 from .criteria import ADEQUATE, enough, LEFT, noise_scale, penalty
 from .fitting import cost_of, Fit, fit, fit_to_end
+from .invariance import is_flexible
 from .ranking import FLEXIBLE_LEAD
 from .search import is_credible, Progress, search
 from ..observe.prepared_recording import Recordings

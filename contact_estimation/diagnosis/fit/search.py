@@ -33,7 +33,8 @@ from ...physics import EFFECTS
 _STARTED = 14  # candidates that are fitted, the best after one step
 _OF_CHANNEL = 4  # further ones, the best in force or motion alone
 _FOLLOWED, _TO_END = 6, 2  # those that are refined, and those fitted to the end
-_STROKES = 1.5  # path over range: from one stroke to one and a return
+_ORDER, _UNTOLD = 4, 0.2  # of a polynomial in x; share of the variance of |v| that it leaves
+_STROKES, _MANY_STROKES = 1.5, 3.0  # more than one; more than one and a return
 _SLACK = 0.02  # of the range, by which a pressed wall may be pulled
 _FAR = 2.0  # times the noise: power of the residuals
 
@@ -50,6 +51,7 @@ Progress = Callable[[str], None]
 
 def candidates_for(
     model: Model, with_robot: bool, pressed: bool = False, returns: bool = True,
+    speeds: bool = True,
 ) -> list[str]:
     """
     List the effects that may be added.
@@ -64,13 +66,16 @@ def candidates_for(
         Whether a permanently attached wall is only pressed, never pulled.
     returns : bool
         Whether it is moved to and fro.
+    speeds : bool
+        Whether its depth does not tell its speed, but for the direction.
 
     Returns
     -------
     names : list of str
         In the order of the registry; effects of touching only for a unilateral wall, those of
         penetration also for an attached one that is only pressed, those of a return also for one
-        that is moved to and fro, those of a spring not for a drive, which has none.
+        that is moved to and fro, those of a spring not for a drive, which has none, and those of
+        the magnitude of the speed only where depth does not tell it.
 
     """
     wall = model.nominal.environment
@@ -82,6 +87,7 @@ def candidates_for(
         and (wall.unilateral or pressed or not cls.needs_penetration)
         and (wall.unilateral or returns or not cls.needs_return)
         and (wall.unilateral or wall.stiffness > 0.0 or not cls.needs_spring)
+        and (speeds or wall.stiffness == 0.0 or not cls.needs_speeds)
         and not (cls.base_parameter == 'inertia' and model.with_inertia)
     ]
 
@@ -246,13 +252,30 @@ def candidates_in(recordings: Recordings, model: Model) -> list[str]:
     """
     with_robot = any(one.observed.reference is not None for one in recordings)
     return candidates_for(
-        model, with_robot, is_pressed(recordings, model), any(map(_returns, recordings)))
+        model, with_robot, is_pressed(recordings, model), any(map(_returns, recordings)),
+        any(map(_has_speeds, recordings)))
 
 
 def _returns(recording: PreparedRecording) -> bool:
     """Return whether the motion is more than one stroke and a hold."""
+    return _strokes(recording) > _STROKES
+
+
+def _strokes(recording: PreparedRecording) -> float:
+    """Return the length of the path, over its range."""
     x = recording.observed.x
-    return float(np.sum(np.abs(np.diff(x)))) > _STROKES * float(np.ptp(x))
+    return float(np.sum(np.abs(np.diff(x)))) / max(float(np.ptp(x)), 1e-300)
+
+
+def _has_speeds(recording: PreparedRecording) -> bool:
+    """Return whether the depth does not tell the speed: in a few strokes at a pace it does."""
+    o, use = recording.observed, recording.use
+    if _strokes(recording) < _MANY_STROKES:
+        return False
+    x, speed = o.x[use], np.abs(o.v[use])
+    columns = np.vander((x - np.mean(x)) / max(float(np.std(x)), 1e-300), _ORDER + 1)
+    left = speed - columns @ np.linalg.lstsq(columns, speed, rcond=None)[0]
+    return float(np.var(left)) > _UNTOLD * float(np.var(speed))
 
 
 def nearest(recordings: Recordings, near: Sequence[Fit]) -> list[Fit]:

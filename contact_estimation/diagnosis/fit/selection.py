@@ -26,13 +26,13 @@ from __future__ import annotations
 
 from typing import NamedTuple, Sequence
 
-from .candidate import is_flexible
 from .criteria import enough, explained_share, leaves_noise, SHARE, THRESHOLD
 from .discrepancy import has_discrepancy, material, noise_by_channel, weighed
 from .exact_laws import BEYOND_DOUBT, exact_laws, exchange, laws_before_curves, prune, Rivals
 from .fitting import Fit, fit
+from .invariance import is_flexible
 from .ranking import FLEXIBLE_LEAD, rank_by_prediction, Ranking
-from .search import candidates_in, Progress, search
+from .search import candidates_in, may_show, Progress, search
 from .zeros import beside, ZEROS, zeros_lacking
 from ..observe.model import Model
 from ..observe.prepared_recording import Recordings
@@ -141,7 +141,7 @@ def select(
         best = fit(recordings, best.model) if best.model.effects else base
         return Selection(recordings, base, best, rivals, evidence)
     carried, best = weigh(recordings, best)
-    best = _without_trifles(carried, best)
+    best = _as_shown(carried, _without_trifles(carried, best), progress)
     return Selection(carried, fit(carried, base.model), best, rivals, evidence, in_form, pair)
 
 
@@ -237,6 +237,19 @@ def _narrowest(recordings: Recordings, base: Fit, best: Fit, progress: Progress)
         sharply = best.cost < best.residual_count and found.cost > best.cost + BEYOND_DOUBT
         if base.cost - found.cost >= _OF_WIDER * (base.cost - best.cost) and not sharply:
             best = found
+    return best
+
+
+def _as_shown(recordings: Recordings, best: Fit, progress: Progress) -> Fit:
+    """Put another of its family in the place of a law that later ones have bent out of sight."""
+    for name in best.model.effects:
+        if may_show(recordings, best.model, name):
+            continue
+        rest = fit(recordings, best.model.without(name))
+        laws = [law for law in candidates_in(recordings, rest.model)
+                if EFFECTS[law].family == EFFECTS[name].family and law != name]
+        best = min(search(recordings, rest, progress, laws), key=lambda one: one.cost,
+                   default=best)
     return best
 
 
