@@ -105,7 +105,8 @@ def simulate_rig(rig: Rig, law: ForeignLaw | None, rate: float, rng: Generator) 
         planned = np.zeros_like(planned)
     else:
         motion = _pressed(rig, rig.robot, law, t, planned)
-    a: Array = np.gradient(motion.v, t)
+    with np.errstate(invalid='ignore'):  # a law that is too strong diverges; it is not usable
+        a: Array = np.gradient(motion.v, t)
     sensed = motion.force
     if isinstance(law, SensorLaw):
         sensed = law.sense(Signals(t, motion.x, motion.v, a, motion.force))
