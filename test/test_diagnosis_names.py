@@ -215,7 +215,7 @@ def of_unknown(name: str) -> Diagnosis:
 
 
 MISNAMED = {
-    'bent_gauge': 'a bent scale of the force looks like another impedance of the robot',
+    'bent_gauge': 'a bent scale of the force has an offset at usual forces',
 }
 
 
