@@ -41,7 +41,7 @@ EXAMPLES: dict[str, tuple[float, ...]] = {
     'power_law_damping': (2500.0, 0.5),
     'impact_damping': (2500.0,),
     'quadratic_damping': (1500.0,),
-    'asymmetric_damping': (-0.4,),
+    'asymmetric_damping': (-40.0,),
     'viscoelastic_relaxation': (2000.0, 0.15),
     'fractional_relaxation': (900.0, 0.4),
     'bouc_wen_hysteresis': (2000.0, 150.0, 40.0),

@@ -181,8 +181,8 @@ FORMULAS: dict[str, Formula] = {
     'hunt_crossley_damping': lambda t, x, v, a, chi: cut(x, K_e * x + chi * x * v),
     'power_law_damping': lambda t, x, v, a, B_m, m: cut(
         x, K_e * x + B_m * np.abs(x) ** m * v),
-    'asymmetric_damping': lambda t, x, v, a, share: cut(
-        x, K_e * x + np.where(v > 0.0, 1.0 + share, 1.0 - share) * B_e * v),
+    'asymmetric_damping': lambda t, x, v, a, B_a: cut(
+        x, K_e * x + np.where(v > 0.0, B_e + B_a, B_e - B_a) * v),
     'quadratic_damping': lambda t, x, v, a, B_2: cut(
         x, K_e * x + B_e * v + B_2 * np.sign(v) * v**2),
     'viscoelastic_relaxation': relaxation,

@@ -36,7 +36,7 @@ WORLDS: dict[str, tuple[float, ...]] = {
     'cubic_stiffness': (1e6,),
     'exponential_stiffness': (2.0, 0.004),
     'quadratic_damping': (60.0,),
-    'asymmetric_damping': (0.3,),
+    'asymmetric_damping': (10.0,),
     'viscoelastic_relaxation': (800.0, 0.1),
     'fractional_relaxation': (500.0, 0.35),
     'bouc_wen_hysteresis': (1500.0, 150.0, 40.0),

@@ -71,6 +71,13 @@ def test_a_resonance_needs_one_period_and_eight_samples_in_it(
     assert is_credible([recording], model) is credible
 
 
+def test_a_damping_that_differs_drives_no_direction() -> None:
+    recording, model = prepared_from(recorded())
+    for share, credible in ((-1.05, True), (1.15, False), (-1.15, False)):
+        driven = model.with_effect('asymmetric_damping', (share * model.damping,))
+        assert is_credible([recording], driven) is credible
+
+
 def test_a_play_within_the_noise_of_the_positions_is_none() -> None:
     recording, model = prepared_from(recorded())
     noise = recording.observed.position_noise

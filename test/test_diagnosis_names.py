@@ -61,7 +61,7 @@ WORLDS: dict[str, tuple[float, ...]] = {
     'power_law_damping': (1500.0, 0.5),
     'impact_damping': (2000.0,),
     'quadratic_damping': (600.0,),
-    'asymmetric_damping': (0.3,),
+    'asymmetric_damping': (30.0,),
     'viscoelastic_relaxation': (500.0, 0.15),
     'fractional_relaxation': (800.0, 0.4),
     'bouc_wen_hysteresis': (1000.0, 150.0, 40.0),

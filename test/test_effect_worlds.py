@@ -69,7 +69,7 @@ INDEPENDENT: dict[str, Callable[..., dict[str, Any]]] = {
         lambda t, d, v, A, depth: A * (np.exp(d / depth) - 1.0 - d / depth)),
     'hunt_crossley_damping': resisting(lambda t, d, v, chi: chi * d * v - B_e * v),
     'power_law_damping': resisting(lambda t, d, v, B_m, m: B_m * abs(d)**m * v - B_e * v),
-    'asymmetric_damping': resisting(lambda t, d, v, share: share * B_e * abs(v)),
+    'asymmetric_damping': resisting(lambda t, d, v, B_a: B_a * abs(v)),
     'quadratic_damping': resisting(lambda t, d, v, B_2: B_2 * v * abs(v)),
     'contact_offset': lambda offset: {'surface': lambda t: (offset, 0.0)},
     'moving_environment': swing,

@@ -19,52 +19,56 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from numpy.random import Generator
-
 from .contact_effect import ContactEffect
 from .numeric import Number
-from .random_strength import random_sign, Strength
 from .scales import Scales
 from ..parameters.specification import optional_parameter, ParameterGroup
+
+_PASSIVE = 1.1  # times B_e
 
 
 @dataclass(frozen=True)
 class AsymmetricDampingParameters(ParameterGroup):
     """Parameters of `AsymmetricDamping`."""
 
-    asymmetry: float = optional_parameter(
-        'Difference of the damping towards larger and smaller x, over their sum', '1',
-        minimum=-1.0, maximum=1.0)
+    B_a: float = optional_parameter(
+        'Half the difference of the damping towards larger and smaller x', 'N s/m')
 
 
 class AsymmetricDamping(ContactEffect):
     """
-    B_e (v + asymmetry |v|) in place of B_e v.
+    R = B_a |v|: the damping is B_e + B_a for v > 0 and B_e - B_a for v < 0.
 
     A shock absorber damps rebound more than compression (Dixon, The Shock Absorber Handbook,
-    2007); colliding structures damp their approach (Jankowski 2005). No direction is driven.
+    2007); colliding structures damp their approach (Jankowski 2005). No direction is driven:
+    |B_a| <= B_e.
 
     """
 
     name = 'asymmetric_damping'
-    equation = 'F_e = -(K_e d + B_e (v + asymmetry |v|))'
+    equation = 'F_e -= B_a |v|'
     family = 'damping_law'
     description = 'Damping that differs between the two directions of motion.'
     Parameters = AsymmetricDampingParameters
     needs_return = True
     needs_speeds = True
+    either_sign = True
 
-    def damper(self, d: Number, v: Number, force: Number, exponent: float, m: Any) -> Number:
-        """Return B_e (v + asymmetry |v|); see `ContactEffect.damper`."""
-        return force + self.values.asymmetry * abs(force)
+    def resistance(self, t: Number, d: Number, v: Number, state: Any, m: Any) -> Number:
+        """Return B_a |v|; see `ContactEffect.resistance`."""
+        return self.values.B_a * abs(v)
+
+    @classmethod
+    def drives(cls, values: Any, damping: float) -> bool:
+        """Return whether one direction is driven, by more than the fit's error."""
+        return bool(abs(values.B_a) > _PASSIVE * damping)
 
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
-        """One start: the law is linear in the asymmetry."""
-        return [(0.05,)]
+        """One start: the law is linear in B_a."""
+        return [(0.01 * scales.damper,)]
 
     @classmethod
-    def draw(cls, scales: Scales, rng: Generator) -> Strength:
-        """Draw the direction that is damped more."""
-        sign = random_sign(rng)
-        return lambda s: {'asymmetry': sign * s}
+    def largest(cls, scales: Scales) -> float:
+        """Return the damping of the wall: more would drive the motion in one direction."""
+        return scales.damper

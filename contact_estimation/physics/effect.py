@@ -196,6 +196,26 @@ class Effect(ABC):
         return True
 
     @classmethod
+    def drives(cls, values: Any, damping: float) -> bool:
+        """
+        Return whether the effect drives the motion beside a damper.
+
+        Parameters
+        ----------
+        values : ParameterGroup
+            An instance of `Parameters`.
+        damping : float
+            B_e of the wall [N s/m].
+
+        Returns
+        -------
+        drives : bool
+            If so, the values are not plausible together.
+
+        """
+        return False
+
+    @classmethod
     def vanishes(cls, values: Any) -> bool:
         """
         Return whether the effect changes nothing.

@@ -77,9 +77,9 @@ class ImpactDamping(ContactEffect):
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """One start: the law is linear in chi."""
-        return [(0.2 * scales.stiffness,)]
+        return [(0.2 * scales.spring,)]
 
     @classmethod
     def largest(cls, scales: Scales) -> float:
         """Return 3 K_e / 4: without any rebound."""
-        return 0.75 * scales.stiffness
+        return 0.75 * scales.spring

@@ -220,7 +220,9 @@ class Model:
 
     def plausible(self) -> bool:
         """Return whether the values of each effect are physically plausible together."""
-        return all(type(effect).plausible(effect.values) for effect in self.made_effects())
+        return all(type(effect).plausible(effect.values)
+                   and not type(effect).drives(effect.values, self.damping)
+                   for effect in self.made_effects())
 
     def laws(self) -> Laws:
         """Build the equations."""
