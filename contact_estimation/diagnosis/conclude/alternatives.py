@@ -21,10 +21,9 @@ from typing import Iterator
 from .decision import Decision, EXPLAINED
 from .shares import shares_of
 from ..fit.fitting import Fit, fit
-from ..fit.search import candidates_in, Progress, search
+from ..fit.search import Progress, search_family
 from ..fit.selection import Selection
 from ..fit.zeros import ZEROS
-from ...physics import EFFECTS
 
 
 def beside_zeros(selection: Selection, decision: Decision) -> Decision | None:
@@ -73,12 +72,8 @@ def in_family(
         With another that explains most of the misfit on parts left out, the best fit first.
 
     """
-    recordings, best = selection.recordings, decision.best.model
-    name = best.effects[-1]
-    rest = fit(recordings, best.without(name))
-    names = [one for one in candidates_in(recordings, rest.model)
-             if EFFECTS[one].family == EFFECTS[name].family and one != name]
-    for found in sorted(search(recordings, rest, progress, names), key=lambda one: one.cost):
+    best = decision.best.model
+    for found in search_family(selection.recordings, best, best.effects[-1], progress):
         other = _decision(selection, found)
         if not other.unexplained:
             yield other

@@ -96,23 +96,7 @@ def conclude(fitted: Fitted, seed: int, progress: Progress) -> Diagnosis:
     generator, base_model = np.random.default_rng(seed), fitted.selection.base.model
     whole = [discounted(one.whole(base_model), base_model)
              for one in fitted.selection.recordings]
-    decision = decide(fitted.selection, whole, progress)
-    tested = _tested(fitted, whole, decision, progress)
-    if tested.worse:  # a law may predict only beside the zeros that its rig has
-        zeroed = beside_zeros(fitted.selection, decision)
-        tested = tested if zeroed is None else _tested(fitted, whole, zeroed, progress)
-    if tested.worse:  # a law may not last: a bias that settles is none at the start
-        for other in in_family(decision.selection, decision, progress):
-            again = _tested(fitted, whole, other, progress)
-            if not again.worse:
-                tested = again
-                break
-    if tested.worse:  # a false name is worse than no name
-        selection = decision.selection
-        tested = _tested(fitted, whole, Decision(
-            selection._replace(best=selection.base), selection.base, True, decision.predictable,
-            None), progress)
-    decision, recordings, base, best, parts, free_runs, _ = tested
+    decision, recordings, base, best, parts, free_runs, _ = _decided(fitted, whole, progress)
     selection, models = decision.selection, (fitted.nominal, base.model, best.model)
     verdict = verdict_of(decision, selection.base, fitted.nominal_cost)
     stds = standard_deviations(recordings, best)
@@ -152,6 +136,27 @@ class _Tested(NamedTuple):
     parts: list[Part]
     free_runs: dict[str, Array]
     worse: bool
+
+
+def _decided(fitted: Fitted, whole: Recordings, progress: Progress) -> _Tested:
+    """Decide on names that the held-out parts do not contradict."""
+    decision = decide(fitted.selection, whole, progress)
+    tested = _tested(fitted, whole, decision, progress)
+    if tested.worse:  # a law may predict only beside the zeros that its rig has
+        zeroed = beside_zeros(fitted.selection, decision)
+        tested = tested if zeroed is None else _tested(fitted, whole, zeroed, progress)
+    if tested.worse:  # a law may not last: a bias that settles is none at the start
+        for other in in_family(decision.selection, decision, progress):
+            again = _tested(fitted, whole, other, progress)
+            if not again.worse:
+                tested = again
+                break
+    if tested.worse:  # a false name is worse than no name
+        selection = decision.selection
+        tested = _tested(fitted, whole, Decision(
+            selection._replace(best=selection.base), selection.base, True, decision.predictable,
+            None), progress)
+    return tested
 
 
 def _tested(

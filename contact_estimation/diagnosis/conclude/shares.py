@@ -143,9 +143,8 @@ class Shares:
 
     def is_flexible(self, name: str) -> bool:
         """Return whether an effect is a curve that fits almost any misfit of its kind."""
-        values = EFFECTS[name].Parameters(*self.best.model.values[self.best.model.place(name)])
         duration = max(float(one.observed.t[-1]) for one in self.recordings)
-        return EFFECTS[name].is_flexible(values, duration)
+        return self.best.model.is_flexible(name, duration)
 
     @cached_property
     def _information(self) -> Array:

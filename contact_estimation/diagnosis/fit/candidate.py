@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .fitting import Fit, fit_to_end
-from .invariance import is_flexible, left_out_errors
+from .invariance import left_out_errors
 from .parts import Part
 from .search import is_credible
 from ..observe.model import names_of
@@ -98,5 +98,5 @@ def assess(
     duration = max(float(one.observed.t[-1]) for one in recordings)
     fits = [fit_to_end(recordings, one._replace(ended=False)) for one in found]
     return [Candidate(one, left_out_errors(recordings, one, parts, before), channel,
-                      is_flexible(one.model, duration))
+                      one.model.is_flexible(one.model.effects[-1], duration))
             for one in fits if is_credible(recordings, one.model)]

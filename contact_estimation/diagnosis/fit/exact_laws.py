@@ -20,7 +20,6 @@ from typing import Sequence
 
 from .criteria import ADEQUATE, enough, LEFT, noise_scale, penalty
 from .fitting import cost_of, Fit, fit, fit_to_end
-from .invariance import is_flexible
 from .ranking import FLEXIBLE_LEAD
 from .search import is_credible, Progress, search
 from ..observe.prepared_recording import Recordings
@@ -129,7 +128,7 @@ def laws_before_curves(
     def charged(one: Fit) -> float:
         lead = FLEXIBLE_LEAD * max(present - one.cost, 0.0)
         return (one.cost + scale * penalty(one.model)
-                + lead * is_flexible(one.model, duration))
+                + lead * one.model.is_flexible(one.model.effects[-1], duration))
 
     return sorted(fits, key=charged)
 

@@ -92,30 +92,6 @@ def channel_of(effect: str) -> int | None:
     return None if EFFECTS[effect].needs_robot and not of_robot else int(of_robot)
 
 
-def is_flexible(model: Model, duration: float) -> bool:
-    """
-    Return whether the last effect is a curve that follows any slow misfit.
-
-    Parameters
-    ----------
-    model : Model
-        Without effects there is none.
-    duration : float
-        Of the longest recording [s].
-
-    Returns
-    -------
-    flexible : bool
-        If so, more is asked of it than of a law.
-
-    """
-    if not model.effects:
-        return False
-    name = model.effects[-1]
-    values = EFFECTS[name].Parameters(*model.values[model.place(name)])
-    return EFFECTS[name].is_flexible(values, duration)
-
-
 def judged_by_channel(recordings: Recordings, model: Model) -> bool:
     """
     Return whether force and motion have misfits of different origin.
@@ -167,7 +143,8 @@ def left_out_errors(
     here = function(found.model.coordinates)
     jacobian = _jacobian(found.model, function, here)
     duration = max(float(one.observed.t[-1]) for one in recordings)
-    lawful = not is_flexible(found.model, duration)
+    names = found.model.effects
+    lawful = not (names and found.model.is_flexible(names[-1], duration))
     squares = np.empty((len(parts), CHANNELS))
     for k, part in enumerate(parts):
         rest = ~part.there

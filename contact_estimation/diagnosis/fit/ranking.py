@@ -128,9 +128,7 @@ def rank_by_prediction(
             assessed += candidates
             enough = first_that_predicts(recordings, candidates, zeros, before, whole)
             taken += [] if enough is None else [enough]
-    best = min(taken, key=lambda one: one.total, default=None)
-    if best is not None and best.flexible:
-        best = _simplest(taken, float(before.sum()))
+    best = _best(taken, float(before.sum()))
     if best is None and only_zeros:  # only the main misfit is worth a law that holds in form alone
         for channel, every in groups.items():
             weak = [one for one in _promising(recordings, present, every, counts, channel, _WEAK)
@@ -147,11 +145,24 @@ def rank_by_prediction(
             return Ranking(fits, pair=fits[0].model.effects[-2:])
     if best is None:
         return Ranking([])
-    most = best.total + ADEQUATE * (float(before.sum()) - best.total)
-    rest = sorted((one for one in assessed
-                   if one.name != best.name and not one.flexible and one.total <= most),
-                  key=lambda one: one.total)
+    rest = _others(assessed, best, float(before.sum()))
     return Ranking([best.found, *(one.found for one in rest)])
+
+
+def _best(taken: Sequence[Candidate], before: float) -> Candidate | None:
+    """Return the best of the channels' candidates; of curves the simplest that is adequate."""
+    best = min(taken, key=lambda one: one.total, default=None)
+    return _simplest(taken, before) if best is not None and best.flexible else best
+
+
+def _others(
+    assessed: Sequence[Candidate], best: Candidate, before: float
+) -> list[Candidate]:
+    """List the other laws that predict about as well as the best."""
+    most = best.total + ADEQUATE * (before - best.total)
+    rest = (one for one in assessed
+            if one.name != best.name and not one.flexible and one.total <= most)
+    return sorted(rest, key=lambda one: one.total)
 
 
 def first_that_predicts(

@@ -154,6 +154,35 @@ def search(
     return sorted(fits, key=lambda found: found.cost + scale * penalty(found.model))
 
 
+def search_family(
+    recordings: Recordings, model: Model, name: str, progress: Progress,
+) -> list[Fit]:
+    """
+    Fit the other laws of its family in the place of an effect.
+
+    Parameters
+    ----------
+    recordings : sequence of PreparedRecording
+        Fitted together.
+    model : Model
+        With the effect.
+    name : str
+        Of the effect.
+    progress : callable
+        Called with the name of each.
+
+    Returns
+    -------
+    fits : list of Fit
+        Beside the other effects of the model, the best fit first.
+
+    """
+    rest = fit(recordings, model.without(name))
+    laws = [law for law in candidates_in(recordings, rest.model)
+            if EFFECTS[law].family == EFFECTS[name].family and law != name]
+    return sorted(search(recordings, rest, progress, laws), key=lambda found: found.cost)
+
+
 def is_credible(recordings: Recordings, model: Model) -> bool:
     """
     Return whether the values of a model are possible, and its last effect where they put it.
@@ -250,9 +279,9 @@ def candidates_in(recordings: Recordings, model: Model) -> list[str]:
         Of `candidates_for`.
 
     """
-    with_robot = any(one.observed.reference is not None for one in recordings)
     return candidates_for(
-        model, with_robot, is_pressed(recordings, model), any(map(_returns, recordings)),
+        model, any(one.observed.reference is not None for one in recordings),
+        is_pressed(recordings, model), any(map(_returns, recordings)),
         any(map(_has_speeds, recordings)))
 
 

@@ -30,9 +30,8 @@ from .criteria import enough, explained_share, leaves_noise, SHARE, THRESHOLD
 from .discrepancy import has_discrepancy, material, noise_by_channel, weighed
 from .exact_laws import BEYOND_DOUBT, exact_laws, exchange, laws_before_curves, prune, Rivals
 from .fitting import Fit, fit
-from .invariance import is_flexible
 from .ranking import FLEXIBLE_LEAD, rank_by_prediction, Ranking
-from .search import candidates_in, may_show, Progress, search
+from .search import candidates_in, may_show, Progress, search, search_family
 from .zeros import beside, ZEROS, zeros_lacking
 from ..observe.model import Model
 from ..observe.prepared_recording import Recordings
@@ -207,7 +206,8 @@ def _ranked(
 
 
 def _is_curve(recordings: Recordings, found: Fit) -> bool:
-    return is_flexible(found.model, max(float(one.observed.t[-1]) for one in recordings))
+    duration = max(float(one.observed.t[-1]) for one in recordings)
+    return found.model.is_flexible(found.model.effects[-1], duration)
 
 
 def _law_instead(
@@ -245,11 +245,7 @@ def _as_shown(recordings: Recordings, best: Fit, progress: Progress) -> Fit:
     for name in best.model.effects:
         if may_show(recordings, best.model, name):
             continue
-        rest = fit(recordings, best.model.without(name))
-        laws = [law for law in candidates_in(recordings, rest.model)
-                if EFFECTS[law].family == EFFECTS[name].family and law != name]
-        best = min(search(recordings, rest, progress, laws), key=lambda one: one.cost,
-                   default=best)
+        best = next(iter(search_family(recordings, best.model, name, progress)), best)
     return best
 
 

@@ -224,6 +224,11 @@ class Model:
                    and not type(effect).drives(effect.values, self.damping)
                    for effect in self.made_effects())
 
+    def is_flexible(self, name: str, duration: float) -> bool:
+        """Return whether an effect is a curve that follows any slow misfit of a recording [s]."""
+        cls = EFFECTS[name]
+        return cls.is_flexible(cls.Parameters(*self.values[self.place(name)]), duration)
+
     def laws(self) -> Laws:
         """Build the equations."""
         effects, wall, robot = self.made_effects(), self.nominal.environment, self.nominal.robot
