@@ -27,6 +27,7 @@ from contextlib import suppress
 import os
 from pathlib import Path
 import signal
+import socket
 import subprocess
 import sys
 import time
@@ -37,11 +38,35 @@ import pytest
 
 pytest.importorskip('rclpy')
 
-# Beyond 101 the ports of a domain lie among those that Linux hands out for other purposes.
-DOMAIN = int(os.environ.get('CONTACT_ESTIMATION_TEST_DOMAIN', 1 + os.getpid() % 100))
+
+def _own_domain() -> tuple[int, socket.socket | None]:
+    """
+    Return a ROS domain that no other test session of this machine uses, and what reserves it.
+
+    All sessions use the same stamps: a node of another one would answer in place of ours. Names
+    of abstract sockets are as local as the ports of DDS, and end with the last process that has
+    them: a node that outlives its session keeps its domain.
+
+    """
+    chosen = os.environ.get('CONTACT_ESTIMATION_TEST_DOMAIN')
+    if chosen:
+        return int(chosen), None
+    # Beyond 101 the ports of a domain lie among those that Linux hands out for other purposes.
+    for number in range(100):
+        domain = 1 + (os.getpid() + number) % 100
+        reservation = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+        try:
+            reservation.bind(f'\0contact_estimation_test_domain_{domain}')
+            return domain, reservation
+        except OSError:
+            reservation.close()
+    raise RuntimeError('all 100 ROS domains for tests are in use; end other test sessions')
+
+
+DOMAIN, _reservation = _own_domain()
 PATIENCE_S = 240.0
 RELIABLE = {f'qos_overrides./{topic}.subscription.reliability': 'reliable'
-            for topic in ('wrench', 'joint_states', 'desired_trajectory')}
+            for topic in ('wrench', 'joint_states', 'desired_trajectory', 'reference_trajectory')}
 
 
 def environment(log_folder: Path) -> dict[str, str]:
@@ -99,6 +124,7 @@ class ModuleProcess:
             self._process = subprocess.Popen(
                 [sys.executable, '-m', f'contact_estimation.{module}', *arguments],
                 env=environment(folder), cwd=folder, stdout=out, stderr=err,
+                pass_fds=() if _reservation is None else (_reservation.fileno(),),
             )
         self.pid = self._process.pid
 

@@ -19,7 +19,7 @@ from __future__ import annotations
 from itertools import count
 from pathlib import Path
 import signal
-from typing import Any, Iterator
+from typing import Iterator
 
 from contact_estimation.estimation.replay import RecordingReplay
 from contact_estimation.exceptions import RecordingError
@@ -57,11 +57,14 @@ class Recording:
     ----------
     begin_ns : int
         After the stamps with which the nodes have got to know each other [ns].
+    rejected : dict
+        Number of messages that the last replay rejected, by reason.
 
     """
 
     def __init__(self, peer: Peer, folder: Path, recorder: ModuleProcess) -> None:
         self.peer, self._folder, self._recorder = peer, folder, recorder
+        self.rejected: dict[str, int] = {}
         for name in VALUES[2:]:
             peer.listen(name, Vector3Stamped, f'{peer.name}/{name}')
         stamps = count(peer.begin_ns + 10**9, PERIOD_NS)
@@ -93,10 +96,11 @@ class Recording:
         assert self._recorder.end().code == 0
         return {name: self._recorded(name) for name in VALUES}
 
-    def replayed(self, **chosen: Any) -> dict[str, dict[int, float]]:
+    def replayed(self) -> dict[str, dict[int, float]]:
         """Replay the recording."""
-        replay = RecordingReplay(RecordingReader(self._folder), RecordingSource(), chosen)
+        replay = RecordingReplay(RecordingReader(self._folder), RecordingSource(), {})
         estimates = [estimate for batch in replay.estimates() for estimate, in batch]
+        self.rejected = dict(replay.session.rejected)
         return {name: {e.stamp_ns: getattr(e, name) for e in estimates} for name in VALUES}
 
 
@@ -108,16 +112,18 @@ def recording(tmp_path: Path) -> Iterator[Recording]:
             yield Recording(peer, folder, recorder)
 
 
-def assert_same(
-    recorded: dict[str, dict[int, float]], replayed: dict[str, dict[int, float]],
-    samples: list[ContactSample],
-) -> None:
-    """Compare all values of all samples to the bit."""
+def assert_same(recording: Recording, samples: list[ContactSample]) -> dict[str, dict[int, float]]:
+    """End the recording and compare all values of all samples to the bit; return the recorded."""
     stamps = [sample.stamp_ns for sample in samples]
+    recorded = recording.finish(stamps[-1])
+    replayed = recording.replayed()
     for name in VALUES:
         pairs = [(recorded[name].get(stamp), replayed[name].get(stamp)) for stamp in stamps]
         wrong = [(k, *pair) for k, pair in enumerate(pairs) if repr(pair[0]) != repr(pair[1])]
-        assert wrong[:1] == [], f'{name} of {len(wrong)} samples: number, recorded, replayed'
+        assert wrong[:1] == [], (
+            f'{name} of {len(wrong)} samples: number, recorded, replayed; rejected by the replay, '
+            f'which has {len(replayed[name])}: {recording.rejected}')
+    return recorded
 
 
 def test_replay_repeats_changes_reset_and_tare(recording: Recording) -> None:
@@ -135,8 +141,7 @@ def test_replay_repeats_changes_reset_and_tare(recording: Recording) -> None:
     peer.feed(samples[800:900])
     peer.change(estimator='kalman', contact__force_noise=0.7)
     peer.feed(samples[900:])
-    recorded = recording.finish(samples[-1].stamp_ns)
-    assert_same(recorded, recording.replayed(), samples)
+    recorded = assert_same(recording, samples)
     assert recorded['stiffness'][samples[-1].stamp_ns] == pytest.approx(4800.0, rel=0.05)
 
 
@@ -147,8 +152,7 @@ def test_replay_repeats_a_change_amid_a_stream(recording: Recording) -> None:
     peer.feed(samples[400:500])
     peer.spin_until(done, 'the change')
     peer.feed(samples[500:])
-    recorded = recording.finish(samples[-1].stamp_ns)
-    assert_same(recorded, recording.replayed(), samples)
+    assert_same(recording, samples)
 
 
 def test_replay_of_mrac_equals_the_node(recording: Recording) -> None:
@@ -158,8 +162,7 @@ def test_replay_of_mrac_equals_the_node(recording: Recording) -> None:
     peer.feed(samples[:600])
     peer.change(tuning__mrac__stiffness_gain=2e4)
     peer.feed(samples[600:])
-    recorded = recording.finish(samples[-1].stamp_ns)
-    assert_same(recorded, recording.replayed(), samples)
+    assert_same(recording, samples)
 
 
 def test_replay_over_a_time_set_back_equals_the_node(recording: Recording) -> None:
@@ -169,8 +172,7 @@ def test_replay_over_a_time_set_back_equals_the_node(recording: Recording) -> No
     peer.feed(again[:500])
     peer.change(estimator='rls')
     peer.feed(again[500:])
-    recorded = recording.finish(again[-1].stamp_ns)
-    assert_same(recorded, recording.replayed(), samples + again)
+    assert_same(recording, samples + again)
 
 
 def test_replay_leaves_out_what_the_node_has_rejected(recording: Recording) -> None:
@@ -181,8 +183,7 @@ def test_replay_leaves_out_what_the_node_has_rejected(recording: Recording) -> N
     peer.wrenches.publish(wrench(last - PERIOD_NS, -99.0))
     peer.joints.publish(joint_state(last, 9.0, 9.0))
     peer.feed(samples[500:])
-    recorded = recording.finish(samples[-1].stamp_ns)
-    assert_same(recorded, recording.replayed(), samples)
+    assert_same(recording, samples)
 
 
 def test_replay_leaves_out_a_wrench_of_another_frame(recording: Recording) -> None:
@@ -191,8 +192,7 @@ def test_replay_leaves_out_a_wrench_of_another_frame(recording: Recording) -> No
     peer.joints.publish(joint_state(samples[500].stamp_ns, samples[500].position, 0.0))
     peer.wrenches.publish(wrench(samples[500].stamp_ns, -99.0, 'elsewhere'))
     peer.feed(samples[501:])
-    recorded = recording.finish(samples[-1].stamp_ns)
-    assert_same(recorded, recording.replayed(), samples)
+    assert_same(recording, samples)
 
 
 def test_replay_of_a_recording_begun_after_a_tare_equals_the_node(tmp_path: Path) -> None:
@@ -206,5 +206,4 @@ def test_replay_of_a_recording_begun_after_a_tare_equals_the_node(tmp_path: Path
             recording = Recording(peer, folder, recorder)
             samples = moved(CONTACT, recording.begin_ns)
             peer.feed([sample._replace(force=sample.force - 2.0) for sample in samples])
-            recorded = recording.finish(samples[-1].stamp_ns)
-            assert_same(recorded, recording.replayed(), samples)
+            assert_same(recording, samples)
