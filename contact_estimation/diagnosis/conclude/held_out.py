@@ -88,7 +88,7 @@ def measure_part(
 
     """
     o = recording.observed
-    touching = samples & recording.use & o.measured
+    touching = samples & recording.force.use
     law = models[-1].laws().contact
     if law.unilateral:
         inside = law.contact(o.t, o.x, o.v)

@@ -87,8 +87,8 @@ def force_drops(observed: Observed, noise: float) -> Flags | None:
     Returns
     -------
     dropped : ndarray of bool, shape (N,), or None
-        No force between pressing samples less than half a second apart; None with fewer than
-        three such drops.
+        No force between pressing samples less than half a second apart, one sample in between
+        aside; None with fewer than three such drops.
 
     """
     o = observed
@@ -98,7 +98,9 @@ def force_drops(observed: Observed, noise: float) -> Flags | None:
     for first, stop in stretches(weak):
         inside = weak[first] and 0 < first and stop < len(o.t)
         brief = (stop - first) * o.h < _DROP_S * min(o.pace, 1.0)
-        if inside and brief and pressing[first - 1] and pressing[stop]:
+        # The sensor may catch the force on its way.
+        before, after = pressing[max(0, first - 2):first], pressing[stop:stop + 2]
+        if inside and brief and before.any() and after.any():
             dropped[first:stop] = True
             drops += 1
     return dropped if drops >= _LEAST_DROPS else None
