@@ -17,6 +17,7 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import math
 from typing import Any, Iterator
 
@@ -247,10 +248,16 @@ class ParameterGroup:
 
     def __post_init__(self) -> None:
         """Check types, ranges and choices of all fields."""
-        for field in dataclasses.fields(self):
-            if 'group' not in field.metadata:
-                value = specification(field, field.name).check(getattr(self, field.name))
-                object.__setattr__(self, field.name, value)
+        cls: Any = type(self)  # mypy takes it for unhashable, as its instances may be
+        for own in _own_specifications(cls):
+            object.__setattr__(self, own.name, own.check(getattr(self, own.name)))
+
+
+@functools.lru_cache(maxsize=None)
+def _own_specifications(cls: type[ParameterGroup]) -> tuple[ParameterSpecification, ...]:
+    """List the parameters of a class without nested groups; fits construct many of each class."""
+    return tuple(specification(field, field.name) for field in dataclasses.fields(cls)
+                 if 'group' not in field.metadata)
 
 
 def specification(field: dataclasses.Field[Any], name: str) -> ParameterSpecification:

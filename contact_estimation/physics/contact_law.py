@@ -16,6 +16,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 import math
 from typing import Any, NamedTuple, Sequence
 
@@ -24,12 +25,12 @@ from numpy.typing import NDArray
 
 from .contact_effect import ContactEffect
 from .effect import Effect
-from .kept_states import KeptStates
+from .kept_motion import KeptMotion, WallMotion
 from .numeric import Array
 
 State = tuple[float, ...]
 _HOOKS = ('surface', 'transmit', 'deflection', 'spring', 'damper', 'resistance')
-_KEPT = KeptStates()
+_KEPT = KeptMotion()
 
 
 class Touch(NamedTuple):
@@ -213,7 +214,7 @@ class ContactLaw:
         here = (d, v)
         return [(effect, place, *own.get(id(effect), here)) for effect, place in self._stateful]
 
-    def states_along(self, t: Array, x: Array, v: Array) -> Array:
+    def motion_along(self, t: Array, x: Array, v: Array) -> WallMotion:
         """
         Integrate all internal states along a recorded motion.
 
@@ -224,19 +225,19 @@ class ContactLaw:
 
         Returns
         -------
-        states : ndarray, shape (states, N)
-            In the order of the effects.
+        motion : WallMotion
+            States and penetration.
 
         """
-        if not self.states:
-            return np.zeros((0, len(t)))
         moving = [place[0] for place in (*self._surfaces, *self._transmissions, *self._stateful)]
+        if not moving:
+            return WallMotion(np.zeros((0, len(t))), x - self._x_e, v, True)
         law = (self._x_e, self.unilateral, float(t[1] - t[0]),
                tuple(_shaping(effect) for effect in moving))
-        return _KEPT.along(law, x, v, lambda: self._integrated(t, x, v))
+        return _KEPT.along(law, x, v, lambda: self._moved(t, x, v))
 
-    def _integrated(self, t: Array, x: Array, v: Array) -> Array:
-        states = np.zeros((self.states, len(t)))
+    def _moved(self, t: Array, x: Array, v: Array) -> WallMotion:
+        states, engaged = np.zeros((self.states, len(t))), True
         d = x - self._x_e
         known: set[int] = set()
         for effect, place in self._surfaces:
@@ -249,14 +250,15 @@ class ContactLaw:
             if effect.states and id(effect) not in known:
                 states[place] = effect.states_along(t, d, v, self._touching(d))
                 known.add(id(effect))
-            d, v, _ = effect.transmit(d, v, states[place], np)
+            d, v, engaged = effect.transmit(d, v, states[place], np)
         for effect, place in self._stateful:
             if id(effect) not in known:
                 along = effect.states_along(t, d, v, self._touching(d))
                 if effect.states == self.states:  # no copy: there may be many
-                    return along
-                states[place] = along
-        return states
+                    states = along
+                else:
+                    states[place] = along
+        return WallMotion(states, d, v, engaged)
 
     def _touching(self, d: Array) -> NDArray[np.bool_]:
         return d > 0.0 if self.unilateral else np.ones(len(d), bool)
@@ -278,8 +280,7 @@ class ContactLaw:
             Penetration [m].
 
         """
-        states = self.states_along(t, x, v)
-        d, rate, engaged = self.penetration(t, x, v, states, np)
+        states, d, rate, engaged = self.motion_along(t, x, v)
         touch = self._touch(t, d, rate, engaged, states, np)
         pressing = -(touch.resistance + self.inertia * a)
         if not self.unilateral:
@@ -301,8 +302,7 @@ class ContactLaw:
             d > 0.
 
         """
-        d = self.penetration(t, x, v, self.states_along(t, x, v), np)[0]
-        return np.asarray(d > 0.0)
+        return np.asarray(self.motion_along(t, x, v).d > 0.0)
 
 
 def _shaping(effect: ContactEffect) -> tuple[type, tuple[float, ...]]:
@@ -312,4 +312,10 @@ def _shaping(effect: ContactEffect) -> tuple[type, tuple[float, ...]]:
 
 
 def _overrides(effect: ContactEffect, hook: str) -> bool:
-    return getattr(type(effect), hook) is not getattr(ContactEffect, hook)
+    return hook in _overridden(type(effect))
+
+
+@lru_cache(maxsize=None)
+def _overridden(cls: type[ContactEffect]) -> frozenset[str]:
+    return frozenset(hook for hook in (*_HOOKS, 'tail')
+                     if getattr(cls, hook) is not getattr(ContactEffect, hook))

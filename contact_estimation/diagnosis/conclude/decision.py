@@ -123,9 +123,11 @@ def decide(
         shares = shares_of(recordings, base.model, best.model, in_form,
                            together if len(together) > 1 else ())
         exact = not has_discrepancy(recordings)
-        doubtful = [name for name in best.model.effects if name != in_form and (
-            not may_show(recordings, best.model, name)
-            or not shares.agrees(name)
+        # What cannot be goes first: others may be doubtful beside it alone.
+        doubtful = [name for name in best.model.effects if name != in_form and not (
+            best.model.is_plausible(name) and may_show(recordings, best.model, name))]
+        doubtful = doubtful or [name for name in best.model.effects if name != in_form and (
+            not shares.agrees(name)
             or _is_resonance(recordings, best.model, name)
             or shares.most(name) < (_TRIFLE if shares.sure(name) > 0.0 else _UNSURE)
             or not _is_sure(shares, name, exact)

@@ -222,7 +222,7 @@ def _phase(energy: Array, marks: dict[str, Flags]) -> str:
 def _region(recording: PreparedRecording, model: Model, energy: Array) -> str:
     """Describe where in the plane of depth and rate the residuals are large."""
     o, law = recording.observed, model.laws().contact
-    d = recording.blocks(law.penetration(o.t, o.x, o.v, law.states_along(o.t, o.x, o.v), np)[0])
+    d = recording.blocks(law.motion_along(o.t, o.x, o.v).d)
     v = recording.blocks(o.v)
     use = d > 0.0 if law.unilateral else np.ones(len(d), bool)
     if use.sum() < 20:

@@ -193,7 +193,31 @@ def differentiate_by(
     return columns
 
 
-def step(recordings: Recordings, model: Model) -> tuple[float, Model]:
+def derivatives(recordings: Recordings, model: Model) -> Array:
+    """
+    Differentiate the residuals of a model, neither bent nor with a long memory.
+
+    Parameters
+    ----------
+    recordings : sequence of PreparedRecording
+        Fitted together.
+    model : Model
+        With its values.
+
+    Returns
+    -------
+    columns : ndarray, shape (R, P)
+        By each coordinate, for a change by its typical size.
+
+    """
+    straight = residual_function(recordings, model, robust=False, briefly=True)
+    start = model.coordinates
+    return differentiate_by(start, model.steps, straight, straight(start), most=model.ranges[1])
+
+
+def step(
+    recordings: Recordings, model: Model, others: Array | None = None
+) -> tuple[float, Model]:
     """
     Take one Gauss-Newton step, exact in linear parameters.
 
@@ -206,6 +230,8 @@ def step(recordings: Recordings, model: Model) -> tuple[float, Model]:
         Fitted together.
     model : Model
         Start.
+    others : ndarray, shape (R, P'), optional
+        Known derivatives by the coordinates before those of the newest law.
 
     Returns
     -------
@@ -221,7 +247,12 @@ def step(recordings: Recordings, model: Model) -> tuple[float, Model]:
     (low, high), size = model.ranges, model.steps
     start = np.clip(model.coordinates, low, high)
     at_start = straight(start)
-    columns = differentiate_by(start, size, straight, at_start, most=high)
+    known = 0 if others is None else others.shape[1]
+    columns = differentiate_by(
+        start[known:], size[known:], lambda own: straight(np.concatenate([start[:known], own])),
+        at_start, most=high[known:])
+    if others is not None:
+        columns = np.hstack([others, columns])
 
     def tried(free: NDArray[np.bool_], share: float = 1.0) -> tuple[float, Array]:
         change = np.zeros(len(start))

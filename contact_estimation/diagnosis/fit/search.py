@@ -19,16 +19,20 @@ from __future__ import annotations
 from typing import Callable, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .criteria import noise_scale, penalty
 from .discrepancy import costs_by_channel, has_discrepancy
-from .fitting import cost_of, Fit, fit, fit_at, fit_to_end, step
+from .fitting import cost_of, derivatives, Fit, fit, fit_at, fit_to_end, step
 from .scales import measure_scales
 from ..observe.model import Model
 from ..observe.prepared_recording import PreparedRecording, Recordings
 from ..observe.residuals import force_residual
 from ...parameters.specification import ParameterGroup
 from ...physics import EFFECTS
+from ...physics.contact_effect import ContactEffect
+
+Array = NDArray[np.float64]
 
 _STARTED = 14  # candidates that are fitted, the best after one step
 _OF_CHANNEL = 4  # further ones, the best in force or motion alone
@@ -139,10 +143,16 @@ def search(
     """
     scales = measure_scales(recordings, base)
     near: list[Fit] = []
+    driven = any(recording.driven_by_force(base.model) for recording in recordings)
+    # A law that adds a force leaves the derivatives by all other parameters as they are.
+    others = None if driven else derivatives(recordings, base.model)
     for name in candidates_in(recordings, base.model) if names is None else names:
         progress(name)
-        starts = [base.model.with_effect(name, values) for values in EFFECTS[name].starts(scales)]
-        near.append(fit_at(recordings, _best_start(recordings, starts)))
+        cls = EFFECTS[name]
+        starts = [base.model.with_effect(name, values) for values in cls.starts(scales)]
+        adds = issubclass(cls, ContactEffect) and cls.adds_force()
+        near.append(fit_at(
+            recordings, _best_start(recordings, starts, others if adds else None)))
     started = [fit(recordings, one.model, steps=4) for one in nearest(recordings, near)]
     started.sort(key=lambda found: found.cost + penalty(found.model))
     fits = [fit(recordings, found.model, steps=8) for found in started[:_FOLLOWED]]
@@ -336,9 +346,11 @@ def nearest(recordings: Recordings, near: Sequence[Fit]) -> list[Fit]:
     return [near[k] for k in sorted(kept)]
 
 
-def _best_start(recordings: Recordings, starts: Sequence[Model]) -> Model:
-    """Return the best model one step from the starts."""
-    steps = [step(recordings, model) for model in starts]
+def _best_start(
+    recordings: Recordings, starts: Sequence[Model], others: Array | None
+) -> Model:
+    """Return the best model one step from the starts; parameters as `step`."""
+    steps = [step(recordings, model, others) for model in starts]
     best = min(range(len(steps)), key=lambda k: steps[k][0])
     near = steps[best][1]
     driven = all(recording.driven_by_force(near) for recording in recordings)

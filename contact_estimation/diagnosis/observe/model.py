@@ -220,9 +220,13 @@ class Model:
 
     def plausible(self) -> bool:
         """Return whether the values of each effect are physically plausible together."""
-        return all(type(effect).plausible(effect.values)
-                   and not type(effect).drives(effect.values, self.damping)
-                   for effect in self.made_effects())
+        return all(map(self.is_plausible, self.effects))
+
+    def is_plausible(self, name: str) -> bool:
+        """Return whether the values of one effect are physically plausible together."""
+        cls = EFFECTS[name]
+        values = cls.Parameters(*self.values[self.place(name)])
+        return cls.plausible(values) and not cls.drives(values, self.damping)
 
     def is_flexible(self, name: str, duration: float) -> bool:
         """Return whether an effect is a curve that follows any slow misfit of a recording [s]."""

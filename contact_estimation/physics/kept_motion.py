@@ -1,0 +1,103 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The motion of the wall along a recorded motion, kept while the law stays the same."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from typing import Any, Callable, Hashable, NamedTuple
+
+import numpy as np
+
+from .numeric import Array
+
+_MOST_BYTES = 1 << 26
+
+
+class WallMotion(NamedTuple):
+    """
+    Internal states and penetration along a recorded motion.
+
+    Attributes
+    ----------
+    states : ndarray, shape (states, N)
+        In the order of the effects.
+    d, v : ndarray, shape (N,)
+        Penetration [m] and its rate [m/s].
+    engaged : bool or ndarray of bool, shape (N,)
+        Whether a force can be transmitted.
+
+    """
+
+    states: Array
+    d: Array
+    v: Array
+    engaged: Any
+
+
+class KeptMotion:
+    """
+    The wall's motions of the latest laws along the latest recorded motions.
+
+    Most derivatives of a fit are for parameters that neither a state nor the penetration depends
+    on, such as K_e. Only a motion whose arrays are read-only is known not to have changed.
+
+    """
+
+    def __init__(self) -> None:
+        self._kept: OrderedDict[Hashable, tuple[Array, Array, WallMotion]] = OrderedDict()
+        self._bytes = 0
+
+    def along(
+        self, law: Hashable, x: Array, v: Array, compute: Callable[[], WallMotion]
+    ) -> WallMotion:
+        """
+        Return the wall's motion, computed only if it is not known.
+
+        Parameters
+        ----------
+        law : hashable
+            All on which it depends beside the recorded motion.
+        x, v : ndarray, shape (N,)
+            Position [m] and velocity [m/s].
+        compute : callable
+            Returns it.
+
+        Returns
+        -------
+        motion : WallMotion
+            Read-only if it is kept.
+
+        """
+        if x.flags.writeable or v.flags.writeable:
+            return compute()
+        key = (id(x), id(v), law)
+        if key in self._kept:  # the entry holds the arrays: no other ones have their identity
+            self._kept.move_to_end(key)
+            return self._kept[key][2]
+        motion = compute()
+        for array in motion:
+            if isinstance(array, np.ndarray):
+                array.flags.writeable = False
+        self._kept[key] = (x, v, motion)
+        self._bytes += _bytes_of(motion)
+        while self._bytes > _MOST_BYTES and len(self._kept) > 1:
+            _, (_, _, oldest) = self._kept.popitem(last=False)
+            self._bytes -= _bytes_of(oldest)
+        return motion
+
+
+def _bytes_of(motion: WallMotion) -> int:
+    return sum(array.nbytes for array in motion if isinstance(array, np.ndarray))
