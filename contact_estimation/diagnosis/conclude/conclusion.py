@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .alternatives import beside_zeros, in_family
-from .decision import decide, Decision, verdict_of
+from .decision import decide, decide_without, Decision, verdict_of
 from .dependence import dependences
 from .held_out import by_part, errors_of, improvement_interval, measure_part, Part
 from .location import locate, Location
@@ -151,6 +151,12 @@ def _decided(fitted: Fitted, whole: Recordings, progress: Progress) -> _Tested:
             if not again.worse:
                 tested = again
                 break
+    if tested.worse and has_discrepancy(tested.recordings):
+        names = set(tested.best.model.effects)
+        second = decide_without(decision.selection, names, whole, progress)
+        again = _tested(fitted, whole, second, progress)
+        if again.best.model.effects and not again.worse:
+            tested = again
     if tested.worse:  # a false name is worse than no name
         selection = decision.selection
         tested = _tested(fitted, whole, Decision(

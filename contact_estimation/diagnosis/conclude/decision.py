@@ -176,7 +176,7 @@ def _without_doubtful(
     differing = {name for name in laws if not shares.agrees(name)}
     if left or not differing or not again:
         return fewer
-    other = decide(_without(selection, differing, progress), whole, progress, False)
+    other = decide_without(selection, differing, whole, progress)
     return other if _laws(other.best.model) else fewer
 
 
@@ -192,12 +192,34 @@ def _laws(model: Model) -> set[str]:
     return set(model.effects) - set(ZEROS)
 
 
-def _without(selection: Selection, names: set[str], progress: Progress) -> Selection:
-    """Select again, without some effects."""
+def decide_without(
+    selection: Selection, names: set[str], whole: Recordings, progress: Progress
+) -> Decision:
+    """
+    Select and decide again, without some effects.
+
+    Parameters
+    ----------
+    selection : Selection
+        With them.
+    names : set of str
+        The effects.
+    whole : sequence of PreparedRecording
+        Its recordings with their held-out parts.
+    progress : callable
+        Called with a description of each stage.
+
+    Returns
+    -------
+    decision : Decision
+        Of the other effects.
+
+    """
     base = selection.base.model
     recordings = _plain(selection.recordings, base)
     model = replace(base, excluded=base.excluded | names)
-    return select(recordings, fit(recordings, model), progress, by_likelihood=False)
+    others = select(recordings, fit(recordings, model), progress, by_likelihood=False)
+    return decide(others, whole, progress, False)
 
 
 def _plain(recordings: Recordings, base: Model) -> Recordings:
