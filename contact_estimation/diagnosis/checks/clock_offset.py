@@ -16,8 +16,11 @@
 
 from __future__ import annotations
 
-from .check import Finding, Test
+from typing import Sequence
+
+from .check import Check, Finding, Test
 from .evidence import Evidence
+from ...physics import EFFECTS
 
 _EARLY_S, _LATE_S = 0.03, 0.15  # no sensor is ahead of the motion, or later than that
 _LEAST_SAMPLES = 3.0
@@ -60,6 +63,30 @@ def find(evidence: Evidence) -> Finding:
         return Finding(False, f'{text}, expected {-1e3 * _EARLY_S:.0f} to {1e3 * _LATE_S:.0f} ms: '
                               'the clocks of wrench and joint_states differ; synchronise them')
     return Finding(True, text)
+
+
+def with_late_joints(checks: Sequence[Check], late: float) -> list[Check]:
+    """
+    Replace the result of this check by what the fits have shown.
+
+    Parameters
+    ----------
+    checks : sequence of Check
+        Of a recording.
+    late : float
+        By how much the joint states are stamped late [s].
+
+    Returns
+    -------
+    checks : list of Check
+        That of the clocks failed.
+
+    """
+    text = (f'command and force both fit the motion best about {1e3 * late:.2g} ms earlier, '
+            'expected at the same instant: joint_states are stamped late; stamp them when the '
+            f'positions are read (on line, set synchronisation.offset to {-late:.2g} s)')
+    return [Check(one.name, False, text, True, frozenset(EFFECTS))
+            if one.name == 'clock_offset' else one for one in checks]
 
 
 TEST = Test(find, after=('sampling_rate',))

@@ -25,10 +25,12 @@ from .conclusion import conclude, Fitted
 from .refusal import refuse
 from .result import Diagnosis
 from ..checks import examine
+from ..checks.clock_offset import with_late_joints
 from ..fit.criteria import penalty, SHARE, THRESHOLD
 from ..fit.discrepancy import has_discrepancy
 from ..fit.fitting import cost_of, Fit, fit
 from ..fit.free_run import free_run
+from ..fit.joint_clock import JointClock
 from ..fit.model_uncertainty import discounted
 from ..fit.reference_hold import ReferenceHold
 from ..fit.search import Progress
@@ -104,6 +106,8 @@ def diagnose(
     held_out = [part for one in held_out for part in continuous_parts(one, model)]
     found = _selected(fitted, held_out, nominal, progress)
     prepared, selection = found.prepared, found.selection
+    if found.late:
+        return refuse(with_late_joints(examined.checks, found.late), nominal)
     others: Recordings = [prepare(one, nominal, hold=False) for one in found.held_out]
     nominal_cost = cost_of(prepared, nominal)
     if all(one.driven_by_force(nominal) for one in prepared):
@@ -153,13 +157,24 @@ def _refuse_wrong_input(
 
 
 class _Selected(NamedTuple):
-    """Recordings as fitted and held out, prepared, and the effects that they ask for."""
+    """
+    Recordings as fitted and held out, prepared, and the effects that they ask for.
+
+    Attributes
+    ----------
+    holds_reference : bool
+        Whether the robot holds the reference between setpoints.
+    late : float
+        By how much the joint states are stamped late [s].
+
+    """
 
     fitted: Sequence[Recording]
     held_out: Sequence[Recording]
     prepared: Recordings
     selection: Selection
     holds_reference: bool = False
+    late: float = 0.0
 
 
 def _selected(
@@ -179,6 +194,10 @@ def _selected(
     progress('reference between setpoints')
     held = [with_held_reference(one) for one in fitted]
     best = straight.selection.best.model
+    late = JointClock(fitted, straight.prepared, straight.selection.base.model, best,
+                      hold=not held_out).lateness(selected)
+    if late:
+        return straight._replace(late=late)
     hold = ReferenceHold(straight.prepared, fitted, held, straight.selection.base.model)
     if not hold.is_promising(best):
         return straight
