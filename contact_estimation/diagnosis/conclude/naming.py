@@ -24,12 +24,13 @@ from numpy.typing import NDArray
 
 from .held_out import as_good
 from .location import locate
-from .probability import probabilities, probability_in_form
+from .probability import probabilities, probability_in_form, probability_of
 from .result import NamedEffect, Value
 from .shares import Shares
 from ..fit.criteria import enough, noise_scale, PRICE
 from ..fit.discrepancy import has_discrepancy
 from ..fit.fitting import Fit, fit
+from ..fit.reversal_steps import reversal_steps
 from ..fit.selection import Selection
 from ..observe.model import Model, names_of
 from ..observe.prepared_recording import PreparedRecording, Recordings
@@ -98,6 +99,10 @@ def name_effects(
         [shares.of_channel[name] for name in best.model.effects],
         [shares.beside[name] for name in best.model.effects], shares.left, exact)))
     likely.update({name: probability_in_form(share) for name, share in shares.in_form.items()})
+    told, steps = selection.at_reversals, None
+    if told in best.model.effects:
+        steps = reversal_steps(recordings, selection.base.model)
+        likely[told] = probability_of(1.0 - steps.spread)
     for name in sorted(best.model.effects, key=lambda name: -shares.of[name].share):
         dropped = fit(recordings, best.model.without(name), steps=8)
         rivals = _rivals(selection, name, recordings)
@@ -110,7 +115,8 @@ def name_effects(
             share.share, share.interval, shares.on_parts(name), _values(best, name, stds),
             [rival.model.effects[-1] for rival in alike],
             locate(shown, dropped.model, cls),
-            shares.in_form[name].share if name in shares.in_form else None))
+            shares.in_form[name].share if name in shares.in_form else None,
+            steps if name == told else None))
     return Names(effects, rival_models)
 
 

@@ -31,6 +31,7 @@ from .discrepancy import has_discrepancy, material, noise_by_channel, weighed
 from .exact_laws import BEYOND_DOUBT, exact_laws, exchange, laws_before_curves, prune, Rivals
 from .fitting import Fit, fit
 from .ranking import FLEXIBLE_LEAD, rank_by_prediction, Ranking
+from .reversal_steps import friction_at_reversals
 from .search import candidates_in, may_show, Progress, search, search_family
 from .zeros import beside, ZEROS, zeros_lacking
 from ..observe.model import Model
@@ -65,6 +66,9 @@ class Selection(NamedTuple):
         The effect that holds in form alone, its size differing from part to part; '' if none.
     pair : tuple of str
         Two effects that predict only together; () if none.
+    at_reversals : str
+        The friction that the reversals of the motion tell, however little it explains; '' if
+        none.
 
     """
 
@@ -75,6 +79,7 @@ class Selection(NamedTuple):
     evidence: dict[str, float]
     in_form: str = ''
     pair: tuple[str, ...] = ()
+    at_reversals: str = ''
 
 
 def select(
@@ -103,6 +108,7 @@ def select(
     """
     best, evidence, rivals, in_form = base, dict[str, float](), Rivals(), ''
     pair: tuple[str, ...] = ()
+    at_reversals = ''
     while _law_count(best.model) < MOST_EFFECTS and not _is_explained(recordings, base, best):
         carried, present = _carried(recordings, best)
         found = search(carried, present, progress)
@@ -123,6 +129,10 @@ def select(
             ranking = (_ranked(carried, present, base, found) if has_discrepancy(carried)
                        else Ranking([]))
             if not ranking.found:
+                friction = friction_at_reversals(carried, present, found)
+                if friction is not None:
+                    best = fit(recordings, friction.model)
+                    at_reversals = best.model.effects[-1]
                 break
             ranked = ranking.found
             if _is_curve(recordings, ranked[0]):
@@ -141,7 +151,8 @@ def select(
         return Selection(recordings, base, best, rivals, evidence)
     carried, best = weigh(recordings, best)
     best = _as_shown(carried, _without_trifles(carried, best), progress)
-    return Selection(carried, fit(carried, base.model), best, rivals, evidence, in_form, pair)
+    return Selection(carried, fit(carried, base.model), best, rivals, evidence, in_form, pair,
+                     at_reversals)
 
 
 def fitted_again(recordings: Recordings, selection: Selection) -> Selection:
