@@ -27,6 +27,8 @@ from .random_strength import log_uniform, Strength
 from .scales import Scales
 from ..parameters.specification import optional_parameter, ParameterGroup
 
+_LEAST_LEFT = 0.1  # of F_s, at speed
+
 
 @dataclass(frozen=True)
 class StribeckFrictionParameters(ParameterGroup):
@@ -58,8 +60,9 @@ class StribeckFriction(ContactEffect):
 
     @classmethod
     def plausible(cls, values: Any) -> bool:
-        """Return whether friction falls with speed, F_s > F_c, outside the smooth sign."""
-        return bool(values.F_s > values.F_c and values.v_s > SIGN_VELOCITY)
+        """Return whether friction falls with speed, not to nothing, outside the smooth sign."""
+        falls = _LEAST_LEFT * values.F_s < values.F_c < values.F_s
+        return bool(falls and values.v_s > SIGN_VELOCITY)
 
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:

@@ -39,6 +39,9 @@ _OF_CHANNEL = 4  # further ones, the best in force or motion alone
 _FOLLOWED, _TO_END = 6, 2  # those that are refined, and those fitted to the end
 _ORDER, _UNTOLD = 4, 0.2  # of a polynomial in x; share of the variance of |v| that it leaves
 _STROKES, _MANY_STROKES = 1.5, 3.0  # more than one; more than one and a return
+_OF_SPEED = 'damping_law'  # a family
+_MOVES, _FASTEST = 0.2, 0.9  # of the speed that so many samples do not exceed
+_ONE_SPEED, _NEARLY_ALL = 0.1, 0.9  # deviation from it, and share of the moving samples within
 _SLACK = 0.02  # of the range, by which a pressed wall may be pulled
 _FAR = 2.0  # times the noise: power of the residuals
 
@@ -55,7 +58,7 @@ Progress = Callable[[str], None]
 
 def candidates_for(
     model: Model, with_robot: bool, pressed: bool = False, returns: bool = True,
-    speeds: bool = True,
+    speeds: bool = True, paces: bool = True,
 ) -> list[str]:
     """
     List the effects that may be added.
@@ -72,6 +75,8 @@ def candidates_for(
         Whether it is moved to and fro.
     speeds : bool
         Whether its depth does not tell its speed, but for the direction.
+    paces : bool
+        Whether it moves at several speeds: at one a damping is no other than a hysteresis.
 
     Returns
     -------
@@ -92,6 +97,7 @@ def candidates_for(
         and (wall.unilateral or returns or not cls.needs_return)
         and (wall.unilateral or wall.stiffness > 0.0 or not cls.needs_spring)
         and (speeds or wall.stiffness == 0.0 or not cls.needs_speeds)
+        and (wall.unilateral or paces or cls.family != _OF_SPEED)
         and not (cls.base_parameter == 'inertia' and model.with_inertia)
     ]
 
@@ -292,7 +298,7 @@ def candidates_in(recordings: Recordings, model: Model) -> list[str]:
     return candidates_for(
         model, any(one.observed.reference is not None for one in recordings),
         is_pressed(recordings, model), any(map(_returns, recordings)),
-        any(map(_has_speeds, recordings)))
+        any(map(_has_speeds, recordings)), _has_paces(recordings))
 
 
 def _returns(recording: PreparedRecording) -> bool:
@@ -315,6 +321,14 @@ def _has_speeds(recording: PreparedRecording) -> bool:
     columns = np.vander((x - np.mean(x)) / max(float(np.std(x)), 1e-300), _ORDER + 1)
     left = speed - columns @ np.linalg.lstsq(columns, speed, rcond=None)[0]
     return float(np.var(left)) > _UNTOLD * float(np.var(speed))
+
+
+def _has_paces(recordings: Recordings) -> bool:
+    """Return whether recordings move at several speeds, beside resting."""
+    speed = np.concatenate([np.abs(one.observed.v[one.use]) for one in recordings])
+    moving = speed[speed > _MOVES * float(np.quantile(speed, _FASTEST))]
+    usual = float(np.median(moving))
+    return float(np.mean(np.abs(moving - usual) < _ONE_SPEED * usual)) < _NEARLY_ALL
 
 
 def nearest(recordings: Recordings, near: Sequence[Fit]) -> list[Fit]:
