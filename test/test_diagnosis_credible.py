@@ -23,7 +23,13 @@ from contact_estimation.diagnosis.conclude.naming import _other_families
 from contact_estimation.diagnosis.conclude.shares import Shares
 from contact_estimation.diagnosis.fit.fitting import Fit, fit, fit_at, step
 from contact_estimation.diagnosis.fit.scales import measure_scales
-from contact_estimation.diagnosis.fit.search import candidates_for, is_credible, may_show, search
+from contact_estimation.diagnosis.fit.search import (
+    candidates_for,
+    candidates_in,
+    is_credible,
+    may_show,
+    search,
+)
 from contact_estimation.diagnosis.fit.uncertainty import standard_deviations
 from contact_estimation.diagnosis.observe.model import Model
 from contact_estimation.diagnosis.observe.prepared_recording import PreparedRecording
@@ -125,7 +131,8 @@ def test_an_effect_that_vanishes_is_none() -> None:
     recording, found = prepared(specimen(TO_AND_FRO, 0.0))
     for name, values, credible in (
             ('coulomb_friction', (0.0,), False), ('coulomb_friction', (0.1,), True),
-            ('stribeck_friction', (0.0, 0.1, 0.01), True),
+            ('stribeck_friction', (0.05, 0.1, 0.01), True),
+            ('stribeck_friction', (0.0, 0.1, 0.01), False),
             ('power_law_stiffness', (1.0, 1000.0), False)):
         assert is_credible([recording], found.model.with_effect(name, values)) is credible
 
@@ -134,6 +141,16 @@ def test_a_zero_that_settles_is_no_candidate_where_a_specimen_is_loaded_once() -
     assert 'settling_bias' not in candidates_for(Model.of(SPRING), False, returns=False)
     assert 'settling_bias' in candidates_for(Model.of(SPRING), False)
     assert 'settling_bias' in candidates_for(Model.of(nominal()), True, returns=False)
+
+
+def test_no_damping_law_is_a_candidate_where_a_specimen_moves_at_one_speed() -> None:
+    laws = {name for name, cls in EFFECTS.items() if cls.family == 'damping_law'}
+    assert not laws & set(candidates_for(Model.of(SPRING), False, paces=False))
+    assert laws & set(candidates_for(Model.of(SPRING), False))
+    triangle = 0.01 * np.abs((T / 3.0) % 2.0 - 1.0)
+    for x, found in ((TO_AND_FRO, True), (triangle, False)):
+        recording, base = prepared(specimen(x, 0.0))
+        assert bool(laws & set(candidates_in([recording], base.model))) is found
 
 
 @pytest.mark.parametrize('x, stray, family', [
