@@ -23,7 +23,7 @@ from typing import Any
 
 from contact_estimation.blind_trials.trial import plan_effects
 from contact_estimation.commands.write_config import config_files
-from contact_estimation.diagnosis.fit.search import candidates_for
+from contact_estimation.diagnosis.fit.applicable import candidates_for
 from contact_estimation.diagnosis.observe.model import Model
 from contact_estimation.estimation.parameters import EstimationParameters
 from contact_estimation.estimation.session import ContactSession

@@ -21,15 +21,10 @@ from contact_estimation.diagnosis.conclude.apparent_mass import is_resonance
 from contact_estimation.diagnosis.conclude.conclusion import _nominal_where_unknown
 from contact_estimation.diagnosis.conclude.naming import _other_families
 from contact_estimation.diagnosis.conclude.shares import Shares
+from contact_estimation.diagnosis.fit.applicable import candidates_for, candidates_in
 from contact_estimation.diagnosis.fit.fitting import Fit, fit, fit_at, step
 from contact_estimation.diagnosis.fit.scales import measure_scales
-from contact_estimation.diagnosis.fit.search import (
-    candidates_for,
-    candidates_in,
-    is_credible,
-    may_show,
-    search,
-)
+from contact_estimation.diagnosis.fit.search import is_credible, may_show, search
 from contact_estimation.diagnosis.fit.uncertainty import standard_deviations
 from contact_estimation.diagnosis.observe.model import Model
 from contact_estimation.diagnosis.observe.prepared_recording import PreparedRecording

@@ -21,6 +21,7 @@ from typing import Any, Callable
 
 from concealed_worlds import ATTACHED, attached, nominal, physics, prepared_from, recorded
 from contact_estimation.diagnosis.fit import search as search_module
+from contact_estimation.diagnosis.fit.applicable import candidates_for
 from contact_estimation.diagnosis.fit.criteria import (
     enough,
     noise_scale,
@@ -33,7 +34,7 @@ from contact_estimation.diagnosis.fit.exact_laws import prune, Rivals, simplest_
 from contact_estimation.diagnosis.fit.fitting import Fit, fit
 from contact_estimation.diagnosis.fit.model_uncertainty import discounted
 from contact_estimation.diagnosis.fit.scales import measure_scales
-from contact_estimation.diagnosis.fit.search import candidates_for, is_credible, nearest, search
+from contact_estimation.diagnosis.fit.search import is_credible, nearest, search
 from contact_estimation.diagnosis.fit.selection import select
 from contact_estimation.diagnosis.observe.model import Model, names_of
 from contact_estimation.diagnosis.observe.prepared_recording import PreparedRecording

@@ -28,9 +28,12 @@ class WarmingWall(ContactLaw):
     Thixotropic softening: the warmth is the distance travelled in contact.
 
     R = -softening w d, w' = abs(v) - w / tau.
-    Barnes, J. Non-Newtonian Fluid Mechanics 70, 1997 (thixotropy).
+    Barnes, J. Non-Newtonian Fluid Mechanics 70, 1997 (thixotropy). A specimen that is moved all
+    the time warms once: that is a stiffness that drifts.
 
     """
+
+    stages = ('press',)
 
     @classmethod
     def draw(cls, magnitudes: Magnitudes, rng: Generator) -> Strength:

@@ -26,6 +26,8 @@ from .robot_effect import RobotEffect
 from .scales import Scales
 from ..parameters.specification import optional_parameter, ParameterGroup
 
+_ALIKE = 0.3  # of their mean deviation from 1: less between the scales is one for all
+
 
 @dataclass(frozen=True)
 class ImpedanceMismatchParameters(ParameterGroup):
@@ -57,6 +59,12 @@ class ImpedanceMismatch(RobotEffect):
     def is_flexible(cls, values: Any, duration: float) -> bool:
         """Is always one: three scales follow any misfit in position, velocity and acceleration."""
         return True
+
+    @classmethod
+    def plausible(cls, values: Any) -> bool:
+        """Return whether the scales differ: all alike are the gain of the force sensor."""
+        scales = (values.K_t_scale, values.B_t_scale, values.M_t_scale)
+        return max(scales) - min(scales) > _ALIKE * abs(sum(scales) / 3.0 - 1.0)
 
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:

@@ -18,12 +18,49 @@ from __future__ import annotations
 
 from typing import Iterator
 
-from .decision import Decision, EXPLAINED
+from .decision import decide_without, Decision, EXPLAINED
 from .shares import shares_of
+from ..fit.discrepancy import has_discrepancy
 from ..fit.fitting import Fit, fit
 from ..fit.search import Progress, search_family
 from ..fit.selection import Selection
 from ..fit.zeros import ZEROS
+from ..observe.prepared_recording import Recordings
+
+
+def alternatives(
+    selection: Selection, decision: Decision, whole: Recordings, progress: Progress
+) -> Iterator[Decision]:
+    """
+    Decide for something else than what the held-out data contradict.
+
+    A law may predict only beside the zeros that its rig has; it may not last, as a bias that
+    settles is none at the start; or it is none, and stood before one that fits nearly as well.
+
+    Parameters
+    ----------
+    selection : Selection
+        As selected.
+    decision : Decision
+        That is contradicted.
+    whole : sequence of PreparedRecording
+        The recordings with their held-out parts.
+    progress : callable
+        Called with a description of each stage.
+
+    Yields
+    ------
+    decision : Decision
+        The nearest first.
+
+    """
+    zeroed = beside_zeros(selection, decision)
+    if zeroed is not None:
+        yield zeroed
+    yield from in_family(decision.selection, decision, progress)
+    if has_discrepancy(decision.selection.recordings):
+        names = set(decision.best.model.effects)
+        yield decide_without(decision.selection, names, whole, progress)
 
 
 def beside_zeros(selection: Selection, decision: Decision) -> Decision | None:

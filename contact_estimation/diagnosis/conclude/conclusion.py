@@ -21,8 +21,8 @@ from typing import NamedTuple, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from .alternatives import beside_zeros, in_family
-from .decision import decide, decide_without, Decision, verdict_of
+from .alternatives import alternatives
+from .decision import decide, Decision, verdict_of
 from .dependence import dependences
 from .held_out import by_part, errors_of, improvement_interval, measure_part, Part
 from .location import locate, Location
@@ -142,27 +142,16 @@ def _decided(fitted: Fitted, whole: Recordings, progress: Progress) -> _Tested:
     """Decide on names that the held-out parts do not contradict."""
     decision = decide(fitted.selection, whole, progress)
     tested = _tested(fitted, whole, decision, progress)
-    if tested.worse:  # a law may predict only beside the zeros that its rig has
-        zeroed = beside_zeros(fitted.selection, decision)
-        tested = tested if zeroed is None else _tested(fitted, whole, zeroed, progress)
-    if tested.worse:  # a law may not last: a bias that settles is none at the start
-        for other in in_family(decision.selection, decision, progress):
-            again = _tested(fitted, whole, other, progress)
-            if not again.worse:
-                tested = again
-                break
-    if tested.worse and has_discrepancy(tested.recordings):
-        names = set(tested.best.model.effects)
-        second = decide_without(decision.selection, names, whole, progress)
-        again = _tested(fitted, whole, second, progress)
+    if not tested.worse:
+        return tested
+    for other in alternatives(fitted.selection, decision, whole, progress):
+        again = _tested(fitted, whole, other, progress)
         if again.best.model.effects and not again.worse:
-            tested = again
-    if tested.worse:  # a false name is worse than no name
-        selection = decision.selection
-        tested = _tested(fitted, whole, Decision(
-            selection._replace(best=selection.base), selection.base, True, decision.predictable,
-            None), progress)
-    return tested
+            return again
+    selection = decision.selection  # a false name is worse than no name
+    return _tested(fitted, whole, Decision(
+        selection._replace(best=selection.base), selection.base, True, decision.predictable,
+        None), progress)
 
 
 def _tested(

@@ -23,20 +23,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .apparent_mass import is_resonance
+from .held_out_power import confirmed, held_out_powers, largest, MOST_POWER
 from .shares import Shares, shares_of
-from ..fit.criteria import enough, explained_share, leaves_noise, noise_scale, THRESHOLD
-from ..fit.discrepancy import (
-    forces,
-    has_discrepancy,
-    least_material,
-    material,
-    weighed,
-    without_discrepancy,
-)
+from ..fit.criteria import enough, leaves_noise, noise_scale, THRESHOLD
+from ..fit.discrepancy import has_discrepancy, material, weighed, without_discrepancy
 from ..fit.fitting import Fit, fit
 from ..fit.flexible import autocorrelation, predictable_share
 from ..fit.model_uncertainty import discounted
-from ..fit.output_error import refine, runs_true
 from ..fit.pairs import is_pair
 from ..fit.search import may_show, Progress
 from ..fit.selection import fitted_again, select, Selection, weigh
@@ -44,7 +37,6 @@ from ..fit.uncertainty import standard_deviations
 from ..fit.zeros import ZEROS
 from ..observe.model import Model, names_of
 from ..observe.prepared_recording import Recordings
-from ..observe.residuals import force_residual, residuals
 from ...physics import EFFECTS
 
 Array = NDArray[np.float64]
@@ -56,8 +48,6 @@ _TRIFLE, _UNSURE = 0.01, 0.1  # shares not worth a name: of an effect beyond dou
 _SMALL = 0.5  # of the discrepancy that is worth a name where laws may be inexact
 _PREDICTABLE = 0.1  # share of the residual that a smoother predicts: structure, not noise
 _SIGNIFICANT = 3.0  # standard deviations
-_HELD_OUT_POWER = 2.0  # held-out mean square, over that of the noise, of a wrong model
-_HELD_OUT_EXPLAINED = 0.5  # least share of the held-out misfit that names must explain
 _SURELY_MOST = 0.6  # of the misfit that a curve explains down to the noise: a bias would, in part
 _DOWN_TO_NOISE = 0.95  # share of the misfit of a part
 _AUTOCORRELATION = 0.25  # of neighbouring residuals: structure that no smoother predicts
@@ -115,7 +105,7 @@ def decide(
     """
     recordings, base, best = selection.recordings, selection.base, selection.best
     if best.model.effects and not has_discrepancy(recordings):
-        best = _significant(recordings, _confirmed(base, best, recordings, whole))
+        best = _significant(recordings, confirmed(base, best, recordings, whole))
     if best.model.effects:
         progress('shares')
         in_form = selection.in_form if selection.in_form in best.model.effects else ''
@@ -143,11 +133,11 @@ def decide(
     carried, _ = weigh(recordings, fit(recordings, best.model))
     if not material(carried, base.model):
         usual = max(1.0, best.cost / best.residual_count)
-        powers = _held_out_powers(whole, best.model, trifles=False)
-        late = _largest(powers) > _HELD_OUT_POWER * usual
+        powers = held_out_powers(whole, best.model, trifles=False)
+        late = largest(powers) > MOST_POWER * usual
         return Decision(selection, best, late, 0.0, None)
     unexplained, predictable = _structured(recordings, best)
-    late = _largest(_held_out_powers(whole, best.model)) > _HELD_OUT_POWER
+    late = largest(held_out_powers(whole, best.model)) > MOST_POWER
     return Decision(selection, best, unexplained or late, predictable, None)
 
 
@@ -268,21 +258,6 @@ def _is_sure(shares: Shares, name: str, exact: bool) -> bool:
         sure > 0.0 and float(np.median(shares.of_channel[name].parts)) > _DOWN_TO_NOISE)
 
 
-def _confirmed(base: Fit, best: Fit, recordings: Recordings, whole: Recordings) -> Fit:
-    """Return the best model, or the recalibrated one if held-out data contradict the names."""
-    if recordings[0].observed.reference is None or releases_contact(recordings, best.model):
-        return best
-    powers = [[float(np.mean(part)) for part in _held_out_powers(whole, model)]
-              for model in (base.model, best.model)]
-    contradicted = any(
-        after > _HELD_OUT_POWER and explained_share(before, after, 1.0) < _HELD_OUT_EXPLAINED
-        for before, after in zip(*powers))
-    # Where a robot sticks, velocities are not known well enough for the residuals.
-    if contradicted and not runs_true(whole, refine(recordings, best)[1].model):
-        return base
-    return best
-
-
 def _structured(recordings: Recordings, found: Fit) -> tuple[bool, float]:
     """Return whether residuals are structured beyond noise, and their predictable share."""
     found = fit(recordings, found.model)
@@ -318,52 +293,6 @@ def verdict_of(decision: Decision, base: Fit, nominal_cost: float) -> str:
         return 'physics_missing'
     least = THRESHOLD * base.residual_count * noise_scale(base)
     return 'consistent' if nominal_cost - base.cost < least else 'recalibrate'
-
-
-def _largest(powers: Sequence[Array]) -> float:
-    return max((float(np.max(part)) for part in powers), default=0.0)
-
-
-def _held_out_powers(whole: Recordings, model: Model, trifles: bool = True) -> list[Array]:
-    """Return the mean square residual of each channel in each held-out part."""
-    powers = []
-    for recording in whole:
-        if recording.held_out is None:
-            continue
-        samples = recording.held_out.samples & recording.use
-        there = recording.blocks(samples.astype(float)) > 0.5
-        if there.any():
-            part = recording.split(residuals(recording, model))[:, there]
-            power = np.mean(part**2, axis=1)
-            if not trifles:
-                errors = np.sqrt(power) * forces(recording, model)
-                # The first channel, of a wall driven by a force its motion, by the force it lacks.
-                force = force_residual(recording, model)[samples]
-                errors[0] = np.sqrt(np.mean(force**2))
-                power[errors < least_material(recording)] = 0.0
-            powers.append(power)
-    return powers
-
-
-def releases_contact(recordings: Recordings, model: Model) -> bool:
-    """
-    Return whether the force vanishes during contacts and an effect of the model does so.
-
-    Parameters
-    ----------
-    recordings : sequence of PreparedRecording
-        As fitted.
-    model : Model
-        With its effects.
-
-    Returns
-    -------
-    releases : bool
-        If so, what is left is the instant, within a sample, of each release.
-
-    """
-    effects = [getattr(EFFECTS[name], 'lets_go', False) for name in model.effects]
-    return any(effects) and all(recording.dropped is not None for recording in recordings)
 
 
 def _significant(recordings: Recordings, best: Fit) -> Fit:

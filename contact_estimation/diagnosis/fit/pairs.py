@@ -26,13 +26,14 @@ from typing import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from .applicable import candidates_in
 from .candidate import assess, Candidate
 from .criteria import ADEQUATE, predicts_enough, SHARE_OF_WHOLE
 from .discrepancy import noise_by_channel
 from .fitting import Fit
 from .invariance import left_out_errors, share_of
 from .parts import Part
-from .search import candidates_in, search
+from .search import search
 from .zeros import ZEROS
 from ..observe.prepared_recording import Recordings
 from ...physics import EFFECTS

@@ -21,12 +21,13 @@ from typing import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from .applicable import candidates_in
 from .criteria import noise_scale, penalty
 from .discrepancy import costs_by_channel, has_discrepancy
 from .fitting import cost_of, derivatives, Fit, fit, fit_at, fit_to_end, step
 from .scales import measure_scales
 from ..observe.model import Model
-from ..observe.prepared_recording import PreparedRecording, Recordings
+from ..observe.prepared_recording import Recordings
 from ..observe.residuals import force_residual
 from ...parameters.specification import ParameterGroup
 from ...physics import EFFECTS
@@ -37,12 +38,6 @@ Array = NDArray[np.float64]
 _STARTED = 14  # candidates that are fitted, the best after one step
 _OF_CHANNEL = 4  # further ones, the best in force or motion alone
 _FOLLOWED, _TO_END = 6, 2  # those that are refined, and those fitted to the end
-_ORDER, _UNTOLD = 4, 0.2  # of a polynomial in x; share of the variance of |v| that it leaves
-_STROKES, _MANY_STROKES = 1.5, 3.0  # more than one; more than one and a return
-_OF_SPEED = 'damping_law'  # a family
-_MOVES, _FASTEST = 0.2, 0.9  # of the speed that so many samples do not exceed
-_ONE_SPEED, _NEARLY_ALL = 0.1, 0.9  # deviation from it, and share of the moving samples within
-_SLACK = 0.02  # of the range, by which a pressed wall may be pulled
 _FAR = 2.0  # times the noise: power of the residuals
 
 # Of a clipped force, in standard deviations of its noise and as a share of the limit; of the time,
@@ -54,74 +49,6 @@ _RESOLVED = 0.125  # periods a sample: faster is the course of a force between s
 _LATE = 0.05  # of a sample period: stamps are known no better
 
 Progress = Callable[[str], None]
-
-
-def candidates_for(
-    model: Model, with_robot: bool, pressed: bool = False, returns: bool = True,
-    speeds: bool = True, paces: bool = True,
-) -> list[str]:
-    """
-    List the effects that may be added.
-
-    Parameters
-    ----------
-    model : Model
-        Its effects are no candidates.
-    with_robot : bool
-        Whether there is a robot.
-    pressed : bool
-        Whether a permanently attached wall is only pressed, never pulled.
-    returns : bool
-        Whether it is moved to and fro.
-    speeds : bool
-        Whether its depth does not tell its speed, but for the direction.
-    paces : bool
-        Whether it moves at several speeds: at one a damping is no other than a hysteresis.
-
-    Returns
-    -------
-    names : list of str
-        In the order of the registry; effects of touching only for a unilateral wall, those of
-        penetration also for an attached one that is only pressed, those of a return also for one
-        that is moved to and fro, those of a spring not for a drive, which has none, and those of
-        the magnitude of the speed only where depth does not tell it.
-
-    """
-    wall = model.nominal.environment
-    return [
-        name for name, cls in EFFECTS.items()
-        if name not in model.effects and name not in model.excluded
-        and (with_robot or not cls.needs_robot)
-        and (wall.unilateral or not cls.needs_touch)
-        and (wall.unilateral or pressed or not cls.needs_penetration)
-        and (wall.unilateral or returns or not cls.needs_return)
-        and (wall.unilateral or wall.stiffness > 0.0 or not cls.needs_spring)
-        and (speeds or wall.stiffness == 0.0 or not cls.needs_speeds)
-        and (wall.unilateral or paces or cls.family != _OF_SPEED)
-        and not (cls.base_parameter == 'inertia' and model.with_inertia)
-    ]
-
-
-def is_pressed(recordings: Recordings, model: Model) -> bool:
-    """
-    Return whether a permanently attached wall is only pressed in recordings, never pulled.
-
-    Parameters
-    ----------
-    recordings : sequence of PreparedRecording
-        Fitted together.
-    model : Model
-        Defines where the surface is.
-
-    Returns
-    -------
-    pressed : bool
-        But for a small part of the range.
-
-    """
-    surface = model.nominal.environment.location
-    return all(float(np.min(one.observed.x)) - surface > -_SLACK * float(np.ptp(one.observed.x))
-               for one in recordings)
 
 
 def search(
@@ -276,59 +203,6 @@ def _is_reached(recordings: Recordings, name: str, values: ParameterGroup) -> bo
                and delay >= _LATE * one.observed.h
                and EFFECTS[name].is_resolved(values, float(one.observed.t[-1]))
                for one in recordings)
-
-
-def candidates_in(recordings: Recordings, model: Model) -> list[str]:
-    """
-    List the effects that recordings may show.
-
-    Parameters
-    ----------
-    recordings : sequence of PreparedRecording
-        To be fitted.
-    model : Model
-        Its effects are no candidates.
-
-    Returns
-    -------
-    names : list of str
-        Of `candidates_for`.
-
-    """
-    return candidates_for(
-        model, any(one.observed.reference is not None for one in recordings),
-        is_pressed(recordings, model), any(map(_returns, recordings)),
-        any(map(_has_speeds, recordings)), _has_paces(recordings))
-
-
-def _returns(recording: PreparedRecording) -> bool:
-    """Return whether the motion is more than one stroke and a hold."""
-    return _strokes(recording) > _STROKES
-
-
-def _strokes(recording: PreparedRecording) -> float:
-    """Return the length of the path, over its range."""
-    x = recording.observed.x
-    return float(np.sum(np.abs(np.diff(x)))) / max(float(np.ptp(x)), 1e-300)
-
-
-def _has_speeds(recording: PreparedRecording) -> bool:
-    """Return whether the depth does not tell the speed: in a few strokes at a pace it does."""
-    o, use = recording.observed, recording.use
-    if _strokes(recording) < _MANY_STROKES:
-        return False
-    x, speed = o.x[use], np.abs(o.v[use])
-    columns = np.vander((x - np.mean(x)) / max(float(np.std(x)), 1e-300), _ORDER + 1)
-    left = speed - columns @ np.linalg.lstsq(columns, speed, rcond=None)[0]
-    return float(np.var(left)) > _UNTOLD * float(np.var(speed))
-
-
-def _has_paces(recordings: Recordings) -> bool:
-    """Return whether recordings move at several speeds, beside resting."""
-    speed = np.concatenate([np.abs(one.observed.v[one.use]) for one in recordings])
-    moving = speed[speed > _MOVES * float(np.quantile(speed, _FASTEST))]
-    usual = float(np.median(moving))
-    return float(np.mean(np.abs(moving - usual) < _ONE_SPEED * usual)) < _NEARLY_ALL
 
 
 def nearest(recordings: Recordings, near: Sequence[Fit]) -> list[Fit]:

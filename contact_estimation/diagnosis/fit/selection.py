@@ -26,13 +26,14 @@ from __future__ import annotations
 
 from typing import NamedTuple, Sequence
 
+from .applicable import candidates_in
 from .criteria import enough, explained_share, leaves_noise, SHARE, THRESHOLD
 from .discrepancy import has_discrepancy, material, noise_by_channel, weighed
 from .exact_laws import BEYOND_DOUBT, exact_laws, exchange, laws_before_curves, prune, Rivals
 from .fitting import Fit, fit
 from .ranking import FLEXIBLE_LEAD, rank_by_prediction, Ranking
 from .reversal_steps import friction_at_reversals
-from .search import candidates_in, may_show, Progress, search, search_family
+from .search import may_show, Progress, search, search_family
 from .zeros import beside, ZEROS, zeros_lacking
 from ..observe.model import Model
 from ..observe.prepared_recording import Recordings
