@@ -35,7 +35,7 @@ _DELAY = 'command_delay'
 _SCANNED = (0.0015, 0.003, 0.005, 0.008, 0.012, 0.018, 0.027)  # [s]
 _TRIED = (1.0, 1.2)  # times the delay: what bends beside it makes it too short
 _PROMISING, _WITH_DELAY = 0.95, 1.4  # most of the misfit of the effects, for stamps to be tried
-_LEFT = 0.5  # most of it that late stamps may leave
+_LEFT = 0.25  # most of it that late stamps may leave
 
 
 class JointClock:
@@ -81,7 +81,7 @@ class JointClock:
         Returns
         -------
         late : float
-            [s]; 0 unless it leaves less than half of what the effects leave.
+            [s]; 0 unless it leaves less than a quarter of what the effects leave.
 
         """
         if self._explained:
