@@ -27,6 +27,7 @@ from typing import NamedTuple, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from .discrepancy import least_material
 from .fitting import Fit
 from ..observe.model import Model
 from ..observe.prepared_recording import PreparedRecording, Recordings
@@ -113,14 +114,18 @@ def friction_at_reversals(
     -------
     friction : Fit or None
         The best law of friction that jumps, else the best; None in a wall that can be left, beside
-        a friction, and unless the steps at the reversals are alike.
+        a friction, and unless the steps at the reversals are alike and no trifle.
 
     """
     model = present.model
     if model.nominal.environment.unilateral or _rubs(model):
         return None
     friction = [one for one in found if _rubs(one.model)]
-    if not friction or not reversal_steps(recordings, model).are_friction:
+    if not friction:
+        return None
+    steps = reversal_steps(recordings, model)
+    trifle = max(least_material(one) for one in recordings)
+    if not steps.are_friction or np.mean(steps.sizes) < trifle:
         return None
     sharp = [one for one in friction if getattr(EFFECTS[one.model.effects[-1]], 'jumps', False)]
     return (sharp or friction)[0]
