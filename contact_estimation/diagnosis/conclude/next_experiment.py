@@ -39,7 +39,7 @@ from ..fit.model_uncertainty import discounted
 from ..observe.episodes import episodes
 from ..observe.model import Model
 from ..observe.observed import Observed
-from ..observe.prepared_recording import nominal_observer, PreparedRecording, Recordings
+from ..observe.prepared_recording import PreparedRecording, Recordings
 from ..observe.residuals import residuals
 from ..observe.usable_samples import default_block, usable
 from ...plant.open_loop import simulate_on
@@ -248,7 +248,7 @@ class Judge:
         return PreparedRecording(
             experiment.name, observed, old.force_noise, old.motion_noise,
             usable(self._model, observed), default_block(observed),
-            observer=nominal_observer(self._model, observed),
+            observer=observed.observer_of(self._model.nominal),
             force_discrepancy=old.force_discrepancy, motion_discrepancy=old.motion_discrepancy)
 
     def _simulated(self, t: Array, reference: Array) -> Array:

@@ -39,7 +39,7 @@ from ..fit.invariance import (
 from ..fit.parts import above_noise, evened, Part, parts_of
 from ..fit.zeros import with_zeros
 from ..observe.model import Model, names_of
-from ..observe.prepared_recording import Recordings
+from ..observe.prepared_recording import is_flexible, Recordings
 from ...physics import EFFECTS
 
 Array = NDArray[np.float64]
@@ -143,8 +143,7 @@ class Shares:
 
     def is_flexible(self, name: str) -> bool:
         """Return whether an effect is a curve that fits almost any misfit of its kind."""
-        duration = max(float(one.observed.t[-1]) for one in self.recordings)
-        return self.best.model.is_flexible(name, duration)
+        return is_flexible(self.recordings, self.best.model, name)
 
     @cached_property
     def _information(self) -> Array:

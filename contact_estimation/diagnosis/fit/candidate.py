@@ -26,7 +26,7 @@ from .invariance import left_out_errors
 from .parts import Part
 from .search import is_credible
 from ..observe.model import names_of
-from ..observe.prepared_recording import Recordings
+from ..observe.prepared_recording import is_flexible, Recordings
 
 Array = NDArray[np.float64]
 
@@ -95,8 +95,7 @@ def assess(
         The plausible ones.
 
     """
-    duration = max(float(one.observed.t[-1]) for one in recordings)
     fits = [fit_to_end(recordings, one._replace(ended=False)) for one in found]
     return [Candidate(one, left_out_errors(recordings, one, parts, before), channel,
-                      one.model.is_flexible(one.model.effects[-1], duration))
+                      is_flexible(recordings, one.model, one.model.effects[-1]))
             for one in fits if is_credible(recordings, one.model)]

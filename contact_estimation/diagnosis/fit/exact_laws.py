@@ -22,7 +22,7 @@ from .criteria import ADEQUATE, enough, LEFT, noise_scale, penalty
 from .fitting import cost_of, Fit, fit, fit_to_end
 from .ranking import FLEXIBLE_LEAD
 from .search import is_credible, Progress, search
-from ..observe.prepared_recording import Recordings
+from ..observe.prepared_recording import is_flexible, Recordings
 
 _EXCHANGE_GAIN = 10.0  # cost, in that of the noise
 _ASSESSED = 12  # candidates that may be exact
@@ -123,12 +123,11 @@ def laws_before_curves(
 
     """
     scale = noise_scale(min(fits, key=lambda one: one.cost)) if fits else 1.0
-    duration = max(float(one.observed.t[-1]) for one in recordings)
 
     def charged(one: Fit) -> float:
         lead = FLEXIBLE_LEAD * max(present - one.cost, 0.0)
         return (one.cost + scale * penalty(one.model)
-                + lead * one.model.is_flexible(one.model.effects[-1], duration))
+                + lead * is_flexible(recordings, one.model, one.model.effects[-1]))
 
     return sorted(fits, key=charged)
 

@@ -32,7 +32,7 @@ from .discrepancy import CHANNELS
 from .fitting import differentiate_by, Fit, residual_function
 from .parts import above_noise, Part
 from ..observe.model import Model
-from ..observe.prepared_recording import Recordings
+from ..observe.prepared_recording import is_flexible, Recordings
 from ..observe.residuals import force_explains_motion
 from ...physics import EFFECTS
 
@@ -142,9 +142,8 @@ def left_out_errors(
     function = residual_function(recordings, found.model)
     here = function(found.model.coordinates)
     jacobian = _jacobian(found.model, function, here)
-    duration = max(float(one.observed.t[-1]) for one in recordings)
     names = found.model.effects
-    lawful = not (names and found.model.is_flexible(names[-1], duration))
+    lawful = not (names and is_flexible(recordings, found.model, names[-1]))
     squares = np.empty((len(parts), CHANNELS))
     for k, part in enumerate(parts):
         rest = ~part.there

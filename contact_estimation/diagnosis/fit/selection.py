@@ -36,7 +36,7 @@ from .reversal_steps import friction_at_reversals
 from .search import may_show, Progress, search, search_family
 from .zeros import beside, ZEROS, zeros_lacking
 from ..observe.model import Model
-from ..observe.prepared_recording import Recordings
+from ..observe.prepared_recording import is_flexible, Recordings
 from ...physics import EFFECTS
 
 MOST_EFFECTS = 3
@@ -218,8 +218,7 @@ def _ranked(
 
 
 def _is_curve(recordings: Recordings, found: Fit) -> bool:
-    duration = max(float(one.observed.t[-1]) for one in recordings)
-    return found.model.is_flexible(found.model.effects[-1], duration)
+    return is_flexible(recordings, found.model, found.model.effects[-1])
 
 
 def _law_instead(

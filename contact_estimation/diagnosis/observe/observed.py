@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline
 
 from .motion_error import lost_by_lines, motion_error, quantisation_step
-from .observer import discretise, OBSERVER_CUTOFF, run
+from .observer import discretise, OBSERVER_CUTOFF, run, SecondOrder
 from .pace import pace_of
 from .signals import check_signals, Signals
 from .smoothing import differentiate, smooth_enough, white_noise_std
@@ -138,6 +138,13 @@ class Observed:
     def has_dynamics(self, nominal: PlantParameters) -> bool:
         """Return whether a model can be run free: from a reference, or a wall from its force."""
         return self.reference is not None or self.driven_by_force(nominal)
+
+    def observer_of(self, nominal: PlantParameters) -> SecondOrder | None:
+        """Discretise the nominal robot, which whitens the motion; None without a reference."""
+        robot = nominal.robot
+        if self.reference is None:
+            return None
+        return discretise(robot.mass, robot.damping, robot.stiffness, self.h)
 
     def reference_at(self, delay: float) -> Array:
         """

@@ -30,7 +30,7 @@ from .episodes import HeldOut, hold_out, require_contact
 from .model import Model
 from .noise import force_error, force_noise, innovation_error, motion_noise
 from .observed import observe, Observed, reference_on_grid
-from .observer import discretise, SecondOrder
+from .observer import SecondOrder
 from .signals import Recording
 from .usable_samples import default_block, force_drops, usable
 
@@ -125,7 +125,7 @@ class PreparedRecording:
         if held_out is not None:
             use = use & ~held_out.samples
         noise = force_noise(model, o)
-        observer = nominal_observer(model, o)
+        observer = o.observer_of(model.nominal)
         return cls(
             name, o, noise, motion_noise(model, o, noise), use, default_block(o), held_out,
             dropped=force_drops(o, noise) if model.nominal.environment.unilateral else None,
@@ -325,27 +325,26 @@ def prepare(recording: Recording, model: Model, hold: bool) -> PreparedRecording
     return PreparedRecording.of(recording.name, observed, model, held_out)
 
 
-def nominal_observer(model: Model, observed: Observed) -> SecondOrder | None:
+def is_flexible(recordings: Recordings, model: Model, name: str) -> bool:
     """
-    Discretise the robot of the nominal model, which whitens the motion for all models.
+    Return whether an effect is a curve that follows any slow misfit of recordings.
 
     Parameters
     ----------
+    recordings : sequence of PreparedRecording
+        Of which the longest counts.
     model : Model
-        Its effects do not count.
-    observed : Observed
-        With the sample period.
+        With the effect.
+    name : str
+        Of the effect.
 
     Returns
     -------
-    observer : SecondOrder or None
-        None without a reference trajectory.
+    flexible : bool
+        As of `Effect.is_flexible`.
 
     """
-    robot = model.nominal.robot
-    if observed.reference is None:
-        return None
-    return discretise(robot.mass, robot.damping, robot.stiffness, observed.h)
+    return model.is_flexible(name, max(float(one.observed.t[-1]) for one in recordings))
 
 
 def _edges(flags: Flags) -> list[int]:
