@@ -173,6 +173,14 @@ def test_wrong_use_fails_its_check_alone(wrong: str) -> None:
     assert (found.name, found.fatal, found.could_cause) == (name, True, frozenset(EFFECTS))
 
 
+def test_a_commanded_robot_that_leaves_its_wall_is_not_attached_to_it() -> None:
+    attached_to = nominal(environment__unilateral=False)
+    (found,) = [one for one in failed(recorded(), attached_to) if one.fatal]
+    assert (found.name, 'set environment.unilateral to true' in found.text) == ('unilateral', True)
+    without = recorded()._replace(reference_t=np.empty(0), reference=np.empty((4, 0)))
+    assert 'unilateral' not in [one.name for one in failed(without, attached_to)]
+
+
 @pytest.mark.parametrize('wrong', ['force of the robot on the wall', 'positions in mm',
                                    'force in kgf', 'wrench early'])
 def test_concealed_physics_hides_no_wrong_use(wrong: str) -> None:
@@ -191,7 +199,7 @@ def test_coarse_data_fail_a_check_that_is_not_fatal(coarse: str) -> None:
 
 def test_every_check_is_tested_here() -> None:
     tested = {name for name, _ in (*WRONG.values(), *COARSE.values())}
-    assert tested | {'wall_location', 'constant_speed', *OF_FILES} == set(CHECKS)
+    assert tested | {'unilateral', 'wall_location', 'constant_speed', *OF_FILES} == set(CHECKS)
 
 
 @pytest.mark.parametrize('name', OF_FILES)

@@ -38,6 +38,7 @@ from . import (
     sampling_rate,
     spikes,
     stamp_order,
+    unilateral,
     wall_location,
 )
 from .check import Check, Test
@@ -54,6 +55,7 @@ CHECKS: Mapping[str, Test] = {
     'clock_offset': clock_offset.TEST,
     'gaps': gaps.TEST,
     'excitation': excitation.TEST,
+    'unilateral': unilateral.TEST,
     'force_sign': force_sign.TEST,
     'position_sign': position_sign.TEST,
     'length_unit': length_unit.TEST,

@@ -40,6 +40,9 @@ SURE = 0.2
 HARMLESS = 0.05
 """Most harm on parts that an effect predicts worse, to be sure above zero instead of `SURE`."""
 
+OF_LITTLE, SURE_OF_LITTLE = 0.75, 0.6
+"""Least share, and its lower end, of a law that explains a misfit which is a trifle."""
+
 ADEQUATE = 0.05
 """Share of the gain of the best law that a simpler one may lack."""
 
@@ -124,6 +127,26 @@ def enough(before: Fit, after: Fit) -> bool:
     least = noise_scale(after) * (
         THRESHOLD * count + penalty(after.model) - penalty(before.model))
     return gain > least and gain > SHARE * excess
+
+
+def is_sure_of_little(share: Share) -> bool:
+    """
+    Return whether a law explains nearly all of a misfit that is little beside the force.
+
+    A rig has several small imperfections, of which none stands out.
+
+    Parameters
+    ----------
+    share : Share
+        Of that misfit.
+
+    Returns
+    -------
+    sure : bool
+        Beyond doubt.
+
+    """
+    return share.share >= OF_LITTLE and share.interval[0] >= SURE_OF_LITTLE
 
 
 def predicts_enough(of_present: Share, of_whole: Share, zero: bool = False) -> bool:

@@ -27,7 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .candidate import assess, Candidate
-from .criteria import ADEQUATE, predicts_enough, SHARE
+from .criteria import ADEQUATE, is_sure_of_little, OF_LITTLE, predicts_enough, SHARE
 from .discrepancy import CHANNELS, costs_by_channel, material, noise_by_channel
 from .fitting import Fit, fit
 from .form import law_in_form
@@ -44,7 +44,6 @@ Array = NDArray[np.float64]
 _PROMISING, _ASSESSED = 0.4, 12  # of the largest gain in the fit, to be assessed; at most so many
 _FLEXIBLE_HARM = 0.01  # most harm of a curve that fits almost anything
 _OF_LAW = 0.8  # share of the gain of a series, or of a law, that what replaces it must have
-_SURELY, _AT_LEAST = 0.75, 0.6  # share and its lower end, of a law of which little shows
 _LITTLE = 1.25  # times the least discrepancy that is worth a name, in the motion alone
 # Of a spring the same as a force; at constant speed to and fro likewise.
 _LIKE_A_BIAS = ('contact_offset', 'asymmetric_damping')
@@ -222,7 +221,7 @@ def _promising(
     A part with a single event, such as a drive at its stop, outweighs no other here either.
     """
     if _is_little(recordings, present, channel):
-        least_share = _SURELY
+        least_share = OF_LITTLE
     columns = slice(None) if channel is None else channel
     before = costs_by_channel(recordings, present, counts)
     noise = noise_by_channel(recordings, present.model, counts)
@@ -252,16 +251,12 @@ def _sure_of_little(
 
 
 def _is_sure(one: Candidate, zeros: Zeros, before: Array) -> bool:
-    """
-    Return whether a law explains nearly all of the little that shows, beside the zeros too.
-
-    A rig has several small imperfections, of which none stands out.
-    """
+    """Return whether a law explains nearly all of the little that shows, beside the zeros too."""
     if one.flexible or resembles_zero(one.name):
         return False
     shares = (share_of(before, one.errors, zeros.parts, before, one.channel),
               zeros.share_beside(one))
-    return all(share.share >= _SURELY and share.interval[0] >= _AT_LEAST for share in shares)
+    return all(map(is_sure_of_little, shares))
 
 
 def _adequate(

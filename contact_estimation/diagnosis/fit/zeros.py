@@ -28,7 +28,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .candidate import Candidate
-from .criteria import predicts_enough, SHARE
+from .criteria import is_sure_of_little, predicts_enough, SHARE
 from .discrepancy import material, weighed
 from .fitting import Fit, fit, fit_to_end
 from .invariance import left_out_errors, Share, share_of
@@ -125,12 +125,15 @@ class Zeros(NamedTuple):
         -------
         candidate : Candidate or None
             With the zeros that it needs; None if it predicts too little beside them, or if it
-            is a curve in a channel of which they leave a trifle.
+            is a curve in a channel of which they leave a trifle, or no sure law of it.
 
         """
-        if one.flexible and one.channel is not None and one.channel not in self.material:
+        little = one.channel is not None and one.channel not in self.material
+        if little and one.flexible:
             return None
         made, of_present = self._beside_all(one)
+        if little and not is_sure_of_little(of_present):
+            return None
         names = self._others(one)
         values = one.found.model.values[one.found.model.place(one.name)]
         of_whole = share_of(self.errors, made.errors, self.parts, self.whole)

@@ -1,0 +1,58 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""A robot that leaves a wall which the model says it is attached to."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .check import Finding, Test
+from .evidence import Evidence
+
+_FREE = 0.1  # of the range of the motion
+
+
+def find(evidence: Evidence) -> Finding:
+    """
+    Find free flight of a robot that the model attaches to the wall.
+
+    A specimen without a command may well be slack; a robot that is commanded leaves the wall.
+
+    Parameters
+    ----------
+    evidence : Evidence
+        Of a recording.
+
+    Returns
+    -------
+    finding : Finding
+        Not ok if the force begins within the motion, and a reference commands it.
+
+    """
+    if evidence.model.environment.unilateral:
+        return Finding(True, 'the model lets the tool leave the wall')
+    if len(evidence.whole.reference_t) < 2:
+        return Finding(True, 'no reference_trajectory: not the robot of eq. (1)')
+    onset = evidence.onset
+    x = evidence.smooth.x
+    free = 0.0 if onset is None else onset.position - float(np.min(x))
+    text = f'the force is that of free flight over {1e3 * free:.3g} mm of the motion'
+    if free <= _FREE * float(np.ptp(x)):
+        return Finding(True, text)
+    return Finding(False, f'{text}, expected a wall that the tool is attached to '
+                          '(environment.unilateral: false); set environment.unilateral to true')
+
+
+TEST = Test(find, after=('excitation', 'clock_offset', 'sampling_rate'))
