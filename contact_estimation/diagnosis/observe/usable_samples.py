@@ -87,23 +87,23 @@ def force_drops(observed: Observed, noise: float) -> Flags | None:
     Returns
     -------
     dropped : ndarray of bool, shape (N,), or None
-        No force between pressing samples less than half a second apart, one sample in between
-        aside; None with fewer than three such drops.
+        No force between pressing samples less than half a second apart, one sample on either
+        way aside; None with fewer than three drops without such a sample.
 
     """
     o = observed
     strong = max(20.0 * noise, 0.05 * float(np.max(np.abs(o.force))))
     weak, pressing = np.abs(o.force) < 5.0 * noise, o.force < -strong
-    dropped, drops = np.zeros(len(o.t), bool), 0
+    dropped, sharp = np.zeros(len(o.t), bool), 0
     for first, stop in stretches(weak):
         inside = weak[first] and 0 < first and stop < len(o.t)
-        brief = (stop - first) * o.h < _DROP_S * min(o.pace, 1.0)
+        if not inside or (stop - first) * o.h >= _DROP_S * min(o.pace, 1.0):
+            continue
+        sharp += bool(pressing[first - 1] and pressing[stop])
         # The sensor may catch the force on its way.
-        before, after = pressing[max(0, first - 2):first], pressing[stop:stop + 2]
-        if inside and brief and before.any() and after.any():
-            dropped[first:stop] = True
-            drops += 1
-    return dropped if drops >= _LEAST_DROPS else None
+        dropped[first:stop] = pressing[max(0, first - 2):first].any() and (
+            pressing[stop:stop + 2].any())
+    return dropped if sharp >= _LEAST_DROPS else None
 
 
 def default_block(observed: Observed) -> int:
