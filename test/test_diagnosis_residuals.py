@@ -249,6 +249,16 @@ def test_force_drops_during_contact_are_found() -> None:
     np.testing.assert_array_equal(found, expected)
 
 
+def test_drops_with_a_sample_on_the_way_count_beside_sharp_ones_alone() -> None:
+    force = pressed(4, 20)
+    force[650] = -2.0  # between none and pressing
+    dropped = force_drops(observed_force(force), 0.1)
+    assert dropped is not None and dropped[651:670].all() and not dropped[650]
+    for begin in (200, 350, 500, 650):  # bounces: the force rises and falls over samples
+        force[begin] = force[begin + 20] = -2.0
+    assert force_drops(observed_force(force), 0.1) is None
+
+
 @pytest.mark.parametrize('drops, samples', [(0, 0), (2, 20), (4, 140)])
 def test_few_or_long_gaps_are_no_drops(drops: int, samples: int) -> None:
     assert force_drops(observed_force(pressed(drops, samples)), 0.1) is None

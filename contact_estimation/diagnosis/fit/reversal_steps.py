@@ -61,7 +61,7 @@ class ReversalSteps(NamedTuple):
 
     @property
     def spread(self) -> float:
-        """Standard deviation of the sizes over their mean."""
+        """Return the standard deviation of the sizes over their mean."""
         return float(np.std(self.sizes, ddof=1) / abs(np.mean(self.sizes)))
 
     @property
