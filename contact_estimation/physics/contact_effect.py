@@ -16,12 +16,16 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Any, ClassVar
 
 import numpy as np
 
 from .effect import Effect
 from .numeric import Array, Flags, Number
+
+HOOKS = ('surface', 'transmit', 'deflection', 'spring', 'damper', 'resistance', 'tail')
+"""Methods by which a law changes the force, in the order of evaluation."""
 
 
 class ContactEffect(Effect):
@@ -65,8 +69,7 @@ class ContactEffect(Effect):
     @classmethod
     def adds_force(cls) -> bool:
         """Return whether the law adds to the force of the wall and changes nothing else of it."""
-        changes = any(getattr(cls, hook) is not getattr(ContactEffect, hook)
-                      for hook in ('surface', 'transmit', 'deflection', 'spring', 'damper'))
+        changes = overridden(cls) & {'surface', 'transmit', 'deflection', 'spring', 'damper'}
         return not (changes or cls.replaces_stiffness or cls.replaces_damping)
 
     def surface(self, t: Number, state: Any, m: Any) -> tuple[Any, Any]:
@@ -264,3 +267,10 @@ class ContactEffect(Effect):
             state = self.settle(d_1, v_1, c_1, state)
             states.append(state)
         return np.array(states).T
+
+
+@lru_cache(maxsize=None)
+def overridden(cls: type[ContactEffect]) -> frozenset[str]:
+    """Return which of `HOOKS` the law of a class changes; cached, since every fit step asks."""
+    return frozenset(hook for hook in HOOKS
+                     if getattr(cls, hook) is not getattr(ContactEffect, hook))

@@ -16,20 +16,18 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
 import math
 from typing import Any, NamedTuple, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .contact_effect import ContactEffect
+from .contact_effect import ContactEffect, overridden
 from .effect import Effect
 from .kept_motion import KeptMotion, WallMotion
 from .numeric import Array
 
 State = tuple[float, ...]
-_HOOKS = ('surface', 'transmit', 'deflection', 'spring', 'damper', 'resistance')
 _KEPT = KeptMotion()
 
 
@@ -89,15 +87,15 @@ class ContactLaw:
         placed = [(effect, slice(a, b)) for effect, a, b in zip(wall, starts[:-1], starts[1:])]
         # Only overridden hooks are called: a plant evaluates the law 20 000 times per second.
         self._surfaces, self._transmissions, self._deflections, self._springs = (
-            [place for place in placed if _overrides(place[0], hook)]
+            [place for place in placed if hook in overridden(type(place[0]))]
             for hook in ('surface', 'transmit', 'deflection', 'spring')
         )
         self._dampers, self._resistances, self._tails = (
-            [place for place in placed if _overrides(place[0], hook)]
+            [place for place in placed if hook in overridden(type(place[0]))]
             for hook in ('damper', 'resistance', 'tail')
         )
         self._stateful = [place for place in placed if place[0].states]
-        self._is_plain = not any(_overrides(effect, hook) for effect in wall for hook in _HOOKS)
+        self._is_plain = not any(overridden(type(effect)) - {'tail'} for effect in wall)
 
     @property
     def bends_stiffness(self) -> bool:
@@ -309,13 +307,3 @@ def _shaping(effect: ContactEffect) -> tuple[type, tuple[float, ...]]:
     """Return an effect's type and the values on which its states and motion depend."""
     return type(effect), tuple(
         value for name, value in vars(effect.values).items() if name not in effect.weights)
-
-
-def _overrides(effect: ContactEffect, hook: str) -> bool:
-    return hook in _overridden(type(effect))
-
-
-@lru_cache(maxsize=None)
-def _overridden(cls: type[ContactEffect]) -> frozenset[str]:
-    return frozenset(hook for hook in (*_HOOKS, 'tail')
-                     if getattr(cls, hook) is not getattr(ContactEffect, hook))

@@ -95,27 +95,32 @@ class JointClock:
     def _tried(self) -> list[float]:
         """List the latenesses that a selection may confirm, the likeliest first."""
         of_delay = [share * self._delay for share in _TRIED if self._delay]
-        scans = [(self._left(late, model), late, model)
-                 for model in {self._base, self._rest} for late in _SCANNED]
+        scans = []
+        for late in _SCANNED:
+            prepared = self._prepared(late)
+            scans += [(_left(prepared, model), late, model)
+                      for model in dict.fromkeys((self._base, self._rest))]
         least, late, model = min(scans, key=lambda scan: scan[:2])
         if least > (_WITH_DELAY if self._delay else _PROMISING) * self._misfit:
             return []
-        nearby = minimize_scalar(self._left, bounds=(0.7 * late, 1.4 * late), args=(model,),
-                                 method='bounded', options={'maxiter': 8})
+        nearby = minimize_scalar(lambda by: _left(self._prepared(by), model), method='bounded',
+                                 bounds=(0.7 * late, 1.4 * late), options={'maxiter': 8})
         return [float(nearby.x), *of_delay]
 
-    def _left(self, late: float, model: Model) -> float:
-        """Return the misfit of effects that are not selected again."""
-        prepared: Recordings = [
-            discounted(prepare(one, self._base, hold=self._hold), self._base)
-            for one in self._earlier(late)]
-        nominal = Model.of(model.nominal).values  # what is late bends the damping
-        start = model.at([*nominal, *model.values[len(nominal):]])
-        return _misfit(fit(prepared, start, steps=8))
+    def _prepared(self, late: float) -> Recordings:
+        return [discounted(prepare(one, self._base, hold=self._hold), self._base)
+                for one in self._earlier(late)]
 
     def _earlier(self, by: float) -> list[Recording]:
         return [replace(one, signals=one.signals._replace(joint_t=one.signals.joint_t - by))
                 for one in self._raw]
+
+
+def _left(recordings: Recordings, model: Model) -> float:
+    """Return the misfit of effects that are not selected again."""
+    nominal = Model.of(model.nominal).values  # what is late bends the damping
+    start = model.at([*nominal, *model.values[len(nominal):]])
+    return _misfit(fit(recordings, start, steps=8))
 
 
 def _misfit(found: Fit) -> float:

@@ -69,12 +69,15 @@ class Ranking(NamedTuple):
         Whether the first holds in form alone: its size differs from part to part.
     pair : tuple of str
         The last two effects of the first, if they predict only together.
+    at_reversals : bool
+        Whether the first is a friction that the reversals of the motion tell.
 
     """
 
     found: list[Fit]
     in_form: bool = False
     pair: tuple[str, ...] = ()
+    at_reversals: bool = False
 
 
 def rank_by_prediction(

@@ -107,9 +107,8 @@ def select(
         The effects taken, and their rivals.
 
     """
-    best, evidence, rivals, in_form = base, dict[str, float](), Rivals(), ''
-    pair: tuple[str, ...] = ()
-    at_reversals = ''
+    best, evidence, rivals = base, dict[str, float](), Rivals()
+    in_form, at_reversals, pair = '', '', tuple[str, ...]()
     while _law_count(best.model) < MOST_EFFECTS and not _is_explained(recordings, base, best):
         carried, present = _carried(recordings, best)
         found = search(carried, present, progress)
@@ -127,13 +126,8 @@ def select(
                 best, rivals = exchange(recordings, best, rivals, progress)
         else:
             progress('parts left out')
-            ranking = (_ranked(carried, present, base, found) if has_discrepancy(carried)
-                       else Ranking([]))
+            ranking = _ranked(carried, present, base, found)
             if not ranking.found:
-                friction = friction_at_reversals(carried, present, found)
-                if friction is not None:
-                    best = fit(recordings, friction.model)
-                    at_reversals = best.model.effects[-1]
                 break
             ranked = ranking.found
             if _is_curve(recordings, ranked[0]):
@@ -141,8 +135,9 @@ def select(
             pair = pair or ranking.pair
             best = fit(recordings, ranked[0].model)
             rivals[best.model.effects[-1]] = ranked[1:]
-            if ranking.in_form:  # what its size leaves would be taken for something else
-                in_form = best.model.effects[-1]
+            if ranking.in_form or ranking.at_reversals:  # what is left would get a false name
+                in_form = best.model.effects[-1] if ranking.in_form else ''
+                at_reversals = best.model.effects[-1] if ranking.at_reversals else ''
                 break
     if leaves_noise(best):
         best, rivals = prune(recordings, best, rivals)
@@ -211,10 +206,16 @@ def _evidence(recordings: Recordings, present: Fit, found: Sequence[Fit]) -> dic
 def _ranked(
     recordings: Recordings, present: Fit, base: Fit, found: Sequence[Fit]
 ) -> Ranking:
-    """Rank the candidates of other families than those of the model by prediction."""
-    families = {EFFECTS[name].family for name in present.model.effects}
-    others = [one for one in found if EFFECTS[one.model.effects[-1]].family not in families]
-    return rank_by_prediction(recordings, present, base.model, others)
+    """Rank the candidates of other families by prediction, else tell friction by reversals."""
+    ranking = Ranking([])
+    if has_discrepancy(recordings):
+        families = {EFFECTS[name].family for name in present.model.effects}
+        others = [one for one in found if EFFECTS[one.model.effects[-1]].family not in families]
+        ranking = rank_by_prediction(recordings, present, base.model, others)
+    if ranking.found:
+        return ranking
+    friction = friction_at_reversals(recordings, present, found)
+    return ranking if friction is None else Ranking([friction], at_reversals=True)
 
 
 def _is_curve(recordings: Recordings, found: Fit) -> bool:
