@@ -249,3 +249,11 @@ def test_only_other_families_take_a_part_of_a_probability() -> None:
         ('coulomb_friction', (1.0,)))]
     assert _other_families('elastic_law', rivals) == {'friction'}
     assert _other_families('friction', rivals[1:]) == set()
+
+
+def test_a_presliding_friction_comes_near_its_end() -> None:
+    recording, found = prepared(specimen(TO_AND_FRO, 0.0))
+    reach = float(np.ptp(recording.observed.x))
+    for travel, credible in ((3.0 * reach, True), (3.2 * reach, False)):  # ln 5 travel: 5 reach
+        model = found.model.with_effect('presliding_friction', (0.1, 0.1 / travel))
+        assert is_credible([recording], model) is credible

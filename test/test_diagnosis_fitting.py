@@ -213,6 +213,13 @@ def test_creep_beyond_the_force_itself_is_implausible() -> None:
     assert not model.with_effect('force_creep', (0.2, 0.001)).plausible()
 
 
+def test_creep_of_a_few_percent_fits_almost_anything() -> None:
+    model = prepared_from(recorded())[1]
+    for share, flexible in ((0.02, True), (0.04, False)):
+        crept = model.with_effect('force_creep', (share, 0.5))
+        assert crept.is_flexible('force_creep', 60.0) is flexible
+
+
 def test_friction_that_rises_is_implausible() -> None:
     model = Model.of(nominal())
     assert model.with_effect('stribeck_friction', (1.0, 2.0, 0.01)).plausible()

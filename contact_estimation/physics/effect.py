@@ -80,6 +80,8 @@ class Effect(ABC):
     reached_length : str
         Parameter that is a length a fair part of which the motion has to cover; '' if there is
         none.
+    covered_depth : str
+        The same, of the motion in contact.
     resolved_length : str
         Parameter that is a length well above the noise of the positions; '' if there is none.
     sampled_frequency : str
@@ -118,6 +120,7 @@ class Effect(ABC):
     is_series: ClassVar[bool] = False
     reached_force: ClassVar[str] = ''
     reached_length: ClassVar[str] = ''
+    covered_depth: ClassVar[str] = ''
     resolved_length: ClassVar[str] = ''
     sampled_frequency: ClassVar[str] = ''
     sampled_delay: ClassVar[str] = ''

@@ -49,7 +49,7 @@ class ExponentialStiffness(ContactEffect):
     description = 'The stiffness of the wall rises exponentially with the depth (soft tissue).'
     Parameters = ExponentialStiffnessParameters
     in_logarithm = ('depth',)
-    reached_length = 'depth'
+    covered_depth = 'depth'
 
     def resistance(self, t: Number, d: Number, v: Number, state: Any, m: Any) -> Number:
         """Return A (exp(d / depth) - 1 - d / depth); see `ContactEffect.resistance`."""

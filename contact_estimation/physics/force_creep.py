@@ -29,8 +29,9 @@ from .random_strength import log_uniform, Strength
 from .scales import Scales
 from ..parameters.specification import optional_parameter, ParameterGroup
 
-_FASTEST_S = 0.05  # of creep; what is faster is dynamics of the sensor
+_FASTEST_S = 0.1  # of creep; what is faster is dynamics of the sensor
 _LONGEST = 0.1  # of the recording
+_USUAL = 0.03  # share of the force that small imperfections of a rig look like
 
 
 @dataclass(frozen=True)
@@ -90,8 +91,13 @@ class ForceCreep(ForceSensorEffect):
 
     @classmethod
     def is_flexible(cls, values: Any, duration: float) -> bool:
-        """Is one that is still going on at the end: a zero that settles looks the same."""
-        return bool(values.tau > _LONGEST * duration)
+        """
+        Is one that is still going on at the end, or small.
+
+        A zero that settles looks like the one, and what friction, hum and a warming sensor leave
+        like the other.
+        """
+        return bool(values.tau > _LONGEST * duration or values.share < _USUAL)
 
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
@@ -106,5 +112,5 @@ class ForceCreep(ForceSensorEffect):
     @classmethod
     def draw(cls, scales: Scales, rng: Generator) -> Strength:
         """Draw tau."""
-        tau = log_uniform(rng, 0.01, 0.08) * scales.duration
+        tau = max(1.5 * _FASTEST_S, log_uniform(rng, 0.01, 0.08) * scales.duration)
         return lambda s: {'share': 0.5 * s, 'tau': tau}

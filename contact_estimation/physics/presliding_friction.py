@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from math import copysign, exp
+from math import copysign, exp, inf, log
 from typing import Any
 
 import numpy as np
@@ -38,6 +38,11 @@ class PreslidingFrictionParameters(ParameterGroup):
 
     F_c: float = optional_parameter('Friction force after a long slide', 'N', minimum=0.0)
     sigma: float = optional_parameter('Stiffness at a reversal', 'N/m', minimum=0.0)
+
+    @property
+    def travel(self) -> float:
+        """Over which the friction rises to four fifths of its end [m]."""
+        return log(5.0) * self.F_c / self.sigma if self.sigma > 0.0 else inf
 
 
 @lru_cache(maxsize=8)
@@ -70,6 +75,7 @@ class PreslidingFriction(ContactEffect):
     Parameters = PreslidingFrictionParameters
     needs_return = True
     reached_force = 'F_c'
+    covered_depth = 'travel'
 
     states = 2
 

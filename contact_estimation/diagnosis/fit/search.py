@@ -27,7 +27,7 @@ from .discrepancy import costs_by_channel, has_discrepancy
 from .fitting import cost_of, derivatives, Fit, fit, fit_at, fit_to_end, step
 from .scales import measure_scales
 from ..observe.model import Model
-from ..observe.prepared_recording import Recordings
+from ..observe.prepared_recording import PreparedRecording, Recordings
 from ..observe.residuals import force_residual
 from ...parameters.specification import ParameterGroup
 from ...physics import EFFECTS
@@ -43,7 +43,7 @@ _FAR = 2.0  # times the noise: power of the residuals
 # Of a clipped force, in standard deviations of its noise and as a share of the limit; of the time,
 # in the direction in which it is clipped less.
 _LEVEL, _SLOPE, _MOST_HELD = 3.0, 0.01, 0.25
-_REACHED, _COVERED = 1.5, 5.0  # of the range of the force, and of that of the motion
+_REACHED, _COVERED = 1.5, 5.0  # of the range of the force, and of that of motion or depth
 _ABOVE_NOISE = 2.0  # of the positions
 _RESOLVED = 0.125  # periods a sample: faster is the course of a force between samples
 _LATE = 0.05  # of a sample period: stamps are known no better
@@ -172,7 +172,7 @@ def may_show(recordings: Recordings, model: Model, name: str) -> bool:
 
     """
     values = EFFECTS[name].Parameters(*model.values[model.place(name)])
-    if EFFECTS[name].vanishes(values) or not _is_reached(recordings, name, values):
+    if EFFECTS[name].vanishes(values) or not _is_reached(recordings, model, name, values):
         return False
     if name != 'force_saturation':
         return True
@@ -189,20 +189,30 @@ def may_show(recordings: Recordings, model: Model, name: str) -> bool:
     return bool(held_by_side.any()) and bool(held_by_side.min() <= _MOST_HELD * count)
 
 
-def _is_reached(recordings: Recordings, name: str, values: ParameterGroup) -> bool:
+def _is_reached(
+    recordings: Recordings, model: Model, name: str, values: ParameterGroup
+) -> bool:
     """Return whether force, motion, rate and duration are large enough for an effect to show."""
     force = getattr(values, EFFECTS[name].reached_force, 0.0)
     length = abs(getattr(values, EFFECTS[name].reached_length, 0.0))
+    depth = getattr(values, EFFECTS[name].covered_depth, 0.0)
     resolved = getattr(values, EFFECTS[name].resolved_length, np.inf)
     frequency = getattr(values, EFFECTS[name].sampled_frequency, 0.0)
     delay = getattr(values, EFFECTS[name].sampled_delay, np.inf)
     return any(force <= _REACHED * float(np.ptp(one.observed.force))
                and length <= _COVERED * float(np.ptp(one.observed.x))
+               and (not depth or depth <= _COVERED * _depth(one, model))
                and resolved >= _ABOVE_NOISE * one.observed.position_noise
                and frequency * one.observed.h <= _RESOLVED
                and delay >= _LATE * one.observed.h
                and EFFECTS[name].is_resolved(values, float(one.observed.t[-1]))
                for one in recordings)
+
+
+def _depth(recording: PreparedRecording, model: Model) -> float:
+    """Return the range of the motion in contact [m]."""
+    inside = recording.blocks(recording.observed.x)[recording.touching(model)]
+    return float(np.ptp(inside)) if len(inside) else 0.0
 
 
 def nearest(recordings: Recordings, near: Sequence[Fit]) -> list[Fit]:
