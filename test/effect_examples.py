@@ -70,6 +70,7 @@ EXAMPLES: dict[str, tuple[float, ...]] = {
     'robot_drag': (800.0,),
     'impedance_mismatch': (0.8, 1.2, 1.1),
     'reflected_inertia': (6.0,),
+    'joint_flexibility': (5e-5, 0.2, 0.1),
     'command_delay': (0.013,),
     'actuator_lag': (0.012,),
     'actuator_saturation': (40.0,),

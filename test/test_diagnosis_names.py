@@ -90,6 +90,7 @@ WORLDS: dict[str, tuple[float, ...]] = {
     'robot_drag': (600.0,),
     'impedance_mismatch': (0.95, 1.1, 1.05),
     'reflected_inertia': (1.5,),
+    'joint_flexibility': (4e-5, 0.2, 0.1),
     'command_delay': (0.006,),
     'actuator_lag': (0.006,),
     'actuator_saturation': (90.0,),
@@ -97,9 +98,12 @@ WORLDS: dict[str, tuple[float, ...]] = {
 }
 """Parameters at which an effect is felt: it leaves 1 to 5 N, or as much in the motion."""
 
-# Its v_s feels the steps of the integration.
-FINER: dict[str, dict[str, Any]] = {'stribeck_friction': {'integration_rate': 5000.0}}
-BOUND, WIDE = 0.04, {('bouc_wen_hysteresis', 'gamma'): 0.15}
+# Its v_s feels the steps of the integration; a joint that rings, the lines between the samples of
+# the reference.
+FINER: dict[str, dict[str, Any]] = {'stribeck_friction': {'integration_rate': 5000.0},
+                                    'joint_flexibility': {'sample_rate': 500.0}}
+BOUND, WIDE = 0.04, {('bouc_wen_hysteresis', 'gamma'): 0.15,
+                     ('joint_flexibility', 'damping_ratio'): 0.15}
 EVERY = pytest.mark.parametrize('name', EFFECTS)
 
 

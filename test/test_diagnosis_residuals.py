@@ -35,7 +35,6 @@ from contact_estimation.diagnosis.observe.observed import Observed
 from contact_estimation.diagnosis.observe.observer import discretise
 from contact_estimation.diagnosis.observe.prepared_recording import PreparedRecording
 from contact_estimation.diagnosis.observe.residuals import (
-    at_touch_down,
     force_residual,
     huber,
     motion_residual,
@@ -44,6 +43,7 @@ from contact_estimation.diagnosis.observe.residuals import (
     ROBUST,
 )
 from contact_estimation.diagnosis.observe.signals import Signals
+from contact_estimation.diagnosis.observe.touch_down import at_touch_down
 from contact_estimation.diagnosis.observe.usable_samples import default_block, force_drops, usable
 import numpy as np
 from numpy.typing import NDArray

@@ -100,7 +100,7 @@ RATES: dict[str, Callable[..., float]] = {
         v - beta * abs(v) * z - gamma * v * abs(z)),
 }
 TRANSFORMED = {'fractional_relaxation'}
-LAGGING, RESONANT = {'actuator_lag'}, {'environment_resonance'}
+LAGGING, RESONANT, JOINTED = {'actuator_lag'}, {'environment_resonance'}, {'joint_flexibility'}
 # Facts about them: test_effect_laws.py
 NOT_SMOOTH = {'adhesion', 'backlash', 'dmt_adhesion', 'impact_damping', 'plastic_set',
               'unloading_hysteresis'}
@@ -115,7 +115,8 @@ def positions(name: str, integration_rate: float = 5e3, **values: Any) -> Any:
 
 
 def test_every_effect_is_compared() -> None:
-    compared = {*INDEPENDENT, *RATES, *TRANSFORMED, *LAGGING, *RESONANT, *NOT_SMOOTH}
+    compared = {*INDEPENDENT, *RATES, *TRANSFORMED, *LAGGING, *RESONANT, *JOINTED,
+                *NOT_SMOOTH}
     assert {n for n, cls in EFFECTS.items() if cls.port != 'force_sensor'} == compared
 
 
@@ -169,6 +170,22 @@ def test_world_with_a_resonance_is_that_of_an_independent_integration() -> None:
     begin = [START, 0.0, START, 0.0]
     expected = solve_ivp(rates, (0.0, T[-1]), begin, t_eval=T, max_step=2e-3, **SMOOTH)
     got = positions('environment_resonance', environment__unilateral=False)
+    np.testing.assert_allclose(got, expected.y[0], atol=1e-8)
+    assert np.max(np.abs(got - positions('', environment__unilateral=False))) > 1e-4
+
+
+def test_world_with_a_joint_is_that_of_an_independent_integration() -> None:
+    compliance, share, ratio = example_values('joint_flexibility')
+    m, c = share * M_t, 2.0 * ratio * np.sqrt(share * M_t / compliance)
+
+    def rates(t: float, s: list[float]) -> list[float]:
+        x, v, y, w = s
+        f = (x - y) / compliance + c * (v - w)
+        return [v, (control(t, x, v) - f) / (M_t - m), w, (f - K_e * y - B_e * w) / m]
+
+    begin = [START, 0.0, START, 0.0]
+    expected = solve_ivp(rates, (0.0, T[-1]), begin, t_eval=T, max_step=2e-3, **SMOOTH)
+    got = positions('joint_flexibility', environment__unilateral=False)
     np.testing.assert_allclose(got, expected.y[0], atol=1e-8)
     assert np.max(np.abs(got - positions('', environment__unilateral=False))) > 1e-4
 

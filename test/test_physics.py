@@ -45,6 +45,8 @@ VANISHING = {  # where 0 or the neutral value is out of range, or another has to
     'viscoelastic_relaxation': {'physics__viscoelastic_relaxation__tau': 1.0},
     'fractional_relaxation': {'physics__fractional_relaxation__alpha': 0.5},
     'settling_bias': {'physics__settling_bias__tau': 1.0},
+    'joint_flexibility': {'physics__joint_flexibility__link_share': 0.5,
+                          'physics__joint_flexibility__damping_ratio': 0.5},
     'environment_resonance': {'physics__environment_resonance__frequency': 5.0,
                               'physics__environment_resonance__damping_ratio': 0.1},
     'force_creep': {'physics__force_creep__tau': 1.0},

@@ -48,6 +48,7 @@ from .fractional_relaxation import FractionalRelaxation
 from .hunt_crossley_damping import HuntCrossleyDamping
 from .impact_damping import ImpactDamping
 from .impedance_mismatch import ImpedanceMismatch
+from .joint_flexibility import JointFlexibility
 from .moving_environment import MovingEnvironment
 from .plastic_set import PlasticSet
 from .polynomial_stiffness import PolynomialStiffness
@@ -110,6 +111,7 @@ EFFECTS: dict[str, type[Effect]] = {
     'robot_drag': RobotDrag,
     'impedance_mismatch': ImpedanceMismatch,
     'reflected_inertia': ReflectedInertia,
+    'joint_flexibility': JointFlexibility,
     'command_delay': CommandDelay,
     'actuator_lag': ActuatorLag,
     'actuator_saturation': ActuatorSaturation,

@@ -73,7 +73,7 @@ class ContactLaw:
         self, stiffness: float, damping: float, location: float, inertia: float,
         unilateral: bool, effects: Sequence[Effect],
     ) -> None:
-        self._K_e, self._B_e, self._x_e = stiffness, damping, location
+        self.stiffness, self.damping, self._x_e = stiffness, damping, location
         self.unilateral = unilateral
         wall = [effect for effect in effects if isinstance(effect, ContactEffect)]
         self.effects = wall
@@ -151,7 +151,7 @@ class ContactLaw:
         if self._is_plain and not self._tails:
             d = x - self._x_e
             contact = d > 0.0 if self.unilateral else True
-            return Touch(contact, self._K_e * d + self._B_e * v, 0.0)
+            return Touch(contact, self.stiffness * d + self.damping * v, 0.0)
         d, v, engaged = self.penetration(t, x, v, states, m)
         return self._touch(t, d, v, engaged, states, m)
 
@@ -166,7 +166,7 @@ class ContactLaw:
         deflection = d
         for effect, _ in self._deflections:
             deflection = effect.deflection(deflection, m)
-        spring, damper = self._K_e * deflection, self._B_e * v
+        spring, damper = self.stiffness * deflection, self.damping * v
         for effect, _ in self._springs:
             spring = effect.spring(t, d, spring, m)
         for effect, _ in self._dampers:
@@ -179,7 +179,7 @@ class ContactLaw:
     def resistance(self, t: Any, x: Any, v: Any, states: Any, m: Any) -> Any:
         """Return the resistance in contact without inertia [N]; parameters as `penetration`."""
         if self._is_plain:
-            return self._K_e * (x - self._x_e) + self._B_e * v
+            return self.stiffness * (x - self._x_e) + self.damping * v
         d, v, _ = self.penetration(t, x, v, states, m)
         return self._resistance(t, d, v, states, m)
 

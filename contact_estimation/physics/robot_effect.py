@@ -19,6 +19,7 @@ from __future__ import annotations
 from typing import Any
 
 from .effect import Effect
+from .joint import Joint
 from .numeric import Number
 
 
@@ -76,3 +77,20 @@ class RobotEffect(Effect):
 
         """
         return 0.0 * velocity
+
+    def joint(self, mass: float) -> Joint | None:
+        """
+        Return the spring between the motor, whose position is measured, and the link.
+
+        Parameters
+        ----------
+        mass : float
+            Of both [kg].
+
+        Returns
+        -------
+        joint : Joint or None
+            None for a rigid robot.
+
+        """
+        return None

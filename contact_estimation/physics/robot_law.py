@@ -32,7 +32,8 @@ class RobotLaw:
     Eq. (1) as a force on a mass: mass xdd = force + F_e.
 
     force = f - drag(xd), tau f' + f = control(M_t xdd_r - B_t (xd - xd_r) - K_t (x - x_r) + F_r),
-    the reference delayed by `reference_delay`, F_r with force tracking only.
+    the reference delayed by `reference_delay`, F_r with force tracking only. With a joint the
+    force drives the motor, and the joint drives the link.
 
     Parameters
     ----------
@@ -44,13 +45,16 @@ class RobotLaw:
     Attributes
     ----------
     mass : float
-        Moving mass [kg].
+        Moving mass [kg], motor and link.
+    joint : Joint or None
+        Spring between motor and link.
     damping, stiffness : float
         Of the impedance law [N s/m], [N/m].
     reference_delay : float
         Delay of the reference [s].
     states : int
-        1 with a lag of the drives, whose state is f [N], else 0.
+        Number of internal states: position [m] and velocity [m/s] of the motor with a joint, then
+        f [N] with a lag of the drives.
 
     """
 
@@ -64,7 +68,9 @@ class RobotLaw:
         self.mass = self._feed_forward + sum(effect.reflected_inertia for effect in arm)
         self.reference_delay = sum(effect.reference_delay for effect in arm)
         self._lag = sum(effect.actuator_lag for effect in arm)
-        self.states = int(self._lag > 0.0)
+        joints = [effect.joint(self._feed_forward) for effect in arm]
+        self.joint = next((joint for joint in joints if joint is not None), None)
+        self.states = 2 * (self.joint is not None) + (self._lag > 0.0)
         self._controls = [e for e in arm if type(e).control is not RobotEffect.control]
         self._drags = [e for e in arm if type(e).drag is not RobotEffect.drag]
 
@@ -116,9 +122,75 @@ class RobotLaw:
             f = f - effect.drag(v, m)
         return f
 
-    def rate(self, u: float, f: float) -> float:
-        """Return f' [N/s] where a control force u is asked of drives that lag [N]."""
-        return (u - f) / self._lag
+    @property
+    def link_mass(self) -> float:
+        """Mass that touches the wall [kg]."""
+        return self.mass if self.joint is None else self.joint.mass
+
+    def at_rest(self, x: float, v: float) -> tuple[float, ...]:
+        """Return the states of a link that moves with its motor; a lag's is not yet known."""
+        moving = () if self.joint is None else (x, v)
+        return (*moving, *(math.nan,) * (self._lag > 0.0))
+
+    def started(
+        self, x: float, v: float, states: tuple[float, ...], reference: Any
+    ) -> tuple[float, ...]:
+        """Return the states once the reference is known; parameters as `drive` and `rates`."""
+        if not self._lag or states[-1] == states[-1]:
+            return states
+        return (*states[:-1], self.control(*self.motor(x, v, states), reference, math))
+
+    def motor(self, x: float, v: float, states: tuple[float, ...]) -> tuple[float, float]:
+        """Return position [m] and velocity [m/s] as measured; parameters as `drive`."""
+        return (x, v) if self.joint is None else (states[0], states[1])
+
+    def drive(self, x: float, v: float, states: tuple[float, ...]) -> float:
+        """
+        Return the force that drives the link of a law with states.
+
+        Parameters
+        ----------
+        x, v : float
+            Position [m] and velocity [m/s] of the link.
+        states : tuple of float, length `states`
+            Internal states.
+
+        Returns
+        -------
+        force : float
+            Without F_e [N].
+
+        """
+        if self.joint is None:
+            return float(self.less_drag(states[-1], v, math))
+        return float(self.joint.force(states[0] - x, states[1] - v))
+
+    def rates(
+        self, x: float, v: float, states: tuple[float, ...], reference: Any
+    ) -> tuple[float, ...]:
+        """
+        Return the rates of the internal states.
+
+        Parameters
+        ----------
+        x, v, states
+            As for `drive`.
+        reference : sequence of float, length 4
+            As of `impedance_force`.
+
+        Returns
+        -------
+        rates : tuple of float, length `states`
+            Time derivatives.
+
+        """
+        x_m, v_m = self.motor(x, v, states)
+        u = self.control(x_m, v_m, reference, math)
+        f, lag = (states[-1], ((u - states[-1]) / self._lag,)) if self._lag else (u, ())
+        if self.joint is None:
+            return lag
+        push = self.less_drag(f, v_m, math) - self.joint.force(x_m - x, v_m - v)
+        return (v_m, push / (self.mass - self.joint.mass), *lag)
 
     def force_along(self, t: Array, x: Array, v: Array, reference: Array) -> Array:
         """

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from functools import partial
 import math
-from math import ceil, isnan, nan
+from math import ceil, nan
 from typing import Any, NamedTuple, Sequence
 
 from .contact_mode import FREE, HELD, Instant, Mode, PRESSING, SLACK
@@ -45,7 +45,8 @@ class Truth(NamedTuple):
     t : float
         Time [s].
     position, velocity, acceleration : float
-        Motion of the end-effector [m], [m/s], [m/s^2].
+        Motion of the end-effector [m], [m/s], [m/s^2]: behind a flexible joint position and
+        velocity are those of the motor, as measured, the acceleration that of the link.
     force : float
         F_e [N], negative while pressing.
     sensed : float
@@ -124,14 +125,14 @@ class World:
         self._rate = parameters.integration_rate
         if [effect.name for effect in effects] != before:
             self._state = (*self._state[:2], *(0.0,) * self._law.states)
-            self._state += (nan,) * law.states  # until the reference is known
+            self._state += law.at_rest(*self._state[:2])
             self._reference = None
         self._forget()
 
     @property
     def position(self) -> float:
-        """Position x of the end-effector [m]."""
-        return self._state[0]
+        """Measured position of the end-effector [m]."""
+        return self._measured()[0]
 
     def advance(self, duration: float, reference: ReferenceAt) -> None:
         """
@@ -171,7 +172,7 @@ class World:
 
         """
         self._follow(reference)
-        x, v, *_ = self._state
+        x, v = self._measured()
         self._present = self._present or self._look(self.t, self._state)
         acceleration, force, _ = self._present
         return Truth(self.t, x, v, acceleration, force, self._sense(force, acceleration))
@@ -190,10 +191,10 @@ class World:
         if reference is not self._reference:
             self._reference = reference
             self._forget()
-            if self._robot.states and isnan(self._state[-1]):
-                x, v, *_ = self._state
-                u = self._robot.control(x, v, self._asked_for(self.t), math)
-                self._state = (*self._state[:-1], u)
+            if self._robot.states:
+                (x, v, *_), first = self._state, 2 + self._law.states
+                self._state = self._state[:first] + self._robot.started(
+                    x, v, self._state[first:], self._asked_for(self.t))
 
     def _forget(self) -> None:
         """Drop what was computed under another reference or other parameters."""
@@ -202,10 +203,15 @@ class World:
 
     # -- equations --------------------------------------------------------------------------
 
+    def _measured(self) -> tuple[float, float]:
+        """Return position [m] and velocity [m/s] of the motor."""
+        x, v, *_ = self._state
+        return self._robot.motor(x, v, self._state[2 + self._law.states:])
+
     def _driving(self, t: float, x: float, v: float, states: State) -> float:
-        """Eq. (1) without F_e: the force that drives the robot's mass."""
+        """Eq. (1) without F_e: the force that drives the mass at the wall."""
         if self._robot.states:
-            return float(self._robot.less_drag(states[-1], v, math))
+            return self._robot.drive(x, v, states[self._law.states:])
         return float(self._drive(x, v, self._asked_for(t)))
 
     def _asked_for(self, t: float) -> tuple[float, float, float, float]:
@@ -219,7 +225,7 @@ class World:
 
     def _look(self, t: float, state: State) -> Instant:
         """Determine which equation of contact holds, and solve it."""
-        law, mass = self._law, self._robot.mass
+        law, mass = self._law, self._robot.link_mass
         x, v = state[0], state[1]
         u = self._driving(t, x, v, state[2:])
         contact, resistance, free = law.touch(t, x, v, state[2:], math)
@@ -233,7 +239,7 @@ class World:
 
     def _acceleration(self, t: float, x: float, v: float, states: State, mode: Mode) -> float:
         """Solve for the acceleration under the equation of a mode."""
-        u, law, mass = self._driving(t, x, v, states), self._law, self._robot.mass
+        u, law, mass = self._driving(t, x, v, states), self._law, self._robot.link_mass
         if mode is FREE:
             return u / mass
         if mode is PRESSING:
@@ -277,12 +283,11 @@ class World:
         return (v, self._acceleration(t, x, v, states, mode), *self._state_rates(t, x, v, states))
 
     def _state_rates(self, t: float, x: float, v: float, states: State) -> State:
-        """Return the rates of the wall's states, then of the drives' if they lag."""
+        """Return the rates of the wall's states, then of the robot's."""
         rates, robot = self._law.rates(t, x, v, states), self._robot
         if not robot.states:
             return rates
-        asked = robot.control(x, v, self._asked_for(t), math)
-        return (*rates, robot.rate(asked, states[-1]))
+        return rates + robot.rates(x, v, states[self._law.states:], self._asked_for(t))
 
     def _step_with_events(self, h: float, now: Instant) -> Instant:
         """Step, split at switches of the contact equation unless it chatters."""

@@ -78,11 +78,11 @@ def _rows(recording: PreparedRecording, model: Model, name: str) -> tuple[Array,
     """Return a'', -a, x, v and constants, and the force without the mass, below a corner."""
     from scipy.signal import butter, filtfilt  # slow to import
 
-    o, law = recording.observed, model.laws().contact
+    o, laws = recording.observed, model.laws()
     values = np.array(model.values)
     values[model.place(name)] = 0.0
     missing = force_residual(recording, model.at(values))
-    inside = law.contact(o.t, o.x, o.v) if law.unilateral else np.ones(len(o.t), bool)
+    inside = laws.touching(o) if laws.contact.unilateral else np.ones(len(o.t), bool)
     used = recording.use & o.measured & (inside | (EFFECTS[name].port != 'contact'))
     width = 2 * max(1, round(_EDGE_S * o.pace / o.h)) + 1
     used &= np.convolve(~used, np.ones(width), 'same') < 0.5

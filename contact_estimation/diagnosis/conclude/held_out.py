@@ -89,9 +89,9 @@ def measure_part(
     """
     o = recording.observed
     touching = samples & recording.force.use
-    law = models[-1].laws().contact
-    if law.unilateral:
-        inside = law.contact(o.t, o.x, o.v)
+    laws = models[-1].laws()
+    if laws.contact.unilateral:
+        inside = laws.touching(o)
         if (touching & inside).any():
             touching &= inside
     span = max(1, round(_BLOCK_S * o.pace / o.h))

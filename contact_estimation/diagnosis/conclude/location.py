@@ -221,10 +221,11 @@ def _phase(energy: Array, marks: dict[str, Flags]) -> str:
 
 def _region(recording: PreparedRecording, model: Model, energy: Array) -> str:
     """Describe where in the plane of depth and rate the residuals are large."""
-    o, law = recording.observed, model.laws().contact
-    d = recording.blocks(law.motion_along(o.t, o.x, o.v).d)
-    v = recording.blocks(o.v)
-    use = d > 0.0 if law.unilateral else np.ones(len(d), bool)
+    o, laws = recording.observed, model.laws()
+    x, rate, _ = laws.at_wall(o)
+    d, v = (recording.blocks(each) for each in (
+        laws.contact.motion_along(o.t, x, rate).d, rate))
+    use = d > 0.0 if laws.contact.unilateral else np.ones(len(d), bool)
     if use.sum() < 20:
         return 'free flight'
     words = []

@@ -85,8 +85,8 @@ def autocorrelation(recording: PreparedRecording, model: Model) -> float:
 
 
 def _features(recording: PreparedRecording, model: Model) -> Array:
-    o, law = recording.observed, model.laws().contact
-    force, d = law.force_and_depth(o.t, o.x, o.v, o.a)
+    o, laws = recording.observed, model.laws()
+    force, d = laws.contact.force_and_depth(o.t, *laws.at_wall(o))
     inside = (force != 0.0).astype(float)
     signals = [inside, inside * d, inside * o.v, inside * o.a, force, o.x, o.v, o.a,
                inside * np.tanh(o.v / 2e-3), np.tanh(o.v / 2e-3)]

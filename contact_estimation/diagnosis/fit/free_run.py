@@ -112,8 +112,11 @@ def steps_a_sample(model: Model, o: Observed) -> int:
     touch = [laws.contact.touch(0.0, x, v, states[:laws.contact.states], math).resistance
              for v in (0.0, slow)]
     drag = [laws.robot.force(x, v, (x, v, 0.0, 0.0), math) for v in (0.0, slow)]
-    steepness = (touch[1] - touch[0] + drag[0] - drag[1]) / slow / laws.robot.mass
+    steepness = (touch[1] - touch[0] + drag[0] - drag[1]) / slow / laws.robot.link_mass
     steps = max(1, math.ceil(o.h * steepness / _STABLE))
+    if laws.robot.joint is not None:
+        rate = 1.0 / math.sqrt(laws.robot.joint.compliance * laws.robot.link_mass)
+        steps = max(steps, math.ceil(o.h * rate / _RESOLVED))
     if o.pace <= 1.0:
         return steps
     stiffness = max(model.stiffness + laws.robot.stiffness, 0.0)

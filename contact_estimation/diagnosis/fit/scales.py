@@ -57,7 +57,7 @@ def measure_scales(recordings: Recordings, base: Fit) -> Scales:
     depth = speed = force = control = pull = duration = _LEAST
     for recording in recordings:
         o = recording.observed
-        inside = laws.contact.contact(o.t, o.x, o.v) if laws.contact.unilateral else o.t >= 0.0
+        inside = laws.touching(o) if laws.contact.unilateral else o.t >= 0.0
         if not inside.any():
             continue
         depth = max(depth, float(np.max(np.abs(o.x[inside] - model.nominal.environment.location))))
@@ -79,11 +79,11 @@ def measure_scales(recordings: Recordings, base: Fit) -> Scales:
 def _spectrum(recording: PreparedRecording, base: Fit) -> tuple[Tones, Tones]:
     """Find the largest peaks of the contact residual, and the two tones that fit it best."""
     o = recording.observed
-    law = base.model.laws().contact
-    if not law.unilateral:
+    laws = base.model.laws()
+    if not laws.contact.unilateral:
         return (), ()
     residual = force_residual(recording, base.model)
-    use = recording.use & o.measured & (law.force(o.t, o.x, o.v, o.a) < 0.0)
+    use = recording.use & o.measured & (laws.contact.force(o.t, *laws.at_wall(o)) < 0.0)
     stride = max(1, round(_SPACED_S * o.pace / o.h))
     use, r = use[::stride], residual[::stride]
     count = int(np.count_nonzero(use))

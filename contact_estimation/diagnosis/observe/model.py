@@ -23,6 +23,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from .link import link_against_wall
+from .observed import Observed
 from ...parameters.specification import specifications
 from ...physics import EFFECTS
 from ...physics.contact_effect import ContactEffect
@@ -57,6 +59,31 @@ class Laws(NamedTuple):
     contact: ContactLaw
     chain: list[ForceSensorEffect]
     robot: RobotLaw
+
+    def at_wall(self, observed: Observed) -> tuple[Array, Array, Array]:
+        """
+        Return the motion of what touches the wall.
+
+        Parameters
+        ----------
+        observed : Observed
+            Measured motion, of the motor behind a flexible joint, and force.
+
+        Returns
+        -------
+        x, v, a : ndarray, shape (N,)
+            [m], [m/s], [m/s^2].
+
+        """
+        o, joint = observed, self.robot.joint
+        if joint is None:
+            return o.x, o.v, o.a
+        return link_against_wall(joint, self.contact, o.t, o.x, o.v, o.force)
+
+    def touching(self, observed: Observed) -> NDArray[np.bool_]:
+        """Return where the surface is reached, shape (N,); parameters as `at_wall`."""
+        x, v, _ = self.at_wall(observed)
+        return self.contact.contact(observed.t, x, v)
 
 
 @dataclass(frozen=True)

@@ -286,10 +286,10 @@ class PreparedRecording:
             For most of their samples; everywhere for a permanently attached wall.
 
         """
-        o, law = self.observed, model.laws().contact
-        if not law.unilateral:
+        o, laws = self.observed, model.laws()
+        if not laws.contact.unilateral:
             return np.ones(self.block_count, bool)
-        return self.blocks(law.contact(o.t, o.x, o.v).astype(float)) > 0.5
+        return self.blocks(laws.touching(o).astype(float)) > 0.5
 
 
 Recordings = Sequence[PreparedRecording]

@@ -27,9 +27,11 @@ from numpy.typing import NDArray
 
 from .channel import sum_blocks
 from .driven_wall import DrivenWall
+from .link import run_jointed
 from .model import Laws, Model
 from .observer import discretise, innovations, run
 from .prepared_recording import PreparedRecording
+from .touch_down import at_touch_down
 
 Array = NDArray[np.float64]
 
@@ -184,7 +186,7 @@ def force_explains_motion(recording: PreparedRecording, model: Model) -> bool:
 def _wall_force(recording: PreparedRecording, laws: Laws) -> tuple[Array, Array]:
     """Return the wall's force [N] at the measured motion, and the penetration [m]."""
     o = recording.observed
-    force, d = laws.contact.force_and_depth(o.t, o.x, o.v, o.a)
+    force, d = laws.contact.force_and_depth(o.t, *laws.at_wall(o))
     if recording.dropped is not None:
         force = np.where(recording.dropped, 0.0, force)
     return force, d
@@ -207,10 +209,15 @@ def _robot_innovations(recording: PreparedRecording, laws: Laws, force: Array, d
     else:
         push = (robot.force_along(o.t, o.x, o.v, reference) + robot.damping * o.v
                 + robot.stiffness * o.x)
-    push = push + (at_touch_down(force, d) if laws.contact.unilateral else force)
-    system = discretise(robot.mass, robot.damping, robot.stiffness, o.h)
-    misfit = o.raw_position - run(system, push, float(o.x[0]), robot.stiffness)
-    return innovations(misfit, recording.observer, o.observer_cutoff, o.h)
+    if laws.contact.unilateral:
+        force = at_touch_down(force, d)
+    first = float(o.x[0])
+    if robot.joint is not None:
+        moved = run_jointed(robot, push, force, first, o.h)
+    else:
+        system = discretise(robot.mass, robot.damping, robot.stiffness, o.h)
+        moved = run(system, push + force, first, robot.stiffness)
+    return innovations(o.raw_position - moved, recording.observer, o.observer_cutoff, o.h)
 
 
 def _wall_innovations(recording: PreparedRecording, model: Model, memory: float = np.inf) -> Array:
@@ -248,31 +255,3 @@ def huber(values: Array) -> Array:
     bent = values.copy()
     bent[far] = np.sign(values[far]) * np.sqrt(ROBUST * (2.0 * size[far] - ROBUST))
     return bent
-
-
-def at_touch_down(force: Array, d: Array) -> Array:
-    """
-    Keep the impulse of a force that begins between two samples.
-
-    The force straight between samples would begin at the sample before touch-down. Its value
-    there is set so that the area under the two lines that meet there is that of the true force.
-
-    Parameters
-    ----------
-    force, d : ndarray, shape (N,)
-        F_e [N] and penetration [m].
-
-    Returns
-    -------
-    force : ndarray, shape (N,)
-        Changed at the samples before touch-down alone.
-
-    """
-    begins = np.flatnonzero((force[:-1] == 0.0) & (d[:-1] <= 0.0) & (d[1:] > 0.0))
-    d_0, d_1 = d[begins], d[begins + 1]
-    share = d_1 / (d_1 - d_0)  # of the step that is spent in contact
-    changed = force.copy()
-    # The damper's part is there at once, the spring's grows from 0; the measured force at the
-    # first sample is nearly all damper.
-    changed[begins] = force[begins + 1] * (share - 0.5)
-    return changed

@@ -53,12 +53,12 @@ def usable(model: Model, observed: Observed) -> Flags:
     use[:5] = use[-5:] = False
     if o.reference is not None and o.starts_moving:
         use[:round(_FORGOTTEN / (o.observer_cutoff * o.h))] = False
-    law = model.laws().contact
-    if not law.unilateral:
+    laws = model.laws()
+    if not laws.contact.unilateral:
         if not _starts_unloaded(model, o):
             use &= ~o.start  # its initial state is unknown
     else:
-        inside = law.contact(o.t, o.x, o.v)
+        inside = laws.touching(o)
         for first in np.flatnonzero(np.diff(inside.astype(int)) > 0).tolist():
             use[max(0, first + 1 - _IMPACT_BEFORE):first + 1 + _IMPACT_AFTER] = False
     return use

@@ -1,0 +1,191 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""A link behind a flexible joint: its motion from that of the motor, and both from forces."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import lfilter
+
+from .observer import coast, discretise, run, run_velocity
+from .touch_down import at_touch_down
+from ...physics.contact_law import ContactLaw
+from ...physics.joint import Joint
+from ...physics.numeric import Flags, stretches
+from ...physics.robot_law import RobotLaw
+
+Array = NDArray[np.float64]
+
+
+def link_motion(
+    joint: Joint, x: Array, v: Array, force: Array, h: float, bent: float = 0.0
+) -> tuple[Array, Array, Array]:
+    """
+    Compute the motion of the link from that of the motor and the force at the wall.
+
+    m y'' + c y' + y / C = F_e + x / C + c x'. The response to x' is the rate of that to x, so that
+    no derivative of a measured position is needed.
+
+    Parameters
+    ----------
+    joint : Joint
+        C, m and c.
+    x, v : ndarray, shape (N,)
+        Motion of the motor, x straight between samples [m], [m/s].
+    force : ndarray, shape (N,)
+        F_e, likewise [N].
+    h : float
+        Sample period [s].
+    bent : float
+        Force on the joint at rest, before the first sample [N].
+
+    Returns
+    -------
+    y, v, a : ndarray, shape (N,)
+        Motion of the link [m], [m/s], [m/s^2].
+
+    """
+    m, c, k = joint.mass, joint.damping, joint.stiffness
+    system, first = discretise(m, c, k, h), float(x[0])
+    start = joint.compliance * bent
+    moved = x - first - h * np.gradient(v) / 12.0  # its mean is that of the curve, not of lines
+    y = run(system, force + k * moved, start, k)
+    w = run_velocity(system, force + k * moved, start, k)
+    followed, rate = run(system, moved, 0.0, k), run_velocity(system, moved, 0.0, k)
+    y = first + y + c * rate
+    w = w + c / m * (moved - c * rate - k * followed)
+    return y, w, (force + joint.force(x - y, v - w)) / m
+
+
+def link_against_wall(
+    joint: Joint, law: ContactLaw, t: Array, x: Array, v: Array, force: Array
+) -> tuple[Array, Array, Array]:
+    """
+    Compute the motion of the link from that of the motor alone.
+
+    The link under the measured force would follow its noise. One Newton step from there solves
+    m y'' = (x - y) / C + c (x' - y') + F_e(y, y') for a wall of K_e and B_e while it is touched.
+
+    Parameters
+    ----------
+    joint, x, v, force
+        As of `link_motion`.
+    law : ContactLaw
+        F_e(y, y').
+    t : ndarray, shape (N,)
+        Time [s], evenly spaced.
+
+    Returns
+    -------
+    y, v, a
+        As of `link_motion`.
+
+    """
+    h = float(t[1] - t[0])
+    begins = float(force[0]) if law.contact(t, x, v)[0] else 0.0  # else it is noise
+    y, w, a = link_motion(joint, x, v, force, h, begins)
+    expected, d = law.force_and_depth(t, y, w, a)
+    touching = d > 0.0 if law.unilateral else np.ones(len(d), bool)
+    if law.unilateral:
+        expected = at_touch_down(expected, d)
+    moved, rate = _deflection(joint, law, touching, expected - force, h)
+    y, w = y + moved, w + rate
+    return y, w, (joint.force(x - y, v - w) + law.force(t, y, w, a)) / joint.mass
+
+
+def _deflection(
+    joint: Joint, law: ContactLaw, touching: Flags, push: Array, h: float
+) -> tuple[Array, Array]:
+    """Simulate a link on its joint, and on the wall's spring while it touches, under a push."""
+    moved, rate = np.zeros(len(push)), np.zeros(len(push))
+    for first, stop in stretches(touching):
+        on, begin = float(touching[first]), max(first - 1, 0)
+        m, c, k = (own + on * wall for own, wall in zip(
+            (joint.mass, joint.damping, joint.stiffness),
+            (law.inertia, law.damping, law.stiffness)))
+        system, part = discretise(m, c, k, h), push[begin:stop]
+        free = np.tensordot([moved[begin], rate[begin]], coast(system, len(part)), 1)
+        moved[begin:stop] = free[0] + run(system, part, 0.0, k)
+        rate[begin:stop] = free[1] + run_velocity(system, part, 0.0, k)
+    return moved, rate
+
+
+def run_jointed(robot: RobotLaw, push: Array, force: Array, position: float, h: float) -> Array:
+    """
+    Simulate motor and link from rest.
+
+    Parameters
+    ----------
+    robot : RobotLaw
+        With a joint; B_t and K_t act on the motor.
+    push : ndarray, shape (N,)
+        Other force on the motor, straight between samples [N].
+    force : ndarray, shape (N,)
+        F_e on the link, likewise [N].
+    position : float
+        Initial position of both [m].
+    h : float
+        Sample period [s].
+
+    Returns
+    -------
+    x : ndarray, shape (N,)
+        Position of the motor [m].
+
+    """
+    assert robot.joint is not None
+    modes = _modes(robot.mass, robot.damping, robot.stiffness, robot.joint, h)
+    pushes = (push - robot.stiffness * position, force)
+    moved = [lfilter(row, poles, one) for rows, poles in modes for row, one in zip(rows, pushes)]
+    return position + np.asarray(sum(moved))
+
+
+@lru_cache(maxsize=64)
+def _modes(
+    mass: float, damping: float, stiffness: float, joint: Joint, h: float
+) -> list[tuple[tuple[Array, Array], Array]]:
+    """
+    Return the filters from both forces to x, mode by mode.
+
+    One filter of fourth order loses all digits at high rates. Partial fractions in s leave two
+    of second order, alpha s + beta over a quadratic each.
+    """
+    m, c, k, motor = joint.mass, joint.damping, joint.stiffness, mass - joint.mass
+    det = np.polysub(np.polymul([motor, damping + c, stiffness + k], [m, c, k]),
+                     np.polymul([c, k], [c, k]))
+    quadratics = _quadratics(det)
+    columns = [np.convolve(power, other)  # s and 1 times the other's quadratic
+               for other in quadratics[::-1] for power in ([1.0, 0.0], [0.0, 1.0])]
+    wanted = np.array([[0.0, m, c, k], [0.0, 0.0, c, k]]) / det[0]
+    weights = np.linalg.solve(np.array(columns).T, wanted.T)
+    modes = []
+    for place, quadratic in enumerate(quadratics):
+        system = discretise(1.0, quadratic[1], quadratic[2], h)
+        alpha, beta = weights[2 * place:2 * place + 2]
+        rows = tuple(a * system.velocity + b * system.position for a, b in zip(alpha, beta))
+        modes.append(((rows[0], rows[1]), system.denominator))
+    return modes
+
+
+def _quadratics(quartic: Array) -> list[Array]:
+    """Factor a real polynomial into two of second order, s^2 first."""
+    roots = np.roots(quartic)
+    pairs = [(root, root.conjugate()) for root in roots if root.imag > 0.0]
+    real = sorted(root.real for root in roots if root.imag == 0.0)
+    pairs += zip(real[::2], real[1::2])
+    return [np.array([1.0, -(a + b).real, (a * b).real]) for a, b in pairs]

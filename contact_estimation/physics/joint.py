@@ -1,0 +1,67 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""A spring and a damper between motor and link."""
+
+from __future__ import annotations
+
+from math import sqrt
+from typing import Any, NamedTuple
+
+
+class Joint(NamedTuple):
+    """
+    Elastic joint.
+
+    Attributes
+    ----------
+    compliance : float
+        C [m/N], > 0.
+    mass : float
+        Of the link, m [kg].
+    damping_ratio : float
+        Of the link on the joint.
+
+    """
+
+    compliance: float
+    mass: float
+    damping_ratio: float
+
+    @property
+    def stiffness(self) -> float:
+        """1 / C [N/m]."""
+        return 1.0 / self.compliance
+
+    @property
+    def damping(self) -> float:
+        """Return c = 2 zeta sqrt(m / C) [N s/m]."""
+        return 2.0 * self.damping_ratio * sqrt(self.mass / self.compliance)
+
+    def force(self, bent: Any, rate: Any) -> Any:
+        """
+        Return the force with which the motor pushes the link.
+
+        Parameters
+        ----------
+        bent, rate : float or ndarray, shape (N,)
+            Position of the motor less that of the link [m], and its rate [m/s].
+
+        Returns
+        -------
+        force : float or ndarray, shape (N,)
+            f [N].
+
+        """
+        return self.stiffness * bent + self.damping * rate
