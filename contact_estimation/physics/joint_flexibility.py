@@ -56,6 +56,7 @@ class JointFlexibility(RobotEffect):
     family = 'inertia'
     description = 'A joint or a tool mount yields between the measured position and the wall.'
     Parameters = JointFlexibilityParameters
+    is_series = True
 
     def joint(self, mass: float) -> Joint | None:
         """Return the joint unless it is rigid; see `RobotEffect.joint`."""
@@ -64,9 +65,8 @@ class JointFlexibility(RobotEffect):
 
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
-        """Spread the stiffness from that of the wall, beside two masses."""
-        return [(share / scales.spring, part, _DAMPED)
-                for share in (0.01, 0.05, 0.25) for part in (0.05, 0.3)]
+        """Spread the compliance beside that of the wall."""
+        return [(share / scales.spring, 0.2, _DAMPED) for share in (0.01, 0.05, 0.25)]
 
     @classmethod
     def draw(cls, scales: Scales, rng: Generator) -> Strength:

@@ -120,8 +120,9 @@ def select(
         if leaves_noise(best) or exact:
             if not exact or not enough(best, exact[0]):
                 break
-            best = exact[0]
-            rivals[best.model.effects[-1]] = exact[1:]
+            best = _narrowest(recordings, base, exact[0], progress)
+            name = best.model.effects[-1]
+            rivals[name] = [one for one in exact if one.model.effects[-1] != name]
             if len(best.model.effects) > 1:
                 best, rivals = exchange(recordings, best, rivals, progress)
         else:

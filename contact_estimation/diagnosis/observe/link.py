@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
-from .observer import coast, discretise, run, run_velocity
+from .observer import discretise, run, run_from, run_velocity
 from .touch_down import at_touch_down
 from ...physics.contact_law import ContactLaw
 from ...physics.joint import Joint
@@ -110,19 +110,17 @@ def link_against_wall(
 
 def _deflection(
     joint: Joint, law: ContactLaw, touching: Flags, push: Array, h: float
-) -> tuple[Array, Array]:
-    """Simulate a link on its joint, and on the wall's spring while it touches, under a push."""
-    moved, rate = np.zeros(len(push)), np.zeros(len(push))
+) -> Array:
+    """Simulate a link on its joint, and on the wall's spring while it touches; shape (2, N)."""
+    motion = np.zeros((2, len(push)))
     for first, stop in stretches(touching):
         on, begin = float(touching[first]), max(first - 1, 0)
         m, c, k = (own + on * wall for own, wall in zip(
             (joint.mass, joint.damping, joint.stiffness),
             (law.inertia, law.damping, law.stiffness)))
-        system, part = discretise(m, c, k, h), push[begin:stop]
-        free = np.tensordot([moved[begin], rate[begin]], coast(system, len(part)), 1)
-        moved[begin:stop] = free[0] + run(system, part, 0.0, k)
-        rate[begin:stop] = free[1] + run_velocity(system, part, 0.0, k)
-    return moved, rate
+        motion[:, begin:stop] = run_from(
+            discretise(m, c, k, h), push[begin:stop], motion[:, begin])
+    return motion
 
 
 def run_jointed(robot: RobotLaw, push: Array, force: Array, position: float, h: float) -> Array:

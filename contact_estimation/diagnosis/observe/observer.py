@@ -130,6 +130,32 @@ def run_velocity(system: SecondOrder, force: Array, position: float, stiffness: 
     return np.asarray(lfilter(system.velocity, system.denominator, force - stiffness * position))
 
 
+def run_from(system: SecondOrder, force: Array, state: Array) -> Array:
+    """
+    Simulate the dynamics from a state.
+
+    Parameters
+    ----------
+    system : SecondOrder
+        Of `discretise`.
+    force : ndarray, shape (N,)
+        f [N].
+    state : ndarray, shape (2,)
+        Position [m] and velocity [m/s] at the first sample.
+
+    Returns
+    -------
+    motion : ndarray, shape (2, N)
+        Position and velocity.
+
+    """
+    poles = system.denominator
+    rows = zip((system.position, system.velocity), state, system.transition @ state)
+    return np.array([
+        lfilter(row, poles, force, zi=[first, second + poles[1] * first])[0]
+        for row, first, second in rows])
+
+
 def coast(system: SecondOrder, count: int) -> Array:
     """
     Simulate the dynamics without a force.
@@ -147,15 +173,8 @@ def coast(system: SecondOrder, count: int) -> Array:
         Position and velocity, from an initial position of 1 and from a velocity of 1.
 
     """
-    pulse = np.zeros(count)
-    pulse[0] = 1.0
-    motions = np.empty((2, 2, count))
-    for j, first in enumerate(np.eye(2)):
-        second = system.transition @ first
-        for i in range(2):
-            begin = [first[i], second[i] + system.denominator[1] * first[i]]
-            motions[j, i] = lfilter(begin, system.denominator, pulse)
-    return motions
+    rest = np.zeros(count)
+    return np.array([run_from(system, rest, state) for state in np.eye(2)])
 
 
 def innovations(misfit: Array, system: SecondOrder, cutoff: float, h: float) -> Array:
