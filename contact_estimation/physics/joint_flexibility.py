@@ -65,8 +65,9 @@ class JointFlexibility(RobotEffect):
 
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
-        """Spread the compliance beside that of the wall."""
-        return [(share / scales.spring, 0.2, _DAMPED) for share in (0.01, 0.05, 0.25)]
+        """Spread the compliance beside that of the wall, and the mass of the link."""
+        return [(share / scales.spring, link, _DAMPED)
+                for share in (0.01, 0.05, 0.25) for link in (0.1, 0.4)]
 
     @classmethod
     def draw(cls, scales: Scales, rng: Generator) -> Strength:

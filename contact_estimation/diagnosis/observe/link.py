@@ -33,22 +33,22 @@ Array = NDArray[np.float64]
 
 
 def link_motion(
-    joint: Joint, x: Array, v: Array, force: Array, h: float, bent: float = 0.0
+    joint: Joint, x: Array, v: Array, a: Array, force: Array, h: float, bent: float = 0.0
 ) -> tuple[Array, Array, Array]:
     """
     Compute the motion of the link from that of the motor and the force at the wall.
 
-    m y'' + c y' + y / C = F_e + x / C + c x'. The response to x' is the rate of that to x, so that
-    no derivative of a measured position is needed.
+    z = y - x obeys m z'' + c z' + z / C = F_e - m x'': of a stiff joint it vanishes, however
+    coarse the samples.
 
     Parameters
     ----------
     joint : Joint
         C, m and c.
-    x, v : ndarray, shape (N,)
-        Motion of the motor, x straight between samples [m], [m/s].
+    x, v, a : ndarray, shape (N,)
+        Motion of the motor [m], [m/s], [m/s^2].
     force : ndarray, shape (N,)
-        F_e, likewise [N].
+        F_e, straight between samples [N].
     h : float
         Sample period [s].
     bent : float
@@ -60,20 +60,15 @@ def link_motion(
         Motion of the link [m], [m/s], [m/s^2].
 
     """
-    m, c, k = joint.mass, joint.damping, joint.stiffness
-    system, first = discretise(m, c, k, h), float(x[0])
-    start = joint.compliance * bent
-    moved = x - first - h * np.gradient(v) / 12.0  # its mean is that of the curve, not of lines
-    y = run(system, force + k * moved, start, k)
-    w = run_velocity(system, force + k * moved, start, k)
-    followed, rate = run(system, moved, 0.0, k), run_velocity(system, moved, 0.0, k)
-    y = first + y + c * rate
-    w = w + c / m * (moved - c * rate - k * followed)
-    return y, w, (force + joint.force(x - y, v - w)) / m
+    push, start = force - joint.mass * a, joint.compliance * bent
+    system = discretise(joint.mass, joint.damping, joint.stiffness, h)
+    z = run(system, push, start, joint.stiffness)
+    rate = run_velocity(system, push, start, joint.stiffness)
+    return x + z, v + rate, (force - joint.force(z, rate)) / joint.mass
 
 
 def link_against_wall(
-    joint: Joint, law: ContactLaw, t: Array, x: Array, v: Array, force: Array
+    joint: Joint, law: ContactLaw, t: Array, x: Array, v: Array, a: Array, force: Array
 ) -> tuple[Array, Array, Array]:
     """
     Compute the motion of the link from that of the motor alone.
@@ -83,7 +78,7 @@ def link_against_wall(
 
     Parameters
     ----------
-    joint, x, v, force
+    joint, x, v, a, force
         As of `link_motion`.
     law : ContactLaw
         F_e(y, y').
@@ -98,14 +93,14 @@ def link_against_wall(
     """
     h = float(t[1] - t[0])
     begins = float(force[0]) if law.contact(t, x, v)[0] else 0.0  # else it is noise
-    y, w, a = link_motion(joint, x, v, force, h, begins)
-    expected, d = law.force_and_depth(t, y, w, a)
+    y, w, b = link_motion(joint, x, v, a, force, h, begins)
+    expected, d = law.force_and_depth(t, y, w, b)
     touching = d > 0.0 if law.unilateral else np.ones(len(d), bool)
     if law.unilateral:
         expected = at_touch_down(expected, d)
     moved, rate = _deflection(joint, law, touching, expected - force, h)
     y, w = y + moved, w + rate
-    return y, w, (joint.force(x - y, v - w) + law.force(t, y, w, a)) / joint.mass
+    return y, w, (joint.force(x - y, v - w) + law.force(t, y, w, b)) / joint.mass
 
 
 def _deflection(

@@ -78,7 +78,7 @@ class Laws(NamedTuple):
         o, joint = observed, self.robot.joint
         if joint is None:
             return o.x, o.v, o.a
-        return link_against_wall(joint, self.contact, o.t, o.x, o.v, o.force)
+        return link_against_wall(joint, self.contact, o.t, o.x, o.v, o.a, o.force)
 
     def touching(self, observed: Observed) -> NDArray[np.bool_]:
         """Return where the surface is reached, shape (N,); parameters as `at_wall`."""
