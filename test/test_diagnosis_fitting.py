@@ -220,6 +220,13 @@ def test_creep_of_a_few_percent_fits_almost_anything() -> None:
         assert crept.is_flexible('force_creep', 60.0) is flexible
 
 
+def test_a_joint_that_does_not_ring_is_implausible() -> None:
+    model = Model.of(nominal())
+    assert model.with_effect('joint_flexibility', (1e-4, 0.3, 0.2)).plausible()
+    assert not model.with_effect('joint_flexibility', (1e-4, 0.3, 0.9)).plausible()
+    assert not model.with_effect('joint_flexibility', (1e-4, 0.94, 0.2)).plausible()
+
+
 def test_friction_that_rises_is_implausible() -> None:
     model = Model.of(nominal())
     assert model.with_effect('stribeck_friction', (1.0, 2.0, 0.01)).plausible()

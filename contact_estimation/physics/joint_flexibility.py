@@ -17,6 +17,7 @@
 from __future__ import annotations
 
 from dataclasses import astuple, dataclass
+from typing import Any
 
 from numpy.random import Generator
 
@@ -26,7 +27,8 @@ from .robot_effect import RobotEffect
 from .scales import Scales
 from ..parameters.specification import optional_parameter, ParameterGroup
 
-_DAMPED = 0.15  # damping ratio of a gear
+_DAMPED, _MOST_DAMPED = 0.15, 0.7  # damping ratio of a gear; one that does not ring relaxes
+_MOST_LINK = 0.9  # of M_t: a motor has some mass
 
 
 @dataclass(frozen=True)
@@ -38,7 +40,7 @@ class JointFlexibilityParameters(ParameterGroup):
     link_share: float = optional_parameter(
         'Mass of the link beyond it, as a share of M_t', '1', minimum=0.001, maximum=0.95)
     damping_ratio: float = optional_parameter(
-        'Damping of the link on the joint over the critical one', '1', minimum=0.001, maximum=3.0)
+        'Damping of the link on the joint over the critical one', '1', minimum=0.001, maximum=0.99)
 
 
 class JointFlexibility(RobotEffect):
@@ -62,6 +64,11 @@ class JointFlexibility(RobotEffect):
         """Return the joint unless it is rigid; see `RobotEffect.joint`."""
         C, share, ratio = astuple(self.values)
         return Joint(C, share * mass, ratio) if C > 0.0 else None
+
+    @classmethod
+    def plausible(cls, values: Any) -> bool:
+        """Return whether the link rings, and leaves a motor behind it."""
+        return bool(values.damping_ratio < _MOST_DAMPED and values.link_share < _MOST_LINK)
 
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
