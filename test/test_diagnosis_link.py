@@ -15,13 +15,13 @@
 
 """The motion of a link behind a flexible joint, against that of the plant."""
 
-from concealed_worlds import prepared_from, recorded
+from concealed_worlds import physics, prepared_from, recorded
 from contact_estimation.diagnosis.observe.link import (
     link_against_wall,
     link_motion,
     run_jointed,
 )
-from contact_estimation.diagnosis.observe.residuals import residuals
+from contact_estimation.diagnosis.observe.residuals import force_residual, residuals
 from contact_estimation.physics.contact_law import ContactLaw
 from contact_estimation.physics.robot_law import RobotLaw
 from effect_examples import example
@@ -75,3 +75,18 @@ def test_a_joint_vanishes_in_proportion_to_its_compliance() -> None:
 
     assert 0.1 < change(1e-6) < 10.0
     assert change(1e-8) == pytest.approx(0.01 * change(1e-6), rel=0.1)
+
+
+def test_tool_before_the_wall_is_accelerated_with_the_link() -> None:
+    noise = 0.01
+    recording, model = prepared_from(recorded(
+        seed=2, sensors__force_noise=noise, **physics('joint_flexibility', 4e-5, 0.2, 0.2),
+        **physics('tool_inertia', 1.0)))
+    jointed = model.with_effect('joint_flexibility', (4e-5, 0.2, 0.2))
+
+    def error(mass: float) -> float:
+        return float(np.std(force_residual(
+            recording, jointed.with_effect('tool_inertia', (mass,)))))
+
+    assert error(1.0) < 10.0 * noise  # 50 with the acceleration of the motor
+    assert error(0.0) > 100.0 * noise

@@ -86,9 +86,10 @@ def autocorrelation(recording: PreparedRecording, model: Model) -> float:
 
 def _features(recording: PreparedRecording, model: Model) -> Array:
     o, laws = recording.observed, model.laws()
-    force, d = laws.contact.force_and_depth(o.t, *laws.at_wall(o))
+    x, v, a = laws.at_wall(o)
+    force, d = laws.contact.force_and_depth(o.t, x, v, a)
     inside = (force != 0.0).astype(float)
-    signals = [inside, inside * d, inside * o.v, inside * o.a, force, o.x, o.v, o.a,
+    signals = [inside, inside * d, inside * v, inside * a, force, o.x, o.v, o.a,
                inside * np.tanh(o.v / 2e-3), np.tanh(o.v / 2e-3)]
     if o.reference is not None:
         signals += list(o.reference[:3])

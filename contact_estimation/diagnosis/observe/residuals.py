@@ -22,6 +22,8 @@ robot effect in the motion alone; the noise of the two is independent.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -82,10 +84,10 @@ def residuals(
 
 
 def _of_channels(recording: PreparedRecording, laws: Laws) -> Array:
-    force, d = _wall_force(recording, laws)
-    parts = [recording.force.average(_force_error(recording, laws, force))]
+    wall = _at_wall(recording, laws)
+    parts = [recording.force.average(_force_error(recording, laws, wall))]
     if recording.observed.reference is not None:
-        parts.append(recording.motion.average(_robot_innovations(recording, laws, force, d)))
+        parts.append(recording.motion.average(_robot_innovations(recording, laws, wall)))
     return np.concatenate(parts)
 
 
@@ -107,7 +109,7 @@ def force_residual(recording: PreparedRecording, model: Model) -> Array:
 
     """
     laws = model.laws()
-    return _force_error(recording, laws, _wall_force(recording, laws)[0])
+    return _force_error(recording, laws, _at_wall(recording, laws))
 
 
 def motion_residual(recording: PreparedRecording, model: Model) -> Array | None:
@@ -122,7 +124,7 @@ def motion_residual(recording: PreparedRecording, model: Model) -> Array | None:
     """
     if recording.observed.reference is not None:
         laws = model.laws()
-        return _robot_innovations(recording, laws, *_wall_force(recording, laws))
+        return _robot_innovations(recording, laws, _at_wall(recording, laws))
     if recording.driven_by_force(model):
         return _wall_innovations(recording, model)
     return None
@@ -183,23 +185,32 @@ def force_explains_motion(recording: PreparedRecording, model: Model) -> bool:
     return left < 0.5 and share > 0.5
 
 
-def _wall_force(recording: PreparedRecording, laws: Laws) -> tuple[Array, Array]:
-    """Return the wall's force [N] at the measured motion, and the penetration [m]."""
+class _AtWall(NamedTuple):
+    """What the model expects at the wall; shapes (N,)."""
+
+    force: Array  # [N]
+    penetration: Array  # [m]
+    acceleration: Array  # of what touches it and of the tool [m/s^2]
+
+
+def _at_wall(recording: PreparedRecording, laws: Laws) -> _AtWall:
+    """Evaluate the wall's law at the measured motion."""
     o = recording.observed
-    force, d = laws.contact.force_and_depth(o.t, *laws.at_wall(o))
+    x, v, a = laws.at_wall(o)
+    force, d = laws.contact.force_and_depth(o.t, x, v, a)
     if recording.dropped is not None:
         force = np.where(recording.dropped, 0.0, force)
-    return force, d
+    return _AtWall(force, d, a)
 
 
-def _force_error(recording: PreparedRecording, laws: Laws, force: Array) -> Array:
-    o = recording.observed
+def _force_error(recording: PreparedRecording, laws: Laws, wall: _AtWall) -> Array:
+    o, force = recording.observed, wall.force
     for effect in laws.chain:
-        force = effect.sense_along(o.t, force, o.a)
+        force = effect.sense_along(o.t, force, wall.acceleration)
     return o.force - force
 
 
-def _robot_innovations(recording: PreparedRecording, laws: Laws, force: Array, d: Array) -> Array:
+def _robot_innovations(recording: PreparedRecording, laws: Laws, wall: _AtWall) -> Array:
     """Run the robot free under its reference and the wall's force on the measured motion."""
     o, robot = recording.observed, laws.robot
     assert recording.observer is not None
@@ -209,8 +220,9 @@ def _robot_innovations(recording: PreparedRecording, laws: Laws, force: Array, d
     else:
         push = (robot.force_along(o.t, o.x, o.v, reference) + robot.damping * o.v
                 + robot.stiffness * o.x)
+    force = wall.force
     if laws.contact.unilateral:
-        force = at_touch_down(force, d)
+        force = at_touch_down(force, wall.penetration)
     first = float(o.x[0])
     if robot.joint is not None:
         moved = run_jointed(robot, push, force, first, o.h)
