@@ -259,6 +259,15 @@ def test_drops_with_a_sample_on_the_way_count_beside_sharp_ones_alone() -> None:
     assert force_drops(observed_force(force), 0.1) is None
 
 
+def test_drops_of_a_few_samples_between_stamps_that_jitter_are_found() -> None:
+    force = pressed(4, 2)
+    begins = [200, 350, 500, 650]
+    force[begins] = -4.0  # forty times the noise
+    dropped = force_drops(observed_force(force), 0.1)
+    expected = [k for begin in begins for k in (begin, begin + 1)]
+    assert dropped is not None and np.flatnonzero(dropped).tolist() == expected
+
+
 @pytest.mark.parametrize('drops, samples', [(0, 0), (2, 20), (4, 140)])
 def test_few_or_long_gaps_are_no_drops(drops: int, samples: int) -> None:
     assert force_drops(observed_force(pressed(drops, samples)), 0.1) is None

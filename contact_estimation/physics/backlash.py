@@ -27,7 +27,7 @@ from .numeric import Array, Flags, Number, positive
 from .scales import Scales
 from ..parameters.specification import optional_parameter, ParameterGroup
 
-POSITION_TOLERANCE = 1e-5
+POSITION_TOLERANCE = 2e-5
 """Tolerance of measured positions at the end of the play [m]."""
 
 

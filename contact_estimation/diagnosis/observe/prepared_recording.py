@@ -38,7 +38,7 @@ Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 _SLOPE_S = 0.02  # over which the rate of the force is averaged
-_FORGOTTEN = 4.0  # times 1 / omega_o: the observer has forgotten an error
+_FORGOTTEN = 8.0  # times 1 / omega_o: the observer has forgotten an error
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,8 +155,9 @@ class PreparedRecording:
         o, use = self.observed, self.use
         if self.dropped is not None:
             use = use.copy()
-            for edge in _edges(self.dropped):
-                use[edge:edge + round(_FORGOTTEN / (o.observer_cutoff * o.h))] = False
+            forgotten = round(_FORGOTTEN / (o.observer_cutoff * o.h))
+            for edge in _edges(self.dropped):  # shorter drops between samples come before
+                use[max(0, edge - forgotten // 2):edge + forgotten] = False
         if o.sampled is not None:
             use = use & o.sampled
         spread = np.hypot(1.0, o.v * o.jitter / self.motion_noise)

@@ -18,14 +18,17 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import maximum_filter1d
 
 from .model import Model
 from .observed import Observed
 from ...physics.numeric import stretches
 
+Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 _DROP_S, _LEAST_DROPS = 0.5, 3
+_NEARLY_NONE, _BRIEF = 0.1, 3  # of the force around, samples
 _UNLOADED = 0.02  # of the greatest depth and force
 _FORGOTTEN = 12.0  # times 1 / omega_o: the observer has forgotten any initial state
 _IMPACT_BEFORE, _IMPACT_AFTER = 2, 3  # unpredictable samples around touch-down
@@ -93,7 +96,8 @@ def force_drops(observed: Observed, noise: float) -> Flags | None:
     """
     o = observed
     strong = max(20.0 * noise, 0.05 * float(np.max(np.abs(o.force))))
-    weak, pressing = np.abs(o.force) < 5.0 * noise, o.force < -strong
+    size, pressing = np.abs(o.force), o.force < -strong
+    weak = (size < 5.0 * noise) | _nearly_none(size)
     dropped, sharp = np.zeros(len(o.t), bool), 0
     for first, stop in stretches(weak):
         inside = weak[first] and 0 < first and stop < len(o.t)
@@ -104,6 +108,14 @@ def force_drops(observed: Observed, noise: float) -> Flags | None:
         dropped[first:stop] = pressing[max(0, first - 2):first].any() and (
             pressing[stop:stop + 2].any())
     return dropped if sharp >= _LEAST_DROPS else None
+
+
+def _nearly_none(size: Array) -> Flags:
+    """Find brief drops whose samples, interpolated between stamps that jitter, are not quite 0."""
+    weak = size < _NEARLY_NONE * maximum_filter1d(size, 2 * _BRIEF + 1)
+    for first, stop in stretches(weak):
+        weak[first:stop] &= stop - first <= _BRIEF
+    return weak
 
 
 def default_block(observed: Observed) -> int:
