@@ -63,14 +63,14 @@ class Ripple(ContactEffect):
         return self.values.amplitude * sin(2.0 * pi * d / self.values.wavelength)
 
 
-class BentGauge(ForceSensorEffect):
-    """A force sensor whose gain depends on the load."""
+class Hum(ForceSensorEffect):
+    """A force sensor that picks up the mains."""
 
-    name = 'bent_gauge'
+    name = 'hum'
 
     def sense(self, t: float, dt: float, force: float, acceleration: float) -> float:
-        """Return the distorted force; see `ForceSensorEffect.sense`."""
-        return force * (1.0 + float(self.values.bend) * force)
+        """Return the disturbed force; see `ForceSensorEffect.sense`."""
+        return force + float(self.values.amplitude) * sin(2.0 * pi * self.values.frequency * t)
 
 
 class DeadBand(RobotEffect):
@@ -85,7 +85,7 @@ class DeadBand(RobotEffect):
 
 
 OUTSIDE_EFFECTS: dict[str, type[Effect]] = {
-    cls.name: cls for cls in (SoftSpell, WarmingWall, Ripple, BentGauge, DeadBand)
+    cls.name: cls for cls in (SoftSpell, WarmingWall, Ripple, Hum, DeadBand)
 }
 
 

@@ -79,9 +79,9 @@ def check_warming_sensor() -> None:
     assert (y[0], y[500], y[-1]) == pytest.approx(expected)
 
 
-def check_bent_gauge() -> None:
-    y = law_of('bent_gauge', bend=0.01).sense(signals(np.array([-10.0, 10.0])))
-    assert y == pytest.approx([-9.0, 11.0])
+def check_power_characteristic() -> None:
+    law = law_of('power_characteristic', exponent=2.0, force=10.0)
+    assert law.sense(signals(np.array([-20.0, 0.0, 5.0]))) == pytest.approx([-40.0, 0.0, 2.5])
 
 
 def check_resonant_mount() -> None:
@@ -101,10 +101,10 @@ CHECKS: dict[str, Callable[[], None]] = {
     'settling_bias': check_settling_bias,
     'load_cell_creep': check_load_cell,
     'soft_clipping': check_soft_clipping,
+    'power_characteristic': check_power_characteristic,
     'soft_tool': check_soft_tool,
     'mains_hum': check_mains_hum,
     'cross_talk': check_cross_talk,
     'warming_sensor': check_warming_sensor,
-    'bent_gauge': check_bent_gauge,
     'resonant_mount': check_resonant_mount,
 }

@@ -19,11 +19,15 @@ from __future__ import annotations
 from concealed_worlds import (
     ATTACHED,
     attached,
+    diagnosed,
     FORCE_NOISE,
+    FREE,
+    named,
     nominal,
     physics,
     prepared_from,
     recorded,
+    Swing,
     Touch,
     touches,
 )
@@ -42,6 +46,7 @@ from contact_estimation.diagnosis.observe.model import Model
 from contact_estimation.diagnosis.observe.observed import Observed
 from contact_estimation.diagnosis.observe.residuals import force_residual
 from contact_estimation.exceptions import RecordingError
+from contact_estimation.reference.experiment import Experiment, Segment
 import numpy as np
 from numpy.typing import NDArray
 import pytest
@@ -264,3 +269,31 @@ def test_one_real_touch_holds_out_part_of_itself(touch: Touch) -> None:
     recording, model = prepared_from(recorded(touches(touch, swing=0.006)))
     part = hold_out(model, recording.observed)
     assert np.all(recording.observed.x[part.samples] > 0.0)
+
+
+def test_next_choice_is_another_episode_but_not_the_deepest() -> None:
+    o = moved((0.01, 0.02, 0.03))
+    assert [hold_out(MODEL, o, choice).name for choice in (1, 2)] == ['episode 2', 'episode 1']
+    block, other = (hold_out(MODEL, moved((0.02,)), choice).samples for choice in (1, 2))
+    assert other.any() and not (block & other).any()
+
+
+def hasty() -> Experiment:
+    """Touch thrice, the second time in a hurry and not deep."""
+    segments = [Segment(0.7, FREE)]
+    for rise, depth in ((0.5, 0.03), (0.1, 0.015), (0.5, 0.036)):
+        begin = sum(segment.duration for segment in segments) + rise
+        segments += [Segment(rise, depth),
+                     Segment(0.8, depth, position_excitation=Swing(0.003, begin, 0.8)),
+                     Segment(0.2, depth), Segment(0.5, FREE), Segment(0.3, FREE)]
+    return Experiment('hasty', FREE, tuple(segments))
+
+
+def test_what_shows_in_the_held_out_part_alone_is_named_with_another_held_out() -> None:
+    signals = recorded(hasty(), **physics('actuator_saturation', 85.0))
+    recording, model = prepared_from(signals)
+    assert hold_out(model, recording.observed).name == 'episode 2'
+    found = diagnosed(signals)
+    assert (found.verdict, named(found)) == ('physics_missing', ['actuator_saturation'])
+    assert [part.name for part in found.holdouts] == ['episode 1']
+    assert found.effects[0].parameters['limit'].value == pytest.approx(85.0, rel=0.01)

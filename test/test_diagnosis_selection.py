@@ -90,7 +90,7 @@ def test_every_effect_may_be_added_where_there_is_a_robot() -> None:
 def test_what_shows_in_the_motion_alone_needs_a_robot() -> None:
     left_out = set(EFFECTS) - set(candidates_for(MODEL, False))
     of_robot = {name for name, cls in EFFECTS.items() if cls.port == 'robot'}
-    assert left_out == {*of_robot, 'force_gain'}
+    assert left_out == {*of_robot, 'force_gain', 'force_nonlinearity'}
 
 
 def test_effect_is_not_added_twice() -> None:

@@ -22,7 +22,6 @@ from __future__ import annotations
 
 from .asymmetric_coulomb import AsymmetricCoulomb
 from .base_vibration import BaseVibration
-from .bent_gauge import BentGauge
 from .breathing_surface import BreathingSurface
 from .cogging_torque import CoggingTorque
 from .cross_talk import CrossTalk
@@ -44,6 +43,7 @@ from .magnetorheological_damper import MagnetorheologicalDamper
 from .mains_hum import MainsHum
 from .maxwell_slip import MaxwellSlip
 from .neo_hookean import NeoHookean
+from .power_characteristic import PowerCharacteristic
 from .power_law_damper import PowerLawDamper
 from .preisach_hysteresis import PreisachHysteresis
 from .prony_relaxation import PronyRelaxation
@@ -93,6 +93,7 @@ FOREIGN_LAWS: dict[str, type[ForeignLaw]] = {
     'settling_bias': SettlingBias,
     'load_cell_creep': LoadCellCreep,
     'soft_clipping': SoftClipping,
+    'power_characteristic': PowerCharacteristic,
     'soft_tool': SoftTool,
     'flexible_mount': FlexibleMount,
     'flexible_joint': FlexibleJoint,
@@ -114,7 +115,6 @@ UNKNOWN_LAWS: dict[str, type[ForeignLaw]] = {
     'mains_hum': MainsHum,
     'cross_talk': CrossTalk,
     'warming_sensor': WarmingSensor,
-    'bent_gauge': BentGauge,
     'resonant_mount': ResonantMount,
     'cogging_torque': CoggingTorque,
 }

@@ -31,7 +31,7 @@ class SoftClipping(SensorLaw):
 
     """
 
-    families = ('limits', 'elastic_law')
+    families = ('limits', 'sensor_gain', 'elastic_law')
 
     @classmethod
     def draw(cls, magnitudes: Magnitudes, rng: Generator) -> Strength:

@@ -43,6 +43,7 @@ from .force_delay import ForceDelay
 from .force_drift import ForceDrift
 from .force_gain import ForceGain
 from .force_lag import ForceLag
+from .force_nonlinearity import ForceNonlinearity
 from .force_saturation import ForceSaturation
 from .fractional_relaxation import FractionalRelaxation
 from .hunt_crossley_damping import HuntCrossleyDamping
@@ -103,6 +104,7 @@ EFFECTS: dict[str, type[Effect]] = {
     'force_creep': ForceCreep,
     'force_decay': ForceDecay,
     'force_gain': ForceGain,
+    'force_nonlinearity': ForceNonlinearity,
     'force_bias': ForceBias,
     'force_drift': ForceDrift,
     'settling_bias': SettlingBias,

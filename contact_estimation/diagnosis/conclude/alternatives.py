@@ -25,7 +25,8 @@ from ..fit.fitting import Fit, fit
 from ..fit.search import Progress, search_family
 from ..fit.selection import Selection
 from ..fit.zeros import ZEROS
-from ..observe.prepared_recording import Recordings
+from ..observe.prepared_recording import is_flexible, Recordings
+from ...physics import EFFECTS
 
 
 def alternatives(
@@ -106,13 +107,16 @@ def in_family(
     Yields
     ------
     decision : Decision
-        With another that explains most of the misfit on parts left out, the best fit first.
+        With another that explains most of the misfit on parts left out, the best fit first; of a
+        curve as much is asked as in a selection.
 
     """
     best = decision.best.model
     for found in search_family(selection.recordings, best, best.effects[-1], progress):
-        other = _decision(selection, found)
-        if not other.unexplained:
+        other, name = _decision(selection, found), found.model.effects[-1]
+        curve = is_flexible(selection.recordings, found.model, name)
+        least = EFFECTS[name].least_share if curve else EXPLAINED
+        if other.shares is not None and other.shares.explained >= least:
             yield other
 
 

@@ -25,6 +25,7 @@ from .conclusion import conclude, Fitted
 from .refusal import refuse
 from .result import Diagnosis
 from ..checks import examine
+from ..checks.check import Check
 from ..checks.clock_offset import with_late_joints
 from ..fit.criteria import penalty, SHARE, THRESHOLD
 from ..fit.discrepancy import has_discrepancy
@@ -101,14 +102,48 @@ def diagnose(
     fitted, held_out = (examined.recordings[:len(fitted)], examined.recordings[len(fitted):])
     fitted, held_out = ([with_reference_rates(one) for one in every]
                         for every in (fitted, held_out))
-    progress('noise and alignment')
     fitted = [part for one in fitted for part in continuous_parts(one, model)]
     held_out = [part for one in held_out for part in continuous_parts(one, model)]
-    found = _selected(fitted, held_out, nominal, progress)
+    given = _Given(nominal, fitted, held_out, examined.checks, seed, progress)
+    if held_out:
+        return _diagnosed(given, hold=0)[0]
+    diagnosis, shows_in_fit = _diagnosed(given, hold=1)
+    if diagnosis.verdict != 'unexplained' or shows_in_fit:
+        return diagnosis
+    other, _ = _diagnosed(given, hold=2)  # what is missing shows in the part held out alone
+    return other if other.effects else diagnosis
+
+
+class _Given(NamedTuple):
+    """What is diagnosed, after all checks."""
+
+    nominal: Model
+    fitted: Sequence[Recording]
+    held_out: Sequence[Recording]
+    checks: list[Check]
+    seed: int
+    progress: Progress
+
+
+def _diagnosed(given: _Given, hold: int) -> tuple[Diagnosis, bool]:
+    """
+    Diagnose with a certain part held out.
+
+    Returns
+    -------
+    diagnosis : Diagnosis
+        The result.
+    shows_in_fit : bool
+        Whether the recalibrated model leaves more than noise of what it is fitted on.
+
+    """
+    nominal, progress = given.nominal, given.progress
+    progress('noise and alignment')
+    found = _selected(given.fitted, given.held_out, nominal, hold, progress)
     prepared, selection = found.prepared, found.selection
     if found.late:
-        return refuse(with_late_joints(examined.checks, found.late), nominal)
-    others: Recordings = [prepare(one, nominal, hold=False) for one in found.held_out]
+        return refuse(with_late_joints(given.checks, found.late), nominal), True
+    others: Recordings = [prepare(one, nominal, hold=0) for one in found.held_out]
     nominal_cost = cost_of(prepared, nominal)
     if all(one.driven_by_force(nominal) for one in prepared):
         between = _likeliest_between_samples(selection.recordings, selection)
@@ -124,15 +159,16 @@ def diagnose(
         largest = sorted(selected.recordings, key=lambda one: -cost_of([one], selected.base.model)
                          / one.residual_count)
         fits = Fitted(nominal, nominal_cost, selected._replace(recordings=largest), others)
-        return replace(conclude(fits, seed, progress), checks=examined.checks,
+        return replace(conclude(fits, given.seed, progress), checks=given.checks,
                        holds_reference=found.holds_reference)
 
     diagnosis = concluded(selection)
+    shows = bool(selection.best.model.effects) or has_discrepancy(selection.recordings)
     if _refuted(selection, diagnosis):
         by_prediction = concluded(
             select(selection.recordings, selection.base, progress, by_likelihood=False))
-        return by_prediction if by_prediction.effects else diagnosis
-    return diagnosis
+        return by_prediction if by_prediction.effects else diagnosis, shows
+    return diagnosis, shows
 
 
 def _refuted(selection: Selection, diagnosis: Diagnosis) -> bool:
@@ -178,12 +214,12 @@ class _Selected(NamedTuple):
 
 
 def _selected(
-    fitted: Sequence[Recording], held_out: Sequence[Recording], nominal: Model,
+    fitted: Sequence[Recording], held_out: Sequence[Recording], nominal: Model, hold: int,
     progress: Progress,
 ) -> _Selected:
     """Select the effects, with the reference as the robot seems to follow it."""
     def selected(raw: Sequence[Recording]) -> tuple[Recordings, Selection]:
-        prepared: Recordings = [prepare(one, nominal, hold=not held_out) for one in raw]
+        prepared: Recordings = [prepare(one, nominal, hold=hold) for one in raw]
         progress('recalibration')
         prepared, base = _recalibrate(prepared, nominal)
         return prepared, select(prepared, base, progress)
@@ -195,14 +231,14 @@ def _selected(
     held = [with_held_reference(one) for one in fitted]
     best = straight.selection.best.model
     late = JointClock(fitted, straight.prepared, straight.selection.base.model, best,
-                      hold=not held_out).lateness(selected)
+                      hold).lateness(selected)
     if late:
         return straight._replace(late=late)
-    hold = ReferenceHold(straight.prepared, fitted, held, straight.selection.base.model)
-    if not hold.is_promising(best):
+    holding = ReferenceHold(straight.prepared, fitted, held, straight.selection.base.model)
+    if not holding.is_promising(best):
         return straight
     prepared, selection = selected(held)
-    if not hold.is_better(selection.best.model, best):
+    if not holding.is_better(selection.best.model, best):
         return straight
     return _Selected(held, [with_held_reference(one) for one in held_out], prepared, selection,
                      holds_reference=True)

@@ -53,14 +53,14 @@ class JointClock:
         The same, prepared, without a discrepancy.
     base, best : Model
         Recalibrated, and with the effects that were selected.
-    hold : bool
-        Whether a part of each recording is held out.
+    hold : int
+        Which part of each recording is held out, as for `prepare`.
 
     """
 
     def __init__(
         self, raw: Sequence[Recording], recordings: Recordings, base: Model, best: Model,
-        hold: bool,
+        hold: int,
     ) -> None:
         self._raw, self._base, self._hold = raw, base, hold
         self._delay = best.values[best.place(_DELAY).start] if _DELAY in best.effects else 0.0

@@ -111,11 +111,11 @@ def require_contact(model: Model, observed: Observed, name: str) -> None:
         )
 
 
-def hold_out(model: Model, observed: Observed) -> HeldOut:
+def hold_out(model: Model, observed: Observed, choice: int = 1) -> HeldOut:
     """
     Choose what is held out of a recording: a whole episode, or a late block of each third.
 
-    Never the deepest episode, which would be extrapolation; the middle one, or the one before it.
+    Never the deepest episode, which would be extrapolation; the nearest to the middle.
     Of one or two episodes the last, or an attached wall, each third spares a block of its last
     three fifths, a fifteenth of the whole: one block alone may lie where any model is right.
     Blocks are chosen, where possible, with motion and at depths that occur in the rest too. They
@@ -128,6 +128,8 @@ def hold_out(model: Model, observed: Observed) -> HeldOut:
         Defines where the surface is.
     observed : Observed
         The recording.
+    choice : int
+        1: the best part, 2: the next.
 
     Returns
     -------
@@ -138,11 +140,10 @@ def hold_out(model: Model, observed: Observed) -> HeldOut:
     o = observed
     found = episodes(model, o)
     if len(found) < _FEW:
-        return _late_blocks(o, *(found[-1] if found else (0, len(o.t))))
+        return _late_blocks(o, *(found[-1] if found else (0, len(o.t))), choice)
     depth = [float(np.max(o.x[first:stop])) for first, stop in found]
-    deepest = int(np.argmax(depth))
-    middle = len(found) // 2
-    chosen = middle if middle != deepest else middle - 1
+    others, middle = set(range(len(found))) - {int(np.argmax(depth))}, len(found) // 2
+    chosen = sorted(others, key=lambda k: (abs(k - middle), k))[choice - 1]
     first = (found[chosen - 1][1] + found[chosen][0]) // 2 if chosen else 0
     last = chosen + 1 == len(found)
     stop = len(o.t) if last else (found[chosen][1] + found[chosen + 1][0]) // 2
@@ -151,7 +152,7 @@ def hold_out(model: Model, observed: Observed) -> HeldOut:
     return HeldOut(f'episode {chosen + 1}', samples)
 
 
-def _late_blocks(o: Observed, first: int, stop: int) -> HeldOut:
+def _late_blocks(o: Observed, first: int, stop: int, choice: int) -> HeldOut:
     """Hold out a late block of each third."""
     count = _THIRDS * _BLOCKS
     if stop - first < count:  # a contact of fewer samples than blocks
@@ -164,7 +165,7 @@ def _late_blocks(o: Observed, first: int, stop: int) -> HeldOut:
     samples, names = np.zeros(len(o.t), bool), []
     digits = max(1, 1 + ceil(-log10(o.pace)))
     for third in range(_THIRDS):
-        numbers = [third * _BLOCKS + k for k in _LATE]
+        numbers = [third * _BLOCKS + k for k in _LATE[choice - 1:] + _LATE[:choice - 1]]
         blocks = [(int(edges[k]), int(edges[k + 1])) for k in numbers]
         moved = [travel[end - 1 - first] - travel[begin - first] for begin, end in blocks]
         known = [pair for pair in blocks if _visited(o.x, *pair)]

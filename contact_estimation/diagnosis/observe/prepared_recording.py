@@ -296,7 +296,7 @@ class PreparedRecording:
 Recordings = Sequence[PreparedRecording]
 
 
-def prepare(recording: Recording, model: Model, hold: bool) -> PreparedRecording:
+def prepare(recording: Recording, model: Model, hold: int) -> PreparedRecording:
     """
     Smooth a recording, measure its noise, hold a part out.
 
@@ -306,8 +306,8 @@ def prepare(recording: Recording, model: Model, hold: bool) -> PreparedRecording
         As recorded.
     model : Model
         Nominal.
-    hold : bool
-        Whether a part is held out.
+    hold : int
+        Which part is held out, see `hold_out`; 0: none.
 
     Returns
     -------
@@ -322,7 +322,7 @@ def prepare(recording: Recording, model: Model, hold: bool) -> PreparedRecording
     """
     observed = observe(recording.signals, model.nominal)
     require_contact(model, observed, recording.name)
-    held_out = hold_out(model, observed) if hold else None
+    held_out = hold_out(model, observed, hold) if hold else None
     return PreparedRecording.of(recording.name, observed, model, held_out)
 
 
