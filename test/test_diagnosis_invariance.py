@@ -38,7 +38,7 @@ from contact_estimation.diagnosis.fit.invariance import (
     share_of,
     values_on,
 )
-from contact_estimation.diagnosis.fit.parts import evened, Part, parts_of
+from contact_estimation.diagnosis.fit.parts import above_noise, evened, noise_of, Part, parts_of
 from contact_estimation.diagnosis.fit.ranking import first_that_predicts
 from contact_estimation.diagnosis.observe.model import Model
 from contact_estimation.diagnosis.observe.prepared_recording import PreparedRecording
@@ -283,3 +283,12 @@ def test_a_saturating_sensor_leaves_the_force_level_and_a_soft_wall_does_not(
     parts = parts_of([recording], base)
     before = left_out_errors([recording], base, parts)
     assert len(assess([recording], [found], parts, before, None)) == clips
+
+
+def test_noise_estimated_too_large_in_one_channel_does_not_hide_a_misfit_in_the_other() -> None:
+    parts = [Part(name, np.ones(4, bool), np.array([0, 0, 1, 1]), np.ones(4),
+                  np.array([10.0, 10.0])) for name in 'ab']
+    squares = np.array([[14.0, 5.0], [12.0, 3.0]])
+    np.testing.assert_allclose(noise_of(squares, parts), [[10.0, 4.0], [10.0, 4.0]])
+    np.testing.assert_allclose(above_noise(squares, parts), [5.0, 1.0])
+    np.testing.assert_allclose(above_noise(squares, parts, slice(0, 1)), [4.0, 2.0])

@@ -16,6 +16,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import lru_cache
 from typing import Any, Callable
 
@@ -199,6 +200,15 @@ def test_selection_of_an_effect_has_rivals_and_evidence() -> None:
     assert selection.rivals['force_delay'][0].model.effects == ('force_lag',)
     assert max(selection.evidence, key=lambda name: selection.evidence[name]) == 'force_delay'
     assert selection.evidence['force_delay'] > 0.9
+
+
+@pytest.mark.slow
+def test_motion_quieter_than_its_noise_does_not_hide_what_the_force_lacks() -> None:
+    recording, base = prepared(*physics('force_delay', 0.0009).items())
+    recording = replace(recording, motion_noise=3.0 * recording.motion_noise)
+    base = fit([recording], base.model)
+    assert base.cost < base.residual_count
+    assert select([recording], base).best.model.effects[0] in ('force_delay', 'force_lag')
 
 
 @pytest.mark.slow

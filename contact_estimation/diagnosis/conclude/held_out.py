@@ -22,9 +22,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .result import Errors, HeldOutErrors
+from ..fit.model_uncertainty import discounted
 from ..observe.model import Model
 from ..observe.prepared_recording import PreparedRecording
-from ..observe.residuals import force_residual, motion_residual
+from ..observe.residuals import force_residual, residuals
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -219,27 +220,15 @@ def as_good(
         By a paired 95 % bootstrap over blocks of time.
 
     """
-    o = recording.observed
-    span = max(1, round(_BLOCK_S * o.pace / o.h))
-    use = samples & recording.use
-    differences = np.zeros(len(_sums(use.astype(float), span)))
-    for channel, residual in (
-        (recording.force, force_residual), (recording.motion, motion_residual),
-    ):
-        here, there = residual(recording, best), residual(recording, rival)
-        if here is None or there is None:
-            continue
-        mask = use & o.measured
-        squares = [_smoothed(part * mask / channel.block_error, recording.block) ** 2
-                   for part in (there, here)]
-        differences += _sums(squares[0] - squares[1], span)
-    blocks = np.flatnonzero(_sums(use.astype(float), span) > 0.0)
+    known = discounted(recording, best)
+    squares = [np.sum(known.split(residuals(known, model, robust=False)) ** 2, axis=0)
+               for model in (rival, best)]
+    span = max(1, round(_BLOCK_S * recording.observed.pace / recording.block_s))
+    use = recording.blocks(samples & recording.use)
+    differences = _sums((squares[0] - squares[1]) * (use > 0.0), span)
+    blocks = np.flatnonzero(_sums(use, span) > 0.0)
     if len(blocks) < 2:
         return False
     drawn = generator.choice(blocks, (_DRAWS, len(blocks)))
     low, high = np.percentile(differences[drawn].sum(axis=1), (2.5, 97.5))
     return bool(differences.sum() <= max(high - low, _NEGLIGIBLE))
-
-
-def _smoothed(signal: Array, block: int) -> Array:
-    return np.convolve(signal, np.ones(block) / np.sqrt(block), mode='same')

@@ -36,7 +36,7 @@ from ..fit.invariance import (
     share_of,
     values_on,
 )
-from ..fit.parts import above_noise, evened, Part, parts_of
+from ..fit.parts import above_noise, evened, noise_of, Part, parts_of
 from ..fit.zeros import with_zeros
 from ..observe.model import Model, names_of
 from ..observe.prepared_recording import is_flexible, Recordings
@@ -97,7 +97,7 @@ class Shares:
     @property
     def left(self) -> float:
         """Share that all names together leave, at least 0."""
-        noise = sum(float(part.noise.sum()) for part in self.parts)
+        noise = float(noise_of(self.base, self.parts).sum())
         misfit = float(above_noise(self.base, self.parts).sum())
         return max(float(self.errors.sum()) - noise, 0.0) / misfit
 

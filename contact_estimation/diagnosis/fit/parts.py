@@ -241,6 +241,29 @@ def counts_of(parts: Sequence[Part], residual_count: int) -> Array:
     return counts
 
 
+def noise_of(squares: Array, parts: Sequence[Part]) -> Array:
+    """
+    Return the squared errors that noise alone would leave.
+
+    Parameters
+    ----------
+    squares : ndarray, shape (parts, CHANNELS)
+        `left_out_errors`.
+    parts : sequence of Part
+        With their noise.
+
+    Returns
+    -------
+    noise : ndarray, shape (parts, CHANNELS)
+        In no channel more, on all parts together, than there is: where the noise is estimated too
+        large, the misfit of the other channel must not make up for it.
+
+    """
+    noise = np.array([part.noise for part in parts])
+    every = np.maximum(noise.sum(axis=0), 1e-300)
+    return np.asarray(noise * np.minimum(1.0, squares.sum(axis=0) / every))
+
+
 def above_noise(
     squares: Array, parts: Sequence[Part], columns: slice = slice(None)
 ) -> Array:
@@ -262,7 +285,7 @@ def above_noise(
         At least a hundredth of the mean over the parts, so that shares stay finite.
 
     """
+    misfit = (squares - noise_of(squares, parts))[:, columns].sum(axis=1)
     squares = squares[:, columns].sum(axis=1)
-    misfit = squares - np.array([part.noise[columns].sum() for part in parts])
     least = max(0.01 * float(np.mean(misfit)), 1e-3 * float(np.mean(squares)), 1e-300)
     return np.asarray(np.maximum(misfit, least))

@@ -26,9 +26,17 @@ from __future__ import annotations
 
 from typing import NamedTuple, Sequence
 
+import numpy as np
+
 from .applicable import candidates_in
-from .criteria import enough, explained_share, leaves_noise, SHARE, THRESHOLD
-from .discrepancy import has_discrepancy, material, noise_by_channel, weighed
+from .criteria import enough, explained_share, leaves_noise, PRICE, SHARE, THRESHOLD
+from .discrepancy import (
+    costs_by_channel,
+    has_discrepancy,
+    material,
+    noise_by_channel,
+    weighed,
+)
 from .exact_laws import BEYOND_DOUBT, exact_laws, exchange, laws_before_curves, prune, Rivals
 from .fitting import Fit, fit
 from .ranking import FLEXIBLE_LEAD, rank_by_prediction, Ranking
@@ -181,8 +189,11 @@ def _law_count(model: Model) -> int:
 
 def _is_explained(recordings: Recordings, base: Fit, best: Fit) -> bool:
     """Return whether what is left is noise, or no more than the error of the method."""
-    if best.cost < best.residual_count * (1.0 + 0.5 * THRESHOLD):
-        return True
+    count = best.residual_count
+    if best.cost < count * (1.0 + 0.5 * THRESHOLD):
+        # The noise of the other channel may be estimated too large, and hide the excess of one.
+        excess = costs_by_channel(recordings, best) - noise_by_channel(recordings, best.model)
+        return bool(np.max(excess) < THRESHOLD * count + PRICE)
     # A wall that a force drives is measured more precisely than any law is valid.
     driven = all(one.driven_by_force(base.model) for one in recordings)
     explained = explained_share(base.cost, best.cost, best.residual_count)
