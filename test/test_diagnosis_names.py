@@ -246,6 +246,15 @@ def test_attached_wall_of_the_right_values_is_consistent() -> None:
     assert (found.verdict, named(found)) == ('consistent', [])
 
 
+@pytest.mark.parametrize('mass, frequency', [(1.5, 3.0), (2.5, 4.0)])
+def test_mass_that_resonates_on_an_attached_wall_is_named(mass: float, frequency: float) -> None:
+    """It resonates far below the pace of the motion, and makes the wall follow it."""
+    found = of_attached(*physics('environment_resonance', mass, frequency, 0.07).items(),
+                        ('sensors__force_noise', 0.3), ('sensors__position_noise', 1e-5))
+    assert named(found) == ['environment_resonance']
+    assert found.effects[0].parameters['mass'].value == pytest.approx(mass, rel=BOUND)
+
+
 def test_attached_wall_of_other_values_is_recalibrated() -> None:
     found = of_attached(('environment__stiffness', 5500.0), ('environment__damping', 14.0),
                         ('environment__inertia', 2.2))

@@ -235,3 +235,9 @@ def test_without_a_robot_an_experiment_is_the_motion_that_the_wall_lets_it_have(
     assert x[inside] - x_e == pytest.approx((asked[0][inside] - x_e) / gain)
     assert v[inside] == pytest.approx(asked[1][inside] / gain)
     assert (x[~inside] == asked[0][~inside]).all()
+
+
+def test_a_proposal_for_a_contact_of_micrometres_is_not_approached_from_millimetres() -> None:
+    small = Reach(7e-6, 7e-6, 6e-7, 1.0, 3e-6, 2e-6)
+    for candidate in candidates(small):
+        assert candidate.experiment.duration < 60.0

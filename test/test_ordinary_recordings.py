@@ -112,6 +112,14 @@ def test_step_of_rounded_positions_is_found() -> None:
     assert quantisation_step(x) == 0.0
 
 
+def test_a_shift_between_steps_and_a_constant_speed_are_no_resolution() -> None:
+    x = np.round(np.sin(np.linspace(0.0, 9.0, 4000)) / 5e-3) * 5e-3
+    x[2000:] += 1.3e-3
+    assert quantisation_step(x) == pytest.approx(5e-3, rel=1e-3)
+    to_and_fro = np.concatenate((np.arange(1000), 999.7 - np.arange(1000)))
+    assert quantisation_step(1e-3 * to_and_fro) < 5e-4
+
+
 def test_bends_between_slow_samples_are_errors_of_the_motion() -> None:
     t = 0.1 * np.arange(100)
     x = np.maximum(t - 5.0, 0.0)

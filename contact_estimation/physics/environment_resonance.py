@@ -32,7 +32,7 @@ from .scales import Scales
 from ..parameters.specification import optional_parameter, ParameterGroup
 
 _DAMPED = 0.3  # wide enough for the next of the frequencies to be near
-_LOWEST, _HIGHEST, _FREQUENCIES = 0.6, 6.0, 6  # times the pace of the motion
+_LOWEST, _HIGHEST, _FREQUENCIES = 0.1, 6.0, 9  # times the pace of the motion
 
 
 @lru_cache(maxsize=64)
@@ -122,9 +122,10 @@ class EnvironmentResonance(ContactEffect):
 
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
-        """Spread the frequency about the pace of the motion; the law is linear in the mass."""
+        """Spread the frequency about the pace of the motion, and the mass: a wall moves with it."""
         frequencies = np.geomspace(_LOWEST, _HIGHEST, _FREQUENCIES) / scales.pace
-        return [(0.01 * scales.moved_mass, float(f), _DAMPED) for f in frequencies]
+        return [(share * scales.moved_mass, float(f), _DAMPED)
+                for share in (0.01, 0.5) for f in frequencies]
 
     @classmethod
     def largest(cls, scales: Scales) -> float:

@@ -39,6 +39,7 @@ _STARTED = 14  # candidates that are fitted, the best after one step
 _OF_CHANNEL = 4  # further ones, the best in force or motion alone
 _FOLLOWED, _TO_END = 6, 2  # those that are refined, and those fitted to the end
 _FAR = 2.0  # times the noise: power of the residuals
+_MANY = 8  # starts, of which one more is fitted from there
 
 # Of a clipped force, in standard deviations of its noise and as a share of the limit; of the time,
 # in the direction in which it is clipped less.
@@ -249,13 +250,17 @@ def _best_start(
 ) -> Model:
     """Return the best model one step from the starts; parameters as `step`."""
     steps = [step(recordings, model, others) for model in starts]
-    best = min(range(len(steps)), key=lambda k: steps[k][0])
-    near = steps[best][1]
-    driven = all(recording.driven_by_force(near) for recording in recordings)
-    count = sum(recording.residual_count for recording in recordings)
-    if not driven or cost_of(recordings, near) < _FAR * count:
+    order = sorted(range(len(steps)), key=lambda k: steps[k][0])
+    near = steps[order[0]][1]
+    if not all(recording.driven_by_force(near) for recording in recordings):
+        return near
+    enough = _FAR * sum(recording.residual_count for recording in recordings)
+    if len(starts) >= _MANY:  # one step tells little of where each of them leads
+        enough = min(enough, *(cost_of(recordings, model) for model in starts))
+    if cost_of(recordings, near) < enough:
         return near
     # Far from the optimum the memory of a resonant wall misleads the search, and one step is too
     # long for a strongly nonlinear law.
-    brief = fit(recordings, starts[best], steps=8, briefly=True).model
-    return min((*starts, near, brief), key=lambda model: cost_of(recordings, model))
+    few = order[:1 + len(starts) // _MANY]
+    brief = [fit(recordings, starts[k], steps=8, briefly=True).model for k in few]
+    return min((*starts, near, *brief), key=lambda model: cost_of(recordings, model))

@@ -28,6 +28,8 @@ from .smoothing import differentiate
 Array = NDArray[np.float64]
 
 _WHOLE = 0.02  # of a step: largest deviation of quantised values from whole steps
+_COMMON, _NEARLY_ALL = 0.05, 0.97  # of the changes
+_RESTS = 0.5  # of the samples
 _MOST_STEPS = 1_000_000  # in the range of a signal; finer ones are rounded numbers
 _RARELY = 3.5  # standard deviations
 _BESIDE = 5  # samples: reach of an error of differentiation
@@ -45,9 +47,35 @@ def quantisation_step(values: Array) -> float:
     Returns
     -------
     step : float
-        Step of which all differences are multiples; 0 without one.
+        Step of which all differences are multiples, or nearly all changes; 0 without one.
 
     """
+    return max(_of_levels(values), _of_changes(values))
+
+
+def _of_changes(values: Array) -> float:
+    """
+    Return the step of which nearly all changes are multiples: a single shift does not count.
+
+    The signal must rest between its steps, or constant speed would look like one.
+    """
+    changes = np.abs(np.diff(values))
+    rests = changes == 0.0
+    if np.mean(rests) < _RESTS or rests.all():
+        return 0.0
+    changes = changes[~rests]
+    size = np.median(changes)
+    steps, counts = np.unique(np.round(changes / size, 3), return_counts=True)
+    common = steps[counts >= _COMMON * len(changes)] * size
+    if len(common) == 0 or common[0] == 0.0:
+        return 0.0
+    multiples = changes / common[0]
+    whole = np.abs(multiples - np.round(multiples)) < _WHOLE
+    return float(common[0]) if np.mean(whole) > _NEARLY_ALL else 0.0
+
+
+def _of_levels(values: Array) -> float:
+    """Return the step of which all differences are multiples."""
     levels = np.unique(values)
     if len(levels) < 2:
         return 0.0
