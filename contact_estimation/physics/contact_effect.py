@@ -66,12 +66,6 @@ class ContactEffect(Effect):
     pull: float = 0.0
     """Largest positive F_e in contact [N]."""
 
-    @classmethod
-    def adds_force(cls) -> bool:
-        """Return whether the law adds to the force of the wall and changes nothing else of it."""
-        changes = overridden(cls) & {'surface', 'transmit', 'deflection', 'spring', 'damper'}
-        return not (changes or cls.replaces_stiffness or cls.replaces_damping)
-
     def surface(self, t: Number, state: Any, m: Any) -> tuple[Any, Any]:
         """
         Return the displacement of the surface.

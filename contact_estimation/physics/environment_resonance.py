@@ -122,7 +122,7 @@ class EnvironmentResonance(ContactEffect):
 
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
-        """Spread the frequency about the pace of the motion, and the mass: a wall moves with it."""
+        """Spread the frequency about the pace of the motion, and the mass, which moves a wall."""
         frequencies = np.geomspace(_LOWEST, _HIGHEST, _FREQUENCIES) / scales.pace
         return [(share * scales.moved_mass, float(f), _DAMPED)
                 for share in (0.01, 0.5) for f in frequencies]

@@ -224,7 +224,7 @@ def as_good(
     squares = [np.sum(known.split(residuals(known, model, robust=False)) ** 2, axis=0)
                for model in (rival, best)]
     span = max(1, round(_BLOCK_S * recording.observed.pace / recording.block_s))
-    use = recording.blocks(samples & recording.use)
+    use = recording.blocks((samples & recording.use).astype(float))
     differences = _sums((squares[0] - squares[1]) * (use > 0.0), span)
     blocks = np.flatnonzero(_sums(use, span) > 0.0)
     if len(blocks) < 2:

@@ -26,12 +26,11 @@ from .criteria import noise_scale, penalty
 from .discrepancy import costs_by_channel, has_discrepancy
 from .fitting import cost_of, derivatives, Fit, fit, fit_at, fit_to_end, step
 from .scales import measure_scales
-from ..observe.model import Model
+from ..observe.model import Model, names_of
 from ..observe.prepared_recording import PreparedRecording, Recordings
 from ..observe.residuals import force_residual
 from ...parameters.specification import ParameterGroup
 from ...physics import EFFECTS
-from ...physics.contact_effect import ContactEffect
 
 Array = NDArray[np.float64]
 
@@ -78,15 +77,15 @@ def search(
     scales = measure_scales(recordings, base)
     near: list[Fit] = []
     driven = any(recording.driven_by_force(base.model) for recording in recordings)
-    # A law that adds a force leaves the derivatives by all other parameters as they are.
+    # Starts are small: the derivatives by all other parameters stay nearly as they are.
     others = None if driven else derivatives(recordings, base.model)
     for name in candidates_in(recordings, base.model) if names is None else names:
         progress(name)
-        cls = EFFECTS[name]
-        starts = [base.model.with_effect(name, values) for values in cls.starts(scales)]
-        adds = issubclass(cls, ContactEffect) and cls.adds_force()
+        starts = [base.model.with_effect(name, values)
+                  for values in EFFECTS[name].starts(scales)]
+        replaces = starts[0].free.sum() - len(names_of(name)) < base.model.free.sum()
         near.append(fit_at(
-            recordings, _best_start(recordings, starts, others if adds else None)))
+            recordings, _best_start(recordings, starts, None if replaces else others)))
     started = [fit(recordings, one.model, steps=4) for one in nearest(recordings, near)]
     started.sort(key=lambda found: found.cost + penalty(found.model))
     fits = [fit(recordings, found.model, steps=8) for found in started[:_FOLLOWED]]
