@@ -24,7 +24,7 @@ from scipy.optimize import least_squares
 
 from ..observe.model import Model, names_of
 from ..observe.prepared_recording import Recordings
-from ..observe.residuals import residuals
+from ..observe.residuals import bends, huber, residuals
 from ...physics import EFFECTS
 
 Array = NDArray[np.float64]
@@ -243,7 +243,6 @@ def step(
     """
     # Bent residuals would make the first step too short.
     straight = residual_function(recordings, model, robust=False, briefly=True)
-    bent = residual_function(recordings, model, briefly=True)
     (low, high), size = model.ranges, model.steps
     start = np.clip(model.coordinates, low, high)
     at_start = straight(start)
@@ -260,15 +259,27 @@ def step(
         if not np.any(free & shapes):  # then the law is linear in the values of the logarithms
             change[factors] = np.log1p(np.maximum(change[factors], _LEAST_CHANGE))
         there = np.clip(start + share * change, low, high)
-        return _sum_of_squares(bent(there)), there
+        return _robust_cost(recordings, model, straight(there)), there
 
     shapes, every = _shapes(model), np.ones(len(start), bool)
     factors = _of_newest(model) & model.logarithmic[model.free] & ~shapes
-    cost_at_start = _sum_of_squares(bent(start))
-    best_cost, best = min((tried(free) for free in (every, ~shapes)), key=_cost)
+    cost_at_start = _robust_cost(recordings, model, at_start)
+    kinds = (every, ~shapes) if shapes.any() else (every,)
+    best_cost, best = min((tried(free) for free in kinds), key=_cost)
     if best_cost >= cost_at_start:
         best_cost, best = min((cost_at_start, start), tried(every, 0.3), key=_cost)
     return best_cost, model.with_free(best)
+
+
+def _robust_cost(recordings: Recordings, model: Model, straight: Array) -> float:
+    """Return the cost of residuals of which large ones are not bent yet."""
+    cost, begin = 0.0, 0
+    for one in recordings:
+        stop = begin + len(one.channels(model)) * one.block_count
+        part = straight[begin:stop]
+        cost += _sum_of_squares(huber(part) if bends(one, model) else part)
+        begin = stop
+    return cost
 
 
 def _cost(result: tuple[float, Array]) -> float:

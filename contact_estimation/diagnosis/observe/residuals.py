@@ -79,8 +79,27 @@ def residuals(
         stacked[:len(charge)] = np.hypot(stacked[:len(charge)], charge)
     if recording.discount is not None:
         stacked = recording.discount.apply(stacked)
-    bends = laws.contact.unilateral or recording.carries_discrepancy
-    return huber(stacked) if robust and bends else stacked
+    return huber(stacked) if robust and bends(recording, model) else stacked
+
+
+def bends(recording: PreparedRecording, model: Model) -> bool:
+    """
+    Return whether large residuals count linearly.
+
+    Parameters
+    ----------
+    recording : PreparedRecording
+        With or without a discrepancy.
+    model : Model
+        Defines whether the environment is attached.
+
+    Returns
+    -------
+    bends : bool
+        False for an attached specimen whose law may be exact.
+
+    """
+    return model.nominal.environment.unilateral or recording.carries_discrepancy
 
 
 def _of_channels(recording: PreparedRecording, laws: Laws) -> Array:
