@@ -71,7 +71,7 @@ def test_no_step_none_along_the_motion_and_no_small_one_is_friction(friction: fl
 def test_friction_is_named_beside_what_is_larger() -> None:
     found = diagnosed(joint(FRICTION, 1.0), model())
     assert (found.verdict, named(found)) == ('unexplained', ['coulomb_friction'])
-    assert found.effects[0].reversals is not None
+    assert found.effects[0].mark is not None
     assert 'reversals: something else is larger' in as_text(found).replace('\n', ' ')
 
 

@@ -30,7 +30,6 @@ from .shares import Shares
 from ..fit.criteria import enough, noise_scale, PRICE
 from ..fit.discrepancy import has_discrepancy
 from ..fit.fitting import Fit, fit
-from ..fit.reversal_steps import reversal_steps
 from ..fit.selection import Selection
 from ..observe.model import Model, names_of
 from ..observe.prepared_recording import PreparedRecording, Recordings
@@ -99,10 +98,9 @@ def name_effects(
         [shares.of_channel[name] for name in best.model.effects],
         [shares.beside[name] for name in best.model.effects], shares.left, exact)))
     likely.update({name: probability_in_form(share) for name, share in shares.in_form.items()})
-    told, steps = selection.at_reversals, None
-    if told in best.model.effects:
-        steps = reversal_steps(recordings, selection.base.model)
-        likely[told] = probability_of(1.0 - steps.spread)
+    told = selection.marked
+    if selection.mark is not None and told in best.model.effects:
+        likely[told] = probability_of(1.0 - selection.mark.spread)
     for name in sorted(best.model.effects, key=lambda name: -shares.of[name].share):
         dropped = fit(recordings, best.model.without(name), steps=8)
         rivals = _rivals(selection, name, recordings)
@@ -116,7 +114,7 @@ def name_effects(
             [rival.model.effects[-1] for rival in alike],
             locate(shown, dropped.model, cls),
             shares.in_form[name].share if name in shares.in_form else None,
-            steps if name == told else None))
+            selection.mark if name == told else None))
     return Names(effects, rival_models)
 
 

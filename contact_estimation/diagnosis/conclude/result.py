@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from .dependence import Dependence
 from .location import Location
 from ..checks.check import Check
-from ..fit.reversal_steps import ReversalSteps
+from ..fit.marks import Mark
 from ..observe.model import Model
 from ..observe.prepared_recording import Recordings
 
@@ -98,8 +98,8 @@ class NamedEffect:
     share_in_form : float or None
         Of an effect that holds in form alone, its size differing from part to part: the share
         that it explains with a size of its own in each part.
-    reversals : ReversalSteps or None
-        Of a friction that the reversals of the motion tell, however little it explains.
+    mark : Mark or None
+        What tells an effect that predicts little, such as the force at reversals of the motion.
 
     """
 
@@ -115,7 +115,7 @@ class NamedEffect:
     indistinguishable_from: list[str]
     location: Location
     share_in_form: float | None = None
-    reversals: ReversalSteps | None = None
+    mark: Mark | None = None
 
 
 @dataclass(frozen=True)

@@ -32,6 +32,7 @@ from .discrepancy import CHANNELS, costs_by_channel, material, noise_by_channel
 from .fitting import Fit, fit
 from .form import law_in_form
 from .invariance import channel_of, judged_by_channel, left_out_errors, share_of
+from .marks import Mark
 from .pairs import pairs_that_predict
 from .parts import counts_of, evened, Part, parts_of
 from .zeros import is_zero, resembles_zero, with_zeros, ZEROS, Zeros
@@ -69,15 +70,15 @@ class Ranking(NamedTuple):
         Whether the first holds in form alone: its size differs from part to part.
     pair : tuple of str
         The last two effects of the first, if they predict only together.
-    at_reversals : bool
-        Whether the first is a friction that the reversals of the motion tell.
+    mark : Mark or None
+        What tells the first, if it predicts too little.
 
     """
 
     found: list[Fit]
     in_form: bool = False
     pair: tuple[str, ...] = ()
-    at_reversals: bool = False
+    mark: Mark | None = None
 
 
 def rank_by_prediction(

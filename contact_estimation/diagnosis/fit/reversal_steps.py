@@ -65,6 +65,12 @@ class ReversalSteps(NamedTuple):
         return float(np.std(self.sizes, ddof=1) / abs(np.mean(self.sizes)))
 
     @property
+    def words(self) -> str:
+        """Say what was seen."""
+        return (f'the force steps by {2.0 * np.mean(self.sizes):.3g} +- '
+                f'{2.0 * np.std(self.sizes, ddof=1):.2g} N at each of {len(self.sizes)} reversals')
+
+    @property
     def are_friction(self) -> bool:
         """Whether they resist the motion, are alike beyond doubt and not small."""
         count = len(self.sizes)
@@ -97,7 +103,7 @@ def reversal_steps(recordings: Recordings, model: Model) -> ReversalSteps:
 
 def friction_at_reversals(
     recordings: Recordings, present: Fit, found: Sequence[Fit]
-) -> Fit | None:
+) -> tuple[Fit, ReversalSteps] | None:
     """
     Return the friction that the reversals tell where no law predicts much of the misfit.
 
@@ -112,7 +118,7 @@ def friction_at_reversals(
 
     Returns
     -------
-    friction : Fit or None
+    friction : (Fit, ReversalSteps) or None
         The best law of friction that jumps, else the best; None in a wall that can be left, beside
         a friction, and unless the steps at the reversals are alike and no trifle.
 
@@ -128,7 +134,7 @@ def friction_at_reversals(
     if not steps.are_friction or np.mean(steps.sizes) < trifle:
         return None
     sharp = [one for one in friction if getattr(EFFECTS[one.model.effects[-1]], 'jumps', False)]
-    return (sharp or friction)[0]
+    return (sharp or friction)[0], steps
 
 
 def _rubs(model: Model) -> bool:

@@ -39,8 +39,8 @@ from .discrepancy import (
 )
 from .exact_laws import BEYOND_DOUBT, exact_laws, exchange, laws_before_curves, prune, Rivals
 from .fitting import Fit, fit
+from .marks import law_by_mark, Mark
 from .ranking import FLEXIBLE_LEAD, rank_by_prediction, Ranking
-from .reversal_steps import friction_at_reversals
 from .search import may_show, Progress, search, search_family
 from .zeros import beside, ZEROS, zeros_lacking
 from ..observe.model import Model
@@ -75,9 +75,10 @@ class Selection(NamedTuple):
         The effect that holds in form alone, its size differing from part to part; '' if none.
     pair : tuple of str
         Two effects that predict only together; () if none.
-    at_reversals : str
-        The friction that the reversals of the motion tell, however little it explains; '' if
-        none.
+    marked : str
+        The effect that a mark in the force tells, however little it explains; '' if none.
+    mark : Mark or None
+        That mark.
 
     """
 
@@ -88,7 +89,8 @@ class Selection(NamedTuple):
     evidence: dict[str, float]
     in_form: str = ''
     pair: tuple[str, ...] = ()
-    at_reversals: str = ''
+    marked: str = ''
+    mark: Mark | None = None
 
 
 def select(
@@ -116,7 +118,7 @@ def select(
 
     """
     best, evidence, rivals = base, dict[str, float](), Rivals()
-    in_form, at_reversals, pair = '', '', tuple[str, ...]()
+    in_form, mark, marked, pair = '', None, '', tuple[str, ...]()
     while _law_count(best.model) < MOST_EFFECTS and not _is_explained(recordings, base, best):
         carried, present = _carried(recordings, best)
         found = search(carried, present, progress)
@@ -144,9 +146,9 @@ def select(
             pair = pair or ranking.pair
             best = fit(recordings, ranked[0].model)
             rivals[best.model.effects[-1]] = ranked[1:]
-            if ranking.in_form or ranking.at_reversals:  # what is left would get a false name
+            if ranking.in_form or ranking.mark:  # what is left would get a false name
                 in_form = best.model.effects[-1] if ranking.in_form else ''
-                at_reversals = best.model.effects[-1] if ranking.at_reversals else ''
+                marked, mark = best.model.effects[-1] if ranking.mark else '', ranking.mark
                 break
     if leaves_noise(best):
         best, rivals = prune(recordings, best, rivals)
@@ -157,7 +159,7 @@ def select(
     carried, best = weigh(recordings, best)
     best = _as_shown(carried, _without_trifles(carried, best), progress)
     return Selection(carried, fit(carried, base.model), best, rivals, evidence, in_form, pair,
-                     at_reversals)
+                     marked, mark)
 
 
 def fitted_again(recordings: Recordings, selection: Selection) -> Selection:
@@ -218,7 +220,7 @@ def _evidence(recordings: Recordings, present: Fit, found: Sequence[Fit]) -> dic
 def _ranked(
     recordings: Recordings, present: Fit, base: Fit, found: Sequence[Fit]
 ) -> Ranking:
-    """Rank the candidates of other families by prediction, else tell friction by reversals."""
+    """Rank the candidates of other families by prediction, else tell one by its mark."""
     ranking = Ranking([])
     if has_discrepancy(recordings):
         families = {EFFECTS[name].family for name in present.model.effects}
@@ -226,8 +228,8 @@ def _ranked(
         ranking = rank_by_prediction(recordings, present, base.model, others)
     if ranking.found:
         return ranking
-    friction = friction_at_reversals(recordings, present, found)
-    return ranking if friction is None else Ranking([friction], at_reversals=True)
+    told = law_by_mark(recordings, present, found)
+    return ranking if told is None else Ranking([told[0]], mark=told[1])
 
 
 def _is_curve(recordings: Recordings, found: Fit) -> bool:

@@ -20,7 +20,6 @@ from __future__ import annotations
 from math import isfinite
 from typing import Sequence
 
-import numpy as np
 
 from ..conclude.dependence import Dependence
 from ..conclude.location import Location
@@ -97,11 +96,8 @@ def share_of(effect: NamedEffect) -> str:
     interval = (f' ({low:.{digits}f} to {high:.{digits}f} %)'
                 if isfinite(low) and isfinite(high) else '')
     sentence = f'predicts {share:.{digits}f} %{interval} of the misfit on parts left out'
-    if effect.reversals is not None:
-        sizes = effect.reversals.sizes
-        return (f'{sentence}, but the force steps by {2.0 * np.mean(sizes):.3g} +- '
-                f'{2.0 * np.std(sizes, ddof=1):.2g} N at each of {len(sizes)} reversals: '
-                'something else is larger')
+    if effect.mark is not None:
+        return f'{sentence}, but {effect.mark.words}: something else is larger'
     if effect.share_in_form is None:
         return sentence
     return (f'{sentence}, but explains {100.0 * effect.share_in_form:.0f} % with a size of its '
