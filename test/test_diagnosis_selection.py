@@ -22,7 +22,7 @@ from typing import Any, Callable
 
 from concealed_worlds import ATTACHED, attached, nominal, physics, prepared_from, recorded
 from contact_estimation.diagnosis.fit import search as search_module
-from contact_estimation.diagnosis.fit.applicable import candidates_for
+from contact_estimation.diagnosis.fit.applicable import candidates_for, candidates_in
 from contact_estimation.diagnosis.fit.criteria import (
     enough,
     noise_scale,
@@ -92,6 +92,20 @@ def test_what_shows_in_the_motion_alone_needs_a_robot() -> None:
     left_out = set(EFFECTS) - set(candidates_for(MODEL, False))
     of_robot = {name for name, cls in EFFECTS.items() if cls.port == 'robot'}
     assert left_out == {*of_robot, 'force_gain', 'force_nonlinearity'}
+
+
+def test_a_play_needs_more_than_one_reversal() -> None:
+    left_out = set(EFFECTS) - set(candidates_for(MODEL, True, plays=False))
+    assert left_out == {'backlash'}
+    signals = recorded()  # of which one contact, out of three
+    once = signals.wrench_t < 1.9
+    force, held = signals.force[once], np.repeat(signals.position[once][-1], 200)
+    t = signals.wrench_t[:len(force) + len(held)]
+    x = np.concatenate((np.maximum.accumulate(signals.position[once]), held))
+    signals = Signals(t, np.concatenate((force, 0.1 * held)), t, x, t[:0], np.empty((4, 0)))
+    recording, model = prepared_from(signals)
+    assert 'backlash' not in candidates_in([recording], model)
+    assert 'backlash' in candidates_in([prepared_from(recorded())[0]], model)
 
 
 def test_effect_is_not_added_twice() -> None:

@@ -24,6 +24,7 @@ from ...physics import EFFECTS
 
 _ORDER, _UNTOLD = 4, 0.2  # of a polynomial in x; share of the variance of |v| that it leaves
 _STROKES, _MANY_STROKES = 1.5, 3.0  # more than one; more than one and a return
+_THERE_AND_BACK = 2.5  # one contact, with little to and fro
 _OF_SPEED = 'damping_law'  # a family
 _MOVES, _FASTEST = 0.2, 0.9  # of the speed that so many samples do not exceed
 _ONE_SPEED, _NEARLY_ALL = 0.1, 0.9  # deviation from it, and share of the moving samples within
@@ -32,7 +33,7 @@ _SLACK = 0.02  # of the range, by which a pressed wall may be pulled
 
 def candidates_for(
     model: Model, with_robot: bool, pressed: bool = False, returns: bool = True,
-    speeds: bool = True, paces: bool = True,
+    speeds: bool = True, paces: bool = True, plays: bool = True,
 ) -> list[str]:
     """
     List the effects that may be added.
@@ -51,6 +52,9 @@ def candidates_for(
         Whether its depth does not tell its speed, but for the direction.
     paces : bool
         Whether it moves at several speeds: at one a damping is no other than a hysteresis.
+    plays : bool
+        Whether the motion reverses more than once, or the force vanishes in contact: else a wall
+        that stays where it was pressed lets go as a play does.
 
     Returns
     -------
@@ -72,6 +76,7 @@ def candidates_for(
         and (wall.unilateral or wall.stiffness > 0.0 or not cls.needs_spring)
         and (speeds or wall.stiffness == 0.0 or not cls.needs_speeds)
         and (wall.unilateral or paces or cls.family != _OF_SPEED)
+        and (plays or not getattr(cls, 'lets_go', False))
         and not (cls.base_parameter == 'inertia' and model.with_inertia)
     ]
 
@@ -118,12 +123,17 @@ def candidates_in(recordings: Recordings, model: Model) -> list[str]:
     return candidates_for(
         model, any(one.observed.reference is not None for one in recordings),
         is_pressed(recordings, model), any(map(_returns, recordings)),
-        any(map(_has_speeds, recordings)), _has_paces(recordings))
+        any(map(_has_speeds, recordings)), _has_paces(recordings), any(map(_plays, recordings)))
 
 
 def _returns(recording: PreparedRecording) -> bool:
     """Return whether the motion is more than one stroke and a hold."""
     return _strokes(recording) > _STROKES
+
+
+def _plays(recording: PreparedRecording) -> bool:
+    """Return whether a play would show as one."""
+    return recording.dropped is not None or _strokes(recording) > _THERE_AND_BACK
 
 
 def _strokes(recording: PreparedRecording) -> float:
