@@ -20,7 +20,7 @@ from collections import Counter, deque
 from math import inf, isfinite, isnan, nan
 
 from .parameters import EstimationParameters
-from .robot_compliance import seen_by_the_robot
+from .robot_compliance import seen_by_the_robot, with_joints
 from ..estimators.estimate import Estimate, EstimateStatus
 from ..reference.reference_generator import ReferenceGenerator
 from ..reference.setpoints import Desired, Reference
@@ -71,7 +71,7 @@ class ReferenceStream:
         self._timeout_s = parameters.synchronisation.timeout_s
         self._default_force = parameters.force_reference
         self._resting = Desired(self._resting.position, 0.0, 0.0, self._default_force)
-        self._robot = parameters.robot
+        self._robot = with_joints(parameters.robot, parameters.physics)
         self.period_ns = round(1e9 / parameters.sample_rate)
 
     def restart(self) -> None:

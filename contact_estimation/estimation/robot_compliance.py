@@ -16,11 +16,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import hypot
+from typing import Any
 
 from ..estimators.estimate import ParameterEstimate
 from ..parameters.specification import parameter, ParameterGroup
+from ..physics import effects_that_are_on
+from ..physics.robot_effect import RobotEffect
 
 _LEAST_SHARE = 0.02
 """Of the deflection that must be the wall's; below, K_e is too uncertain to be limited more."""
@@ -41,6 +44,29 @@ class RobotParameters(ParameterGroup):
         'Standard deviation of the compliance, which widens the deviations of K_hat and B_hat',
         'm/N', minimum=0.0, maximum=1.0,
     )
+
+
+def with_joints(robot: RobotParameters, physics: Any) -> RobotParameters:
+    """
+    Add the compliance of joints that are known physics.
+
+    Parameters
+    ----------
+    robot : RobotParameters
+        Compliance of the rest.
+    physics : PhysicsParameters
+        Known effects.
+
+    Returns
+    -------
+    robot : RobotParameters
+        `robot` itself without a flexible joint.
+
+    """
+    joints = [effect.joint(1.0) for effect in effects_that_are_on(physics)
+              if isinstance(effect, RobotEffect)]
+    yields = sum(joint.compliance for joint in joints if joint is not None)
+    return replace(robot, compliance=robot.compliance + yields) if yields else robot
 
 
 def of_the_wall(

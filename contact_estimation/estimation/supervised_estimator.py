@@ -19,7 +19,7 @@ from __future__ import annotations
 from math import isfinite, sqrt
 
 from .parameters import EstimationParameters
-from .robot_compliance import of_the_wall
+from .robot_compliance import of_the_wall, with_joints
 from .supervision import ALL, shifted, Supervision
 from ..estimators import ESTIMATORS
 from ..estimators.estimate import EstimateStatus, ParameterEstimate
@@ -67,8 +67,8 @@ class SupervisedEstimator:
     def _set(self, parameters: EstimationParameters) -> None:
         self._p = parameters
         self._longest = 2.0 / parameters.sample_rate  # never integrate over a gap
-        self._robot_is_stiff = not (
-            parameters.robot.compliance or parameters.robot.compliance_std)
+        self._robot = with_joints(parameters.robot, parameters.physics)
+        self._robot_is_stiff = not (self._robot.compliance or self._robot.compliance_std)
 
     def _new_estimator(self) -> OnlineEstimator:
         p = self._p
@@ -207,7 +207,7 @@ class SupervisedEstimator:
     def _widened(self, estimate: ParameterEstimate) -> Parameters:
         """Add systematic errors to the deviations: once, for every estimator."""
         wide = widened(estimate, self._supervision.errors)
-        return wide if self._robot_is_stiff else of_the_wall(wide, self._p.robot)
+        return wide if self._robot_is_stiff else of_the_wall(wide, self._robot)
 
 
 def widened(estimate: Parameters, errors: SystematicErrors) -> Parameters:
