@@ -111,12 +111,8 @@ def adhesion_at_release(
 
     Parameters
     ----------
-    recordings : sequence of PreparedRecording
-        As fitted.
-    present : Fit
-        Without the candidates.
-    found : sequence of Fit
-        Candidates, the best first.
+    recordings, present, found
+        As of `law_by_mark`.
 
     Returns
     -------

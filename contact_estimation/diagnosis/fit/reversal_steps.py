@@ -109,12 +109,8 @@ def friction_at_reversals(
 
     Parameters
     ----------
-    recordings : sequence of PreparedRecording
-        As fitted.
-    present : Fit
-        Without the candidates.
-    found : sequence of Fit
-        Candidates, the best first.
+    recordings, present, found
+        As of `law_by_mark`.
 
     Returns
     -------
