@@ -241,8 +241,21 @@ def pressed(drops: int, samples: int) -> Array:
     return force + 0.1 * np.random.default_rng(1).standard_normal(1200)
 
 
+EVERYWHERE = np.ones(1200, bool)
+
+
+def test_a_tool_that_bounces_off_the_surface_has_no_drops() -> None:
+    outside = EVERYWHERE.copy()
+    outside[650:670] = False  # of one of the four
+    observed = observed_force(pressed(4, 20))
+    dropped = force_drops(observed, 0.1, outside)
+    assert dropped is not None and dropped[500:520].all() and not dropped[650:670].any()
+    outside[500:520] = False  # three are needed
+    assert force_drops(observed, 0.1, outside) is None
+
+
 def test_force_drops_during_contact_are_found() -> None:
-    found = force_drops(observed_force(pressed(4, 20)), 0.1)
+    found = force_drops(observed_force(pressed(4, 20)), 0.1, EVERYWHERE)
     assert found is not None
     expected = pressed(4, 20) > -25.0
     expected[:100] = expected[1100:] = False
@@ -252,25 +265,25 @@ def test_force_drops_during_contact_are_found() -> None:
 def test_drops_with_a_sample_on_the_way_count_beside_sharp_ones_alone() -> None:
     force = pressed(4, 20)
     force[650] = -2.0  # between none and pressing
-    dropped = force_drops(observed_force(force), 0.1)
+    dropped = force_drops(observed_force(force), 0.1, EVERYWHERE)
     assert dropped is not None and dropped[651:670].all() and not dropped[650]
     for begin in (200, 350, 500, 650):  # bounces: the force rises and falls over samples
         force[begin] = force[begin + 20] = -2.0
-    assert force_drops(observed_force(force), 0.1) is None
+    assert force_drops(observed_force(force), 0.1, EVERYWHERE) is None
 
 
 def test_drops_of_a_few_samples_between_stamps_that_jitter_are_found() -> None:
     force = pressed(4, 2)
     begins = [200, 350, 500, 650]
     force[begins] = -4.0  # forty times the noise
-    dropped = force_drops(observed_force(force), 0.1)
+    dropped = force_drops(observed_force(force), 0.1, EVERYWHERE)
     expected = [k for begin in begins for k in (begin, begin + 1)]
     assert dropped is not None and np.flatnonzero(dropped).tolist() == expected
 
 
 @pytest.mark.parametrize('drops, samples', [(0, 0), (2, 20), (4, 140)])
 def test_few_or_long_gaps_are_no_drops(drops: int, samples: int) -> None:
-    assert force_drops(observed_force(pressed(drops, samples)), 0.1) is None
+    assert force_drops(observed_force(pressed(drops, samples)), 0.1, EVERYWHERE) is None
 
 
 def test_model_that_cannot_release_is_charged_for_drops() -> None:

@@ -126,9 +126,11 @@ class PreparedRecording:
             use = use & ~held_out.samples
         noise = force_noise(model, o)
         observer = o.observer_of(model.nominal)
+        laws = model.laws()
         return cls(
             name, o, noise, motion_noise(model, o, noise), use, default_block(o), held_out,
-            dropped=force_drops(o, noise) if model.nominal.environment.unilateral else None,
+            dropped=(force_drops(o, noise, laws.touching(o)) if laws.contact.unilateral
+                     else None),
             observer=observer, force_error=force_error(model, o),
             motion_error=innovation_error(model, o, observer),
         )

@@ -76,7 +76,7 @@ def _starts_unloaded(model: Model, observed: Observed) -> bool:
                for signal in (o.x - wall.location, o.force))
 
 
-def force_drops(observed: Observed, noise: float) -> Flags | None:
+def force_drops(observed: Observed, noise: float, touching: Flags) -> Flags | None:
     """
     Find the samples at which the force vanishes during contact.
 
@@ -86,6 +86,8 @@ def force_drops(observed: Observed, noise: float) -> Flags | None:
         The recording.
     noise : float
         Of the force [N].
+    touching : ndarray of bool, shape (N,)
+        Where the surface is reached: a tool that bounces off it has no contact.
 
     Returns
     -------
@@ -101,7 +103,7 @@ def force_drops(observed: Observed, noise: float) -> Flags | None:
     dropped, sharp = np.zeros(len(o.t), bool), 0
     for first, stop in stretches(weak):
         inside = weak[first] and 0 < first and stop < len(o.t)
-        if not inside or (stop - first) * o.h >= _DROP_S * min(o.pace, 1.0):
+        if not inside or not touching[first:stop].all() or (stop - first) * o.h >= _DROP_S * min(o.pace, 1.0):
             continue
         sharp += bool(pressing[first - 1] and pressing[stop])
         # The sensor may catch the force on its way.
