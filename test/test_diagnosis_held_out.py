@@ -40,6 +40,7 @@ from contact_estimation.diagnosis.conclude.held_out import (
     Part,
 )
 from contact_estimation.diagnosis.conclude.result import Errors
+from contact_estimation.diagnosis.fit.free_run import free_run, steps_a_sample
 from contact_estimation.diagnosis.observe import episodes as episodes_module
 from contact_estimation.diagnosis.observe.episodes import episodes, hold_out, require_contact
 from contact_estimation.diagnosis.observe.model import Model
@@ -297,3 +298,11 @@ def test_what_shows_in_the_held_out_part_alone_is_named_with_another_held_out() 
     assert (found.verdict, named(found)) == ('physics_missing', ['actuator_saturation'])
     assert [part.name for part in found.holdouts] == ['episode 1']
     assert found.effects[0].parameters['limit'].value == pytest.approx(85.0, rel=0.01)
+
+
+def test_free_run_of_a_hysteresis_that_bends_within_micrometres_is_stable() -> None:
+    recording, model = prepared_from(recorded())
+    bends = model.with_effect('bouc_wen_hysteresis', (6e4, 4e4, 8e3))
+    assert steps_a_sample(bends, recording.observed) > steps_a_sample(model, recording.observed)
+    x = free_run(bends, recording.observed).position
+    assert np.max(np.abs(x - recording.observed.x)) < 1e-3

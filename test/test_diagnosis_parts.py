@@ -108,6 +108,22 @@ def test_an_effect_smaller_than_the_noise_is_named_if_it_is_the_same_on_all_part
     assert named(diagnosed(spring(3e4, 0.0, 0.03), SPRING)) == names
 
 
+def test_a_magnitude_is_constant_where_the_parts_that_tell_it_agree() -> None:
+    recording, model = prepared_from(spring(2e6, 0.0), SPRING)
+    law = fit([recording], model.with_effect('cubic_stiffness', (1e5,)))
+    shares = shares_of([recording], fit([recording], model).model, law.model)
+    assert shares.is_constant('cubic_stiffness')
+    values, place = law.model.values, law.model.place('cubic_stiffness').start
+    none = (*values[:place], 0.0)
+    told = np.ones((len(shares.parts), len(values)))
+    told[2:] = 0.01  # the others reach no limit, say, and tell nothing of it
+    known = vars(shares)
+    known['_alone'], known['_information'] = [values, values] + [none] * (len(told) - 2), told
+    assert len(told) > 3 and shares.is_constant('cubic_stiffness')
+    known['_information'] = np.ones_like(told)
+    assert not shares.is_constant('cubic_stiffness')
+
+
 @pytest.mark.parametrize('cubic, stray, verdict, names', [
     (6e5, 0.1, 'physics_missing', ['cubic_stiffness']),
     (1.5e4, 0.0, 'physics_missing', ['cubic_stiffness']),

@@ -43,6 +43,7 @@ from ..observe.prepared_recording import is_flexible, Recordings
 from ...physics import EFFECTS
 
 Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
 
 _SPREAD = 1.0  # median deviation of a magnitude between parts, over its median
 _CONSTANT = 0.2  # the same, of a law that is told by the likelihood
@@ -110,16 +111,24 @@ class Shares:
     def agrees(self, name: str) -> bool:
         """Return whether the magnitude of an effect is much the same on each part and on all."""
         sizes, whole = self._magnitudes(name)
-        told = self._information[:, self.best.model.place(name).start]
-        informed = told >= _INFORMED * told.max()
+        informed = self._informed(name)
         return _agree(sizes, whole) or (
             int(np.count_nonzero(informed)) > 1 and _agree(sizes[informed], whole))
 
     def is_constant(self, name: str) -> bool:
-        """Return whether an effect is sure and its magnitude the same on most parts and on all."""
+        """
+        Return whether an effect is sure and its magnitude the same on most parts and on all.
+
+        Those parts count that tell it, such as contacts in which a limit is reached.
+        """
         sizes, whole = self._magnitudes(name)
-        return self.sure(name) > 0.0 and bool(
-            np.median(np.abs(sizes - whole)) <= _CONSTANT * abs(whole))
+        off = np.abs(sizes - whole)[self._informed(name)]
+        return self.sure(name) > 0.0 and bool(np.median(off) <= _CONSTANT * abs(whole))
+
+    def _informed(self, name: str) -> Flags:
+        """Return which parts tell a tenth as much of the magnitude as the best, shape (parts,)."""
+        told = self._information[:, self.best.model.place(name).start]
+        return np.asarray(told >= _INFORMED * told.max())
 
     def _magnitudes(self, name: str) -> tuple[Array, float]:
         """Return the magnitude of an effect on each part alone, and on all."""

@@ -29,6 +29,7 @@ from ..observe.observed import Observed
 from ...parameters.specification import specifications
 from ...parameters.values import build, flatten
 from ...physics import EFFECTS
+from ...physics.contact_law import ContactLaw
 from ...physics.numeric import SIGN_VELOCITY
 from ...plant.driven_wall import run_driven_wall
 from ...plant.open_loop import simulate_on
@@ -40,6 +41,8 @@ _PICARD = 40  # rounds at most
 _CONVERGED = 1e-4  # of the motion
 _STABLE = 1.0  # rate of decay times step; Runge-Kutta is stable up to 2.8
 _RESOLVED = 0.2  # [rad] of the oscillation of robot and wall, a step
+_MOST_STEPS = 100.0
+_NEAR = 1e-9  # [m] or [N]: the laws are linear in small states
 _WALL_STEPS = 2  # Runge-Kutta steps a sample of a wall without a robot
 
 
@@ -101,8 +104,8 @@ def steps_a_sample(model: Model, o: Observed) -> int:
     Returns
     -------
     steps : int
-        So many that steep drag at standstill is stable and, at a slow pace, the oscillation of
-        robot and wall is resolved.
+        So many that steep drag at standstill and states that follow the motion fast are stable
+        and, at a slow pace, the oscillation of robot and wall is resolved.
 
     """
     laws, wall = model.laws(), model.nominal.environment
@@ -113,7 +116,8 @@ def steps_a_sample(model: Model, o: Observed) -> int:
              for v in (0.0, slow)]
     drag = [laws.robot.force(x, v, (x, v, 0.0, 0.0), math) for v in (0.0, slow)]
     steepness = (touch[1] - touch[0] + drag[0] - drag[1]) / slow / laws.robot.link_mass
-    steps = max(1, math.ceil(o.h * steepness / _STABLE))
+    fastest = max(steepness, _decay(laws.contact, x, float(np.max(np.abs(o.v)))))
+    steps = max(1, math.ceil(min(o.h * fastest / _STABLE, _MOST_STEPS)))
     if laws.robot.joint is not None:
         rate = 1.0 / math.sqrt(laws.robot.joint.compliance * laws.robot.link_mass)
         steps = max(steps, math.ceil(o.h * rate / _RESOLVED))
@@ -121,6 +125,17 @@ def steps_a_sample(model: Model, o: Observed) -> int:
         return steps
     stiffness = max(model.stiffness + laws.robot.stiffness, 0.0)
     return max(steps, math.ceil(o.h * math.sqrt(stiffness / laws.robot.mass) / _RESOLVED))
+
+
+def _decay(law: ContactLaw, x: float, speed: float) -> float:
+    """Return the fastest rate at which an internal state of a wall follows the motion [1/s]."""
+    fastest, still = 0.0, (0.0,) * law.states
+    for v in (speed, -speed):
+        rates = law.rates(0.0, x, v, still)
+        for k in range(law.states):
+            moved = (*still[:k], _NEAR, *still[k + 1:])
+            fastest = max(fastest, (rates[k] - law.rates(0.0, x, v, moved)[k]) / _NEAR)
+    return fastest
 
 
 def free_run(model: Model, observed: Observed) -> Run:

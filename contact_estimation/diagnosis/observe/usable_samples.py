@@ -102,8 +102,8 @@ def force_drops(observed: Observed, noise: float, touching: Flags) -> Flags | No
     weak = (size < 5.0 * noise) | _nearly_none(size)
     dropped, sharp = np.zeros(len(o.t), bool), 0
     for first, stop in stretches(weak):
-        inside = weak[first] and 0 < first and stop < len(o.t)
-        if not inside or not touching[first:stop].all() or (stop - first) * o.h >= _DROP_S * min(o.pace, 1.0):
+        inside = weak[first] and 0 < first and stop < len(o.t) and touching[first:stop].all()
+        if not inside or (stop - first) * o.h >= _DROP_S * min(o.pace, 1.0):
             continue
         sharp += bool(pressing[first - 1] and pressing[stop])
         # The sensor may catch the force on its way.
