@@ -32,7 +32,8 @@ from contact_estimation.diagnosis.fit.criteria import SHARE
 from contact_estimation.diagnosis.fit.fitting import Fit, fit
 from contact_estimation.diagnosis.fit.parts import counts_of, evened, parts_of
 from contact_estimation.diagnosis.fit.ranking import _is_little, _promising
-from contact_estimation.diagnosis.fit.selection import Selection, weigh
+from contact_estimation.diagnosis.fit.search import may_show
+from contact_estimation.diagnosis.fit.selection import _as_shown, Selection, weigh
 from contact_estimation.diagnosis.observe.model import Model
 from contact_estimation.diagnosis.observe.prepared_recording import PreparedRecording
 from contact_estimation.diagnosis.observe.signals import Signals
@@ -230,3 +231,17 @@ def test_a_law_whose_size_differs_between_parts_makes_room_for_the_next(
     monkeypatch.setattr(Shares, 'agrees', lambda self, name: name != 'cubic_stiffness')
     effect, = diagnosed(spring(6e5, 0.1), SPRING).effects
     assert effect.family == 'elastic_law' and effect.name != 'cubic_stiffness'
+
+
+def test_a_law_bent_out_of_sight_makes_room_for_its_family_where_all_is_explained() -> None:
+    recording, model = prepared_from(spring(0.0, 0.0), SPRING)
+    t, x = recording.observed.t, recording.observed.x
+    soft = Signals(t, recording.observed.force - 3000.0 * x * np.abs(x), t,
+                   recording.observed.raw_position, np.empty(0), np.empty((4, 0)))
+    recording, model = prepared_from(soft, SPRING)
+    base = fit([recording], model)
+    parabola = fit([recording], base.model.with_effect('exponential_stiffness', (600.0, 0.4)))
+    assert not may_show([recording], parabola.model, 'exponential_stiffness')
+    shown = _as_shown([recording], parabola, lambda name: None)
+    (name,) = shown.model.effects
+    assert EFFECTS[name].family == 'elastic_law' and name != 'exponential_stiffness'

@@ -48,6 +48,7 @@ class ForceNonlinearity(ForceSensorEffect):
     description = 'The sensitivity of the force sensor changes with the force.'
     Parameters = ForceNonlinearityParameters
     needs_robot = True
+    refines = 'force_gain'
     either_sign = True
 
     def __init__(self, values: ForceNonlinearityParameters) -> None:

@@ -155,6 +155,7 @@ def select(
     best = _narrowest(recordings, base, best, progress)
     if leaves_noise(best):
         best = fit(recordings, best.model) if best.model.effects else base
+        best = _as_shown(recordings, best, progress)
         return Selection(recordings, base, best, rivals, evidence)
     carried, best = weigh(recordings, best)
     best = _as_shown(carried, _without_trifles(carried, best), progress)
