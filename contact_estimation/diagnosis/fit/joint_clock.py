@@ -19,6 +19,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Callable, Sequence
 
+import numpy as np
 from scipy.optimize import minimize_scalar
 
 from .criteria import leaves_noise
@@ -36,6 +37,7 @@ _SCANNED = (0.0015, 0.003, 0.005, 0.008, 0.012, 0.018, 0.027)  # [s]
 _TRIED = (1.0, 1.2)  # times the delay: what bends beside it makes it too short
 _PROMISING, _WITH_DELAY = 0.95, 1.4  # most of the misfit of the effects, for stamps to be tried
 _LEFT = 0.25  # most of it that late stamps may leave
+_LEAST = 0.003  # [s]: less is that of a sensor's filter, as is less than a sample
 
 
 class JointClock:
@@ -81,12 +83,16 @@ class JointClock:
         Returns
         -------
         late : float
-            [s]; 0 unless it leaves less than a quarter of what the effects leave.
+            [s]; 0 unless it is more than a sample or a filter of the force, and leaves less than
+            a quarter of what the effects leave.
 
         """
         if self._explained:
             return 0.0
+        period = max(float(np.median(np.diff(one.signals.joint_t))) for one in self._raw)
         for late in self._tried():
+            if late < max(_LEAST, period):
+                continue
             earlier, selection = select(self._earlier(late))
             if _misfit(fit(earlier, selection.best.model)) < _LEFT * self._misfit:
                 return late
