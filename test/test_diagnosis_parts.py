@@ -123,6 +123,9 @@ def test_a_magnitude_is_constant_where_the_parts_that_tell_it_agree() -> None:
     assert len(told) > 3 and shares.is_constant('cubic_stiffness')
     known['_information'] = np.ones_like(told)
     assert not shares.is_constant('cubic_stiffness')
+    told[1] = 0.01
+    known['_information'] = told  # one alone does not agree with itself
+    assert not shares.is_constant('cubic_stiffness')
 
 
 @pytest.mark.parametrize('cubic, stray, verdict, names', [

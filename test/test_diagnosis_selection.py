@@ -86,6 +86,16 @@ def test_a_force_held_most_of_the_time_to_and_fro_is_no_saturating_sensor() -> N
     assert is_credible([moved(lambda v: np.clip(60.0 * v, -35.0, 35.0))], gentle)
 
 
+def test_a_force_that_is_level_since_the_depth_is_held_is_no_saturating_sensor() -> None:
+    t = np.arange(3000) / 250.0
+    x = 0.01 * np.clip(np.interp(t, [0.0, 1.0, 2.0, 6.0, 7.0, 12.0], [0, 0, 1, 1, 0.4, 0.4]), 0, 1)
+    force = -1000.0 * x + np.random.default_rng(4).normal(0.0, 0.05, len(t))
+    spring = nominal(environment__stiffness=1000.0, environment__damping=1.0,
+                     environment__unilateral=False)
+    held, start = prepared_from(Signals(t, force, t, x, np.empty(0), np.empty((4, 0))), spring)
+    assert not is_credible([held], start.with_effect('force_saturation', (9.98,)))
+
+
 def test_every_effect_may_be_added_where_there_is_a_robot() -> None:
     assert candidates_for(MODEL, True) == list(EFFECTS)
 

@@ -119,11 +119,13 @@ class Shares:
         """
         Return whether an effect is sure and its magnitude the same on most parts and on all.
 
-        Those parts count that tell it, such as contacts in which a limit is reached.
+        Those parts count that tell it, such as contacts in which a limit is reached, if there are
+        two.
         """
         sizes, whole = self._magnitudes(name)
-        off = np.abs(sizes - whole)[self._informed(name)]
-        return self.sure(name) > 0.0 and bool(np.median(off) <= _CONSTANT * abs(whole))
+        off, informed = np.abs(sizes - whole), self._informed(name)
+        usual = np.median(off[informed] if np.count_nonzero(informed) > 1 else off)
+        return self.sure(name) > 0.0 and bool(usual <= _CONSTANT * abs(whole))
 
     def _informed(self, name: str) -> Flags:
         """Return which parts tell a tenth as much of the magnitude as the best, shape (parts,)."""

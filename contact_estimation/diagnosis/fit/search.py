@@ -163,7 +163,8 @@ def may_show(recordings: Recordings, model: Model, name: str) -> bool:
     -------
     shown : bool
         False for a saturating sensor if the measured force is not level where the sensor would
-        hold it, or is held for most of the time to and fro, as friction holds it; and for a
+        hold it, or the motion is, or it is held for most of the time to and fro, as friction holds
+        it; and for a
         friction beyond the range of the force, which never slips: that is a spring. Nor is one
         shown that vanishes, an exponential of which the motion covers a parabola alone, a surface
         far beyond the motion, a play within the noise of the positions, a resonance of fewer than
@@ -177,7 +178,7 @@ def may_show(recordings: Recordings, model: Model, name: str) -> bool:
     if name != 'force_saturation':
         return True
     limit = model.values[model.place('force_saturation').start]
-    held_by_side, count = np.zeros(2), 0
+    held_by_side, count, moves = np.zeros(2), 0, False
     for one in recordings:
         force = one.observed.force
         held = (np.abs(force - force_residual(one, model)) >= limit) & one.use
@@ -186,7 +187,12 @@ def may_show(recordings: Recordings, model: Model, name: str) -> bool:
         most = _LEVEL * one.force_noise + _SLOPE * limit
         if held.any() and float(np.std(np.abs(force[held]))) > most:
             return False
-    return bool(held_by_side.any()) and bool(held_by_side.min() <= _MOST_HELD * count)
+        if held.any():
+            o = one.observed
+            swing = np.hypot(
+                model.stiffness * np.std(o.x[held]), model.damping * np.std(o.v[held]))
+            moves = moves or bool(swing > one.force_noise)
+    return moves and bool(held_by_side.min() <= _MOST_HELD * count)
 
 
 def _is_reached(
