@@ -236,7 +236,7 @@ def test_a_law_whose_size_differs_between_parts_makes_room_for_the_next(
     assert effect.family == 'elastic_law' and effect.name != 'cubic_stiffness'
 
 
-def test_a_law_bent_out_of_sight_makes_room_for_its_family_where_all_is_explained() -> None:
+def test_a_law_bent_out_of_sight_makes_room_for_one_of_its_family() -> None:
     recording, model = prepared_from(spring(0.0, 0.0), SPRING)
     t, x = recording.observed.t, recording.observed.x
     soft = Signals(t, recording.observed.force - 3000.0 * x * np.abs(x), t,

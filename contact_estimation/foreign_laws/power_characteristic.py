@@ -14,6 +14,8 @@
 
 """A force sensor whose reading is a power of the force."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.random import Generator
 

@@ -25,7 +25,7 @@ from ..fit.fitting import Fit, fit
 from ..fit.search import Progress, search_family
 from ..fit.selection import Selection
 from ..fit.zeros import ZEROS
-from ..observe.prepared_recording import is_flexible, Recordings
+from ..observe.prepared_recording import Recordings
 from ...physics import EFFECTS
 
 
@@ -114,9 +114,9 @@ def in_family(
     best = decision.best.model
     for found in search_family(selection.recordings, best, best.effects[-1], progress):
         other, name = _decision(selection, found), found.model.effects[-1]
-        curve = is_flexible(selection.recordings, found.model, name)
-        least = EFFECTS[name].least_share if curve else EXPLAINED
-        if other.shares is not None and other.shares.explained >= least:
+        shares = other.shares
+        if shares is not None and shares.explained >= (
+                EFFECTS[name].least_share if shares.is_flexible(name) else EXPLAINED):
             yield other
 
 

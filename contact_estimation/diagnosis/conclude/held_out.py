@@ -22,7 +22,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .result import Errors, HeldOutErrors
-from ..fit.model_uncertainty import discounted
 from ..observe.model import Model
 from ..observe.prepared_recording import PreparedRecording
 from ..observe.residuals import force_residual, residuals
@@ -206,7 +205,7 @@ def as_good(
     Parameters
     ----------
     recording : PreparedRecording
-        With the part among its samples that count.
+        With the part among its samples that count, and the discount of `best`.
     samples : ndarray of bool, shape (N,)
         The held-out part.
     best, rival : Model
@@ -220,8 +219,7 @@ def as_good(
         By a paired 95 % bootstrap over blocks of time.
 
     """
-    known = discounted(recording, best)
-    squares = [np.sum(known.split(residuals(known, model, robust=False)) ** 2, axis=0)
+    squares = [np.sum(recording.split(residuals(recording, model, robust=False)) ** 2, axis=0)
                for model in (rival, best)]
     span = max(1, round(_BLOCK_S * recording.observed.pace / recording.block_s))
     use = recording.blocks((samples & recording.use).astype(float))

@@ -30,6 +30,7 @@ from .shares import Shares
 from ..fit.criteria import enough, noise_scale, PRICE
 from ..fit.discrepancy import has_discrepancy
 from ..fit.fitting import Fit, fit
+from ..fit.model_uncertainty import discounted
 from ..fit.selection import Selection
 from ..observe.model import Model, names_of
 from ..observe.prepared_recording import PreparedRecording, Recordings
@@ -140,16 +141,16 @@ def _alike(
     best: Fit, name: str, rivals: Sequence[Fit], recordings: Recordings, generator: Generator
 ) -> list[Fit]:
     """Select the rivals that predict held-out data as well."""
-    alike, exact = [], not has_discrepancy(recordings)
-    for rival in rivals:
-        candidate = name != rival.model.effects[-1] and not enough(rival, best) and (
-            not exact or _is_as_likely(best, rival))
-        if candidate and all(
-            as_good(recording.whole(best.model), recording.held_out.samples, best.model,
-                    rival.model, generator)
-            for recording in recordings if recording.held_out is not None
-        ):
-            alike.append(rival)
+    exact = not has_discrepancy(recordings)
+    near = [rival for rival in rivals
+            if name != rival.model.effects[-1] and not enough(rival, best)
+            and (not exact or _is_as_likely(best, rival))]
+    if not near:
+        return []
+    held = [(discounted(one.whole(best.model), best.model), one.held_out.samples)
+            for one in recordings if one.held_out is not None]
+    alike = [rival for rival in near if all(
+        as_good(whole, samples, best.model, rival.model, generator) for whole, samples in held)]
     return alike[:_MOST_RIVALS]
 
 

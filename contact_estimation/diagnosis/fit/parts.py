@@ -272,10 +272,8 @@ def above_noise(
 
     Parameters
     ----------
-    squares : ndarray, shape (parts, CHANNELS)
-        `left_out_errors`.
-    parts : sequence of Part
-        With their noise.
+    squares, parts
+        As of `noise_of`.
     columns : slice
         Channels that count.
 

@@ -162,36 +162,40 @@ def may_show(recordings: Recordings, model: Model, name: str) -> bool:
     Returns
     -------
     shown : bool
-        False for a saturating sensor if the measured force is not level where the sensor would
-        hold it, or the motion is, or it is held for most of the time to and fro, as friction holds
-        it; and for a
-        friction beyond the range of the force, which never slips: that is a spring. Nor is one
-        shown that vanishes, an exponential of which the motion covers a parabola alone, a surface
-        far beyond the motion, a play within the noise of the positions, a resonance of fewer than
-        eight samples a period or of less than a period, a delay of less than a twentieth of a
-        sample period, or two tones too near one another for the duration.
+        False for a saturating sensor that does not clip as one, and for a friction beyond the
+        range of the force, which never slips: that is a spring. Nor is one shown that vanishes, an
+        exponential of which the motion covers a parabola alone, a surface far beyond the motion, a
+        play within the noise of the positions, a resonance of fewer than eight samples a period or
+        of less than a period, a delay of less than a twentieth of a sample period, or two tones
+        too near one another for the duration.
 
     """
     values = EFFECTS[name].Parameters(*model.values[model.place(name)])
     if EFFECTS[name].vanishes(values) or not _is_reached(recordings, model, name, values):
         return False
-    if name != 'force_saturation':
-        return True
+    return name != 'force_saturation' or _clips(recordings, model)
+
+
+def _clips(recordings: Recordings, model: Model) -> bool:
+    """
+    Return whether the force sensor clips as a saturating one does.
+
+    The measured force is level where it would be held, though the motion is not, and not for most
+    of the time to and fro, as friction holds it.
+    """
     limit = model.values[model.place('force_saturation').start]
     held_by_side, count, moves = np.zeros(2), 0, False
     for one in recordings:
-        force = one.observed.force
+        o, force = one.observed, one.observed.force
         held = (np.abs(force - force_residual(one, model)) >= limit) & one.use
         held_by_side += np.bincount((force[held] > 0.0).astype(int), minlength=2)
         count += int(np.count_nonzero(one.use))
-        most = _LEVEL * one.force_noise + _SLOPE * limit
-        if held.any() and float(np.std(np.abs(force[held]))) > most:
+        if not held.any():
+            continue
+        if float(np.std(np.abs(force[held]))) > _LEVEL * one.force_noise + _SLOPE * limit:
             return False
-        if held.any():
-            o = one.observed
-            swing = np.hypot(
-                model.stiffness * np.std(o.x[held]), model.damping * np.std(o.v[held]))
-            moves = moves or bool(swing > one.force_noise)
+        swing = np.hypot(model.stiffness * np.std(o.x[held]), model.damping * np.std(o.v[held]))
+        moves = moves or bool(swing > one.force_noise)
     return moves and bool(held_by_side.min() <= _MOST_HELD * count)
 
 
@@ -259,13 +263,16 @@ def _best_start(
     near = steps[order[0]][1]
     if not all(recording.driven_by_force(near) for recording in recordings):
         return near
-    enough = _FAR * sum(recording.residual_count for recording in recordings)
-    if len(starts) >= _MANY:  # one step tells little of where each of them leads
-        enough = min(enough, *(cost_of(recordings, model) for model in starts))
-    if cost_of(recordings, near) < enough:
+    cost, enough = cost_of(recordings, near), _FAR * sum(one.residual_count for one in recordings)
+    if len(starts) < _MANY and cost < enough:
+        return near
+    # Of many starts, one step tells little of where each of them leads.
+    costs = [cost_of(recordings, model) for model in starts]
+    if cost < min(enough, *costs):
         return near
     # Far from the optimum the memory of a resonant wall misleads the search, and one step is too
     # long for a strongly nonlinear law.
-    few = order[:1 + len(starts) // _MANY]
-    brief = [fit(recordings, starts[k], steps=8, briefly=True).model for k in few]
-    return min((*starts, near, *brief), key=lambda model: cost_of(recordings, model))
+    brief = [fit(recordings, starts[k], steps=8, briefly=True).model
+             for k in order[:1 + len(starts) // _MANY]]
+    costs += [cost, *(cost_of(recordings, model) for model in brief)]
+    return [*starts, near, *brief][int(np.argmin(costs))]

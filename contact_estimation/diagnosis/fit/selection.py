@@ -145,18 +145,17 @@ def select(
                 ranked = _law_instead(carried, present, base, ranked, progress)
             pair = pair or ranking.pair
             best = fit(recordings, ranked[0].model)
-            rivals[best.model.effects[-1]] = ranked[1:]
-            if ranking.in_form or ranking.mark:  # what is left would get a false name
-                in_form = best.model.effects[-1] if ranking.in_form else ''
-                marked, mark = best.model.effects[-1] if ranking.mark else '', ranking.mark
+            name, mark = best.model.effects[-1], ranking.mark
+            rivals[name] = ranked[1:]
+            if ranking.in_form or mark:  # what is left would get a false name
+                in_form, marked = name if ranking.in_form else '', name if mark else ''
                 break
     if leaves_noise(best):
         best, rivals = prune(recordings, best, rivals)
     best = _narrowest(recordings, base, best, progress)
     if leaves_noise(best):
         best = fit(recordings, best.model) if best.model.effects else base
-        best = _as_shown(recordings, best, progress)
-        return Selection(recordings, base, best, rivals, evidence)
+        return Selection(recordings, base, _as_shown(recordings, best, progress), rivals, evidence)
     carried, best = weigh(recordings, best)
     best = _as_shown(carried, _without_trifles(carried, best), progress)
     return Selection(carried, fit(carried, base.model), best, rivals, evidence, in_form, pair,
@@ -199,7 +198,7 @@ def _is_explained(recordings: Recordings, base: Fit, best: Fit) -> bool:
         return bool(np.max(excess) < THRESHOLD * count + PRICE)
     # A wall that a force drives is measured more precisely than any law is valid.
     driven = all(one.driven_by_force(base.model) for one in recordings)
-    explained = explained_share(base.cost, best.cost, best.residual_count)
+    explained = explained_share(base.cost, best.cost, count)
     return driven and bool(best.model.effects) and explained > _FULLY
 
 

@@ -20,7 +20,6 @@ from __future__ import annotations
 from math import isfinite
 from typing import Sequence
 
-
 from ..conclude.dependence import Dependence
 from ..conclude.location import Location
 from ..conclude.result import Diagnosis, NamedEffect
