@@ -62,7 +62,7 @@ EXAMPLES: dict[str, tuple[float, ...]] = {
     'force_decay': (0.1, 0.5),
     'force_delay': (0.0123,),
     'force_gain': (1.2,),
-    'force_nonlinearity': (-0.002,),
+    'force_nonlinearity': (-0.002, 0.9),
     'force_bias': (3.0,),
     'force_drift': (-2.0,),
     'settling_bias': (3.0, 0.4, -1.0),

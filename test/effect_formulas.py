@@ -208,7 +208,7 @@ FORMULAS: dict[str, Formula] = {
 SENSED: dict[str, Any] = {
     'tool_inertia': lambda t, F, a, mass: F - mass * a,
     'force_gain': lambda t, F, a, gain: gain * F,
-    'force_nonlinearity': lambda t, F, a, bend: F + bend * F**2 * np.sign(F),
+    'force_nonlinearity': lambda t, F, a, bend, gain: gain * F + bend * F**2 * np.sign(F),
     'force_bias': lambda t, F, a, bias: F + bias,
     'force_drift': lambda t, F, a, rate: F + rate * t,
     'settling_bias': lambda t, F, a, change, tau, bias: F + bias + change * np.exp(-t / tau),

@@ -82,7 +82,7 @@ WORLDS: dict[str, tuple[float, ...]] = {
     'force_decay': (0.1, 0.4),
     'force_delay': (0.006,),
     'force_gain': (1.15,),
-    'force_nonlinearity': (0.0008,),
+    'force_nonlinearity': (0.0008, 1.0),
     'force_bias': (2.0,),
     'force_drift': (0.3,),
     'settling_bias': (20.0, 6.0, -6.0),

@@ -35,7 +35,6 @@ from contact_estimation.diagnosis.fit.criteria import (
 from contact_estimation.diagnosis.fit.exact_laws import prune, Rivals, simplest_first
 from contact_estimation.diagnosis.fit.fitting import Fit, fit
 from contact_estimation.diagnosis.fit.model_uncertainty import discounted
-from contact_estimation.diagnosis.fit.ranking import _not_outdone
 from contact_estimation.diagnosis.fit.scales import measure_scales
 from contact_estimation.diagnosis.fit.search import is_credible, nearest, search
 from contact_estimation.diagnosis.fit.selection import select
@@ -304,14 +303,3 @@ def test_best_candidate_of_the_motion_is_fitted_whatever_the_force_lacks(
     kept = nearest([], near)
     assert kept[0] is near[0] and len(kept) < 20
     assert any(one is of_motion for one in kept) is discrepancy
-
-
-def test_a_law_must_outdo_what_it_refines() -> None:
-    def candidate(name: str, total: float) -> Candidate:
-        found = with_cost(100.0, name)
-        return Candidate(found, np.array([[total, 0.0]]), None, False)
-
-    gain, bend, bias = (candidate(name, total) for name, total in (
-        ('force_gain', 5.0), ('force_nonlinearity', 6.0), ('force_bias', 7.0)))
-    assert _not_outdone([gain, bend, bias]) == [gain, bias]
-    assert _not_outdone([bend, bias]) == [bend, bias]

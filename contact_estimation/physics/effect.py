@@ -75,8 +75,6 @@ class Effect(ABC):
         Whether the parameter is a mass that shows in the measured force.
     is_series : bool
         Whether the law is wider than others of its family, which are preferred to it.
-    refines : str
-        Name of the effect of which it is the next term, and which it has to outdo; '' if none.
     reached_force : str
         Parameter that is a force which the measured one has to reach; '' if there is none.
     reached_length : str
@@ -120,7 +118,6 @@ class Effect(ABC):
     base_parameter: ClassVar[str] = ''
     is_mass: ClassVar[bool] = False
     is_series: ClassVar[bool] = False
-    refines: ClassVar[str] = ''
     reached_force: ClassVar[str] = ''
     reached_length: ClassVar[str] = ''
     covered_depth: ClassVar[str] = ''

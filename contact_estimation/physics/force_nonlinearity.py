@@ -17,6 +17,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -30,12 +31,13 @@ from ..parameters.specification import optional_parameter, ParameterGroup
 class ForceNonlinearityParameters(ParameterGroup):
     """Parameters of `ForceNonlinearity`."""
 
-    bend: float = optional_parameter('Relative change of the sensitivity per force', '1/N')
+    bend: float = optional_parameter('Change of the sensitivity per force', '1/N')
+    gain: float = optional_parameter('Sensitivity to small forces', '1', minimum=0.01)
 
 
 class ForceNonlinearity(ForceSensorEffect):
     """
-    F (1 + bend |F|).
+    F (gain + bend |F|).
 
     An elastic law of the wall does the same to the force; the motion of a robot, which feels the
     true force, tells it. Fraden, Handbook of Modern Sensors, 2016, section 3.5.
@@ -43,37 +45,42 @@ class ForceNonlinearity(ForceSensorEffect):
     """
 
     name = 'force_nonlinearity'
-    equation = 'F_measured = F_e (1 + bend |F_e|)'
+    equation = 'F_measured = F_e (gain + bend |F_e|)'
     family = 'sensor_gain'
     description = 'The sensitivity of the force sensor changes with the force.'
     Parameters = ForceNonlinearityParameters
+    neutral = {'gain': 1.0}
     needs_robot = True
-    refines = 'force_gain'
     either_sign = True
 
     def __init__(self, values: ForceNonlinearityParameters) -> None:
         super().__init__(values)
-        if values.bend < 0.0:  # beyond half of 1 / bend the reading falls
-            self.limit = -0.25 / values.bend
+        if values.bend < 0.0:  # beyond twice this force the reading falls
+            self.limit = -0.25 * values.gain**2 / values.bend
 
     def sense(self, t: float, dt: float, force: float, acceleration: float) -> float:
         """Change the sensitivity; see `ForceSensorEffect.sense`."""
-        return force * (1.0 + float(self.values.bend) * abs(force))
+        return force * float(self.values.gain + self.values.bend * abs(force))
 
     def sense_along(self, t: Array, force: Array, acceleration: Array) -> Array:
         """Change the sensitivity; see `ForceSensorEffect.sense_along`."""
-        return np.asarray(force * (1.0 + self.values.bend * np.abs(force)))
+        return np.asarray(force * (self.values.gain + self.values.bend * np.abs(force)))
 
     def undo(self, t: Number, measured: Number) -> Number:
         """Solve for F, up to where the reading falls; see `ForceSensorEffect.undo`."""
-        bend = self.values.bend
-        root = np.sqrt(np.maximum(1.0 + 4.0 * bend * np.abs(measured), 0.0))
-        return 2.0 * measured / (1.0 + root)
+        gain, bend = self.values.gain, self.values.bend
+        root = np.sqrt(np.maximum(gain**2 + 4.0 * bend * np.abs(measured), 0.0))
+        return 2.0 * measured / (gain + root)
 
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """Bend the greatest force by a tenth up and down."""
-        return [(share / scales.force,) for share in (0.1, -0.1)]
+        return [(share / scales.force, 1.0) for share in (0.1, -0.1)]
+
+    @classmethod
+    def is_flexible(cls, values: Any, duration: float) -> bool:
+        """Is always one: it lets force and motion each have a wall of its own."""
+        return True
 
     @classmethod
     def largest(cls, scales: Scales) -> float:

@@ -125,7 +125,7 @@ def rank_by_prediction(
     if any(promising.values()):
         zeros = Zeros.of(recordings, base, present, parts, before, whole)
         for channel, group in promising.items():
-            candidates = _not_outdone(assess(recordings, group, parts, before, channel))
+            candidates = assess(recordings, group, parts, before, channel)
             if _is_little(recordings, present, channel):
                 candidates = _sure_of_little(recordings, present, candidates, zeros, before)
             assessed += candidates
@@ -150,12 +150,6 @@ def rank_by_prediction(
         return Ranking([])
     rest = _others(assessed, best, float(before.sum()))
     return Ranking([best.found, *(one.found for one in rest)])
-
-
-def _not_outdone(assessed: Sequence[Candidate]) -> list[Candidate]:
-    """Leave out laws that predict no more than what they refine."""
-    totals = {one.name: one.total for one in assessed}
-    return [one for one in assessed if one.total < totals.get(EFFECTS[one.name].refines, np.inf)]
 
 
 def _best(taken: Sequence[Candidate], before: float) -> Candidate | None:
