@@ -181,6 +181,12 @@ def test_a_commanded_robot_that_leaves_its_wall_is_not_attached_to_it() -> None:
     assert 'unilateral' not in [one.name for one in failed(without, attached_to)]
 
 
+def test_a_robot_may_push_and_pull_what_it_is_attached_to() -> None:
+    on_both_sides = recorded(environment__unilateral=False)
+    assert np.ptp(np.sign(on_both_sides.force[on_both_sides.force**2 > 1.0])) == 2.0
+    assert not failed(on_both_sides, nominal(environment__unilateral=False))
+
+
 @pytest.mark.parametrize('wrong', ['force of the robot on the wall', 'positions in mm',
                                    'force in kgf', 'wrench early'])
 def test_concealed_physics_hides_no_wrong_use(wrong: str) -> None:

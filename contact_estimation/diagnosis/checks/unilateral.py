@@ -20,8 +20,10 @@ import numpy as np
 
 from .check import Finding, Test
 from .evidence import Evidence
+from .measures import line_through
 
 _FREE = 0.1  # of the range of the motion
+_FLAT = 0.2  # stiffness of what is no wall, in that of the wall
 
 
 def find(evidence: Evidence) -> Finding:
@@ -38,19 +40,23 @@ def find(evidence: Evidence) -> Finding:
     Returns
     -------
     finding : Finding
-        Not ok if the force begins within the motion, and a reference commands it.
+        Not ok if the force begins within the motion, does not change before, and a reference
+        commands the robot.
 
     """
     if evidence.model.environment.unilateral:
         return Finding(True, 'the model lets the tool leave the wall')
     if len(evidence.whole.reference_t) < 2:
         return Finding(True, 'no reference_trajectory: not the robot of eq. (1)')
-    onset = evidence.onset
-    x = evidence.smooth.x
+    x, onset = evidence.smooth.x, evidence.onset
     free = 0.0 if onset is None else onset.position - float(np.min(x))
     text = f'the force is that of free flight over {1e3 * free:.3g} mm of the motion'
-    if free <= _FREE * float(np.ptp(x)):
+    if onset is None or free <= _FREE * float(np.ptp(x)):
         return Finding(True, text)
+    before, within = (line_through(x[side], evidence.smooth.force[side]).slope
+                      for side in (x < onset.position, x >= onset.position))
+    if abs(before) > _FLAT * abs(within):
+        return Finding(True, 'the force changes over the whole motion')
     return Finding(False, f'{text}, expected a wall that the tool is attached to '
                           '(environment.unilateral: false); set environment.unilateral to true')
 
