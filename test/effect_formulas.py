@@ -195,6 +195,8 @@ FORMULAS: dict[str, Formula] = {
     'adhesion': sticking,
     'dmt_adhesion': attracting,
     'dead_zone': lambda t, x, v, a, gap: cut(x, K_e * np.maximum(x - gap, 0.0) + B_e * v),
+    'free_play': lambda t, x, v, a, gap, centre: cut(x, B_e * v + K_e * np.where(
+        np.abs(x - centre) < gap / 2, 0.0, x - centre - gap / 2 * np.sign(x - centre))),
     'backlash': play,
     'bilinear_stiffness': lambda t, x, v, a, K_2, depth: cut(
         x, K_e * x + B_e * v + K_2 * np.maximum(x - depth, 0.0)),

@@ -25,6 +25,7 @@ from contact_estimation.blind_trials.measurement import measure, TRUTH_HZ
 from contact_estimation.blind_trials.simulation import Run, simulate
 from contact_estimation.blind_trials.trial import (
     draw_trial,
+    EFFECTS_OF_A_WALL,
     equivalent_wall,
     MAX_DEGREE,
     MIN_DEGREE,
@@ -62,9 +63,9 @@ def slow_press(count: int = 20000) -> Run:
 
 
 def test_a_plan_has_every_effect_once_before_any_comes_twice() -> None:
-    effects = plan_effects(2 * len(EFFECTS), 5)
-    assert sorted(effects[:len(EFFECTS)]) == sorted(EFFECTS)
-    assert sorted(effects[len(EFFECTS):]) == sorted(EFFECTS)
+    count = len(EFFECTS_OF_A_WALL)
+    effects = plan_effects(2 * count, 5)
+    assert sorted(effects[:count]) == sorted(effects[count:]) == sorted(EFFECTS_OF_A_WALL)
     assert plan_effects(7, 5) == effects[:7]
 
 

@@ -71,6 +71,7 @@ WORLDS: dict[str, tuple[float, ...]] = {
     'adhesion': (4.0,),
     'dmt_adhesion': (4.0, 0.002),
     'dead_zone': (0.0008,),
+    'free_play': (0.0016, 0.0005),
     'backlash': (0.0006,),
     'bilinear_stiffness': (1500.0, 0.006),
     'stiffness_drift': (0.02,),
@@ -111,7 +112,9 @@ EVERY = pytest.mark.parametrize('name', EFFECTS)
 @lru_cache(maxsize=None)
 def of_world(name: str) -> Diagnosis:
     """Diagnose the world of an effect once."""
-    return diagnosed(recorded(**physics(name, *WORLDS[name]), **FINER.get(name, {})))
+    wall = {'environment__unilateral': not EFFECTS[name].needs_attachment}
+    world = {**physics(name, *WORLDS[name]), **wall, **FINER.get(name, {})}
+    return diagnosed(recorded(**world), nominal(**wall))
 
 
 @lru_cache(maxsize=None)
@@ -239,6 +242,15 @@ def test_what_happens_for_a_while_is_found_and_when(spell: tuple[float, float]) 
     true = (t > spell[0]) & (t < spell[1]) & touching
     told = np.any([(t >= a) & (t <= b) for a, b in found.location.intervals_s], axis=0)
     assert np.sum(true & told) > 0.5 * np.sum(true | told)
+
+
+@pytest.mark.parametrize('name', ['impedance_mismatch', 'command_delay', 'coulomb_friction'])
+def test_a_robot_that_is_attached_to_its_wall_is_diagnosed_too(name: str) -> None:
+    found = diagnosed(recorded(environment__unilateral=False, **physics(name, *WORLDS[name])),
+                      nominal(environment__unilateral=False))
+    assert named(found) == [name]
+    for key, true in zip(names_of(name), WORLDS[name]):
+        assert found.effects[0].parameters[key].value == pytest.approx(true, rel=BOUND), key
 
 
 def test_attached_wall_of_the_right_values_is_consistent() -> None:

@@ -23,7 +23,6 @@ from typing import Any, Callable
 from concealed_worlds import ATTACHED, attached, nominal, physics, prepared_from, recorded
 from contact_estimation.diagnosis.fit import search as search_module
 from contact_estimation.diagnosis.fit.applicable import candidates_for, candidates_in
-from contact_estimation.diagnosis.fit.candidate import Candidate
 from contact_estimation.diagnosis.fit.criteria import (
     enough,
     noise_scale,
@@ -95,18 +94,21 @@ def test_a_force_that_is_level_since_the_depth_is_held_is_no_saturating_sensor()
     assert not is_credible([held], start.with_effect('force_saturation', (9.98,)))
 
 
-def test_every_effect_may_be_added_where_there_is_a_robot() -> None:
-    assert candidates_for(MODEL, True) == list(EFFECTS)
+OF_TOUCH = [name for name, cls in EFFECTS.items() if not cls.needs_attachment]
+
+
+def test_every_effect_of_a_wall_may_be_added_where_there_is_a_robot() -> None:
+    assert candidates_for(MODEL, True) == OF_TOUCH
 
 
 def test_what_shows_in_the_motion_alone_needs_a_robot() -> None:
-    left_out = set(EFFECTS) - set(candidates_for(MODEL, False))
+    left_out = set(OF_TOUCH) - set(candidates_for(MODEL, False))
     of_robot = {name for name, cls in EFFECTS.items() if cls.port == 'robot'}
     assert left_out == {*of_robot, 'force_gain', 'force_nonlinearity'}
 
 
 def test_a_play_needs_more_than_one_reversal() -> None:
-    left_out = set(EFFECTS) - set(candidates_for(MODEL, True, plays=False))
+    left_out = set(OF_TOUCH) - set(candidates_for(MODEL, True, plays=False))
     assert left_out == {'backlash'}
     signals = recorded()  # of which one contact, out of three
     once = signals.wrench_t < 1.9
@@ -128,7 +130,7 @@ def test_attached_wall_has_no_effects_of_touching_and_one_inertia() -> None:
     names = set(candidates_for(Model.of(nominal(**ATTACHED)), False))
     drive = Model.of(nominal(**{**ATTACHED, 'environment__stiffness': 0.0}))
     assert names - set(candidates_for(drive, False)) == {
-        'bouc_wen_hysteresis', 'contact_offset'}
+        'bouc_wen_hysteresis', 'contact_offset', 'free_play'}
     assert 'environment_inertia' not in names
     assert not any(EFFECTS[name].needs_touch for name in names)
     assert {'cubic_stiffness', 'force_bias'} <= names

@@ -33,6 +33,9 @@ from ..plant.plant_parameters import WallParameters
 MIN_DEGREE, MAX_DEGREE = 1.3, 4.0
 """Range of the degree of concealment, log-uniform."""
 
+EFFECTS_OF_A_WALL = [name for name, cls in EFFECTS.items() if not cls.needs_attachment]
+"""Effects that the worlds of the trials, in all of which a robot touches a wall, can show."""
+
 _MAX_WORLDS = 25
 _NOT_CONCEALABLE_WORLDS = 2  # worlds tried before any strength is accepted
 _NOT_CONCEALABLE_STRENGTHS = (0.01, 0.3)  # of effects such as backlash: log-uniform
@@ -152,7 +155,7 @@ def _is_usable(run: Run) -> bool:
     return contact_s > _MIN_CONTACT_S and float(-np.min(run.force)) < _MAX_FORCE
 
 
-def plan_effects(count: int, seed: int, names: Iterable[str] = EFFECTS) -> list[str]:
+def plan_effects(count: int, seed: int, names: Iterable[str] = EFFECTS_OF_A_WALL) -> list[str]:
     """
     Distribute trials evenly over effects.
 

@@ -46,6 +46,7 @@ from .force_lag import ForceLag
 from .force_nonlinearity import ForceNonlinearity
 from .force_saturation import ForceSaturation
 from .fractional_relaxation import FractionalRelaxation
+from .free_play import FreePlay
 from .hunt_crossley_damping import HuntCrossleyDamping
 from .impact_damping import ImpactDamping
 from .impedance_mismatch import ImpedanceMismatch
@@ -94,6 +95,7 @@ EFFECTS: dict[str, type[Effect]] = {
     'adhesion': Adhesion,
     'dmt_adhesion': DmtAdhesion,
     'dead_zone': DeadZone,
+    'free_play': FreePlay,
     'backlash': Backlash,
     'bilinear_stiffness': BilinearStiffness,
     'stiffness_drift': StiffnessDrift,

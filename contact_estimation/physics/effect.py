@@ -57,6 +57,8 @@ class Effect(ABC):
         Parameters searched on a logarithmic scale, because their unit depends on another one.
     needs_touch : bool
         Whether the effect cannot be identified in a permanently attached environment.
+    needs_attachment : bool
+        Whether the effect is another one on a wall that only pushes.
     needs_penetration : bool
         Whether the law holds for x beyond x_e only, in a permanently attached environment too.
     needs_return : bool
@@ -110,6 +112,7 @@ class Effect(ABC):
     linear_in: ClassVar[tuple[str, ...]] = ()
     in_logarithm: ClassVar[tuple[str, ...]] = ()
     needs_touch: ClassVar[bool] = False
+    needs_attachment: ClassVar[bool] = False
     needs_penetration: ClassVar[bool] = False
     needs_return: ClassVar[bool] = False
     needs_speeds: ClassVar[bool] = False

@@ -73,7 +73,7 @@ class Evidence:
         """Return the time that all topics cover."""
         s = self.whole
         topics = {'wrench': s.wrench_t, 'joint_states': s.joint_t}
-        if self.model.environment.unilateral and len(s.reference_t) > 1:
+        if len(s.reference_t) > 1:
             topics['reference_trajectory'] = s.reference_t
         spans = {name: (float(t[0]), float(t[-1])) for name, t in topics.items()}
         first, last = max(span[0] for span in spans.values()), min(
@@ -86,8 +86,7 @@ class Evidence:
     @property
     def with_reference(self) -> bool:
         """Whether a reference tells what a robot was to do."""
-        return self.model.environment.unilateral and all(
-            len(part.reference_t) > 1 for part in self.parts)
+        return all(len(part.reference_t) > 1 for part in self.parts)
 
     @cached_property
     def period(self) -> float:

@@ -60,9 +60,10 @@ def candidates_for(
     -------
     names : list of str
         In the order of the registry; effects of touching only for a unilateral wall, those of
-        penetration also for an attached one that is only pressed, those of a return also for one
-        that is moved to and fro, those of a spring not for a drive, which has none, and those of
-        the magnitude of the speed only where depth does not tell it.
+        attachment only for an attached one, those of penetration also for an attached one that is
+        only pressed, those of a return also for one that is moved to and fro, those of a spring
+        not for a drive, which has none, and those of the magnitude of the speed only where depth
+        does not tell it.
 
     """
     wall = model.nominal.environment
@@ -71,6 +72,7 @@ def candidates_for(
         if name not in model.effects and name not in model.excluded
         and (with_robot or not cls.needs_robot)
         and (wall.unilateral or not cls.needs_touch)
+        and not (wall.unilateral and cls.needs_attachment)
         and (wall.unilateral or pressed or not cls.needs_penetration)
         and (wall.unilateral or returns or not cls.needs_return)
         and (wall.unilateral or wall.stiffness > 0.0 or not cls.needs_spring)

@@ -205,7 +205,7 @@ def observe(
     t, h = _even_grid(signals.wrench_t)
     force, measured = _on_grid(signals.wrench_t, signals.force, t, h)
     position, sampled = _on_grid(signals.joint_t, signals.position, t, h)
-    with_robot = len(signals.reference_t) > 1 and model.environment.unilateral
+    with_robot = len(signals.reference_t) > 1
     reference = reference_on_grid(signals, model, t) if with_robot else None
     if carried is None:
         carried = _carried(model, reference, force, position, h)

@@ -1,0 +1,66 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Free play of the spring of an attached environment."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from .contact_effect import ContactEffect
+from .numeric import Number, positive
+from .scales import Scales
+from ..parameters.specification import optional_parameter, ParameterGroup
+
+
+@dataclass(frozen=True)
+class FreePlayParameters(ParameterGroup):
+    """Parameters of `FreePlay`."""
+
+    gap: float = optional_parameter('Width of the play', 'm', minimum=0.0)
+    centre: float = optional_parameter('Middle of the play, from x_e', 'm')
+
+
+class FreePlay(ContactEffect):
+    """
+    K_e (u - min(max(u, -gap / 2), gap / 2)), u = d - centre; the damper acts at all times.
+
+    On a wall that only pushes it is a dead zone. Nordin and Gutman, Controlling mechanical systems
+    with backlash: a survey, Automatica 2002, section 3.1.
+
+    """
+
+    name = 'free_play'
+    equation = 'F_e = -(K_e (u - sat(u, gap / 2)) + B_e v), u = d - centre'
+    family = 'clearance'
+    description = 'The spring acts only beyond a gap that is free on both sides.'
+    Parameters = FreePlayParameters
+    needs_attachment = True
+    needs_spring = True
+
+    def deflection(self, d: Number, m: Any) -> Number:
+        """Leave out the gap on both sides; see `ContactEffect.deflection`."""
+        u, half = d - self.values.centre, 0.5 * self.values.gap
+        return positive(u - half, m) - positive(-u - half, m)
+
+    @classmethod
+    def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
+        """Spread the gap."""
+        return [(share * scales.depth, 0.0) for share in (0.02, 0.1, 0.3, 0.8, 1.4)]
+
+    @classmethod
+    def largest(cls, scales: Scales) -> float:
+        """Return the largest depth, half of the motion to both sides."""
+        return scales.depth
