@@ -95,6 +95,23 @@ def test_an_exponential_needs_a_motion_that_shows_more_than_a_parabola() -> None
         assert is_credible([recording], model) is credible
 
 
+@pytest.mark.parametrize('effect, values, credible', [
+    ('free_play', (0.002, 0.0005), True),
+    ('free_play', (0.002, -0.0095), False),
+    ('free_play', (161.0, -80.0), False),
+    ('bilinear_stiffness', (500.0, 0.003), True),
+    ('bilinear_stiffness', (500.0, 0.03), False),
+])
+def test_the_motion_passes_every_depth_at_which_a_law_bends(
+    effect: str, values: tuple[float, ...], credible: bool
+) -> None:
+    recording, model = prepared_from(recorded(environment__unilateral=False),
+                                     nominal(environment__unilateral=False))
+    least, most = np.quantile(recording.observed.x, (0.01, 0.99))
+    assert -0.0105 < least < -0.001 and 0.004 < most < 0.03
+    assert is_credible([recording], model.with_effect(effect, values)) is credible
+
+
 @pytest.mark.parametrize('offset, credible', [(0.1, True), (-0.1, True), (1.0, False),
                                               (-1.0, False)])
 def test_a_surface_is_not_far_beyond_the_motion(offset: float, credible: bool) -> None:

@@ -138,6 +138,15 @@ def test_share_of_parts_that_disagree_has_an_interval_around_zero() -> None:
     assert not predicts_enough(share, share)
 
 
+def test_noise_estimated_too_large_makes_no_share_above_one() -> None:
+    parts = [part_of(str(k), np.zeros(1, bool))._replace(noise=np.array([90.0, 0.0]))
+             for k in range(4)]
+    before, after = np.full((4, 2), [100.0, 0.0]), np.full((4, 2), [20.0, 0.0])
+    share = share_of(before, after, parts, before)
+    assert share.share == pytest.approx(1.0)
+    assert share.parts.tolist() == pytest.approx([1.0] * 4)
+
+
 def test_effect_is_judged_by_the_misfit_of_its_channel() -> None:
     parts = [part_of(str(k), np.zeros(1, bool)) for k in range(4)]
     before, after = np.full((4, 2), [300.0, 100.0]), np.full((4, 2), [300.0, 10.0])

@@ -21,8 +21,13 @@ from functools import lru_cache
 from typing import Any, Callable
 
 from concealed_worlds import ATTACHED, attached, nominal, physics, prepared_from, recorded
-from contact_estimation.diagnosis.fit import search as search_module
+from contact_estimation.diagnosis.fit import (
+    ranking as ranking_module,
+    search as search_module,
+    selection as selection_module,
+)
 from contact_estimation.diagnosis.fit.applicable import candidates_for, candidates_in
+from contact_estimation.diagnosis.fit.candidate import Candidate
 from contact_estimation.diagnosis.fit.criteria import (
     enough,
     noise_scale,
@@ -305,3 +310,41 @@ def test_best_candidate_of_the_motion_is_fitted_whatever_the_force_lacks(
     kept = nearest([], near)
     assert kept[0] is near[0] and len(kept) < 20
     assert any(one is of_motion for one in kept) is discrepancy
+
+
+@pytest.mark.parametrize('beside, left, named_beside', [
+    (300.0, 0.9, True), (300.0, 0.0, False), (600.0, 0.9, False)])
+def test_laws_beside_zeros_are_taken_where_a_law_alone_leaves_what_is_predictable(
+    monkeypatch: pytest.MonkeyPatch, beside: float, left: float, named_beside: bool
+) -> None:
+    """The noise may be estimated too large; then nothing that a law leaves exceeds it."""
+    alone = [with_cost(1000.0, 'viscoelastic_relaxation')]
+    together = [with_cost(beside, 'force_bias', 'coulomb_friction')]
+    level = with_cost(2000.0, 'force_bias')
+    monkeypatch.setattr(selection_module, 'predictable_share', lambda one, model: left)
+    monkeypatch.setattr(selection_module, 'fit', lambda recordings, model: level)
+    monkeypatch.setattr(selection_module, 'search', lambda recordings, found, progress: together)
+    monkeypatch.setattr(selection_module, 'exact_laws', lambda r, cost, found, strictly: found)
+    recording, _ = prepared_from(recorded())
+    laws = selection_module._beside_zeros([recording], with_cost(5000.0), alone, lambda name: None)
+    assert laws is (together if named_beside else alone)
+
+
+def test_a_curve_has_curves_as_rivals_and_a_law_has_laws() -> None:
+    law, curve = (Candidate(with_cost(1.0, name), np.array([[total, 0.0]]), None, flexible)
+                  for name, total, flexible in (('force_bias', 5.0, False),
+                                                ('force_gain', 5.1, True)))
+    other = Candidate(with_cost(1.0, 'impedance_mismatch'), np.array([[5.2, 0.0]]), None, True)
+    assert ranking_module._others([law, curve, other], curve, 100.0) == [law, other]
+    assert ranking_module._others([law, curve, other], law, 100.0) == []
+
+
+@pytest.mark.parametrize('in_force, in_motion, channel', [(90.0, 10.0, None), (10.0, 90.0, 1)])
+def test_a_robot_is_judged_by_the_force_too_where_the_wall_was_fitted_to_its_motion(
+    monkeypatch: pytest.MonkeyPatch, in_force: float, in_motion: float, channel: int | None
+) -> None:
+    present, found = with_cost(500.0), with_cost(400.0, 'impedance_mismatch')
+    costs = {id(present): np.array([300.0, 200.0]),
+             id(found): np.array([300.0 - in_force, 200.0 - in_motion])}
+    monkeypatch.setattr(ranking_module, 'costs_by_channel', lambda r, one: costs[id(one)])
+    assert ranking_module._channel([], present, found) == channel

@@ -50,6 +50,11 @@ class BilinearStiffness(ContactEffect):
         return self.values.K_2 * positive(d - self.values.depth, m)
 
     @classmethod
+    def bends(cls, values: Any) -> tuple[float, ...]:
+        """Bend where the second spring starts."""
+        return (values.depth,)
+
+    @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """Spread the depth; the law is linear in K_2."""
         shares = (0.2, 0.35, 0.5, 0.65, 0.8, 0.92)

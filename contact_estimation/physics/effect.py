@@ -265,6 +265,24 @@ class Effect(ABC):
         return False
 
     @classmethod
+    def bends(cls, values: Any) -> tuple[float, ...]:
+        """
+        Return where the law bends sharply.
+
+        Parameters
+        ----------
+        values : ParameterGroup
+            An instance of `Parameters`.
+
+        Returns
+        -------
+        bends : tuple of float
+            Penetrations that the motion has to pass for the effect to show [m].
+
+        """
+        return ()
+
+    @classmethod
     def is_resolved(cls, values: Any, duration: float) -> bool:
         """
         Return whether a recording is long enough to tell the parameters apart.

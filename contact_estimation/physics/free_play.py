@@ -56,6 +56,11 @@ class FreePlay(ContactEffect):
         return positive(u - half, m) - positive(-u - half, m)
 
     @classmethod
+    def bends(cls, values: Any) -> tuple[float, ...]:
+        """Bend at both ends of the play."""
+        return values.centre - 0.5 * values.gap, values.centre + 0.5 * values.gap
+
+    @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """Spread the gap."""
         return [(share * scales.depth, 0.0) for share in (0.02, 0.1, 0.3, 0.8, 1.4)]

@@ -35,7 +35,7 @@ from ..fit.joint_clock import JointClock
 from ..fit.model_uncertainty import discounted
 from ..fit.reference_hold import ReferenceHold
 from ..fit.search import Progress
-from ..fit.selection import fitted_again, select, Selection
+from ..fit.selection import fitted_again, of_model, select, Selection
 from ..observe.held_reference import with_held_reference
 from ..observe.held_samples import without_held_samples
 from ..observe.model import Model
@@ -239,7 +239,10 @@ def _selected(
         return straight
     prepared, selection = selected(held)
     if not holding.is_better(selection.best.model, best):
-        return straight
+        without = holding.instead_of_delay(best)
+        if without is None:
+            return straight
+        selection = of_model(prepared, selection, without)
     return _Selected(held, [with_held_reference(one) for one in held_out], prepared, selection,
                      holds_reference=True)
 

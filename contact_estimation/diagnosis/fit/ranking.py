@@ -109,7 +109,8 @@ def rank_by_prediction(
     """
     groups: dict[int | None, Sequence[Fit]] = {None: found}
     if judged_by_channel(recordings, present.model):
-        groups = {channel: [one for one in found if channel_of(one.model.effects[-1]) == channel]
+        channels = [_channel(recordings, present, one) for one in found]
+        groups = {channel: [one for one, its in zip(found, channels) if its == channel]
                   for channel in (*range(CHANNELS), None)}
     first = fit(recordings, with_zeros(base, present.model)) if present.model.effects else present
     parts = parts_of(recordings, first)
@@ -152,6 +153,13 @@ def rank_by_prediction(
     return Ranking([best.found, *(one.found for one in rest)])
 
 
+def _channel(recordings: Recordings, present: Fit, found: Fit) -> int | None:
+    """Return the channel that judges an effect; None where one of the robot shows in the force."""
+    channel = channel_of(found.model.effects[-1])
+    gain = costs_by_channel(recordings, present) - costs_by_channel(recordings, found)
+    return None if channel == _ROBOT and gain[_ROBOT] < 0.5 * np.sum(gain) else channel
+
+
 def _best(taken: Sequence[Candidate], before: float) -> Candidate | None:
     """Return the best of the channels' candidates; of curves the simplest that is adequate."""
     best = min(taken, key=lambda one: one.total, default=None)
@@ -161,10 +169,10 @@ def _best(taken: Sequence[Candidate], before: float) -> Candidate | None:
 def _others(
     assessed: Sequence[Candidate], best: Candidate, before: float
 ) -> list[Candidate]:
-    """List the other laws that predict about as well as the best."""
+    """List the others that predict about as well as the best; no curve beside a law."""
     most = best.total + ADEQUATE * (before - best.total)
     rest = (one for one in assessed
-            if one.name != best.name and not one.flexible and one.total <= most)
+            if one.name != best.name and one.flexible <= best.flexible and one.total <= most)
     return sorted(rest, key=lambda one: one.total)
 
 

@@ -71,6 +71,14 @@ class ReferenceHold:
             models = models[:1]  # of what is explained down to the noise no selection finds more
         return any(self.is_better(model, model) for model in models)
 
+    def instead_of_delay(self, straight: Model) -> Model | None:
+        """Return a model without its delay, if the held reference explains more than that."""
+        if not self._is_of_sampling(straight):
+            return None
+        without = straight.without(_DELAY)
+        more = _price(self._held, without) < _price(self._straight, straight)
+        return without if more else None
+
     def is_better(self, held: Model, straight: Model) -> bool:
         """Return whether a model explains the held reference better than another the straight."""
         after, price = _price(self._held, held), _price(self._straight, straight)

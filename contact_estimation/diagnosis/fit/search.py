@@ -43,6 +43,7 @@ _MANY = 8  # starts, of which one more is fitted from there
 # Of a clipped force, in standard deviations of its noise and as a share of the limit; of the time,
 # in the direction in which it is clipped less.
 _LEVEL, _SLOPE, _MOST_HELD = 3.0, 0.01, 0.25
+_MARGIN = 0.01  # of the samples in contact, beyond the depth at which a law bends
 _REACHED, _COVERED = 1.5, 5.0  # of the range of the force, and of that of motion or depth
 _ABOVE_NOISE = 2.0  # of the positions
 _RESOLVED = 0.125  # periods a sample: faster is the course of a force between samples
@@ -164,10 +165,10 @@ def may_show(recordings: Recordings, model: Model, name: str) -> bool:
     shown : bool
         False for a saturating sensor that does not clip as one, and for a friction beyond the
         range of the force, which never slips: that is a spring. Nor is one shown that vanishes, an
-        exponential of which the motion covers a parabola alone, a surface far beyond the motion, a
-        play within the noise of the positions, a resonance of fewer than eight samples a period or
-        of less than a period, a delay of less than a twentieth of a sample period, or two tones
-        too near one another for the duration.
+        exponential of which the motion covers a parabola alone, a bend that the motion does not
+        pass, a surface far beyond the motion, a play within the noise of the positions, a
+        resonance of fewer than eight samples a period or of less than a period, a delay of less
+        than a twentieth of a sample period, or two tones too near one another for the duration.
 
     """
     values = EFFECTS[name].Parameters(*model.values[model.place(name)])
@@ -206,12 +207,14 @@ def _is_reached(
     force = getattr(values, EFFECTS[name].reached_force, 0.0)
     length = abs(getattr(values, EFFECTS[name].reached_length, 0.0))
     depth = getattr(values, EFFECTS[name].covered_depth, 0.0)
+    bends = EFFECTS[name].bends(values)
     resolved = getattr(values, EFFECTS[name].resolved_length, np.inf)
     frequency = getattr(values, EFFECTS[name].sampled_frequency, 0.0)
     delay = getattr(values, EFFECTS[name].sampled_delay, np.inf)
     return any(force <= _REACHED * float(np.ptp(one.observed.force))
                and length <= _COVERED * float(np.ptp(one.observed.x))
                and (not depth or depth <= _COVERED * _depth(one, model))
+               and _passes(one, model, bends)
                and resolved >= _ABOVE_NOISE * one.observed.position_noise
                and frequency * one.observed.h <= _RESOLVED
                and delay >= _LATE * one.observed.h
@@ -223,6 +226,19 @@ def _depth(recording: PreparedRecording, model: Model) -> float:
     """Return the range of the motion in contact [m]."""
     inside = recording.blocks(recording.observed.x)[recording.touching(model)]
     return float(np.ptp(inside)) if len(inside) else 0.0
+
+
+def _passes(recording: PreparedRecording, model: Model, depths: Sequence[float]) -> bool:
+    """Return whether the motion in contact passes depths, and not at its ends."""
+    if not depths:
+        return True
+    laws, o = model.laws(), recording.observed
+    x, v, _ = laws.at_wall(o)
+    inside = recording.blocks(laws.contact.motion_along(o.t, x, v).d)[recording.touching(model)]
+    if not len(inside):
+        return False
+    low, high = np.quantile(inside, (_MARGIN, 1.0 - _MARGIN))
+    return bool(low < min(depths) and max(depths) < high)
 
 
 def nearest(recordings: Recordings, near: Sequence[Fit]) -> list[Fit]:

@@ -39,6 +39,7 @@ from .discrepancy import (
 )
 from .exact_laws import BEYOND_DOUBT, exact_laws, exchange, laws_before_curves, prune, Rivals
 from .fitting import Fit, fit
+from .flexible import predictable_share
 from .marks import law_by_mark, Mark
 from .ranking import FLEXIBLE_LEAD, rank_by_prediction, Ranking
 from .search import may_show, Progress, search, search_family
@@ -52,6 +53,8 @@ MOST_EFFECTS = 3
 
 _FULLY = 0.995  # share of the misfit from which on the rest is the method's own error
 _OF_WIDER = 0.85  # least share of the gain of a wider law, for one of its family to replace it
+_PREDICTABLE = 0.2  # share of the residuals from which on they are no noise
+_SHARPER = 0.5  # cost beside the zeros, in that of a law alone, from which on these are needed
 _NEARLY = 3.0  # mean square, in that of the noise, of what is small
 
 
@@ -127,6 +130,7 @@ def select(
         if by_likelihood:
             exact = (laws_before_curves(carried, present.cost, found) if leaves_noise(best)
                      else exact_laws(recordings, best.cost, found, carried is recordings))
+            exact = _beside_zeros(recordings, best, exact, progress)
         if leaves_noise(best) or exact:
             if not exact or not enough(best, exact[0]):
                 break
@@ -179,7 +183,29 @@ def fitted_again(recordings: Recordings, selection: Selection) -> Selection:
         Of the same effects.
 
     """
-    carried, best = weigh(recordings, fit(recordings, selection.best.model))
+    return of_model(recordings, selection, selection.best.model)
+
+
+def of_model(recordings: Recordings, selection: Selection, model: Model) -> Selection:
+    """
+    Fit a model to recordings in place of the selected one.
+
+    Parameters
+    ----------
+    recordings : sequence of PreparedRecording
+        Fitted together, without a discrepancy.
+    selection : Selection
+        Of other effects.
+    model : Model
+        With the effects.
+
+    Returns
+    -------
+    selection : Selection
+        Of the effects of the model.
+
+    """
+    carried, best = weigh(recordings, fit(recordings, model))
     base = fit(carried, selection.base.model)
     return selection._replace(recordings=carried, base=base, best=best)
 
@@ -230,6 +256,24 @@ def _ranked(
         return ranking
     told = law_by_mark(recordings, present, found)
     return ranking if told is None else Ranking([told[0]], mark=told[1])
+
+
+def _beside_zeros(
+    recordings: Recordings, present: Fit, exact: list[Fit], progress: Progress
+) -> list[Fit]:
+    """
+    Prefer laws beside the zeros to laws that leave what is predictable.
+
+    The noise may be estimated too large, and hide what a law leaves: nothing is then below it.
+    """
+    lacking = zeros_lacking(present.model)
+    if not exact or not lacking or all(
+            predictable_share(one, exact[0].model) < _PREDICTABLE for one in recordings):
+        return exact
+    level = fit(recordings, beside(present.model, lacking))
+    found = search(recordings, level, progress)
+    laws = exact_laws(recordings, level.cost, found, True)
+    return laws if laws and laws[0].cost < _SHARPER * exact[0].cost else exact
 
 
 def _is_curve(recordings: Recordings, found: Fit) -> bool:
