@@ -31,6 +31,7 @@ from concealed_worlds import (
     physics,
     recorded,
     softened,
+    touches,
     with_unknown,
 )
 from contact_estimation.diagnosis.conclude.diagnose import diagnose
@@ -199,6 +200,16 @@ def test_two_effects_are_named_together() -> None:
     values = {effect.name: effect.parameters for effect in found.effects}
     assert values['coulomb_friction']['F_c'].value == pytest.approx(2.0, rel=BOUND)
     assert values['force_delay']['delay'].value == pytest.approx(0.006, rel=BOUND)
+
+
+@pytest.mark.parametrize('deepest', [3, 4])
+def test_a_sensor_that_clips_in_one_contact_is_named_by_its_level_force(deepest: int) -> None:
+    """No other contact tells the limit, so that nothing is explained of what was left out."""
+    places = [(0.02, 0.8), (0.022, 0.8), (0.02, 0.8), (0.02, 0.8)]
+    places.insert(deepest, (0.036, 0.8))
+    found = diagnosed(recorded(touches(*places, swing=0.006), **physics('force_saturation', 65.0)))
+    assert (found.verdict, named(found)) == ('unexplained', ['force_saturation'])
+    assert found.effects[0].parameters['limit'].value == pytest.approx(65.0, rel=0.005)
 
 
 def test_bias_beside_a_law_is_not_taken_for_a_wrong_impedance() -> None:

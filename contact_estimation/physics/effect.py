@@ -75,6 +75,8 @@ class Effect(ABC):
         Name of the parameter of the wall that describes the same physics; '' if there is none.
     is_mass : bool
         Whether the parameter is a mass that shows in the measured force.
+    clips_force : bool
+        Whether the measured force is level where the effect acts, by which it is told.
     is_series : bool
         Whether the law is wider than others of its family, which are preferred to it.
     reached_force : str
@@ -120,6 +122,7 @@ class Effect(ABC):
     needs_robot: ClassVar[bool] = False
     base_parameter: ClassVar[str] = ''
     is_mass: ClassVar[bool] = False
+    clips_force: ClassVar[bool] = False
     is_series: ClassVar[bool] = False
     reached_force: ClassVar[str] = ''
     reached_length: ClassVar[str] = ''

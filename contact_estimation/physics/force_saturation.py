@@ -43,6 +43,7 @@ class ForceSaturation(ForceSensorEffect):
     family = 'limits'
     description = 'The force signal is clipped at the end of the measuring range.'
     Parameters = ForceSaturationParameters
+    clips_force = True
 
     def __init__(self, values: ForceSaturationParameters) -> None:
         super().__init__(values)

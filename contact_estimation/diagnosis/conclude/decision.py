@@ -116,7 +116,9 @@ def decide(
         # What cannot be goes first: others may be doubtful beside it alone.
         doubtful = [name for name in best.model.effects if name != in_form and not (
             best.model.is_plausible(name) and may_show(recordings, best.model, name))]
-        told = (in_form, selection.marked)
+        # A level force down to the noise tells a sensor that clips in a single part, too.
+        clipped = [name for name in best.model.effects if exact and EFFECTS[name].clips_force]
+        told = (in_form, selection.marked, *clipped)
         doubtful = doubtful or [name for name in best.model.effects if name not in told and (
             not shares.agrees(name)
             or _is_resonance(recordings, best.model, name)

@@ -97,10 +97,11 @@ class Shares:
 
     @property
     def left(self) -> float:
-        """Share that all names together leave, at least 0."""
+        """Share that all names together leave, at least 0; all where they predict nothing."""
         noise = float(noise_of(self.base, self.parts).sum())
         misfit = float(above_noise(self.base, self.parts).sum())
-        return max(float(self.errors.sum()) - noise, 0.0) / misfit
+        gain = float(self.base.sum() - self.errors.sum())
+        return max(float(self.errors.sum()) - noise, misfit - gain, 0.0) / misfit
 
     def on_parts(self, name: str) -> list[EffectOnPart]:
         """Return the share and the parameters of an effect on each part alone."""

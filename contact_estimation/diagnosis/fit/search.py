@@ -16,7 +16,7 @@
 
 from __future__ import annotations
 
-from typing import Callable, Sequence
+from typing import Any, Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -174,17 +174,17 @@ def may_show(recordings: Recordings, model: Model, name: str) -> bool:
     values = EFFECTS[name].Parameters(*model.values[model.place(name)])
     if EFFECTS[name].vanishes(values) or not _is_reached(recordings, model, name, values):
         return False
-    return name != 'force_saturation' or _clips(recordings, model)
+    return not EFFECTS[name].clips_force or _clips(recordings, model, values)
 
 
-def _clips(recordings: Recordings, model: Model) -> bool:
+def _clips(recordings: Recordings, model: Model, values: Any) -> bool:
     """
     Return whether the force sensor clips as a saturating one does.
 
     The measured force is level where it would be held, though the motion is not, and not for most
     of the time to and fro, as friction holds it.
     """
-    limit = model.values[model.place('force_saturation').start]
+    limit = values.limit
     held_by_side, count, moves = np.zeros(2), 0, False
     for one in recordings:
         o, force = one.observed, one.observed.force
