@@ -112,6 +112,16 @@ def test_the_motion_passes_every_depth_at_which_a_law_bends(
     assert is_credible([recording], model.with_effect(effect, values)) is credible
 
 
+@pytest.mark.parametrize('values, credible', [
+    ((-4e-5, 1.02), False), ((0.0008, 1.0), True), ((0.0, 0.94), True), ((-0.0005, 1.04), False)])
+def test_a_sensor_within_its_calibration_has_no_characteristic_of_its_own(
+    values: tuple[float, ...], credible: bool
+) -> None:
+    recording, model = prepared_from(recorded())
+    assert 80.0 < float(np.max(np.abs(recording.observed.force))) < 100.0
+    assert is_credible([recording], model.with_effect('force_nonlinearity', values)) is credible
+
+
 @pytest.mark.parametrize('offset, credible', [(0.1, True), (-0.1, True), (1.0, False),
                                               (-1.0, False)])
 def test_a_surface_is_not_far_beyond_the_motion(offset: float, credible: bool) -> None:

@@ -286,6 +286,26 @@ class Effect(ABC):
         return ()
 
     @classmethod
+    def exceeds_calibration(cls, values: Any, force: float) -> bool:
+        """
+        Return whether the effect is more than a calibration usually leaves.
+
+        Parameters
+        ----------
+        values : ParameterGroup
+            An instance of `Parameters`.
+        force : float
+            Largest measured [N].
+
+        Returns
+        -------
+        exceeds : bool
+            If not, the effect is not named with these values.
+
+        """
+        return True
+
+    @classmethod
     def is_resolved(cls, values: Any, duration: float) -> bool:
         """
         Return whether a recording is long enough to tell the parameters apart.

@@ -28,7 +28,8 @@ from .random_strength import random_sign, Strength
 from .scales import Scales
 from ..parameters.specification import optional_parameter, ParameterGroup
 
-_CALIBRATED = 0.05  # a smaller error is usual
+CALIBRATED = 0.05
+"""Relative error of the sensitivity that is usual."""
 
 
 @dataclass(frozen=True)
@@ -72,7 +73,7 @@ class ForceGain(ForceSensorEffect):
     @classmethod
     def vanishes(cls, values: Any) -> bool:
         """Vanish within the calibration of a sensor and a robot; see `Effect.vanishes`."""
-        return bool(abs(values.gain - 1.0) < _CALIBRATED)
+        return bool(abs(values.gain - 1.0) < CALIBRATED)
 
     @classmethod
     def is_flexible(cls, values: Any, duration: float) -> bool:
@@ -88,4 +89,4 @@ class ForceGain(ForceSensorEffect):
     def draw(cls, scales: Scales, rng: Generator) -> Strength:
         """Draw a gain on either side of 1, beyond the calibration."""
         sign = random_sign(rng)
-        return lambda s: {'gain': 1.0 + sign * (1.1 * _CALIBRATED + 0.4 * s)}
+        return lambda s: {'gain': 1.0 + sign * (1.1 * CALIBRATED + 0.4 * s)}

@@ -21,6 +21,7 @@ from typing import Any
 
 import numpy as np
 
+from .force_gain import CALIBRATED
 from .force_sensor_effect import ForceSensorEffect
 from .numeric import Array, Number
 from .scales import Scales
@@ -71,6 +72,12 @@ class ForceNonlinearity(ForceSensorEffect):
         gain, bend = self.values.gain, self.values.bend
         root = np.sqrt(np.maximum(gain**2 + 4.0 * bend * np.abs(measured), 0.0))
         return 2.0 * measured / (gain + root)
+
+    @classmethod
+    def exceeds_calibration(cls, values: Any, force: float) -> bool:
+        """Compare the sensitivity to small and to large forces; see `ForceGain.vanishes`."""
+        small = values.gain - 1.0
+        return bool(max(abs(small), abs(small + values.bend * force)) > CALIBRATED)
 
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:

@@ -204,21 +204,22 @@ def _is_reached(
     recordings: Recordings, model: Model, name: str, values: ParameterGroup
 ) -> bool:
     """Return whether force, motion, rate and duration are large enough for an effect to show."""
-    force = getattr(values, EFFECTS[name].reached_force, 0.0)
-    length = abs(getattr(values, EFFECTS[name].reached_length, 0.0))
-    depth = getattr(values, EFFECTS[name].covered_depth, 0.0)
-    bends = EFFECTS[name].bends(values)
-    resolved = getattr(values, EFFECTS[name].resolved_length, np.inf)
-    frequency = getattr(values, EFFECTS[name].sampled_frequency, 0.0)
-    delay = getattr(values, EFFECTS[name].sampled_delay, np.inf)
+    cls = EFFECTS[name]
+    force = getattr(values, cls.reached_force, 0.0)
+    length = abs(getattr(values, cls.reached_length, 0.0))
+    depth = getattr(values, cls.covered_depth, 0.0)
+    resolved = getattr(values, cls.resolved_length, np.inf)
+    frequency = getattr(values, cls.sampled_frequency, 0.0)
+    delay = getattr(values, cls.sampled_delay, np.inf)
     return any(force <= _REACHED * float(np.ptp(one.observed.force))
                and length <= _COVERED * float(np.ptp(one.observed.x))
                and (not depth or depth <= _COVERED * _depth(one, model))
-               and _passes(one, model, bends)
+               and _passes(one, model, cls.bends(values))
                and resolved >= _ABOVE_NOISE * one.observed.position_noise
                and frequency * one.observed.h <= _RESOLVED
                and delay >= _LATE * one.observed.h
-               and EFFECTS[name].is_resolved(values, float(one.observed.t[-1]))
+               and cls.exceeds_calibration(values, float(np.max(np.abs(one.observed.force))))
+               and cls.is_resolved(values, float(one.observed.t[-1]))
                for one in recordings)
 
 
