@@ -27,6 +27,7 @@ import sys
 from typing import Any
 
 import contact_estimation as ce
+from contact_estimation.physics import EFFECTS
 import pytest
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -52,7 +53,15 @@ def setup_arguments() -> dict[str, Any]:
 
 
 def test_readme_fits_on_two_screens() -> None:
-    assert len(README.read_text().splitlines()) <= 140
+    assert len(README.read_text().splitlines()) <= 165
+
+
+def test_readme_lists_every_effect_with_its_family() -> None:
+    families: dict[str, list[str]] = {}
+    for name, cls in EFFECTS.items():
+        families.setdefault(cls.family, []).append(f'`{name}`')
+    rows = [f'| {family} | {", ".join(names)} |' for family, names in families.items()]
+    assert '\n'.join(['| family | effects |', '|---|---|', *rows, '']) in README.read_text()
 
 
 def test_readme_shows_the_example_and_its_output() -> None:

@@ -185,10 +185,10 @@ def test_models_that_are_the_same_are_not_promised_apart() -> None:
 @pytest.mark.parametrize('touching, again', [(True, 'contact'), (False, 'motion')])
 def test_advice_does_not_deny_what_is_named(touching: bool, again: str) -> None:
     effects = diagnosed('friction').effects
-    text = advice(effects, 'unexplained', touching)
+    text = advice(effects, [], 'unexplained', touching)
     assert text.startswith('coulomb_friction explains only a part of this. Repeat the same '
                            f'{again} at half and at twice the speed')
-    assert advice([], 'unexplained', touching).startswith('No effect of the library')
+    assert advice([], [], 'unexplained', touching).startswith('No effect of the library')
 
 
 def test_unexplained_gets_two_depths_at_two_speeds(tmp_path: Path) -> None:

@@ -116,7 +116,7 @@ def conclude(fitted: Fitted, seed: int, progress: Progress) -> Diagnosis:
         noise_floor=float(np.mean([one.force_noise for one in recordings])),
         force=force, motion=motion, improvement=improvement, holdouts=by_part(parts),
         next_experiment=advice(
-            names.effects, verdict, models[0].nominal.environment.unilateral),
+            names.effects, names.rivals, verdict, models[0].nominal.environment.unilateral),
         rivals=names.rivals,
         evidence=selection.evidence, residual_power=best.cost / best.residual_count,
         predictable=decision.predictable,

@@ -16,7 +16,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple, Sequence
+from typing import Collection, NamedTuple, Sequence
 
 import numpy as np
 from numpy.random import Generator
@@ -31,6 +31,7 @@ from ..fit.criteria import enough, noise_scale, PRICE
 from ..fit.discrepancy import has_discrepancy
 from ..fit.fitting import Fit, fit
 from ..fit.model_uncertainty import discounted
+from ..fit.search import search_family
 from ..fit.selection import Selection
 from ..observe.model import Model, names_of
 from ..observe.prepared_recording import PreparedRecording, Recordings
@@ -106,8 +107,10 @@ def name_effects(
         dropped = fit(recordings, best.model.without(name), steps=8)
         rivals = _rivals(selection, name, recordings)
         alike = _alike(best, name, rivals, recordings, generator)
-        rival_models.update({rival.model.effects[-1]: rival.model for rival in alike})
         cls, share = EFFECTS[name], shares.of[name]
+        # Where no law is exact, no experiment tells those of a family: it would be like none.
+        others = alike if exact else [rival for rival in alike if _is_other(rival, cls.family)]
+        rival_models.update({rival.model.effects[-1]: rival.model for rival in others})
         effects.append(NamedEffect(
             name, cls.family, cls.port, cls.equation,
             likely[name] / (1.0 + exact * len(_other_families(cls.family, alike))),
@@ -129,10 +132,14 @@ def _values(best: Fit, name: str, stds: Array) -> dict[str, Value]:
 
 
 def _rivals(selection: Selection, name: str, recordings: Recordings) -> list[Fit]:
-    """Fit the nearest rivals to the motion as smoothed now; the rest fit much worse."""
+    """Fit the nearest rivals, and its family if no law is exact, to the motion as smoothed now."""
     near = _NEAR * selection.best.cost
     nearest = [rival for rival in selection.rivals.get(name, [])[:_NEAREST] if rival.cost < near]
     fits = [fit(recordings, rival.model, steps=8) for rival in nearest]
+    if has_discrepancy(recordings):
+        known = {found.model.effects[-1] for found in fits}
+        family = search_family(recordings, selection.best.model, name, lambda name: None)
+        fits += [found for found in family if found.model.effects[-1] not in known]
     return sorted((found for found in fits if found.model.plausible()),
                   key=lambda found: found.cost)
 
@@ -140,11 +147,17 @@ def _rivals(selection: Selection, name: str, recordings: Recordings) -> list[Fit
 def _alike(
     best: Fit, name: str, rivals: Sequence[Fit], recordings: Recordings, generator: Generator
 ) -> list[Fit]:
-    """Select the rivals that predict held-out data as well."""
+    """
+    Select the rivals that predict held-out data as well.
+
+    Those of other families must fit as well too. Where no law is exact, that tells nothing of
+    those of the same.
+    """
     exact = not has_discrepancy(recordings)
-    near = [rival for rival in rivals
-            if name != rival.model.effects[-1] and not enough(rival, best)
-            and (not exact or _is_as_likely(best, rival))]
+    family = EFFECTS[name].family
+    near = [rival for rival in rivals if name != rival.model.effects[-1] and (
+        not enough(rival, best) and _is_as_likely(best, rival) if exact
+        else not _is_other(rival, family) or not enough(rival, best))]
     if not near:
         return []
     held = [(discounted(one.whole(best.model), best.model), one.held_out.samples)
@@ -168,12 +181,19 @@ def _is_as_likely(best: Fit, rival: Fit) -> bool:
     return rival.cost - best.cost <= PRICE * scale
 
 
+def _is_other(rival: Fit, family: str) -> bool:
+    """Return whether the law of a rival is of another family."""
+    return EFFECTS[rival.model.effects[-1]].family != family
+
+
 def _other_families(family: str, alike: Sequence[Fit]) -> set[str]:
     """Return the families that may be right instead: a probability is that of the family."""
     return {EFFECTS[rival.model.effects[-1]].family for rival in alike} - {family}
 
 
-def advice(names: Sequence[NamedEffect], verdict: str, touching: bool) -> str:
+def advice(
+    names: Sequence[NamedEffect], rivals: Collection[str], verdict: str, touching: bool
+) -> str:
     """
     Recommend what to run next.
 
@@ -181,6 +201,8 @@ def advice(names: Sequence[NamedEffect], verdict: str, touching: bool) -> str:
     ----------
     names : sequence of NamedEffect
         Of the diagnosis.
+    rivals : collection of str
+        Effects that an experiment may distinguish from them.
     verdict : str
         Of the diagnosis.
     touching : bool
@@ -192,7 +214,7 @@ def advice(names: Sequence[NamedEffect], verdict: str, touching: bool) -> str:
         '' if no question is open.
 
     """
-    pairs = indistinguishable_pairs(names)
+    pairs = indistinguishable_pairs(names, rivals)
     if pairs:
         return f'To tell {pairs}, run an experiment in which their predictions differ most.'
     if verdict == 'unexplained':
@@ -224,7 +246,7 @@ def what_is_explained(names: Sequence[NamedEffect]) -> str:
     return f'{" and ".join(effect.name for effect in names)} {verb} only a part of this.'
 
 
-def indistinguishable_pairs(names: Sequence[NamedEffect]) -> str:
+def indistinguishable_pairs(names: Sequence[NamedEffect], rivals: Collection[str]) -> str:
     """
     List which effects cannot be distinguished from which.
 
@@ -232,6 +254,8 @@ def indistinguishable_pairs(names: Sequence[NamedEffect]) -> str:
     ----------
     names : sequence of NamedEffect
         Of the diagnosis.
+    rivals : collection of str
+        Those that an experiment may distinguish from them.
 
     Returns
     -------
@@ -239,5 +263,6 @@ def indistinguishable_pairs(names: Sequence[NamedEffect]) -> str:
         Such as 'a from b and c; d from e'; '' if there are none.
 
     """
-    return '; '.join(f'{effect.name} from {" and ".join(effect.indistinguishable_from)}'
-                     for effect in names if effect.indistinguishable_from)
+    pairs = [(effect.name, [other for other in effect.indistinguishable_from if other in rivals])
+             for effect in names]
+    return '; '.join(f'{name} from {" and ".join(others)}' for name, others in pairs if others)

@@ -150,7 +150,7 @@ def _separating(diagnosis: Diagnosis) -> Proposal:
     judged = [(judge.least_difference(candidate.experiment), candidate)
               for candidate in candidates(reach_of(diagnosis))]
     difference, best = max(judged, key=lambda pair: pair[0].strength)
-    pairs, noise = (indistinguishable_pairs(diagnosis.effects),
+    pairs, noise = (indistinguishable_pairs(diagnosis.effects, diagnosis.rivals),
                     diagnosis.recordings[0].force_noise)
     return Proposal(_sentence(pairs, best, difference, len(judged), noise), best.repeated())
 
