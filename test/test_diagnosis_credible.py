@@ -122,6 +122,13 @@ def test_a_sensor_within_its_calibration_has_no_characteristic_of_its_own(
     assert is_credible([recording], model.with_effect('force_nonlinearity', values)) is credible
 
 
+@pytest.mark.parametrize('tau, credible', [(1.0, True), (1.9, True), (2.1, False)])
+def test_a_zero_that_settles_long_after_the_end_is_none(tau: float, credible: bool) -> None:
+    recording, model = prepared_from(recorded())
+    values = (1.0, tau * float(recording.observed.t[-1]), 0.5)
+    assert is_credible([recording], model.with_effect('settling_bias', values)) is credible
+
+
 @pytest.mark.parametrize('offset, credible', [(0.1, True), (-0.1, True), (1.0, False),
                                               (-1.0, False)])
 def test_a_surface_is_not_far_beyond_the_motion(offset: float, credible: bool) -> None:

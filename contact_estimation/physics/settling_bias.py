@@ -29,6 +29,8 @@ from .random_strength import log_uniform, random_sign, Strength
 from .scales import Scales
 from ..parameters.specification import optional_parameter, ParameterGroup
 
+_LONGEST = 2.0  # time constant, in the duration of the recording
+
 
 @dataclass(frozen=True)
 class SettlingBiasParameters(ParameterGroup):
@@ -47,6 +49,7 @@ class SettlingBias(ForceSensorEffect):
     family = 'sensor_zero'
     description = 'The zero of the force sensor settles exponentially, as after switching on.'
     Parameters = SettlingBiasParameters
+    is_series = True
     needs_return = True
     linear_in = ('change', 'bias')
     either_sign = True
@@ -72,6 +75,11 @@ class SettlingBias(ForceSensorEffect):
     def is_flexible(cls, values: Any, duration: float) -> bool:
         """Is one."""
         return True
+
+    @classmethod
+    def is_resolved(cls, values: Any, duration: float) -> bool:
+        """Need a bend: what settles much more slowly than the recording ends drifts."""
+        return bool(values.tau <= _LONGEST * duration)
 
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
