@@ -16,22 +16,16 @@
 
 from __future__ import annotations
 
-from abc import ABC
 from dataclasses import fields
 from math import isnan
-from typing import Any, ClassVar, Mapping
+from typing import Any, ClassVar
 
-from numpy.random import Generator
-
-from .random_strength import random_sign, Strength, Values
-from .scales import Scales
+from .drawn_effect import DrawnEffect
 from ..exceptions import ParameterRangeError
 from ..parameters.specification import ParameterGroup
 
-_LARGEST_OVER_START = 30.0  # of an effect that does not say what is plausible
 
-
-class Effect(ABC):
+class Effect(DrawnEffect):
     """
     Base class of all effects.
 
@@ -47,10 +41,6 @@ class Effect(ABC):
         The law, as reports print it.
     description : str
         One sentence that explains the effect to a reader of a report.
-    Parameters : type of ParameterGroup
-        All fields are floats; NaN, the default, switches the effect off.
-    neutral : mapping
-        Values of parameters at which the effect vanishes, where not 0.
     linear_in : tuple of str
         Parameters in which the law is linear; the first alone where empty.
     in_logarithm : tuple of str
@@ -94,8 +84,6 @@ class Effect(ABC):
         Parameter that is a delay, to be a fair share of a sample period; '' if there is none.
     least_share : float
         Least share of the misfit that it must predict where it is flexible, see `is_flexible`.
-    either_sign : bool
-        Whether the first parameter is drawn with either sign.
 
     Parameters
     ----------
@@ -109,8 +97,6 @@ class Effect(ABC):
     family: ClassVar[str]
     equation: ClassVar[str]
     description: ClassVar[str]
-    Parameters: ClassVar[type[ParameterGroup]]
-    neutral: ClassVar[Mapping[str, float]] = {}
     linear_in: ClassVar[tuple[str, ...]] = ()
     in_logarithm: ClassVar[tuple[str, ...]] = ()
     needs_touch: ClassVar[bool] = False
@@ -131,7 +117,6 @@ class Effect(ABC):
     sampled_frequency: ClassVar[str] = ''
     sampled_delay: ClassVar[str] = ''
     least_share: ClassVar[float] = 0.85
-    either_sign: ClassVar[bool] = False
 
     def __init__(self, values: ParameterGroup) -> None:
         self.values: Any = values
@@ -167,24 +152,6 @@ class Effect(ABC):
                 f'{", ".join(missing)}; set them too, or all to NaN to switch the effect off'
             )
         return cls(values)
-
-    @classmethod
-    def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
-        """
-        Return the points from which a search for the parameters starts.
-
-        Parameters
-        ----------
-        scales : Scales
-            Orders of magnitude in the recording.
-
-        Returns
-        -------
-        starts : list of tuple of float
-            Values of all parameters; several where the cost has several local minima.
-
-        """
-        raise NotImplementedError
 
     @classmethod
     def plausible(cls, values: Any) -> bool:
@@ -324,71 +291,3 @@ class Effect(ABC):
 
         """
         return True
-
-    @classmethod
-    def largest(cls, scales: Scales) -> float:
-        """
-        Return the largest plausible magnitude of the first parameter.
-
-        Parameters
-        ----------
-        scales : Scales
-            Orders of magnitude in the world that the effect acts in.
-
-        Returns
-        -------
-        largest : float
-            In the unit of the parameter.
-
-        """
-        neutral = cls.neutral.get(fields(cls.Parameters)[0].name, 0.0)
-        return neutral + _LARGEST_OVER_START * (cls.starts(scales)[0][0] - neutral)
-
-    @classmethod
-    def draw(cls, scales: Scales, rng: Generator) -> Strength:
-        """
-        Draw everything but the magnitude at random.
-
-        By default the first parameter is proportional to the magnitude and the others keep the
-        values of the first start.
-
-        Parameters
-        ----------
-        scales : Scales
-            Orders of magnitude in the world that the effect acts in.
-        rng : numpy.random.Generator
-            Random number generator.
-
-        Returns
-        -------
-        strength : callable
-            From a magnitude, 0 (absent) to 1 (largest plausible), to parameters by name.
-
-        """
-        names = [field.name for field in fields(cls.Parameters)]
-        rest = dict(zip(names[1:], cls.starts(scales)[0][1:]))
-        neutral = cls.neutral.get(names[0], 0.0)
-        most = (cls.largest(scales) - neutral) * (random_sign(rng) if cls.either_sign else 1.0)
-        return lambda s: {names[0]: neutral + s * most, **rest}
-
-    @classmethod
-    def equivalent_damping(cls, values: Values, damping: float, depth: float) -> float:
-        """
-        Return B_e of the spring-damper that a model without the effect would contain.
-
-        Parameters
-        ----------
-        values : mapping
-            Parameters of the effect by name.
-        damping : float
-            B_e of the wall beside the effect [N s/m].
-        depth : float
-            Largest penetration [m].
-
-        Returns
-        -------
-        damping : float
-            B_e [N s/m].
-
-        """
-        return damping

@@ -1,0 +1,135 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""How blind trials draw the parameters of an effect, from where a search for them starts."""
+
+from __future__ import annotations
+
+from abc import ABC
+from dataclasses import fields
+from typing import ClassVar, Mapping
+
+from numpy.random import Generator
+
+from .random_strength import random_sign, Strength, Values
+from .scales import Scales
+from ..parameters.specification import ParameterGroup
+
+_LARGEST_OVER_START = 30.0  # of an effect that does not say what is plausible
+
+
+class DrawnEffect(ABC):
+    """
+    Starts and draws of the parameters of an effect.
+
+    Attributes
+    ----------
+    Parameters : type of ParameterGroup
+        All fields are floats; NaN, the default, switches the effect off.
+    neutral : mapping
+        Values of parameters at which the effect vanishes, where not 0.
+    either_sign : bool
+        Whether the first parameter is drawn with either sign.
+
+    """
+
+    Parameters: ClassVar[type[ParameterGroup]]
+    neutral: ClassVar[Mapping[str, float]] = {}
+    either_sign: ClassVar[bool] = False
+
+    @classmethod
+    def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
+        """
+        Return the points from which a search for the parameters starts.
+
+        Parameters
+        ----------
+        scales : Scales
+            Orders of magnitude in the recording.
+
+        Returns
+        -------
+        starts : list of tuple of float
+            Values of all parameters; several where the cost has several local minima.
+
+        """
+        raise NotImplementedError
+
+    @classmethod
+    def largest(cls, scales: Scales) -> float:
+        """
+        Return the largest plausible magnitude of the first parameter.
+
+        Parameters
+        ----------
+        scales : Scales
+            Orders of magnitude in the world that the effect acts in.
+
+        Returns
+        -------
+        largest : float
+            In the unit of the parameter.
+
+        """
+        neutral = cls.neutral.get(fields(cls.Parameters)[0].name, 0.0)
+        return neutral + _LARGEST_OVER_START * (cls.starts(scales)[0][0] - neutral)
+
+    @classmethod
+    def draw(cls, scales: Scales, rng: Generator) -> Strength:
+        """
+        Draw everything but the magnitude at random.
+
+        By default the first parameter is proportional to the magnitude and the others keep the
+        values of the first start.
+
+        Parameters
+        ----------
+        scales : Scales
+            Orders of magnitude in the world that the effect acts in.
+        rng : numpy.random.Generator
+            Random number generator.
+
+        Returns
+        -------
+        strength : callable
+            From a magnitude, 0 (absent) to 1 (largest plausible), to parameters by name.
+
+        """
+        names = [field.name for field in fields(cls.Parameters)]
+        rest = dict(zip(names[1:], cls.starts(scales)[0][1:]))
+        neutral = cls.neutral.get(names[0], 0.0)
+        most = (cls.largest(scales) - neutral) * (random_sign(rng) if cls.either_sign else 1.0)
+        return lambda s: {names[0]: neutral + s * most, **rest}
+
+    @classmethod
+    def equivalent_damping(cls, values: Values, damping: float, depth: float) -> float:
+        """
+        Return B_e of the spring-damper that a model without the effect would contain.
+
+        Parameters
+        ----------
+        values : mapping
+            Parameters of the effect by name.
+        damping : float
+            B_e of the wall beside the effect [N s/m].
+        depth : float
+            Largest penetration [m].
+
+        Returns
+        -------
+        damping : float
+            B_e [N s/m].
+
+        """
+        return damping
