@@ -85,6 +85,13 @@ def test_parameters_move_away_from_neutral_as_the_strength_grows(name: str) -> N
     assert cls(cls.Parameters(**strength(0.3))).plausible(cls.Parameters(**strength(0.3)))
 
 
+def test_a_drawn_damping_drives_in_no_direction() -> None:
+    lightly = SCALES._replace(damping=0.01 * SCALES.damper)
+    cls = EFFECTS['asymmetric_damping']
+    values = cls.Parameters(**cls.draw(lightly, np.random.default_rng(2))(0.99))
+    assert not cls.drives(values, lightly.damping)
+
+
 class Plain(ContactEffect):
     """An effect that does not say how it is drawn."""
 

@@ -71,4 +71,4 @@ class AsymmetricDamping(ContactEffect):
     @classmethod
     def largest(cls, scales: Scales) -> float:
         """Return the damping of the wall: more would drive the motion in one direction."""
-        return scales.damper
+        return scales.damping
