@@ -213,6 +213,24 @@ def test_a_law_that_is_refused_beside_the_zeros_makes_room_for_the_next() -> Non
     assert taken is best
 
 
+@pytest.mark.parametrize('attached, named', [(True, 'force_bias'), (False, 'contact_offset')])
+def test_of_offsets_alike_that_of_the_sensor_is_taken(attached: bool, named: str) -> None:
+    parts = [part_of(str(k), np.arange(4) == k)._replace(noise=np.zeros(2)) for k in range(4)]
+    before = np.tile([100.0, 0.0], (4, 1))
+
+    def candidate(share: float, name: str, *values: float) -> Candidate:
+        model = Model.of(nominal(environment__unilateral=not attached)).with_effect(name, values)
+        left = (1.0 - share) * before
+        return Candidate(Fit(model, float(left.sum()), np.zeros(4), 4), left, None, False)
+
+    # A play with a centre is an offset too, and fits a little better.
+    laws = [candidate(0.905, 'free_play', 1e-5, 1e-3), candidate(0.9, 'contact_offset', 1e-3),
+            candidate(0.8999, 'force_bias', 1.0)]
+    zeros: Any = SimpleNamespace(parts=parts, names=(), beside=lambda one: one)
+    taken = first_that_predicts([], laws, zeros, before, before)
+    assert taken is not None and taken.name == named
+
+
 @pytest.mark.parametrize('of_time, named', [(0.45, True), (0.8, False)])
 def test_no_law_is_taken_where_time_alone_predicts_far_better(of_time: float, named: bool) -> None:
     parts = [part_of(str(k), np.arange(4) == k)._replace(noise=np.zeros(2)) for k in range(4)]

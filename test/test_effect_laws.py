@@ -92,7 +92,7 @@ def test_law_on_arrays_is_the_contract_s_formula(name: str) -> None:
         got[away], expected[away], atol=0.02 if name in STATEFUL else 1e-9)
 
 
-@pytest.mark.parametrize('name', STATEFUL)
+@pytest.mark.parametrize('name', sorted(set(STATEFUL) - {'fractional_relaxation'}))
 def test_states_of_a_recording_are_those_of_small_steps(name: str) -> None:
     effect = example(name)
     t, d, v, _ = motion(2e-4)

@@ -245,7 +245,7 @@ class ContactEffect(Effect):
         Returns
         -------
         states : ndarray, shape (states, N)
-            States at the samples.
+            States at the samples; or what else the effect makes its force of, if m is numpy.
 
         """
         state = self.settle(float(d[0]), float(v[0]), bool(contact[0]), (0.0,) * self.states)

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from .contact_effect import ContactEffect, overridden
 from .effect import Effect
-from .kept_motion import KeptMotion, WallMotion
+from .kept_motion import KeptMotion, StatesAlong, WallMotion
 from .numeric import Array
 
 State = tuple[float, ...]
@@ -110,7 +110,7 @@ class ContactLaw:
         ----------
         t, x, v : float or ndarray, shape (N,)
             Time [s], position [m] and velocity [m/s] of the end-effector.
-        states : tuple of float, or ndarray, shape (states, N)
+        states : tuple of float, or StatesAlong
             Internal states of all effects.
         m : module
             `math` or `numpy`.
@@ -229,13 +229,13 @@ class ContactLaw:
         """
         moving = [place[0] for place in (*self._surfaces, *self._transmissions, *self._stateful)]
         if not moving:
-            return WallMotion(np.zeros((0, len(t))), x - self._x_e, v, True)
+            return WallMotion(StatesAlong(), x - self._x_e, v, True)
         law = (self._x_e, self.unilateral, float(t[1] - t[0]),
                tuple(_shaping(effect) for effect in moving))
         return _KEPT.along(law, x, v, lambda: self._moved(t, x, v))
 
     def _moved(self, t: Array, x: Array, v: Array) -> WallMotion:
-        states, engaged = np.zeros((self.states, len(t))), True
+        states, engaged = StatesAlong(), True
         d = x - self._x_e
         known: set[int] = set()
         for effect, place in self._surfaces:
@@ -251,11 +251,7 @@ class ContactLaw:
             d, v, engaged = effect.transmit(d, v, states[place], np)
         for effect, place in self._stateful:
             if id(effect) not in known:
-                along = effect.states_along(t, d, v, self._touching(d))
-                if effect.states == self.states:  # no copy: there may be many
-                    states = along
-                else:
-                    states[place] = along
+                states[place] = effect.states_along(t, d, v, self._touching(d))
         return WallMotion(states, d, v, engaged)
 
     def _touching(self, d: Array) -> NDArray[np.bool_]:

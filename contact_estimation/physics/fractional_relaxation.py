@@ -34,6 +34,7 @@ from ..parameters.specification import optional_parameter, ParameterGroup
 _FASTEST_S, _PER_DECADE, _BRANCHES = 1e-4, 2.5, 26  # to 1e6 s, longer than a week
 _SPACING = log(10.0) / _PER_DECADE
 _TIMES = tuple(_FASTEST_S * exp(k * _SPACING) for k in range(_BRANCHES))
+_BLOCK = 32  # samples that are solved at once along a recording
 _LEAST, _MOST = 0.02, 0.98  # alpha of what is no spring and no damper yet
 
 
@@ -78,20 +79,52 @@ def _shares(elapsed: float) -> tuple[tuple[float, ...], tuple[float, ...]]:
     return kept, (1.0, *(-tau / elapsed * expm1(-elapsed / tau) for tau in _TIMES))
 
 
-@lru_cache(maxsize=4)
-def _states_along(moves: bytes, bends: bytes, h: float) -> Array:
-    """Solve the branches; cached, because they depend on no parameter."""
-    from scipy.signal import lfilter  # slow to import, and no node needs it
+class _Blocks(NamedTuple):
+    """
+    The branches over a block of samples; each is `entered` by moves and by bends of the motion.
 
-    move, bend = np.frombuffer(moves), np.frombuffer(bends)
-    states = np.zeros((_BRANCHES + 3, len(move)))
-    states[2] = np.cumsum(move)
-    kept, entered = _shares(h)
-    for row, tau, k, e in zip(states[3:], _TIMES, kept[1:], entered[1:]):
-        bent = tau * (0.5 * (1.0 + k) - e)
-        row[:] = lfilter([1.0], [1.0, -k], e * move + bent * bend)
-    states.flags.writeable = False
-    return states
+    Attributes
+    ----------
+    powers : ndarray, shape (_BLOCK + 1, branches)
+        What remains of a branch after 0 to _BLOCK samples.
+    entered : ndarray, shape (2, branches)
+        What a branch takes of the move to a sample [m], and of its change of rate [m/s].
+
+    """
+
+    powers: Array
+    entered: Array
+
+    @classmethod
+    @lru_cache(maxsize=16)
+    def of(cls, h: float) -> '_Blocks':
+        """Return them for a sample period [s]."""
+        kept, entered = map(np.array, _shares(h))
+        bent = np.array((0.0, *_TIMES)) * (0.5 * (1.0 + kept) - entered)
+        powers: Array = kept ** np.arange(_BLOCK + 1, dtype=float)[:, None]
+        return cls(powers, np.stack((entered, bent)))
+
+    def history(self, moves: Array, bends: Array) -> Array:
+        """Return moves, bends and the branches before each block; one row for each block."""
+        count = -(-len(moves) // _BLOCK)
+        padded = np.zeros((2, count * _BLOCK))
+        padded[:, :len(moves)] = moves, bends
+        steps = padded.reshape(2, count, _BLOCK)
+        ends = np.zeros((count + 1, self.powers.shape[1]))  # of the branches, from rest
+        for share, step in zip(self.entered, steps):
+            ends[1:] += step @ (self.powers[_BLOCK - 1::-1] * share)
+        kept, apart = self.powers[_BLOCK], 1
+        while apart <= count:  # what all blocks before it have left in each
+            ends[apart:] += kept * ends[:-apart]
+            kept, apart = kept * kept, 2 * apart
+        return np.hstack((*steps, ends[:-1]))
+
+    def force(self, springs: Array) -> Array:
+        """Return what makes the force in a block of its history, shape (history, _BLOCK)."""
+        kernels = np.pad((self.entered * springs) @ self.powers[:-1].T, ((0, 0), (0, 1)))
+        since = np.arange(_BLOCK) - np.arange(_BLOCK)[:, None]
+        since[since < 0] = _BLOCK  # the 0 at the end: nothing acts before it happens
+        return np.vstack((*kernels[:, since], springs[:, None] * self.powers[1:].T))
 
 
 @dataclass(frozen=True)
@@ -132,12 +165,17 @@ class FractionalRelaxation(ContactEffect):
 
     def resistance(self, t: Number, d: Number, v: Number, state: Any, m: Any) -> Number:
         """Return the sum of the branches; see `ContactEffect.resistance`."""
+        if m is np:
+            return self._along(t, v, state)
         elapsed, moved, *deflections = state
-        if m is np:  # `states_along` gives branches that are up to date
-            return np.array(self._springs) @ state[2:] + self._damper * v
         kept, entered = _shares(elapsed)
         past = sum(map(mul, map(mul, self._springs, kept), deflections))
         return past + sum(map(mul, self._springs, entered)) * moved + self._damper * v
+
+    def _along(self, t: Any, v: Any, history: Array) -> Any:
+        """Return the resistance along a recording of the history of `states_along`."""
+        force = history @ _Blocks.of(float(t[1] - t[0])).force(np.array(self._springs))
+        return force.ravel()[:len(t)] + self._damper * v
 
     def state_rates(
         self, t: float, d: float, v: float, contact: bool, state: tuple[float, ...]
@@ -155,11 +193,20 @@ class FractionalRelaxation(ContactEffect):
         return (0.0, 0.0, *branches)
 
     def states_along(self, t: Array, d: Array, v: Array, contact: Flags) -> Array:
-        """Solve the branches exactly, v straight between samples in contact."""
+        """
+        Solve the branches exactly, v straight between samples in contact.
+
+        Returns
+        -------
+        history : ndarray, shape (blocks, 2 _BLOCK + branches)
+            Moves [m], changes of rate [m/s] and the branches before each block of samples, of
+            which `resistance` makes the force: the branches at all samples would take longer.
+
+        """
         moves, bends = np.zeros(len(t)), np.zeros(len(t))
         moves[1:] = np.diff(np.where(contact, d, 0.0))
         bends[1:] = np.where(contact[1:] & contact[:-1], np.diff(v), 0.0)
-        return _states_along(moves.tobytes(), bends.tobytes(), float(t[1] - t[0]))
+        return _Blocks.of(float(t[1] - t[0])).history(moves, bends)
 
     @classmethod
     def plausible(cls, values: Any) -> bool:

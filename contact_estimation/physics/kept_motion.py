@@ -26,14 +26,35 @@ from .numeric import Array
 _MOST_BYTES = 1 << 26
 
 
+class StatesAlong:
+    """What `ContactEffect.states_along` gives for each effect, by its place in the state."""
+
+    def __init__(self) -> None:
+        self._of: dict[tuple[int, int], Array] = {}
+
+    def __setitem__(self, place: slice, along: Array) -> None:
+        """Keep the states of an effect, read-only."""
+        along.flags.writeable = False
+        self._of[place.start, place.stop] = along
+
+    def __getitem__(self, place: slice) -> Array | None:
+        """Return the states of an effect; None if it has none."""
+        return self._of.get((place.start, place.stop))
+
+    @property
+    def nbytes(self) -> int:
+        """Size of all."""
+        return sum(along.nbytes for along in self._of.values())
+
+
 class WallMotion(NamedTuple):
     """
     Internal states and penetration along a recorded motion.
 
     Attributes
     ----------
-    states : ndarray, shape (states, N)
-        In the order of the effects.
+    states : StatesAlong
+        Of the effects.
     d, v : ndarray, shape (N,)
         Penetration [m] and its rate [m/s].
     engaged : bool or ndarray of bool, shape (N,)
@@ -41,7 +62,7 @@ class WallMotion(NamedTuple):
 
     """
 
-    states: Array
+    states: StatesAlong
     d: Array
     v: Array
     engaged: Any
@@ -100,4 +121,4 @@ class KeptMotion:
 
 
 def _bytes_of(motion: WallMotion) -> int:
-    return sum(array.nbytes for array in motion if isinstance(array, np.ndarray))
+    return sum(getattr(part, 'nbytes', 0) for part in motion)

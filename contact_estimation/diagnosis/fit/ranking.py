@@ -295,13 +295,13 @@ def _adequate(
         return []
     gain = float(before.sum()) - winner.total
     adequate = [one for one in laws if one.total <= winner.total + ADEQUATE * gain]
-    attached = not winner.found.model.nominal.environment.unilateral
-    if attached and winner.name in _LIKE_A_BIAS:
-        alike = (1.0 + ADEQUATE) * winner.found.cost
-        winner = next((one for one in laws
-                       if one.name == 'force_bias' and one.found.cost <= alike), winner)
     simpler = [one for one in adequate if one.size < winner.size]
     first = min(simpler, key=lambda one: (one.size, one.total), default=winner)
+    attached = not first.found.model.nominal.environment.unilateral
+    if attached and first.name in _LIKE_A_BIAS:
+        alike = (1.0 + ADEQUATE) * first.found.cost
+        first = next((one for one in laws
+                      if one.name == 'force_bias' and one.found.cost <= alike), first)
     first = _instead_of_series(laws, first, float(before.sum()))
     first = _simpler_beside_an_offset(recordings, laws, first, before, parts)
     others = [one for one in adequate if one is not first]
