@@ -89,7 +89,7 @@ def test_a_drawn_damping_drives_in_no_direction() -> None:
     lightly = SCALES._replace(damping=0.01 * SCALES.damper)
     cls = EFFECTS['asymmetric_damping']
     values = cls.Parameters(**cls.draw(lightly, np.random.default_rng(2))(0.99))
-    assert not cls.drives(values, lightly.damping)
+    assert not cls.drives(values, lightly.stiffness, lightly.damping)
 
 
 class Plain(ContactEffect):

@@ -267,17 +267,18 @@ def test_physics_fails_no_check(name: str, values: tuple[float, ...]) -> None:
     assert not failed(recorded(**physics(name, *values)), nominal())
 
 
-@pytest.mark.parametrize('shifted, unshifted, ok', [
-    (0.995, 0.948, False),  # clocks 50 ms apart
-    (0.959, 0.951, True),  # hysteresis, whose force is ahead of the motion
+@pytest.mark.parametrize('shifted, unshifted, pulls, ok', [
+    (0.995, 0.948, False, False),  # clocks 50 ms apart
+    (0.959, 0.951, False, True),  # hysteresis, whose force is ahead of the motion
+    (0.995, 0.948, True, True),  # adhesion likewise
 ])
-def test_a_shift_that_leaves_most_of_the_misfit_is_no_offset_of_the_clocks(
-    shifted: float, unshifted: float, ok: bool
+def test_hysteresis_or_adhesion_is_no_offset_of_the_clocks(
+    shifted: float, unshifted: float, pulls: bool, ok: bool
 ) -> None:
     overlap = SimpleNamespace(enough=True, spans={}, seconds=9.0)
     evidence: Any = SimpleNamespace(
         overlap=overlap, model=nominal(), period=0.002, lag=Lag(-0.05, shifted, unshifted),
-        with_reference=False)
+        with_reference=False, pulls=pulls)
     assert clock_offset.find(evidence).ok is ok
 
 
@@ -285,7 +286,7 @@ def test_a_damped_contact_is_ahead_of_its_spring_but_not_of_what_the_robot_felt(
     overlap = SimpleNamespace(enough=True, spans={}, seconds=9.0)
     found: Any = SimpleNamespace(
         overlap=overlap, model=nominal(), period=0.002, lag=Lag(-0.08, 0.95, 0.8),
-        with_reference=True, of_robot=Line(0.97, 0.98))
+        with_reference=True, of_robot=Line(0.97, 0.98), pulls=False)
     assert clock_offset.find(found).ok
     found.of_robot = Line(0.7, 0.75)  # the robot felt the force at another time
     assert not clock_offset.find(found).ok

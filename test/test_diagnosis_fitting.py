@@ -178,9 +178,8 @@ def test_effect_that_a_model_has_not_has_no_place(name: str) -> None:
 
 
 def test_effect_that_does_not_exist_cannot_be_added() -> None:
-    model = Model.of(nominal()).with_effect('no_such_effect', (1.0,))
     with pytest.raises(KeyError, match='no_such_effect'):
-        model.laws()
+        Model.of(nominal()).with_effect('no_such_effect', (1.0,))
 
 
 def test_inertia_is_fitted_where_the_wall_has_one() -> None:
@@ -232,6 +231,21 @@ def test_friction_that_rises_is_implausible() -> None:
     assert model.with_effect('stribeck_friction', (1.0, 2.0, 0.01)).plausible()
     assert not model.with_effect('stribeck_friction', (2.0, 1.0, 0.01)).plausible()
     assert not model.with_effect('stribeck_friction', (1.0, 2.0, 1e-5)).plausible()
+
+
+@pytest.mark.parametrize('name, values', [
+    ('viscoelastic_relaxation', (2.6, 10.0)), ('fractional_relaxation', (2.6, 0.4))])
+def test_what_relaxes_beside_a_spring_that_repels_is_implausible(
+    name: str, values: tuple[float, ...]
+) -> None:
+    drive = Model.of(nominal(environment__unilateral=False, environment__stiffness=0.0))
+    assert drive.with_effect(name, values).at([-0.1, 1.0, *values]).plausible()
+    assert not drive.with_effect(name, values).at([-2.1, 1.0, *values]).plausible()
+
+
+def test_values_out_of_range_are_brought_back() -> None:
+    model = Model.of(nominal()).with_effect('environment_resonance', (0.5, 0.0075, 1.5))
+    assert model.values[model.base_count:] == (0.5, 0.01, 0.99)
 
 
 def test_world_of_these_tests_begins_in_free_flight() -> None:

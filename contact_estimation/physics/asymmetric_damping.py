@@ -59,7 +59,7 @@ class AsymmetricDamping(ContactEffect):
         return self.values.B_a * abs(v)
 
     @classmethod
-    def drives(cls, values: Any, damping: float) -> bool:
+    def drives(cls, values: Any, stiffness: float, damping: float) -> bool:
         """Return whether one direction is driven, by more than the fit's error."""
         return bool(abs(values.B_a) > _PASSIVE * damping)
 

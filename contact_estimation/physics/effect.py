@@ -172,16 +172,16 @@ class Effect(DrawnEffect):
         return True
 
     @classmethod
-    def drives(cls, values: Any, damping: float) -> bool:
+    def drives(cls, values: Any, stiffness: float, damping: float) -> bool:
         """
-        Return whether the effect drives the motion beside a damper.
+        Return whether the effect drives the motion beside a spring and a damper.
 
         Parameters
         ----------
         values : ParameterGroup
             An instance of `Parameters`.
-        damping : float
-            B_e of the wall [N s/m].
+        stiffness, damping : float
+            K_e [N/m] and B_e [N s/m] of the wall.
 
         Returns
         -------

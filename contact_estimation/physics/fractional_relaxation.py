@@ -29,6 +29,7 @@ from .contact_effect import ContactEffect
 from .numeric import Array, Flags, Number
 from .random_strength import Strength
 from .scales import Scales
+from .viscoelastic_relaxation import REPELS
 from ..parameters.specification import optional_parameter, ParameterGroup
 
 _FASTEST_S, _PER_DECADE, _BRANCHES = 1e-4, 2.5, 26  # to 1e6 s, longer than a week
@@ -212,6 +213,11 @@ class FractionalRelaxation(ContactEffect):
     def plausible(cls, values: Any) -> bool:
         """Return whether there is a force, of neither a spring nor a damper."""
         return bool(values.C > 0.0 and _LEAST < values.alpha < _MOST)
+
+    @classmethod
+    def drives(cls, values: Any, stiffness: float, damping: float) -> bool:
+        """Return whether the spring beside the force at 1 s repels."""
+        return bool(stiffness < -REPELS * values.C)
 
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:

@@ -30,6 +30,10 @@ from .scales import Scales
 from ..parameters.specification import optional_parameter, ParameterGroup
 
 
+REPELS = 0.1
+"""Share of a branch by which the spring beside it may repel, by the error of a fit."""
+
+
 @dataclass(frozen=True)
 class ViscoelasticRelaxationParameters(ParameterGroup):
     """Parameters of `ViscoelasticRelaxation`."""
@@ -87,6 +91,11 @@ class ViscoelasticRelaxation(ContactEffect):
                 s[first:stop] = max(last, 0.0) * decay ** np.arange(1, stop - first + 1)
             last = float(s[stop - 1])
         return s[None, :]
+
+    @classmethod
+    def drives(cls, values: Any, stiffness: float, damping: float) -> bool:
+        """Return whether the spring beside the branch repels."""
+        return bool(stiffness < -REPELS * values.K_1)
 
     @classmethod
     def is_flexible(cls, values: Any, duration: float) -> bool:

@@ -58,7 +58,10 @@ def find(evidence: Evidence) -> Finding:
     explains = 1.0 - lag.correlation**2 < _LEFT * (1.0 - lag.unshifted**2)
     # A damped contact is ahead of its spring, but not of what the robot felt.
     felt = evidence.with_reference and evidence.of_robot.correlation > lag.correlation
-    if (off and explains and not felt and abs(lag.seconds) > _LEAST_SAMPLES * evidence.period
+    # What is held back as it leaves is ahead as well; a robot would have felt that.
+    held = evidence.pulls and not evidence.with_reference
+    long = abs(lag.seconds) > _LEAST_SAMPLES * evidence.period
+    if (off and explains and not felt and not held and long
             and lag.correlation > max(_CORRELATED, lag.unshifted + _BETTER)):
         return Finding(False, f'{text}, expected {-1e3 * _EARLY_S:.0f} to {1e3 * _LATE_S:.0f} ms: '
                               'the clocks of wrench and joint_states differ; synchronise them')

@@ -36,6 +36,7 @@ _WINDOW_S, _LEAST_WINDOW, _ORDER = 0.08, 5, 3  # of the smoothing polynomials
 _BINS = 25  # of the force: one and its neighbours hold free flight
 _DECILE = 0.1
 _CONTACT = 0.03  # of the range of the force: more is a contact
+_PULL = 0.1  # of the same: more is no noise of free flight
 _CLEAR = 8.0  # standard deviations of the smoothed noise
 _LONGEST_LAG = 0.25  # of the recording
 _LONGEST_AHEAD_S = 0.4
@@ -183,6 +184,13 @@ class Evidence:
         s = self.smooth
         low, high = np.quantile(s.x, (_DECILE, 1.0 - _DECILE))
         return float(np.mean(s.force[s.x <= low])), float(np.mean(s.force[s.x >= high]))
+
+    @cached_property
+    def pulls(self) -> bool:
+        """Whether the surface pulls the tool back, beyond the force of free flight."""
+        force = self.smooth.force
+        least = max(self.clear_force, _PULL * float(np.ptp(force)))
+        return float(np.max(force)) - self.sides[0] > least
 
     @cached_property
     def onset(self) -> Onset | None:

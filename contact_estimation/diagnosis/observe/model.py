@@ -138,8 +138,10 @@ class Model:
         return self.values[1]
 
     def with_effect(self, name: str, values: tuple[float, ...]) -> 'Model':
-        """Return the model with one more effect."""
-        return replace(self, effects=(*self.effects, name), values=(*self.values, *values))
+        """Return the model with one more effect; values beyond their range are brought back."""
+        within = (min(max(value, least), most)
+                  for value, (_, least, most) in zip(values, _ranges(name)))
+        return replace(self, effects=(*self.effects, name), values=(*self.values, *within))
 
     def without(self, *names: str) -> 'Model':
         """Return the model without some of its effects."""
@@ -253,7 +255,7 @@ class Model:
         """Return whether the values of one effect are physically plausible together."""
         cls = EFFECTS[name]
         values = cls.Parameters(*self.values[self.place(name)])
-        return cls.plausible(values) and not cls.drives(values, self.damping)
+        return cls.plausible(values) and not cls.drives(values, self.stiffness, self.damping)
 
     def is_flexible(self, name: str, duration: float) -> bool:
         """Return whether an effect is a curve that follows any slow misfit of a recording [s]."""
