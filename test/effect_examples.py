@@ -51,7 +51,7 @@ EXAMPLES: dict[str, tuple[float, ...]] = {
     'adhesion': (4.0,),
     'dmt_adhesion': (5.0, 0.003),
     'dead_zone': (0.002,),
-    'free_play': (0.002, 0.0004),
+    'free_play': (0.002, 0.0004, 0.3),
     'backlash': (0.001,),
     'bilinear_stiffness': (3000.0, 0.005),
     'stiffness_drift': (0.2,),

@@ -96,9 +96,9 @@ def test_an_exponential_needs_a_motion_that_shows_more_than_a_parabola() -> None
 
 
 @pytest.mark.parametrize('effect, values, credible', [
-    ('free_play', (0.002, 0.0005), True),
-    ('free_play', (0.002, -0.0095), False),
-    ('free_play', (161.0, -80.0), False),
+    ('free_play', (0.002, 0.0005, 1.0), True),
+    ('free_play', (0.002, -0.0095, 1.0), False),
+    ('free_play', (161.0, -80.0, 1.0), False),
     ('bilinear_stiffness', (500.0, 0.003), True),
     ('bilinear_stiffness', (500.0, 0.03), False),
 ])

@@ -224,7 +224,7 @@ def test_of_offsets_alike_that_of_the_sensor_is_taken(attached: bool, named: str
         return Candidate(Fit(model, float(left.sum()), np.zeros(4), 4), left, None, False)
 
     # A play with a centre is an offset too, and fits a little better.
-    laws = [candidate(0.905, 'free_play', 1e-5, 1e-3), candidate(0.9, 'contact_offset', 1e-3),
+    laws = [candidate(0.905, 'free_play', 1e-5, 1e-3, 1.0), candidate(0.9, 'contact_offset', 1e-3),
             candidate(0.8999, 'force_bias', 1.0)]
     zeros: Any = SimpleNamespace(parts=parts, names=(), beside=lambda one: one)
     taken = first_that_predicts([], laws, zeros, before, before)

@@ -72,7 +72,7 @@ WORLDS: dict[str, tuple[float, ...]] = {
     'adhesion': (4.0,),
     'dmt_adhesion': (4.0, 0.002),
     'dead_zone': (0.0008,),
-    'free_play': (0.0016, 0.0005),
+    'free_play': (0.0016, 0.0005, 0.4),
     'backlash': (0.0006,),
     'bilinear_stiffness': (1500.0, 0.006),
     'stiffness_drift': (0.02,),

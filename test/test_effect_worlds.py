@@ -75,8 +75,9 @@ INDEPENDENT: dict[str, Callable[..., dict[str, Any]]] = {
     'moving_environment': swing,
     'beating_environment': swing,
     'dead_zone': resisting(lambda t, d, v, gap: K_e * (max(d - gap, 0.0) - d)),
-    'free_play': resisting(lambda t, d, v, gap, centre: K_e * (
-        -d if abs(d - centre) < gap / 2 else -centre - gap / 2 * np.sign(d - centre))),
+    'free_play': resisting(lambda t, d, v, gap, centre, beside: (
+        (beside - 1.0) * B_e * v - K_e * d + (d > centre + gap / 2) * max(
+            K_e * (d - centre - gap / 2) + (1.0 - beside) * B_e * v, 0.0))),
     'bilinear_stiffness': resisting(lambda t, d, v, K_2, depth: K_2 * max(d - depth, 0.0)),
     'stiffness_drift': resisting(lambda t, d, v, rate: K_e * rate * t * d),
     'robot_friction': lambda F_c: {

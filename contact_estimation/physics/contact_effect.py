@@ -24,7 +24,8 @@ import numpy as np
 from .effect import Effect
 from .numeric import Array, Flags, Number
 
-HOOKS = ('surface', 'transmit', 'deflection', 'spring', 'damper', 'resistance', 'tail')
+HOOKS = (
+    'surface', 'transmit', 'deflection', 'spring', 'damper', 'carried', 'resistance', 'tail')
 """Methods by which a law changes the force, in the order of evaluation."""
 
 
@@ -34,7 +35,7 @@ class ContactEffect(Effect):
 
     Every hook returns its input unchanged by default; a subclass overrides those that its law
     changes. They are evaluated in the order surface, transmit, deflection, spring, damper,
-    resistance; `pull` and `tail` then describe positive forces.
+    carried, resistance; `pull` and `tail` then describe positive forces.
 
     """
 
@@ -163,6 +164,27 @@ class ContactEffect(Effect):
 
         """
         return force
+
+    def carried(self, d: Number, spring: Number, damper: Number, m: Any) -> Number:
+        """
+        Return what of spring and damper together reaches the tool.
+
+        Parameters
+        ----------
+        d : float or ndarray, shape (N,)
+            Penetration [m].
+        spring, damper : float or ndarray, shape (N,)
+            Elastic and damping force [N].
+        m : module
+            `math` or `numpy`.
+
+        Returns
+        -------
+        force : float or ndarray, shape (N,)
+            In all [N].
+
+        """
+        return spring + damper
 
     def resistance(self, t: Number, d: Number, v: Number, state: Any, m: Any) -> Number:
         """

@@ -90,9 +90,9 @@ class ContactLaw:
             [place for place in placed if hook in overridden(type(place[0]))]
             for hook in ('surface', 'transmit', 'deflection', 'spring')
         )
-        self._dampers, self._resistances, self._tails = (
+        self._dampers, self._carriers, self._resistances, self._tails = (
             [place for place in placed if hook in overridden(type(place[0]))]
-            for hook in ('damper', 'resistance', 'tail')
+            for hook in ('damper', 'carried', 'resistance', 'tail')
         )
         self._stateful = [place for place in placed if place[0].states]
         self._is_plain = not any(overridden(type(effect)) - {'tail'} for effect in wall)
@@ -172,6 +172,8 @@ class ContactLaw:
         for effect, _ in self._dampers:
             damper = effect.damper(d, v, damper, self._exponent, m)
         resistance = spring + damper
+        for effect, _ in self._carriers:
+            resistance = effect.carried(d, spring, damper, m)
         for effect, place in self._resistances:
             resistance = resistance + effect.resistance(t, d, v, states[place], m)
         return resistance

@@ -31,19 +31,24 @@ class FreePlayParameters(ParameterGroup):
 
     gap: float = optional_parameter('Width of the play', 'm', minimum=0.0)
     centre: float = optional_parameter('Middle of the play, from x_e', 'm')
+    beside: float = optional_parameter(
+        'Part of the damper that acts within the gap too', '1', minimum=0.0, maximum=1.0)
 
 
 class FreePlay(ContactEffect):
     """
-    K_e (u - min(max(u, -gap / 2), gap / 2)), u = d - centre; the damper acts at all times.
+    R = beside B_e v + K_e s + (1 - beside) B_e v, the latter two only from an end of the play on.
 
-    On a wall that only pushes it is a dead zone. Nordin and Gutman, Controlling mechanical systems
-    with backlash: a survey, Automatica 2002, section 3.1.
+    s = u - min(max(u, -gap / 2), gap / 2), u = d - centre. The two push away from the gap. A
+    damper beside the play acts at all times; one behind it is met at either end, and holds back
+    from neither. On a wall that only pushes it is a dead zone. Nordin and Gutman, Controlling
+    mechanical systems with backlash: a survey, Automatica 2002, section 3.1.
 
     """
 
     name = 'free_play'
-    equation = 'F_e = -(K_e (u - sat(u, gap / 2)) + B_e v), u = d - centre'
+    equation = ('F_e = -(beside B_e v + K_e s + (1 - beside) B_e v), s = u - sat(u, gap / 2), '
+                'u = d - centre; the latter two not within the gap')
     family = 'clearance'
     description = 'The spring acts only beyond a gap that is free on both sides.'
     Parameters = FreePlayParameters
@@ -55,6 +60,13 @@ class FreePlay(ContactEffect):
         u, half = d - self.values.centre, 0.5 * self.values.gap
         return positive(u - half, m) - positive(-u - half, m)
 
+    def carried(self, d: Number, spring: Number, damper: Number, m: Any) -> Number:
+        """Leave out what is behind the play within the gap; see `ContactEffect.carried`."""
+        u, half, beside = d - self.values.centre, 0.5 * self.values.gap, self.values.beside
+        behind = spring + (1.0 - beside) * damper
+        pushed: Any = positive(behind, m) * (u > half) - positive(-behind, m) * (u < -half)
+        return beside * damper + pushed
+
     @classmethod
     def bends(cls, values: Any) -> tuple[float, ...]:
         """Bend at both ends of the play."""
@@ -63,7 +75,7 @@ class FreePlay(ContactEffect):
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """Spread the gap."""
-        return [(share * scales.depth, 0.0) for share in (0.02, 0.1, 0.3, 0.8, 1.4)]
+        return [(share * scales.depth, 0.0, 1.0) for share in (0.02, 0.1, 0.3, 0.8, 1.4)]
 
     @classmethod
     def largest(cls, scales: Scales) -> float:
