@@ -31,7 +31,7 @@ from ..fit.invariance import Share
 
 Array = NDArray[np.float64]
 
-EVEN, SLOPE = 0.05, 3.6
+EVEN, SLOPE = 0.0, 3.4
 """Evidence at which a name is as often right as wrong, and the steepness of the curve there."""
 
 DOUBTFUL = 0.5
