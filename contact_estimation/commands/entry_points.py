@@ -16,10 +16,8 @@
 """
 The executables that need no ROS.
 
-Each sets the default of one thread before it imports its command, and with it numpy, which reads
-OMP_NUM_THREADS only then. The matrices are small: a second thread of the linear algebra only
-waits, and beside other work it made a diagnosis six times as slow. Importing the library sets
-nothing: its user chooses the number of threads.
+Each imports its command only when it is called: an interruption of the import, which takes most of
+a second, ends without a traceback.
 """
 
 from __future__ import annotations
@@ -36,7 +34,6 @@ def _entry_point(name: str) -> Callable[[], int]:
         os._exit(1)
 
     def entry_point() -> int:
-        os.environ.setdefault('OMP_NUM_THREADS', '1')
         before = signal.getsignal(signal.SIGINT)
         if before is not signal.SIG_IGN:  # as of a job in the background
             signal.signal(signal.SIGINT, interrupted)  # no traceback out of an import
