@@ -71,9 +71,9 @@ class ForceGain(ForceSensorEffect):
         return measured / self.values.gain
 
     @classmethod
-    def vanishes(cls, values: Any) -> bool:
-        """Vanish within the calibration of a sensor and a robot; see `Effect.vanishes`."""
-        return bool(abs(values.gain - 1.0) < CALIBRATED)
+    def exceeds_calibration(cls, values: Any, force: float) -> bool:
+        """Return whether sensor or robot are off by more than is usual."""
+        return bool(abs(values.gain - 1.0) >= CALIBRATED)
 
     @classmethod
     def is_flexible(cls, values: Any, duration: float) -> bool:

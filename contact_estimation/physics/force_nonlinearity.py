@@ -75,7 +75,7 @@ class ForceNonlinearity(ForceSensorEffect):
 
     @classmethod
     def exceeds_calibration(cls, values: Any, force: float) -> bool:
-        """Compare the sensitivity to small and to large forces; see `ForceGain.vanishes`."""
+        """Compare the sensitivity to small and to large forces."""
         small = values.gain - 1.0
         return bool(max(abs(small), abs(small + values.bend * force)) > CALIBRATED)
 
