@@ -134,7 +134,7 @@ def select(
         if leaves_noise(best) or exact:
             if not exact or not enough(best, exact[0]):
                 break
-            best = _narrowest(recordings, exact[0], progress)
+            best = _narrowest(recordings, base, exact[0], progress)
             name = best.model.effects[-1]
             rivals[name] = [one for one in exact if one.model.effects[-1] != name]
             if len(best.model.effects) > 1:
@@ -156,7 +156,7 @@ def select(
                 break
     if leaves_noise(best):
         best, rivals = prune(recordings, best, rivals)
-    best = _narrowest(recordings, best, progress)
+    best = _narrowest(recordings, base, best, progress)
     if leaves_noise(best):
         best = fit(recordings, best.model) if best.model.effects else base
         return Selection(recordings, base, _as_shown(recordings, best, progress), rivals, evidence)
@@ -296,7 +296,7 @@ def _law_instead(
     return ranked
 
 
-def _narrowest(recordings: Recordings, best: Fit, progress: Progress) -> Fit:
+def _narrowest(recordings: Recordings, base: Fit, best: Fit, progress: Progress) -> Fit:
     """Put a law of its family in the place of a wider one that fits little better."""
     for name in [one for one in best.model.effects if EFFECTS[one].is_series]:
         rest = fit(recordings, best.model.without(name))
@@ -305,7 +305,7 @@ def _narrowest(recordings: Recordings, best: Fit, progress: Progress) -> Fit:
         fits = search(recordings, rest, progress, laws)
         found = min(fits, key=lambda one: one.cost, default=best)
         sharply = best.cost < best.residual_count and found.cost > best.cost + BEYOND_DOUBT
-        if rest.cost - found.cost >= _OF_WIDER * (rest.cost - best.cost) and not sharply:
+        if base.cost - found.cost >= _OF_WIDER * (base.cost - best.cost) and not sharply:
             best = found
     return best
 
