@@ -50,6 +50,7 @@ class UnloadingHysteresis(ContactEffect):
     description = 'The wall unloads along a steeper line than it loads, recovering out of contact.'
     Parameters = UnloadingHysteresisParameters
     needs_return = True
+    needs_spring = True
 
     states = 1  # greatest d of the contact
 
