@@ -33,15 +33,13 @@ def cut(d: Array, resistance: Array, most: float = 0.0) -> Array:
     return np.where(d > 0.0, np.minimum(most, -resistance), 0.0)
 
 
-def stopped(
-    t: Array, x: Array, v: Array, a: Array, gap: float, centre: float, beside: float
-) -> Array:
-    """Free play: two stops, each of which only pushes, and a damper beside them."""
+def between_stops(x: Array, v: Array, gap: float, centre: float, beside: float) -> Array:
+    """Free play resists by two stops, each of which only pushes, and a damper beside them."""
     far, near = x - (centre + gap / 2), x - (centre - gap / 2)
     behind = (1.0 - beside) * B_e * v
     pushed = np.where(far > 0.0, np.maximum(K_e * far + behind, 0.0), 0.0)
     drawn = np.where(near < 0.0, np.minimum(K_e * near + behind, 0.0), 0.0)
-    return cut(x, beside * B_e * v + pushed + drawn)
+    return np.asarray(beside * B_e * v + pushed + drawn)
 
 
 def followed(step: Callable[[float, int], float], count: int) -> Array:
@@ -206,7 +204,7 @@ FORMULAS: dict[str, Formula] = {
     'adhesion': sticking,
     'dmt_adhesion': attracting,
     'dead_zone': lambda t, x, v, a, gap: cut(x, K_e * np.maximum(x - gap, 0.0) + B_e * v),
-    'free_play': stopped,
+    'free_play': lambda t, x, v, a, *p: cut(x, between_stops(x, v, *p)),
     'backlash': play,
     'bilinear_stiffness': lambda t, x, v, a, K_2, depth: cut(
         x, K_e * x + B_e * v + K_2 * np.maximum(x - depth, 0.0)),

@@ -16,6 +16,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 from contact_estimation.physics import EFFECTS
@@ -25,7 +26,7 @@ from contact_estimation.physics.contact_law import ContactLaw
 from contact_estimation.physics.force_sensor_effect import ForceSensorEffect
 from contact_estimation.physics.robot_law import RobotLaw
 from effect_examples import example, example_values
-from effect_formulas import Array, FORMULAS, SENSED
+from effect_formulas import Array, between_stops, FORMULAS, SENSED
 import numpy as np
 import pytest
 from world_reference import B_e, B_t, K_e, K_t, M_t, reference_at, simulate, with_effect
@@ -102,6 +103,26 @@ def test_states_of_a_recording_are_those_of_small_steps(name: str) -> None:
     scale = np.max(np.abs(expected))
     apart = np.abs(got - expected) > 0.01 * scale
     assert scale > 0.0 and np.mean(apart) < 0.01  # a state may jump within a sample
+
+
+def test_branches_solved_by_blocks_give_the_force_of_small_steps() -> None:
+    effect = example('fractional_relaxation')
+    t, d, v, _ = motion(2e-4)
+    states = ContactEffect.states_along(effect, t, d, v, d > 0.0)[:, ::10].T
+    t, d, v, _ = motion(2e-3)
+    expected = [effect.resistance(*now, tuple(state), math)
+                for *now, state in zip(t, d, v, states)]
+    got = effect.resistance(t, d, v, effect.states_along(t, d, v, d > 0.0), np)
+    scale = np.max(np.abs(expected))
+    assert scale > 0.0 and np.mean(np.abs(got - expected) > 0.01 * scale) < 0.01
+
+
+def test_play_of_an_attached_wall_has_an_end_on_either_side() -> None:
+    t, x, v, a = motion(2e-3)
+    gap, centre, beside = example_values('free_play')
+    assert np.min(x) < centre - gap and np.max(x) > centre + gap
+    got = law_of('free_play', unilateral=False).force(t, x, v, a)
+    np.testing.assert_allclose(got, -between_stops(x, v, gap, centre, beside), atol=1e-9)
 
 
 @pytest.mark.parametrize('name', WALL)
