@@ -17,7 +17,8 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Iterator
+import time
+from typing import Any, Iterator
 
 from core_runs import contact_samples
 import pytest
@@ -34,6 +35,7 @@ pytestmark = pytest.mark.slow
 SAMPLES = contact_samples(1.0)
 PATIENCE = Duration(seconds=PATIENCE_S)
 Transition = messages.Transition
+ASK_AGAIN_S = 1.0
 
 
 @pytest.fixture
@@ -50,8 +52,24 @@ def change(peer: Peer, transition: int) -> bool:
     return bool(answer.success)
 
 
+def meet_service(peer: Peer) -> None:
+    """Ask for no known transition until the service answers: it may not see this client yet."""
+    request = lifecycle.ChangeState.Request()
+    request.transition.id = Transition.TRANSITION_CREATE
+    asked: list[Any] = []
+
+    def answered() -> bool:
+        if not asked or time.monotonic() - asked[-1][0] > ASK_AGAIN_S:
+            begun = peer.begin_call(lifecycle.ChangeState, 'estimator_node/change_state', request)
+            asked.append((time.monotonic(), begun))
+        return any(begun.done() for _, begun in asked)
+
+    peer.spin_until(answered, 'the first answer of the service')
+
+
 def test_managed_node_estimates_only_while_it_is_active(tmp_path: Path, peer: Peer) -> None:
     with node_process(tmp_path, 'managed_estimator_node') as node:
+        meet_service(peer)
         assert change(peer, Transition.TRANSITION_CONFIGURE)
         assert change(peer, Transition.TRANSITION_ACTIVATE)
         peer.meet()
