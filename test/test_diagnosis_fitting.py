@@ -61,6 +61,24 @@ def test_cost_of_a_fit_is_that_of_its_residuals() -> None:
     assert found.cost == pytest.approx(float(np.sum(found.residuals**2)))
 
 
+@pytest.mark.parametrize(('name', 'values'), [
+    ('coulomb_friction', (2.0,)), ('force_lag', (0.003,)), ('tool_inertia', (0.4,)),
+    ('robot_friction', (2.0,)), ('command_delay', (0.004,)),
+    ('joint_flexibility', (2e-5, 0.3, 0.1)),
+])
+def test_residuals_do_not_depend_on_those_computed_before(
+    name: str, values: tuple[float, ...]
+) -> None:
+    signals = recorded()
+    used, model = prepared_from(signals)
+    asked = model.with_effect(name, values)
+    changed = [model, asked, asked.at([1.02 * value for value in asked.values]),
+               model.at((1.1 * K_e, B_e)), asked]
+    for one in changed:
+        fresh, _ = prepared_from(signals)
+        np.testing.assert_array_equal(residuals(used, one), residuals(fresh, one))
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize('start', [(500.0, 5.0), (50000.0, 1000.0)])
 def test_fit_finds_its_way_from_far_off(start: tuple[float, float]) -> None:

@@ -22,6 +22,7 @@ from contact_estimation.diagnosis.observe.observer import (
     coast,
     discretise,
     innovations,
+    innovations_of,
     kalman_filter,
     run,
     run_velocity,
@@ -81,6 +82,18 @@ def test_poles_are_those_of_the_dynamics(M: float, B: float, K: float) -> None:
     poles = np.exp(np.linalg.eigvals(matrix(M, B, K)) * H)
     expected = np.poly(poles).real
     np.testing.assert_allclose(discretise(M, B, K, H).denominator, expected, atol=1e-9)
+
+
+@EVERY
+@pytest.mark.parametrize('scale', [1.0, 1.3])
+def test_innovations_of_a_force_are_those_of_its_motion(
+    M: float, B: float, K: float, scale: float
+) -> None:
+    system, observer = discretise(M, scale * B, K, H), discretise(M, B, K, H)
+    moved = lsim((matrix(M, scale * B, K), [[0.0], [1.0 / M]], [[1.0, 0.0]], [[0.0]]), PUSH, T)[1]
+    expected = innovations(np.asarray(moved).ravel(), observer, CUTOFF, H)
+    got = innovations_of(PUSH, system, observer, CUTOFF, H)
+    np.testing.assert_allclose(got, expected, atol=1e-7 * np.max(np.abs(expected)))
 
 
 @EVERY

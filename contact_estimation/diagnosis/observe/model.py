@@ -271,6 +271,17 @@ class Model:
         chain = [effect for effect in effects if isinstance(effect, ForceSensorEffect)]
         return Laws(contact, chain, RobotLaw(robot.mass, robot.damping, robot.stiffness, effects))
 
+    @property
+    def base_values(self) -> tuple[float, ...]:
+        """Return K_e, B_e and, if it is fitted, M_e."""
+        return self.values[:self.base_count]
+
+    def values_at(self, *ports: str) -> tuple[object, ...]:
+        """Return all on which the laws at some ports depend, but for the base values."""
+        values = [(name, self.values[self.place(name)])
+                  for name in self.effects if EFFECTS[name].port in ports]
+        return self.nominal, *values
+
     def _replaces(self, flag: str) -> bool:
         contact = (EFFECTS[name] for name in self.effects)
         return any(issubclass(c, ContactEffect) and getattr(c, flag) for c in contact)

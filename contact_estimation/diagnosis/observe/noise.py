@@ -24,7 +24,7 @@ from .driven_wall import DrivenWall
 from .model import Model
 from .motion_error import lost_by_lines
 from .observed import Observed
-from .observer import innovations, run, SecondOrder
+from .observer import innovations_of, SecondOrder
 from .pace import is_slow
 from .smoothing import white_noise_std
 
@@ -166,6 +166,6 @@ def innovation_error(
         push_error = push_error + of_command
     pulse = np.zeros(len(o.t))
     pulse[1] = 1.0
-    answer = innovations(run(observer, pulse, 0.0, 0.0), observer, o.observer_cutoff, o.h)
+    answer = innovations_of(pulse, observer, observer, o.observer_cutoff, o.h)
     reach = 1 + 2 * round(_MEMORY / (o.observer_cutoff * o.h))
     return np.asarray(np.linalg.norm(answer) * maximum_filter1d(push_error, reach))

@@ -202,6 +202,33 @@ def innovations(misfit: Array, system: SecondOrder, cutoff: float, h: float) -> 
     return np.asarray(lfilter(system.denominator, [1.0, -2.0 * pole, pole * pole], misfit))
 
 
+def innovations_of(
+    force: Array, system: SecondOrder, observer: SecondOrder, cutoff: float, h: float
+) -> Array:
+    """
+    Filter the motion that a force causes to the innovations of an observer.
+
+    Parameters
+    ----------
+    force : ndarray, shape (N,)
+        On the mass, straight between samples [N].
+    system : SecondOrder
+        The dynamics.
+    observer, cutoff, h
+        As `system`, `cutoff` and `h` of `innovations`.
+
+    Returns
+    -------
+    innovations : ndarray, shape (N,)
+        Of the motion that the force alone causes [m].
+
+    """
+    if not np.array_equal(system.denominator, observer.denominator):
+        return innovations(run(system, force, 0.0, 0.0), observer, cutoff, h)
+    pole = exp(-cutoff * h)  # the poles of the dynamics are zeros of the observer
+    return np.asarray(lfilter(system.position, [1.0, -2.0 * pole, pole * pole], force))
+
+
 def kalman_filter(
     system: SecondOrder, force_noise: float, position_noise: float,
     weights: Sequence[float] = (1.0,),

@@ -16,7 +16,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import sqrt
 from typing import Sequence
@@ -27,6 +27,7 @@ from numpy.typing import NDArray
 from .channel import Channel, sum_blocks
 from .discount import Discount
 from .episodes import HeldOut, hold_out, require_contact
+from .latest import Latest
 from .model import Model
 from .noise import force_error, force_noise, innovation_error, motion_noise
 from .observed import observe, Observed, reference_on_grid
@@ -77,6 +78,8 @@ class PreparedRecording:
     force_error, motion_error : ndarray, shape (N,), or None
         Standard deviations of the predictions of a correct model from a motion that is coarse in
         time or position [N], [m]; None where they are negligible.
+    walls, robots : Latest
+        What the latest models expect at the wall, and the innovations without one.
 
     """
 
@@ -96,6 +99,8 @@ class PreparedRecording:
     picard_rounds: int = 1
     force_error: Array | None = None
     motion_error: Array | None = None
+    walls: Latest = field(default_factory=Latest, init=False, repr=False)
+    robots: Latest = field(default_factory=Latest, init=False, repr=False)
 
     @classmethod
     def of(

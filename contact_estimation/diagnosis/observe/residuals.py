@@ -31,9 +31,10 @@ from .channel import sum_blocks
 from .driven_wall import DrivenWall
 from .link import run_jointed
 from .model import Laws, Model
-from .observer import discretise, innovations, run
+from .observer import discretise, innovations, innovations_of, run
 from .prepared_recording import PreparedRecording
 from .touch_down import at_touch_down
+from ...physics.robot_law import RobotLaw
 
 Array = NDArray[np.float64]
 
@@ -73,7 +74,7 @@ def residuals(
         memory = _wall_time(recording, model) if briefly else np.inf
         stacked = recording.motion.average(_wall_innovations(recording, model, memory))
     else:
-        stacked = _of_channels(recording, laws)
+        stacked = _of_channels(recording, model, laws)
     if recording.dropped is not None and not any(e.lets_go for e in laws.contact.effects):
         charge = _DROP * np.sqrt(sum_blocks(recording.dropped.astype(float), recording.block))
         stacked[:len(charge)] = np.hypot(stacked[:len(charge)], charge)
@@ -102,11 +103,11 @@ def bends(recording: PreparedRecording, model: Model) -> bool:
     return model.nominal.environment.unilateral or recording.carries_discrepancy
 
 
-def _of_channels(recording: PreparedRecording, laws: Laws) -> Array:
-    wall = _at_wall(recording, laws)
+def _of_channels(recording: PreparedRecording, model: Model, laws: Laws) -> Array:
+    wall = _at_wall(recording, model, laws)
     parts = [recording.force.average(_force_error(recording, laws, wall))]
     if recording.observed.reference is not None:
-        parts.append(recording.motion.average(_robot_innovations(recording, laws, wall)))
+        parts.append(recording.motion.average(_robot_innovations(recording, model, laws, wall)))
     return np.concatenate(parts)
 
 
@@ -128,7 +129,7 @@ def force_residual(recording: PreparedRecording, model: Model) -> Array:
 
     """
     laws = model.laws()
-    return _force_error(recording, laws, _at_wall(recording, laws))
+    return _force_error(recording, laws, _at_wall(recording, model, laws))
 
 
 def motion_residual(recording: PreparedRecording, model: Model) -> Array | None:
@@ -143,7 +144,7 @@ def motion_residual(recording: PreparedRecording, model: Model) -> Array | None:
     """
     if recording.observed.reference is not None:
         laws = model.laws()
-        return _robot_innovations(recording, laws, _at_wall(recording, laws))
+        return _robot_innovations(recording, model, laws, _at_wall(recording, model, laws))
     if recording.driven_by_force(model):
         return _wall_innovations(recording, model)
     return None
@@ -171,8 +172,8 @@ def response_to(recording: PreparedRecording, push: Array, model: Model) -> Arra
     if recording.observer is None:
         return None
     robot, o = model.laws().robot, recording.observed
-    moved = run(discretise(robot.mass, robot.damping, robot.stiffness, o.h), push, 0.0, 0.0)
-    return innovations(moved, recording.observer, o.observer_cutoff, o.h)
+    system = discretise(robot.mass, robot.damping, robot.stiffness, o.h)
+    return innovations_of(push, system, recording.observer, o.observer_cutoff, o.h)
 
 
 def force_explains_motion(recording: PreparedRecording, model: Model) -> bool:
@@ -212,8 +213,15 @@ class _AtWall(NamedTuple):
     acceleration: Array  # of what touches it and of the tool [m/s^2]
 
 
-def _at_wall(recording: PreparedRecording, laws: Laws) -> _AtWall:
+def _at_wall(recording: PreparedRecording, model: Model, laws: Laws) -> _AtWall:
     """Evaluate the wall's law at the measured motion."""
+    # What touches the wall behind a flexible joint depends on that joint.
+    ports = ('contact',) if laws.robot.joint is None else ('contact', 'robot')
+    return recording.walls.of(
+        (model.base_values, model.values_at(*ports)), lambda: _evaluate(recording, laws))
+
+
+def _evaluate(recording: PreparedRecording, laws: Laws) -> _AtWall:
     o = recording.observed
     x, v, a = laws.at_wall(o)
     force, d = laws.contact.force_and_depth(o.t, x, v, a)
@@ -229,26 +237,36 @@ def _force_error(recording: PreparedRecording, laws: Laws, wall: _AtWall) -> Arr
     return o.force - force
 
 
-def _robot_innovations(recording: PreparedRecording, laws: Laws, wall: _AtWall) -> Array:
+def _robot_innovations(
+    recording: PreparedRecording, model: Model, laws: Laws, wall: _AtWall
+) -> Array:
     """Run the robot free under its reference and the wall's force on the measured motion."""
-    o, robot = recording.observed, laws.robot
-    assert recording.observer is not None
-    reference = o.reference_at(robot.reference_delay)
-    if robot.is_linear:
-        push = robot.impedance_force(0.0, 0.0, reference)
-    else:
-        push = (robot.force_along(o.t, o.x, o.v, reference) + robot.damping * o.v
-                + robot.stiffness * o.x)
+    o, robot, observer = recording.observed, laws.robot, recording.observer
+    assert observer is not None
     force = wall.force
     if laws.contact.unilateral:
         force = at_touch_down(force, wall.penetration)
-    first = float(o.x[0])
     if robot.joint is not None:
-        moved = run_jointed(robot, push, force, first, o.h)
-    else:
-        system = discretise(robot.mass, robot.damping, robot.stiffness, o.h)
-        moved = run(system, push + force, first, robot.stiffness)
-    return innovations(o.raw_position - moved, recording.observer, o.observer_cutoff, o.h)
+        moved = run_jointed(robot, _push(recording, robot), force, float(o.x[0]), o.h)
+        return innovations(o.raw_position - moved, observer, o.observer_cutoff, o.h)
+    system = discretise(robot.mass, robot.damping, robot.stiffness, o.h)
+
+    def without_wall() -> Array:
+        moved = run(system, _push(recording, robot), float(o.x[0]), robot.stiffness)
+        return innovations(o.raw_position - moved, observer, o.observer_cutoff, o.h)
+
+    alone = recording.robots.of(model.values_at('robot'), without_wall)
+    return np.asarray(alone - innovations_of(force, system, observer, o.observer_cutoff, o.h))
+
+
+def _push(recording: PreparedRecording, robot: RobotLaw) -> Array:
+    """Return the force on the robot beside its own damping and stiffness, and the wall [N]."""
+    o = recording.observed
+    reference = o.reference_at(robot.reference_delay)
+    if robot.is_linear:
+        return np.asarray(robot.impedance_force(0.0, 0.0, reference))
+    return np.asarray(robot.force_along(o.t, o.x, o.v, reference) + robot.damping * o.v
+                      + robot.stiffness * o.x)
 
 
 def _wall_innovations(recording: PreparedRecording, model: Model, memory: float = np.inf) -> Array:
