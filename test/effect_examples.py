@@ -70,6 +70,7 @@ EXAMPLES: dict[str, tuple[float, ...]] = {
     'force_saturation': (30.0,),
     'robot_friction': (8.0,),
     'robot_drag': (800.0,),
+    'gravity_error': (-12.0,),
     'impedance_mismatch': (0.8, 1.2, 1.1),
     'reflected_inertia': (6.0,),
     'joint_flexibility': (5e-5, 0.2, 0.1),

@@ -91,6 +91,7 @@ WORLDS: dict[str, tuple[float, ...]] = {
     'force_saturation': (70.0,),
     'robot_friction': (3.0,),
     'robot_drag': (600.0,),
+    'gravity_error': (-4.0,),
     'impedance_mismatch': (0.95, 1.1, 1.05),
     'reflected_inertia': (1.5,),
     'joint_flexibility': (4e-5, 0.2, 0.1),

@@ -18,10 +18,11 @@ from __future__ import annotations
 
 from functools import lru_cache
 
-from concealed_worlds import diagnosed, nominal, prepared_from
+from concealed_worlds import diagnosed, nominal, physics, prepared_from, recorded
 from contact_estimation.diagnosis.conclude.result import Diagnosis
 from contact_estimation.diagnosis.conclude.shares import Shares, shares_of
 from contact_estimation.diagnosis.fit.discrepancy import weighed
+from contact_estimation.diagnosis.fit.exact_laws import exact_laws, exact_pair
 from contact_estimation.diagnosis.fit.fitting import Fit, fit
 from contact_estimation.diagnosis.fit.invariance import left_out_errors
 from contact_estimation.diagnosis.fit.pairs import is_pair, pairs_that_predict
@@ -139,3 +140,23 @@ def test_an_effect_that_harms_without_the_next_shares_with_it() -> None:
     both = shares_of([recording], base.model, pair.best.model)
     assert [both.of[name].share for name in PAIR] == pytest.approx(
         [pair.of[name].share for name in PAIR], abs=0.02)
+
+
+@pytest.mark.slow
+def test_of_two_exact_laws_neither_need_be_exact_alone() -> None:
+    two = {**physics('tool_inertia', 1.0), **physics('moving_environment', 1e-4, 5.3, 0.5)}
+    recording, model = prepared_from(recorded(**two, sensors__force_noise=0.1))
+    base = fit([recording], model)
+    found = search([recording], base, lambda name: None)
+    assert not exact_laws([recording], base.cost, found, False)
+    pair = exact_pair([recording], base, found, lambda name: None)[0]
+    assert set(pair.model.effects) == {'tool_inertia', 'moving_environment'}
+    place = pair.model.place('tool_inertia').start
+    assert pair.model.values[place] == pytest.approx(1.0, rel=0.02)
+    assert pair.cost < 1.5 * pair.residual_count
+
+
+def test_no_pair_is_sought_in_what_is_little_more_than_noise() -> None:
+    recording, model = prepared_from(recorded())
+    base = fit([recording], model)
+    assert exact_pair([recording], base, [base], lambda name: None) == []

@@ -32,8 +32,9 @@ from contact_estimation.diagnosis.fit.criteria import SHARE
 from contact_estimation.diagnosis.fit.fitting import Fit, fit
 from contact_estimation.diagnosis.fit.parts import counts_of, evened, parts_of
 from contact_estimation.diagnosis.fit.ranking import _is_little, _promising
+from contact_estimation.diagnosis.fit.revision import as_shown
 from contact_estimation.diagnosis.fit.search import may_show
-from contact_estimation.diagnosis.fit.selection import _as_shown, Selection, weigh
+from contact_estimation.diagnosis.fit.selection import Selection, weigh
 from contact_estimation.diagnosis.observe.model import Model
 from contact_estimation.diagnosis.observe.prepared_recording import PreparedRecording
 from contact_estimation.diagnosis.observe.signals import Signals
@@ -228,6 +229,17 @@ def test_names_down_to_the_noise_need_not_show_in_the_held_out_part(
     assert _worse([part], Model.of(SPRING).with_effect('cubic_stiffness', (2e6,)), exact) is worse
 
 
+@pytest.mark.parametrize('force, motion, worse', [
+    (0.7, 7.0, True), (0.4, 1.8, False), (1.04, 0.7, False), (1.2, 0.7, True)])
+def test_a_better_force_does_not_make_up_for_a_much_worse_motion(
+    force: float, motion: float, worse: bool
+) -> None:
+    squares = np.array([[9.0, 9.0], [1.0, 1.0], [force**2, force**2]])
+    moved = 1e-12 * np.array([[9.0, 9.0], [1.0, 1.0], [motion**2, motion**2]])
+    part = Part('held out', squares, np.full(2, 100.0), moved, np.full(2, 100.0))
+    assert _worse([part], Model.of(SPRING).with_effect('cubic_stiffness', (2e6,)), False) is worse
+
+
 def test_a_law_whose_size_differs_between_parts_makes_room_for_the_next(
     monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -245,6 +257,6 @@ def test_a_law_bent_out_of_sight_makes_room_for_one_of_its_family() -> None:
     base = fit([recording], model)
     parabola = fit([recording], base.model.with_effect('exponential_stiffness', (600.0, 0.4)))
     assert not may_show([recording], parabola.model, 'exponential_stiffness')
-    shown = _as_shown([recording], parabola, lambda name: None)
+    shown = as_shown([recording], parabola, lambda name: None)
     (name,) = shown.model.effects
     assert EFFECTS[name].family == 'elastic_law' and name != 'exponential_stiffness'

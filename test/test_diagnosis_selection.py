@@ -300,6 +300,7 @@ def test_best_candidate_of_the_motion_is_fitted_whatever_the_force_lacks(
 ) -> None:
     near = [with_cost(1000.0 + k, 'robot_friction') for k in range(30)]
     of_motion = near[-1]  # the worst of all, but for the motion
+    of_family = near[25] = with_cost(1025.0, 'viscoelastic_relaxation')
 
     def by_channel(recordings: object, found: Fit) -> np.ndarray:
         motion = 1.0 if found is of_motion else 100.0
@@ -308,7 +309,7 @@ def test_best_candidate_of_the_motion_is_fitted_whatever_the_force_lacks(
     monkeypatch.setattr(search_module, 'costs_by_channel', by_channel)
     monkeypatch.setattr(search_module, 'has_discrepancy', lambda recordings: discrepancy)
     kept = nearest([], near)
-    assert kept[0] is near[0] and len(kept) < 20
+    assert kept[0] is near[0] and len(kept) < 20 and any(one is of_family for one in kept)
     assert any(one is of_motion for one in kept) is discrepancy
 
 

@@ -23,7 +23,7 @@ from concealed_worlds import (
     prepared_from,
     recorded,
 )
-from contact_estimation.diagnosis.fit.pull_offs import pull_offs, PullOffs
+from contact_estimation.diagnosis.fit.pull_offs import is_pulled_off, pull_offs, PullOffs
 from contact_estimation.diagnosis.observe.signals import Signals
 from contact_estimation.diagnosis.report.text_report import as_text
 import numpy as np
@@ -62,7 +62,7 @@ def test_pull_at_the_end_of_the_contact_is_measured() -> None:
     assert pulls.sizes == pytest.approx([PULL], rel=0.05)
 
 
-@pytest.mark.parametrize('size, swing', [(0.0, 0.0), (2.0, 0.0), (0.0, PULL), (PULL, PULL)])
+@pytest.mark.parametrize('size, swing', [(0.0, 0.0), (0.5, 0.0), (0.0, PULL), (PULL, PULL)])
 def test_a_trifle_and_a_force_that_swings_are_no_pull(size: float, swing: float) -> None:
     assert not pulls_of(pulled(size, swing)).are_clear
 
@@ -83,6 +83,14 @@ def test_robot_and_wall_without_adhesion_show_none() -> None:
     sticky, model = prepared_from(recorded(**physics('adhesion', 8.0)))
     found = pull_offs([sticky], model)
     assert found.are_clear and np.all(found.sizes < 8.0 + 6.0 * FORCE_NOISE)
+
+
+def test_a_pull_after_each_contact_tells_an_adhesion_and_nothing_else() -> None:
+    recording, model = prepared_from(pulled(PULL), SOFT)
+    assert is_pulled_off([recording], model, 'dmt_adhesion')
+    assert not is_pulled_off([recording], model, 'power_law_stiffness')
+    rest, _ = prepared_from(pulled(0.0), SOFT)
+    assert not is_pulled_off([rest], model, 'adhesion')
 
 
 def test_adhesion_is_named_beside_something_larger() -> None:

@@ -47,6 +47,7 @@ from .force_nonlinearity import ForceNonlinearity
 from .force_saturation import ForceSaturation
 from .fractional_relaxation import FractionalRelaxation
 from .free_play import FreePlay
+from .gravity_error import GravityError
 from .hunt_crossley_damping import HuntCrossleyDamping
 from .impact_damping import ImpactDamping
 from .impedance_mismatch import ImpedanceMismatch
@@ -113,6 +114,7 @@ EFFECTS: dict[str, type[Effect]] = {
     'force_saturation': ForceSaturation,
     'robot_friction': RobotFriction,
     'robot_drag': RobotDrag,
+    'gravity_error': GravityError,
     'impedance_mismatch': ImpedanceMismatch,
     'reflected_inertia': ReflectedInertia,
     'joint_flexibility': JointFlexibility,

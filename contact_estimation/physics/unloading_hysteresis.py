@@ -32,7 +32,8 @@ class UnloadingHysteresisParameters(ParameterGroup):
     """Parameters of `UnloadingHysteresis`."""
 
     ratio: float = optional_parameter(
-        'Stiffness of unloading less that of loading, over the latter', '1', minimum=0.0)
+        'Stiffness of unloading less that of loading, over the latter', '1', minimum=0.0,
+        maximum=100.0)
 
 
 class UnloadingHysteresis(ContactEffect):

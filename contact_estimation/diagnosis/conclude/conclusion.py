@@ -16,6 +16,7 @@
 
 from __future__ import annotations
 
+from math import prod
 from typing import NamedTuple, Sequence
 
 import numpy as np
@@ -203,8 +204,8 @@ def _worse(parts: Sequence[Part], best: Model, exact: bool) -> bool:
     """
     Return whether the corrected model predicts held-out data worse than the recalibrated one.
 
-    Force and motion both, or clearly the force alone if no name is of the robot. Names down to the
-    noise may not show there at all, such as an adhesion without a separation.
+    Force and motion on balance, or clearly the force alone if no name is of the robot. Names down
+    to the noise may not show there at all, such as an adhesion without a separation.
     """
     force, motion = (
         one.corrected / one.recalibrated if one.recalibrated and one.corrected is not None
@@ -215,7 +216,7 @@ def _worse(parts: Sequence[Part], best: Model, exact: bool) -> bool:
     of_robot = any(EFFECTS[name].port == 'robot' for name in best.effects)
     if exact and max(ratios) <= _THE_SAME:
         return False
-    return min(ratios) >= 1.0 or not of_robot and force is not None and force > _CLEARLY_WORSE
+    return prod(ratios) >= 1.0 or not of_robot and force is not None and force > _CLEARLY_WORSE
 
 
 def _locate(

@@ -31,6 +31,7 @@ from ..fit.fitting import Fit, fit
 from ..fit.flexible import autocorrelation, predictable_share
 from ..fit.model_uncertainty import discounted
 from ..fit.pairs import is_pair
+from ..fit.pull_offs import is_pulled_off
 from ..fit.search import may_show, Progress
 from ..fit.selection import fitted_again, select, Selection, weigh
 from ..fit.uncertainty import standard_deviations
@@ -118,7 +119,9 @@ def decide(
             best.model.is_plausible(name) and may_show(recordings, best.model, name))]
         # A level force down to the noise tells a sensor that clips in a single part, too.
         clipped = [name for name in best.model.effects if exact and EFFECTS[name].clips_force]
-        told = (in_form, selection.marked, *clipped)
+        pulled = [name for name in best.model.effects
+                  if is_pulled_off(recordings, base.model, name)]
+        told = (in_form, selection.marked, *clipped, *pulled)
         doubtful = doubtful or [name for name in best.model.effects if name not in told and (
             not shares.agrees(name)
             or _is_resonance(recordings, best.model, name)

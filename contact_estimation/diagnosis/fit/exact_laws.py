@@ -28,6 +28,7 @@ _EXCHANGE_GAIN = 10.0  # cost, in that of the noise
 _ASSESSED = 12  # candidates that may be exact
 _STRICTLY = 1.15  # mean square, in that of the noise, of a law that leaves nothing else
 _NEAR_NOISE = 4.0  # the same, from which a candidate may be exact
+_FIRST = 3  # candidates of which one may be the first of two
 _NEARLY_EXACT, _POLISHED = 0.1, 5  # of the present cost, likewise; candidates fitted to the noise
 
 BEYOND_DOUBT = 50.0
@@ -71,6 +72,51 @@ def exact_laws(
     if not any(one.cost <= most * one.residual_count for one in fits):
         return []
     return simplest_first(laws_before_curves(recordings, present, fits), present)
+
+
+def exact_pair(
+    recordings: Recordings, present: Fit, found: Sequence[Fit], progress: Progress
+) -> list[Fit]:
+    """
+    Fit the candidates to the noise beside one that takes away most of the misfit.
+
+    Of two laws that are exact neither is exact alone.
+
+    Parameters
+    ----------
+    recordings : sequence of PreparedRecording
+        Without a discrepancy.
+    present : Fit
+        To them, without candidates.
+    found : sequence of Fit
+        Candidates, of which none predicts enough.
+    progress : callable
+        Called with the name of each further candidate.
+
+    Returns
+    -------
+    fits : list of Fit
+        With two more effects, as of `exact_laws`.
+
+    """
+    costs = {id(one): cost_of(recordings, one.model) for one in found[:_ASSESSED]}
+    nearest = sorted(found[:_ASSESSED], key=lambda one: costs[id(one)])[:_FIRST]
+    count, most = present.residual_count, 0.5 * (present.cost + present.residual_count)
+    if not nearest or costs[id(nearest[0])] > most or present.cost < _NEAR_NOISE * count:
+        return []
+    fits = [fit_to_end(recordings, fit(recordings, one.model)) for one in nearest]
+    laws = [one for one in fits
+            if not is_flexible(recordings, one.model, one.model.effects[-1])]
+    best = min(laws, key=lambda one: one.cost + penalty(one.model), default=None)
+    if best is None or best.cost > most:
+        return []
+    beside = search(recordings, best, progress)
+    exact = exact_laws(recordings, best.cost, beside, False)
+    if exact or not beside or beside[0].cost > _NEARLY_EXACT * present.cost:
+        return exact
+    # The first was bent towards what the second explains: search it anew beside that.
+    second = fit(recordings, beside[0].model.without(best.model.effects[-1]))
+    return exact_laws(recordings, second.cost, search(recordings, second, progress), False)
 
 
 def simplest_first(fits: Sequence[Fit], present: float) -> list[Fit]:

@@ -37,7 +37,7 @@ Array = NDArray[np.float64]
 
 _ADHESION = 'adhesion'
 _SMOOTHED = 5  # samples, of the force
-_LEAST, _NOISE = 0.05, 10.0  # of the greatest force; standard deviations of the smoothed force
+_LEAST, _NOISE = 0.01, 10.0  # of the greatest force; standard deviations of the smoothed force
 _ELSEWHERE = 0.3  # of the pull: most of any force of its sign before, and of the other after
 _ALIKE = 0.6  # deviation over the mean
 _ONCE = 0.3  # the same, of a single contact
@@ -101,6 +101,27 @@ def pull_offs(recordings: Recordings, model: Model) -> PullOffs:
     greatest = max(float(np.max(-one.observed.force)) for one in recordings)
     noise = max(one.force_noise for one in recordings) / np.sqrt(_SMOOTHED)
     return PullOffs(np.array(sizes), max(_LEAST * greatest, _NOISE * noise))
+
+
+def is_pulled_off(recordings: Recordings, model: Model, name: str) -> bool:
+    """
+    Return whether an effect is an adhesion that the end of each contact tells.
+
+    Parameters
+    ----------
+    recordings, model
+        As of `pull_offs`.
+    name : str
+        Of the effect.
+
+    Returns
+    -------
+    pulled : bool
+        If so, no other part need tell it.
+
+    """
+    return (_sticks(name) and model.nominal.environment.unilateral
+            and pull_offs(recordings, model).are_clear)
 
 
 def adhesion_at_release(

@@ -34,7 +34,7 @@ from ...physics import EFFECTS
 
 Array = NDArray[np.float64]
 
-_STARTED = 14  # candidates that are fitted, the best after one step
+_STARTED = 14  # candidates that are fitted, the best after one step, beside those of a family
 _OF_CHANNEL = 4  # further ones, the best in force or motion alone
 _FOLLOWED, _TO_END = 6, 2  # those that are refined, and those fitted to the end
 _FAR = 2.0  # times the noise: power of the residuals
@@ -256,15 +256,18 @@ def nearest(recordings: Recordings, near: Sequence[Fit]) -> list[Fit]:
     Returns
     -------
     nearest : list of Fit
-        The best by penalised cost; with a discrepancy also the best in each channel, since the
-        misfit of the other may be none of theirs.
+        The best by penalised cost and the best of each family, whose first step may be a small
+        one; with a discrepancy also the best in each channel, since the misfit of the other may be
+        none of theirs.
 
     """
     if not near:
         return []
     price = [penalty(one.model) for one in near]
     costs = np.array([costs_by_channel(recordings, one) for one in near])
-    kept = set(np.argsort(costs.sum(axis=1) + price, kind='stable')[:_STARTED].tolist())
+    order = np.argsort(costs.sum(axis=1) + price, kind='stable').tolist()
+    families = [EFFECTS[near[k].model.effects[-1]].family for k in order]
+    kept = {*order[:_STARTED], *(order[families.index(one)] for one in set(families))}
     for of_channel in costs.T if has_discrepancy(recordings) else ():
         if of_channel.any():
             kept |= set(np.argsort(of_channel + price, kind='stable')[:_OF_CHANNEL].tolist())

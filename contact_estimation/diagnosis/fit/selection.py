@@ -28,8 +28,7 @@ from typing import NamedTuple, Sequence
 
 import numpy as np
 
-from .applicable import candidates_in
-from .criteria import enough, explained_share, leaves_noise, PRICE, SHARE, THRESHOLD
+from .criteria import enough, explained_share, leaves_noise, PRICE, THRESHOLD
 from .discrepancy import (
     costs_by_channel,
     has_discrepancy,
@@ -37,12 +36,13 @@ from .discrepancy import (
     noise_by_channel,
     weighed,
 )
-from .exact_laws import BEYOND_DOUBT, exact_laws, exchange, laws_before_curves, prune, Rivals
+from .exact_laws import exact_laws, exact_pair, exchange, laws_before_curves, prune, Rivals
 from .fitting import Fit, fit
 from .flexible import predictable_share
 from .marks import law_by_mark, Mark
 from .ranking import FLEXIBLE_LEAD, rank_by_prediction, Ranking
-from .search import may_show, Progress, search, search_family
+from .revision import as_shown, narrowest, without_trifles
+from .search import Progress, search
 from .zeros import beside, ZEROS, zeros_lacking
 from ..observe.model import Model
 from ..observe.prepared_recording import is_flexible, Recordings
@@ -52,7 +52,6 @@ MOST_EFFECTS = 3
 """Effects that are selected at most."""
 
 _FULLY = 0.995  # share of the misfit from which on the rest is the method's own error
-_OF_WIDER = 0.85  # least share of the gain of a wider law, for one of its family to replace it
 _PREDICTABLE = 0.2  # share of the residuals from which on they are no noise
 _SHARPER = 0.5  # cost beside the zeros, in that of a law alone, from which on these are needed
 _NEARLY = 3.0  # mean square, in that of the noise, of what is small
@@ -126,42 +125,36 @@ def select(
         carried, present = _carried(recordings, best)
         found = search(carried, present, progress)
         evidence = evidence or _evidence(carried, present, found)
-        exact = list[Fit]()
-        if by_likelihood:
-            exact = (laws_before_curves(carried, present.cost, found) if leaves_noise(best)
-                     else exact_laws(recordings, best.cost, found, carried is recordings))
-            exact = _beside_zeros(recordings, best, exact, progress)
-        if leaves_noise(best) or exact:
-            if not exact or not enough(best, exact[0]):
-                break
-            best = _narrowest(recordings, base, exact[0], progress)
+        exact = _exact(recordings, carried, best, found, progress) if by_likelihood else []
+        ranking = Ranking([])
+        if not exact and not leaves_noise(best):
+            progress('parts left out')
+            ranking = _of_parts(recordings, carried, present, base, found, progress)
+            if by_likelihood and not ranking.found:
+                exact = exact_pair(recordings, best, found, progress)
+        if exact and enough(best, exact[0]):
+            best = narrowest(recordings, base, exact[0], progress)
             name = best.model.effects[-1]
             rivals[name] = [one for one in exact if one.model.effects[-1] != name]
             if len(best.model.effects) > 1:
                 best, rivals = exchange(recordings, best, rivals, progress)
-        else:
-            progress('parts left out')
-            ranking = _ranked(carried, present, base, found)
-            if not ranking.found:
-                break
-            ranked = ranking.found
-            if _is_curve(recordings, ranked[0]):
-                ranked = _law_instead(carried, present, base, ranked, progress)
-            pair = pair or ranking.pair
-            best = fit(recordings, ranked[0].model)
-            name, mark = best.model.effects[-1], ranking.mark
-            rivals[name] = ranked[1:]
+        elif ranking.found:
+            best = fit(recordings, ranking.found[0].model)
+            name, mark, pair = best.model.effects[-1], ranking.mark, pair or ranking.pair
+            rivals[name] = ranking.found[1:]
             if ranking.in_form or mark:  # what is left would get a false name
                 in_form, marked = name if ranking.in_form else '', name if mark else ''
                 break
+        else:
+            break
     if leaves_noise(best):
         best, rivals = prune(recordings, best, rivals)
-    best = _narrowest(recordings, base, best, progress)
+    best = narrowest(recordings, base, best, progress)
     if leaves_noise(best):
         best = fit(recordings, best.model) if best.model.effects else base
-        return Selection(recordings, base, _as_shown(recordings, best, progress), rivals, evidence)
+        return Selection(recordings, base, as_shown(recordings, best, progress), rivals, evidence)
     carried, best = weigh(recordings, best)
-    best = _as_shown(carried, _without_trifles(carried, best), progress)
+    best = as_shown(carried, without_trifles(carried, best), progress)
     return Selection(carried, fit(carried, base.model), best, rivals, evidence, in_form, pair,
                      marked, mark)
 
@@ -243,6 +236,27 @@ def _evidence(recordings: Recordings, present: Fit, found: Sequence[Fit]) -> dic
     return {one.model.effects[-1]: (present.cost - one.cost) / misfit for one in found}
 
 
+def _exact(
+    recordings: Recordings, carried: Recordings, best: Fit, found: Sequence[Fit],
+    progress: Progress,
+) -> list[Fit]:
+    """Return the candidates that leave no more than noise, beside the zeros if need be."""
+    exact = (laws_before_curves(recordings, best.cost, found) if leaves_noise(best)
+             else exact_laws(recordings, best.cost, found, carried is recordings))
+    return _beside_zeros(recordings, best, exact, progress)
+
+
+def _of_parts(
+    recordings: Recordings, carried: Recordings, present: Fit, base: Fit, found: Sequence[Fit],
+    progress: Progress,
+) -> Ranking:
+    """Rank candidates by prediction; a law beside the zeros goes before a curve."""
+    ranking = _ranked(carried, present, base, found)
+    if not ranking.found or not _is_curve(recordings, ranking.found[0]):
+        return ranking
+    return ranking._replace(found=_law_instead(carried, present, base, ranking.found, progress))
+
+
 def _ranked(
     recordings: Recordings, present: Fit, base: Fit, found: Sequence[Fit]
 ) -> Ranking:
@@ -294,39 +308,6 @@ def _law_instead(
     if laws and laws[0].cost <= most and not _is_curve(recordings, laws[0]):
         return laws
     return ranked
-
-
-def _narrowest(recordings: Recordings, base: Fit, best: Fit, progress: Progress) -> Fit:
-    """Put a law of its family in the place of a wider one that fits little better."""
-    for name in [one for one in best.model.effects if EFFECTS[one].is_series]:
-        rest = fit(recordings, best.model.without(name))
-        laws = [law for law in candidates_in(recordings, rest.model)
-                if EFFECTS[law].family == EFFECTS[name].family and not EFFECTS[law].is_series]
-        fits = search(recordings, rest, progress, laws)
-        found = min(fits, key=lambda one: one.cost, default=best)
-        sharply = best.cost < best.residual_count and found.cost > best.cost + BEYOND_DOUBT
-        if base.cost - found.cost >= _OF_WIDER * (base.cost - best.cost) and not sharply:
-            best = found
-    return best
-
-
-def _as_shown(recordings: Recordings, best: Fit, progress: Progress) -> Fit:
-    """Put another of its family in the place of a law that later ones have bent out of sight."""
-    for name in best.model.effects:
-        if may_show(recordings, best.model, name):
-            continue
-        best = next(iter(search_family(recordings, best.model, name, progress)), best)
-    return best
-
-
-def _without_trifles(recordings: Recordings, best: Fit) -> Fit:
-    """Drop effects that later ones have made superfluous; a law may not predict without a zero."""
-    for name in [one for one in best.model.effects[:-1] if one not in ZEROS]:
-        rest = fit(recordings, best.model.without(name))
-        misfit = rest.cost - float(noise_by_channel(recordings, best.model).sum())
-        if rest.cost - best.cost < SHARE * misfit:
-            return _without_trifles(recordings, rest)
-    return best
 
 
 def weigh(recordings: Recordings, found: Fit) -> tuple[Recordings, Fit]:
