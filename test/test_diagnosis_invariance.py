@@ -32,6 +32,7 @@ from contact_estimation.diagnosis.fit.discrepancy import (
 )
 from contact_estimation.diagnosis.fit.fitting import differentiate_by, Fit, fit, residual_function
 from contact_estimation.diagnosis.fit.invariance import (
+    channel_by_gain,
     channel_of,
     left_out_errors,
     Share,
@@ -164,6 +165,13 @@ def test_effect_is_judged_by_the_misfit_of_its_channel() -> None:
     assert channel_of('robot_friction') == 1
     assert channel_of('coulomb_friction') == channel_of('force_lag') == 0
     assert channel_of('force_gain') is None
+
+
+def test_effect_of_the_robot_that_shows_in_the_force_is_judged_by_both_channels() -> None:
+    in_force, in_motion = np.array([3.0, 1.0]), np.array([1.0, 3.0])
+    assert channel_by_gain('joint_flexibility', in_force) is None
+    assert channel_by_gain('joint_flexibility', in_motion) == 1
+    assert channel_by_gain('coulomb_friction', in_motion) == 0
 
 
 def test_channels_of_a_part_add_up_to_its_residuals() -> None:

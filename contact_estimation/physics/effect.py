@@ -65,6 +65,8 @@ class Effect(DrawnEffect):
         Name of the parameter of the wall that describes the same physics; '' if there is none.
     is_mass : bool
         Whether the parameter is a mass that shows in the measured force.
+    resonates : bool
+        Whether it is a mass on a spring of its own: of its frequency one step tells little.
     clips_force : bool
         Whether the measured force is level where the effect acts, by which it is told.
     is_series : bool
@@ -108,6 +110,7 @@ class Effect(DrawnEffect):
     needs_robot: ClassVar[bool] = False
     base_parameter: ClassVar[str] = ''
     is_mass: ClassVar[bool] = False
+    resonates: ClassVar[bool] = False
     clips_force: ClassVar[bool] = False
     is_series: ClassVar[bool] = False
     reached_force: ClassVar[str] = ''

@@ -75,6 +75,7 @@ class EnvironmentResonance(ContactEffect):
     description = 'A mass behind the surface resonates on a spring and a damper of its own.'
     Parameters = EnvironmentResonanceParameters
     is_series = True
+    resonates = True
     sampled_frequency = 'frequency'
 
     states = 2

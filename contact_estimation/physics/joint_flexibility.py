@@ -58,6 +58,7 @@ class JointFlexibility(RobotEffect):
     family = 'inertia'
     description = 'A joint or a tool mount yields between the measured position and the wall.'
     Parameters = JointFlexibilityParameters
+    resonates = True
     is_series = True
 
     def joint(self, mass: float) -> Joint | None:

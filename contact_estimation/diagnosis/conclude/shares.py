@@ -27,7 +27,7 @@ from .result import EffectOnPart
 from ..fit.discrepancy import weighed
 from ..fit.fitting import Fit, fit
 from ..fit.invariance import (
-    channel_of,
+    channel_by_gain,
     errors_with_own_size,
     jacobian_of,
     judged_by_channel,
@@ -213,8 +213,7 @@ def shares_of(
     parts, base_errors = evened(parts, left_out_errors(carried, first, parts))
     errors = base_errors
     model, found, shares, of_channel = base, first, dict[str, Share](), dict[str, Share]()
-    channels = {name: channel_of(name) if judged_by_channel(carried, base) else None
-                for name in best.effects}
+    channels, by_channel = dict[str, int | None](), judged_by_channel(carried, base)
     steps = dict[str, _Step]()
     for name in best.effects:
         model = model.with_effect(name, best.values[best.place(name)])
@@ -222,6 +221,8 @@ def shares_of(
         found = fit(carried, start)
         before, errors = errors, left_out_errors(carried, found, parts, errors)
         steps[name] = _Step(found, before, errors)
+        channels[name] = (channel_by_gain(name, (before - errors).sum(axis=0)) if by_channel
+                          else None)
         shares[name] = share_of(before, errors, parts, base_errors)
         of_channel[name] = share_of(before, errors, parts, base_errors, channels[name])
     beside = {best.effects[-1]: of_channel[best.effects[-1]]}

@@ -92,6 +92,28 @@ def channel_of(effect: str) -> int | None:
     return None if EFFECTS[effect].needs_robot and not of_robot else int(of_robot)
 
 
+def channel_by_gain(effect: str, gain: Array) -> int | None:
+    """
+    Return the channel by which an effect is judged, given what it takes away in each.
+
+    Parameters
+    ----------
+    effect : str
+        Name.
+    gain : ndarray, shape (CHANNELS,)
+        Part of the squared misfit.
+
+    Returns
+    -------
+    channel : int or None
+        None for an effect of the robot that shows in the force more than in the motion.
+
+    """
+    channel = channel_of(effect)
+    of_robot = EFFECTS[effect].port == 'robot'
+    return None if of_robot and gain[1] < 0.5 * np.sum(gain) else channel
+
+
 def judged_by_channel(recordings: Recordings, model: Model) -> bool:
     """
     Return whether force and motion have misfits of different origin.

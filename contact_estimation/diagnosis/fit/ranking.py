@@ -31,7 +31,7 @@ from .criteria import ADEQUATE, is_sure_of_little, OF_LITTLE, predicts_enough, S
 from .discrepancy import CHANNELS, costs_by_channel, material, noise_by_channel
 from .fitting import Fit, fit
 from .form import law_in_form
-from .invariance import channel_of, judged_by_channel, left_out_errors, share_of
+from .invariance import channel_by_gain, judged_by_channel, left_out_errors, share_of
 from .marks import Mark
 from .pairs import pairs_that_predict
 from .parts import counts_of, evened, Part, parts_of
@@ -154,10 +154,8 @@ def rank_by_prediction(
 
 
 def _channel(recordings: Recordings, present: Fit, found: Fit) -> int | None:
-    """Return the channel that judges an effect; None where one of the robot shows in the force."""
-    channel = channel_of(found.model.effects[-1])
     gain = costs_by_channel(recordings, present) - costs_by_channel(recordings, found)
-    return None if channel == _ROBOT and gain[_ROBOT] < 0.5 * np.sum(gain) else channel
+    return channel_by_gain(found.model.effects[-1], gain)
 
 
 def _best(taken: Sequence[Candidate], before: float) -> Candidate | None:

@@ -85,8 +85,10 @@ def search(
         starts = [base.model.with_effect(name, values)
                   for values in EFFECTS[name].starts(scales)]
         replaces = starts[0].free.sum() - len(names_of(name)) < base.model.free.sum()
-        near.append(fit_at(
-            recordings, _best_start(recordings, starts, None if replaces else others)))
+        start = _best_start(recordings, starts, None if replaces else others)
+        if EFFECTS[name].resonates and not driven:
+            start = fit(recordings, start, steps=4).model
+        near.append(fit_at(recordings, start))
     started = [fit(recordings, one.model, steps=4) for one in nearest(recordings, near)]
     started.sort(key=lambda found: found.cost + penalty(found.model))
     fits = [fit(recordings, found.model, steps=8) for found in started[:_FOLLOWED]]
