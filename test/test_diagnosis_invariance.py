@@ -148,15 +148,6 @@ def test_noise_estimated_too_large_makes_no_share_above_one() -> None:
     assert share.parts.tolist() == pytest.approx([1.0] * 4)
 
 
-def test_noise_estimated_too_large_on_some_parts_leaves_them_with_what_was_taken_away() -> None:
-    parts = [part_of(str(k), np.zeros(1, bool))._replace(noise=np.array([noise, 0.0]))
-             for k, noise in enumerate((10.0, 10.0, 99.0, 99.0))]
-    before, after = np.full((4, 2), [100.0, 0.0]), np.full((4, 2), [20.0, 0.0])
-    share = share_of(before, after, parts, before)
-    assert share.parts.tolist() == pytest.approx([80.0 / 90.0] * 2 + [1.0] * 2)
-    assert share.interval[0] > 0.8
-
-
 def test_effect_is_judged_by_the_misfit_of_its_channel() -> None:
     parts = [part_of(str(k), np.zeros(1, bool)) for k in range(4)]
     before, after = np.full((4, 2), [300.0, 100.0]), np.full((4, 2), [300.0, 10.0])

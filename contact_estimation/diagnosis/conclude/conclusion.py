@@ -44,7 +44,8 @@ from ...physics import EFFECTS
 
 Array = NDArray[np.float64]
 
-_CLEARLY_WORSE, _THE_SAME = 1.05, 1.01  # ratios of errors on held-out data
+# Ratios of errors on held-out data.
+_CLEARLY_WORSE, _FAR_WORSE, _THE_SAME = 1.05, 3.0, 1.01
 _UNTOLD = 4.0  # cost of two standard deviations
 _NOTHING = 0.01  # of the misfit: a remainder that is not worth a word
 
@@ -204,8 +205,9 @@ def _worse(parts: Sequence[Part], best: Model, exact: bool) -> bool:
     """
     Return whether the corrected model predicts held-out data worse than the recalibrated one.
 
-    Force and motion on balance, or clearly the force alone if no name is of the robot. Names down
-    to the noise may not show there at all, such as an adhesion without a separation.
+    Force and motion both, or one by far more than the other is better, or clearly the force alone
+    if no name is of the robot. Names down to the noise may not show there at all, such as an
+    adhesion without a separation.
     """
     force, motion = (
         one.corrected / one.recalibrated if one.recalibrated and one.corrected is not None
@@ -216,7 +218,9 @@ def _worse(parts: Sequence[Part], best: Model, exact: bool) -> bool:
     of_robot = any(EFFECTS[name].port == 'robot' for name in best.effects)
     if exact and max(ratios) <= _THE_SAME:
         return False
-    return prod(ratios) >= 1.0 or not of_robot and force is not None and force > _CLEARLY_WORSE
+    if min(ratios) >= 1.0 or prod(ratios) >= 1.0 and max(ratios) > _FAR_WORSE:
+        return True
+    return not of_robot and force is not None and force > _CLEARLY_WORSE
 
 
 def _locate(

@@ -307,8 +307,8 @@ def share_of(
     columns = slice(None) if channel is None else slice(channel, channel + 1)
     gain = (before - after)[:, columns].sum(axis=1)
     misfit = above_noise(whole, parts, columns)
-    if gain.sum() > misfit.sum():  # what is taken away was no noise, however large it seemed
-        misfit = np.maximum(misfit, gain)
+    # What is taken away was no noise, however large that was estimated.
+    misfit = misfit * max(1.0, float(gain.sum() / misfit.sum()))
     share = float(gain.sum() / misfit.sum())
     harm = float(np.maximum(-gain, 0.0).sum() / misfit.sum())
     known = gain != 0.0

@@ -37,7 +37,7 @@ Array = NDArray[np.float64]
 
 _ADHESION = 'adhesion'
 _SMOOTHED = 5  # samples, of the force
-_LEAST, _NOISE = 0.01, 10.0  # of the greatest force; standard deviations of the smoothed force
+_LEAST, _NOISE = 0.05, 10.0  # of the greatest force; standard deviations of the smoothed force
 _ELSEWHERE = 0.3  # of the pull: most of any force of its sign before, and of the other after
 _ALIKE = 0.6  # deviation over the mean
 _ONCE = 0.3  # the same, of a single contact
