@@ -63,9 +63,8 @@ def exact_laws(
     """
     count = sum(one.residual_count for one in recordings)
     largest = max(_NEAR_NOISE * count, _NEARLY_EXACT * present)
-    costs = {id(one): cost_of(recordings, one.model) for one in found[:_ASSESSED]}
-    nearest = sorted(found[:_ASSESSED], key=lambda one: costs[id(one)])[:_POLISHED]
-    near = [one for one in nearest if costs[id(one)] < largest] or nearest[:1]
+    nearest = _nearest(recordings, found)[:_POLISHED]
+    near = [one for cost, one in nearest if cost < largest] or [one for _, one in nearest[:1]]
     fits = [fit_to_end(recordings, fit(recordings, one.model)) for one in near]
     fits = [one for one in fits if is_credible(recordings, one.model)]
     most = _STRICTLY if strictly else 1.0 + LEFT
@@ -99,12 +98,11 @@ def exact_pair(
         With two more effects, as of `exact_laws`.
 
     """
-    costs = {id(one): cost_of(recordings, one.model) for one in found[:_ASSESSED]}
-    nearest = sorted(found[:_ASSESSED], key=lambda one: costs[id(one)])[:_FIRST]
+    nearest = _nearest(recordings, found)[:_FIRST]
     count, most = present.residual_count, 0.5 * (present.cost + present.residual_count)
-    if not nearest or costs[id(nearest[0])] > most or present.cost < _NEAR_NOISE * count:
+    if not nearest or nearest[0][0] > most or present.cost < _NEAR_NOISE * count:
         return []
-    fits = [fit_to_end(recordings, fit(recordings, one.model)) for one in nearest]
+    fits = [fit_to_end(recordings, fit(recordings, one.model)) for _, one in nearest]
     laws = [one for one in fits
             if not is_flexible(recordings, one.model, one.model.effects[-1])]
     best = min(laws, key=lambda one: one.cost + penalty(one.model), default=None)
@@ -117,6 +115,12 @@ def exact_pair(
     # The first was bent towards what the second explains: search it anew beside that.
     second = fit(recordings, beside[0].model.without(best.model.effects[-1]))
     return exact_laws(recordings, second.cost, search(recordings, second, progress), False)
+
+
+def _nearest(recordings: Recordings, found: Sequence[Fit]) -> list[tuple[float, Fit]]:
+    """Return the best candidates by their cost without a discrepancy, and that cost."""
+    costs = [(cost_of(recordings, one.model), one) for one in found[:_ASSESSED]]
+    return sorted(costs, key=lambda pair: pair[0])
 
 
 def simplest_first(fits: Sequence[Fit], present: float) -> list[Fit]:
