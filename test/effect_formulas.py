@@ -140,6 +140,14 @@ def dent(t: Array, x: Array, v: Array, a: Array, residual: float) -> Array:
     return cut(d, K_e * d + B_e * v)
 
 
+def flowing(t: Array, x: Array, v: Array, a: Array, rate: float) -> Array:
+    """Let the surface recede at a rate proportional to the depth beneath it (Euler)."""
+    u = np.zeros(len(x))
+    for k in range(len(x) - 1):
+        u[k + 1] = u[k] + rate * max(x[k] - u[k], 0.0) * (t[k + 1] - t[k])
+    return cut(x - u, K_e * (x - u) + B_e * (v - rate * (x - u)))
+
+
 def recovering(t: Array, x: Array, v: Array, a: Array, ratio: float) -> Array:
     """Unload along a steeper line from the greatest depth of each contact."""
     greatest, left = 0.0, np.empty(len(x))
@@ -210,6 +218,7 @@ FORMULAS: dict[str, Formula] = {
         x, K_e * x + B_e * v + K_2 * np.maximum(x - depth, 0.0)),
     'stiffness_drift': lambda t, x, v, a, rate: cut(x, K_e * (1.0 + rate * t) * x + B_e * v),
     'plastic_set': dent,
+    'viscous_flow': flowing,
     'unloading_hysteresis': recovering,
     'impact_damping': struck,
 }

@@ -139,7 +139,7 @@ def test_force_predicted_from_true_motion_is_the_true_force(name: str) -> None:
 
 PREDICTION = {  # of effects with states, which a recording has only at its samples [N]
     'viscoelastic_relaxation': 0.03, 'bouc_wen_hysteresis': 0.1, 'plastic_set': 1e-3,
-    'unloading_hysteresis': 1e-3, 'impact_damping': 0.1,
+    'unloading_hysteresis': 1e-3, 'viscous_flow': 1e-3, 'impact_damping': 0.1,
     'presliding_friction': 0.1, 'fractional_relaxation': 0.03, 'actuator_lag': 0.02,
     'environment_resonance': 0.03,
 }

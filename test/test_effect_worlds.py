@@ -105,6 +105,7 @@ RATES: dict[str, Callable[..., float]] = {
 }
 TRANSFORMED = {'fractional_relaxation'}
 LAGGING, RESONANT, JOINTED = {'actuator_lag'}, {'environment_resonance'}, {'joint_flexibility'}
+FLOWING = {'viscous_flow'}
 # Facts about them: test_effect_laws.py
 NOT_SMOOTH = {'adhesion', 'backlash', 'dmt_adhesion', 'impact_damping', 'plastic_set',
               'unloading_hysteresis'}
@@ -119,7 +120,7 @@ def positions(name: str, integration_rate: float = 5e3, **values: Any) -> Any:
 
 
 def test_every_effect_is_compared() -> None:
-    compared = {*INDEPENDENT, *RATES, *TRANSFORMED, *LAGGING, *RESONANT, *JOINTED,
+    compared = {*INDEPENDENT, *RATES, *TRANSFORMED, *LAGGING, *RESONANT, *JOINTED, *FLOWING,
                 *NOT_SMOOTH}
     assert {n for n, cls in EFFECTS.items() if cls.port != 'force_sensor'} == compared
 
@@ -157,6 +158,21 @@ def test_world_with_slow_drives_is_that_of_an_independent_integration() -> None:
     begin = [START, 0.0, control(0.0, START, 0.0)]
     expected = solve_ivp(rates, (0.0, T[-1]), begin, t_eval=T, max_step=2e-3, **SMOOTH)
     got = positions('actuator_lag', environment__unilateral=False)
+    np.testing.assert_allclose(got, expected.y[0], atol=1e-8)
+    assert np.max(np.abs(got - positions('', environment__unilateral=False))) > 1e-4
+
+
+def test_world_that_flows_is_that_of_an_independent_integration() -> None:
+    rate, = example_values('viscous_flow')
+
+    def rates(t: float, s: list[float]) -> list[float]:
+        x, v, u = s
+        flow = rate * max(x - u, 0.0)
+        return [v, (control(t, x, v) - K_e * (x - u) - B_e * (v - flow)) / M_t, flow]
+
+    expected = solve_ivp(
+        rates, (0.0, T[-1]), [START, 0.0, 0.0], t_eval=T, max_step=2e-3, **SMOOTH)
+    got = positions('viscous_flow', environment__unilateral=False)
     np.testing.assert_allclose(got, expected.y[0], atol=1e-8)
     assert np.max(np.abs(got - positions('', environment__unilateral=False))) > 1e-4
 

@@ -69,6 +69,7 @@ from .tool_inertia import ToolInertia
 from .torque_saturation import TorqueSaturation
 from .unloading_hysteresis import UnloadingHysteresis
 from .viscoelastic_relaxation import ViscoelasticRelaxation
+from .viscous_flow import ViscousFlow
 from ..parameters.specification import group, ParameterGroup
 
 EFFECTS: dict[str, type[Effect]] = {
@@ -88,6 +89,7 @@ EFFECTS: dict[str, type[Effect]] = {
     'asymmetric_damping': AsymmetricDamping,
     'viscoelastic_relaxation': ViscoelasticRelaxation,
     'fractional_relaxation': FractionalRelaxation,
+    'viscous_flow': ViscousFlow,
     'bouc_wen_hysteresis': BoucWenHysteresis,
     'unloading_hysteresis': UnloadingHysteresis,
     'contact_offset': ContactOffset,
