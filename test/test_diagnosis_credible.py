@@ -235,16 +235,27 @@ def test_parts_that_do_not_determine_a_size_do_not_contradict_it(
     assert agreeing(monkeypatch, (5.0, 6.0, -60.0, -60.0), told) is agrees
 
 
+@pytest.mark.parametrize('name, first, agrees', [
+    ('viscous_flow', 0.0, False), ('viscous_flow', 4.0, True), ('cubic_stiffness', 0.0, True)])
+def test_what_every_contact_adds_to_shows_in_the_first(
+    monkeypatch: pytest.MonkeyPatch, name: str, first: float, agrees: bool
+) -> None:
+    # A surface that shifts between two contacts has not flowed in the first.
+    sizes = (first, 5.0, 5.0, 5.0)
+    assert agreeing(monkeypatch, sizes, (1.0, 1.0, 1.0, 1.0), name) is agrees
+
+
 def agreeing(
-    monkeypatch: pytest.MonkeyPatch, sizes: tuple[float, ...], told: tuple[float, ...]
+    monkeypatch: pytest.MonkeyPatch, sizes: tuple[float, ...], told: tuple[float, ...],
+    name: str = 'cubic_stiffness',
 ) -> bool:
-    """Return whether sizes of a cubic stiffness of 5 agree, on parts that tell so much of it."""
-    model = Model.of(SPRING).with_effect('cubic_stiffness', (5.0,))
+    """Return whether sizes of an effect of 5 agree, on parts that tell so much of it."""
+    model = Model.of(SPRING).with_effect(name, (5.0,))
     monkeypatch.setattr(Shares, '_alone', [(1000.0, 20.0, size) for size in sizes])
     monkeypatch.setattr(Shares, '_information', np.outer(told, (1.0, 1.0, 1.0)))
     none = np.zeros((3, 2))
     shares = Shares([], [], none, Fit(model, 0.0, np.zeros(1), 1), none, {}, {}, {}, {})
-    return shares.agrees('cubic_stiffness')
+    return shares.agrees(name)
 
 
 @pytest.mark.parametrize('ringing', [False, True], ids=['mass', 'resonance'])

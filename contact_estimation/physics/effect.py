@@ -51,6 +51,9 @@ class Effect(DrawnEffect):
         Whether the effect is another one on a wall that only pushes.
     needs_penetration : bool
         Whether the law holds for x beyond x_e only, in a permanently attached environment too.
+    accumulates : bool
+        Whether every contact adds to it, as a surface that shifts between two contacts seems to
+        do: the first must show it, too.
     needs_return : bool
         Whether a specimen that is loaded once, and not unloaded, may as well relax or follow an
         elastic law.
@@ -104,6 +107,7 @@ class Effect(DrawnEffect):
     needs_touch: ClassVar[bool] = False
     needs_attachment: ClassVar[bool] = False
     needs_penetration: ClassVar[bool] = False
+    accumulates: ClassVar[bool] = False
     needs_return: ClassVar[bool] = False
     needs_speeds: ClassVar[bool] = False
     needs_spring: ClassVar[bool] = False

@@ -52,6 +52,7 @@ class ViscousFlow(ContactEffect):
     description = 'The wall flows while it is pressed, and does not recover (dashpot in series).'
     Parameters = ViscousFlowParameters
     needs_touch = True
+    accumulates = True
 
     states = 1  # u: how far the surface has receded
 

@@ -112,6 +112,8 @@ class Shares:
     def agrees(self, name: str) -> bool:
         """Return whether the magnitude of an effect is much the same on each part and on all."""
         sizes, whole = self._magnitudes(name)
+        if EFFECTS[name].accumulates and sizes[0] < _ALIKE * whole:
+            return False
         informed = self._informed(name)
         return _agree(sizes, whole) or (
             int(np.count_nonzero(informed)) > 1 and _agree(sizes[informed], whole))
