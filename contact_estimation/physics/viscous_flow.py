@@ -53,6 +53,7 @@ class ViscousFlow(ContactEffect):
     Parameters = ViscousFlowParameters
     needs_touch = True
     accumulates = True
+    least_share = 0.7  # it looks like a wall that softens, too
 
     states = 1  # u: how far the surface has receded
 
@@ -86,6 +87,11 @@ class ViscousFlow(ContactEffect):
             u[touch:first] = flow[:first - touch]
             receded = float(u[min(first, len(t)) - 1])
         return u[None, :]
+
+    @classmethod
+    def is_flexible(cls, values: Any, duration: float) -> bool:
+        """Is one: whatever makes later contacts weaker fits."""
+        return True
 
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
