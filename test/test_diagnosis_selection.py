@@ -301,6 +301,7 @@ def test_best_candidate_of_the_motion_is_fitted_whatever_the_force_lacks(
     near = [with_cost(1000.0 + k, 'robot_friction') for k in range(30)]
     of_motion = near[-1]  # the worst of all, but for the motion
     of_family = near[25] = with_cost(1025.0, 'viscoelastic_relaxation')
+    near[24] = with_cost(1024.0, 'viscous_flow')  # a curve
 
     def by_channel(recordings: object, found: Fit) -> np.ndarray:
         motion = 1.0 if found is of_motion else 100.0
@@ -308,8 +309,11 @@ def test_best_candidate_of_the_motion_is_fitted_whatever_the_force_lacks(
 
     monkeypatch.setattr(search_module, 'costs_by_channel', by_channel)
     monkeypatch.setattr(search_module, 'has_discrepancy', lambda recordings: discrepancy)
+    monkeypatch.setattr(
+        search_module, 'is_flexible', lambda recordings, model, name: name == 'viscous_flow')
     kept = nearest([], near)
-    assert kept[0] is near[0] and len(kept) < 20 and any(one is of_family for one in kept)
+    assert kept[0] is near[0] and len(kept) < 20
+    assert any(one is of_family for one in kept) and near[24] not in kept
     assert any(one is of_motion for one in kept) is discrepancy
 
 

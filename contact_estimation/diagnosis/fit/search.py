@@ -27,7 +27,7 @@ from .discrepancy import costs_by_channel, has_discrepancy
 from .fitting import cost_of, derivatives, Fit, fit, fit_at, fit_to_end, step
 from .scales import measure_scales
 from ..observe.model import Model, names_of
-from ..observe.prepared_recording import PreparedRecording, Recordings
+from ..observe.prepared_recording import is_flexible, PreparedRecording, Recordings
 from ..observe.residuals import force_residual
 from ...parameters.specification import ParameterGroup
 from ...physics import EFFECTS
@@ -258,8 +258,8 @@ def nearest(recordings: Recordings, near: Sequence[Fit]) -> list[Fit]:
     Returns
     -------
     nearest : list of Fit
-        The best by penalised cost and the best of each family, whose first step may be a small
-        one; with a discrepancy also the best in each channel, since the misfit of the other may be
+        The best by penalised cost and the best law of each family, whose first step may be a small
+        one, or its best curve if it has no law; with a discrepancy also the best in each channel, since the misfit of the other may be
         none of theirs.
 
     """
@@ -268,8 +268,13 @@ def nearest(recordings: Recordings, near: Sequence[Fit]) -> list[Fit]:
     price = [penalty(one.model) for one in near]
     costs = np.array([costs_by_channel(recordings, one) for one in near])
     order = np.argsort(costs.sum(axis=1) + price, kind='stable').tolist()
-    families = [EFFECTS[near[k].model.effects[-1]].family for k in order]
-    kept = {*order[:_STARTED], *(order[families.index(one)] for one in set(families))}
+    names = [one.model.effects[-1] for one in near]
+    curves = [is_flexible(recordings, one.model, name) for one, name in zip(near, names)]
+    kept, families = set(order[:_STARTED]), set[str]()
+    for k in sorted(order, key=lambda k: curves[k]):
+        if EFFECTS[names[k]].family not in families:
+            families.add(EFFECTS[names[k]].family)
+            kept.add(k)
     for of_channel in costs.T if has_discrepancy(recordings) else ():
         if of_channel.any():
             kept |= set(np.argsort(of_channel + price, kind='stable')[:_OF_CHANNEL].tolist())
