@@ -259,8 +259,8 @@ def nearest(recordings: Recordings, near: Sequence[Fit]) -> list[Fit]:
     -------
     nearest : list of Fit
         The best by penalised cost and the best law of each family, whose first step may be a small
-        one, or its best curve if it has no law; with a discrepancy also the best in each channel, since the misfit of the other may be
-        none of theirs.
+        one, or its best curve if it has no law; with a discrepancy also the best in each channel,
+        since the misfit of the other may be none of theirs.
 
     """
     if not near:
