@@ -74,6 +74,19 @@ def test_parts_of_a_single_event_are_pieces_of_all_contacts() -> None:
     assert min(of_event[:2]) > 0.3 * sum(of_event) and sum(of_event[2:]) == 0.0
 
 
+def test_parts_of_one_stroke_are_pieces_of_the_whole_stroke() -> None:
+    # A spring that is stiffer from a depth on: no part before it tells of that.
+    t = np.arange(2000) / 100.0
+    noise = np.random.default_rng(4).normal(0.0, 1e-3, len(t))
+    for x, count in ((0.0005 * t, 5), (0.005 * (1.0 - np.cos(2.0 * t)), 1)):
+        force = 1000.0 * x + 300.0 * np.maximum(x - 0.002, 0.0)
+        signals = Signals(t, noise - force, t, x, np.empty(0), np.empty((4, 0)))
+        recording, model = prepared_from(signals, SPRING)
+        parts = parts_of([recording], fit([recording], model))
+        stretches = [np.count_nonzero(np.diff(part.there.astype(int)) == 1) for part in parts[1:]]
+        assert len(parts) == 4 and set(stretches) == {count}
+
+
 def test_a_single_event_does_not_hide_a_law_that_holds_everywhere_else() -> None:
     recording, model = prepared_from(spring(2e6, 0.1), SPRING)
     base = fit([recording], model)

@@ -36,6 +36,7 @@ Flags = NDArray[np.bool_]
 
 _LEAST_PARTS, _MOST_PARTS = 4, 8
 _EVENT, _PIECES = 0.6, 5  # share of the misfit in one block; pieces of a part
+_STRAIGHT = 0.01  # of the range: deviation of one stroke from a line in time
 _OUTWEIGHS = 2.0  # times the median misfit of the parts, beyond which a part counts no more
 _LEAST_RESIDUALS = 8  # of a part
 
@@ -100,13 +101,23 @@ def parts_of(recordings: Recordings, found: Fit) -> list[Part]:
         contacts or a permanently attached wall, the first and last of a contact with the free
         flight beside them. Where one of those blocks has nearly all of the misfit, a single event,
         each part is a set of shorter blocks spread over the contact and the flight around it.
+        So it is in one stroke of an attached wall: depths beyond a fit's are no test of a law.
 
     """
     parts = _parts_of(recordings, found.model, 1)
     misfit = np.array([part.squares(found.residuals).sum() for part in parts])
-    if misfit.max(initial=0.0) > _EVENT * misfit.sum():
+    is_event = misfit.max(initial=0.0) > _EVENT * misfit.sum()
+    if is_event or all(_is_one_stroke(one, found.model) for one in recordings):
         return _parts_of(recordings, found.model, _PIECES)
     return parts
+
+
+def _is_one_stroke(one: PreparedRecording, model: Model) -> bool:
+    """Return whether an attached wall is moved once, at a constant speed."""
+    t, x = one.observed.t, one.observed.x
+    bend = x - np.polyval(np.polyfit(t, x, 1), t)
+    return not model.nominal.environment.unilateral and bool(
+        np.std(bend) < _STRAIGHT * np.ptp(x))
 
 
 def _parts_of(recordings: Recordings, model: Model, pieces: int) -> list[Part]:
