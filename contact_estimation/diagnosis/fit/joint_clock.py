@@ -37,6 +37,7 @@ _SCANNED = (0.0015, 0.003, 0.005, 0.008, 0.012, 0.018, 0.027)  # [s]
 _TRIED = (1.0, 1.2)  # times the delay: what bends beside it makes it too short
 _PROMISING, _WITH_DELAY = 0.95, 1.4  # most of the misfit of the effects, for stamps to be tried
 _LEFT = 0.25  # most of it that late stamps may leave
+_DAMPED = 0.05  # of the damping without a shift
 _LEAST = 0.003  # [s]: less is that of a sensor's filter, as is less than a sample
 
 
@@ -84,7 +85,8 @@ class JointClock:
         -------
         late : float
             [s]; 0 unless it is more than a sample or a filter of the force, and leaves less than
-            a quarter of what the effects leave.
+            a quarter of what the effects leave, and a wall with damping: a shift that takes the
+            place of it is none.
 
         """
         if self._explained:
@@ -94,7 +96,9 @@ class JointClock:
             if late < max(_LEAST, period):
                 continue
             earlier, selection = select(self._earlier(late))
-            if _misfit(fit(earlier, selection.best.model)) < _LEFT * self._misfit:
+            found = fit(earlier, selection.best.model)
+            damped = _damping(found.model) >= _DAMPED * _damping(self._base)
+            if damped and _misfit(found) < _LEFT * self._misfit:
                 return late
         return 0.0
 
@@ -127,6 +131,10 @@ def _left(recordings: Recordings, model: Model) -> float:
     nominal = Model.of(model.nominal).values  # what is late bends the damping
     start = model.at([*nominal, *model.values[len(nominal):]])
     return _misfit(fit(recordings, start, steps=8))
+
+
+def _damping(model: Model) -> float:
+    return model.laws().contact.damping
 
 
 def _misfit(found: Fit) -> float:
