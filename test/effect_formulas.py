@@ -219,6 +219,7 @@ FORMULAS: dict[str, Formula] = {
     'stiffness_drift': lambda t, x, v, a, rate: cut(x, K_e * (1.0 + rate * t) * x + B_e * v),
     'plastic_set': dent,
     'viscous_flow': flowing,
+    'tool_weight': lambda t, x, v, a, W: cut(x, K_e * x + B_e * v) + W,
     'unloading_hysteresis': recovering,
     'impact_damping': struck,
 }

@@ -77,6 +77,7 @@ WORLDS: dict[str, tuple[float, ...]] = {
     'bilinear_stiffness': (1500.0, 0.006),
     'stiffness_drift': (0.02,),
     'plastic_set': (0.06,),
+    'tool_weight': (-3.0,),
     'viscous_flow': (0.02,),
     'unloading_hysteresis': (0.15,),
     'tool_inertia': (1.0,),

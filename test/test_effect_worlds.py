@@ -84,6 +84,7 @@ INDEPENDENT: dict[str, Callable[..., dict[str, Any]]] = {
         'drive': lambda t, x, v: control(t, x, v) - F_c * np.tanh(v / 4e-4)},
     'robot_drag': lambda c: {
         'drive': lambda t, x, v: control(t, x, v) - c * v * abs(v)},
+    'tool_weight': lambda W: {'drive': lambda t, x, v: control(t, x, v) + W},
     'gravity_error': lambda F_g: {'drive': lambda t, x, v: control(t, x, v) + F_g},
     'impedance_mismatch': lambda K, B, M: {
         'drive': lambda t, x, v: control(t, x, v, M * M_t, B * 1000.0, K * K_t), 'mass': M * M_t},

@@ -66,6 +66,7 @@ from .settling_bias import SettlingBias
 from .stiffness_drift import StiffnessDrift
 from .stribeck_friction import StribeckFriction
 from .tool_inertia import ToolInertia
+from .tool_weight import ToolWeight
 from .torque_saturation import TorqueSaturation
 from .unloading_hysteresis import UnloadingHysteresis
 from .viscoelastic_relaxation import ViscoelasticRelaxation
@@ -103,6 +104,7 @@ EFFECTS: dict[str, type[Effect]] = {
     'bilinear_stiffness': BilinearStiffness,
     'stiffness_drift': StiffnessDrift,
     'plastic_set': PlasticSet,
+    'tool_weight': ToolWeight,
     'tool_inertia': ToolInertia,
     'force_lag': ForceLag,
     'force_delay': ForceDelay,

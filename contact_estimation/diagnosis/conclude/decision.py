@@ -46,6 +46,7 @@ EXPLAINED = 0.5
 """Least share of the misfit that names must predict on parts left out to explain it."""
 
 _TRIFLE, _UNSURE = 0.01, 0.1  # shares not worth a name: of an effect beyond doubt, of another
+_TINY = 0.2  # of the discrepancy that is worth a name, below which a robot's steps show
 _SMALL = 0.5  # of the discrepancy that is worth a name where laws may be inexact
 _PREDICTABLE = 0.1  # share of the residual that a smoother predicts: structure, not noise
 _SIGNIFICANT = 3.0  # standard deviations
@@ -127,8 +128,7 @@ def decide(
             or _is_resonance(recordings, best.model, name)
             or shares.most(name) < (_TRIFLE if shares.sure(name) > 0.0 else _UNSURE)
             or not _is_sure(shares, name, exact)
-            or exact and not shares.is_constant(name)
-            and _is_trifle(recordings, best, name))]  # last: it fits again
+            or exact and _is_trifle(recordings, shares, name))]  # last: it fits again
         fewer = _without_doubtful(selection, best, shares, doubtful, whole, progress, again)
         if fewer is not None:
             return fewer
@@ -240,17 +240,24 @@ def _is_resonance(recordings: Recordings, model: Model, name: str) -> bool:
     return is_resonance(recordings, model, name)
 
 
-def _is_trifle(recordings: Recordings, best: Fit, name: str) -> bool:
+def _is_trifle(recordings: Recordings, shares: Shares, name: str) -> bool:
     """
     Return whether a name takes away little beside the force, and less than the noise.
 
     With long recordings every imperfection of a rig is significant. One that is the same on all
-    parts is a law however small.
+    parts is a law however small, but for a robot: its controller works in steps.
     """
+    best = shares.best
     without = fit(recordings, best.model.without(name))
-    if without.cost - best.cost > best.residual_count:
+    carried = weighed(recordings, without.model)
+    if EFFECTS[name].port == 'robot' and not material(carried, without.model, _TINY):
+        return True
+    if shares.is_constant(name):
         return False
-    return not material(weighed(recordings, without.model), without.model, _SMALL)
+    if shares.explained < EXPLAINED:
+        return not material(carried, without.model)
+    gain = without.cost - best.cost
+    return gain <= best.residual_count and not material(carried, without.model, _SMALL)
 
 
 def _is_sure(shares: Shares, name: str, exact: bool) -> bool:
