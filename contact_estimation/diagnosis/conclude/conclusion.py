@@ -45,7 +45,7 @@ from ...physics import EFFECTS
 Array = NDArray[np.float64]
 
 # Ratios of errors on held-out data.
-_CLEARLY_WORSE, _FAR_WORSE, _THE_SAME = 1.05, 3.0, 1.01
+_CLEARLY_WORSE, _FAR_WORSE, _THE_SAME = 1.05, 3.0, 1.02
 _UNTOLD = 4.0  # cost of two standard deviations
 _NOTHING = 0.01  # of the misfit: a remainder that is not worth a word
 
