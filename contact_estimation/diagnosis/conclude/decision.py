@@ -245,17 +245,18 @@ def _is_trifle(recordings: Recordings, shares: Shares, name: str) -> bool:
     Return whether a name takes away little beside the force, and less than the noise.
 
     With long recordings every imperfection of a rig is significant. One that is the same on all
-    parts is a law however small, but for a robot: its controller works in steps.
+    parts is a law however small if little else is missing, but for a robot: its controller works
+    in steps.
     """
     best = shares.best
     without = fit(recordings, best.model.without(name))
     carried = weighed(recordings, without.model)
     if EFFECTS[name].port == 'robot' and not material(carried, without.model, _TINY):
         return True
-    if shares.is_constant(name):
-        return False
     if shares.explained < EXPLAINED:
         return not material(carried, without.model)
+    if shares.is_constant(name):
+        return False
     gain = without.cost - best.cost
     return gain <= best.residual_count and not material(carried, without.model, _SMALL)
 
