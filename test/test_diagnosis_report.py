@@ -26,12 +26,14 @@ from contact_estimation.diagnosis.conclude.location import Location
 from contact_estimation.diagnosis.conclude.result import Errors, Remainder, Value
 from contact_estimation.diagnosis.report.corrected_model import model_file
 from contact_estimation.diagnosis.report.json_report import as_dict
+from contact_estimation.diagnosis.report.page.builder import as_html
 from contact_estimation.diagnosis.report.text_report import as_text
 from contact_estimation.estimation.parameters import EstimationParameters
 from contact_estimation.parameters.file import read_parameter_file
 from contact_estimation.parameters.values import build
 from contact_estimation.plant.plant_parameters import PlantParameters
 from diagnosed_worlds import diagnosed
+import numpy as np
 import pytest
 
 VERDICTS = {'clean': 'consistent', 'stiffer': 'recalibrate', 'friction': 'physics_missing',
@@ -178,6 +180,21 @@ def test_text_says_how_much_the_names_leave_and_where(count: int, subject: str) 
             'strongest at small |v|, 5 to 40 Hz.\n') in as_text(left)
     assert (f'\n{subject} less than 1 % of the misfit above the noise.\n'
             in as_text(replace(left, remainder=None)))
+
+
+@pytest.mark.parametrize('verdict, error, told', [
+    ('recalibrate', 2.0, True), ('recalibrate', 1.2, False), ('unexplained', 2.0, False)])
+def test_a_trifle_beyond_the_noise_is_told_where_nothing_is_named(
+    verdict: str, error: float, told: bool
+) -> None:
+    d = diagnosed('friction')
+    recalibrated = replace(d, verdict=verdict, effects=[], noise_floor=0.1,
+                           force=replace(d.force, recalibrated=0.1 * error))
+    span = float(np.ptp(d.recordings[0].observed.force))
+    text = (f'Beside the noise it leaves 0.17 N (rms, held out), {17.32 / span:.1g} % of the '
+            'range of the force: too little for a name.')
+    assert (text in as_text(recalibrated)) is told
+    assert (text in as_html(recalibrated, 'a.mcap')) is told
 
 
 def test_text_omits_the_interval_of_a_share_of_one_part() -> None:

@@ -28,6 +28,7 @@ from .wording import (
     share_of,
     significant,
     tested_dependences,
+    trifle,
 )
 from ..conclude.result import Diagnosis, Errors, NamedEffect, Value
 
@@ -71,7 +72,8 @@ def _verdict(d: Diagnosis) -> list[str]:
     lines = [f'{d.verdict.replace("_", " ")}: {sentence[0].lower()}{sentence[1:]}.']
     if d.verdict == 'physics_missing':
         lines.append('Recalibrating K_e and B_e alone cannot explain the recording.')
-    return lines
+    left = trifle(d)
+    return [*lines, f'{left}.'] if left else lines
 
 
 def _effect(effect: NamedEffect) -> list[str]:

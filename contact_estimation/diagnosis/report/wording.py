@@ -17,8 +17,10 @@
 
 from __future__ import annotations
 
-from math import isfinite
+from math import isfinite, sqrt
 from typing import Sequence
+
+import numpy as np
 
 from ..conclude.dependence import Dependence
 from ..conclude.location import Location
@@ -32,6 +34,7 @@ _PHASES = {
     'loading': 'while loading', 'unloading': 'while unloading',
     'all': 'in all phases of contact',
 }
+_TWICE = 2.0  # the variance of the noise
 _MOST_INTERVALS = 4
 _MOST_QUANTITIES = 4
 
@@ -127,6 +130,32 @@ def remainder(diagnosis: Diagnosis) -> str:
         return f'{left_by} less than 1 % of the misfit above the noise'
     return (f'{left_by} {100.0 * left.share:.0f} % of the misfit: {PORTS[left.location.port]}, '
             f'{place_of(left.location)}')
+
+
+def trifle(diagnosis: Diagnosis) -> str:
+    """
+    Say how little a recalibrated model leaves, if that is more than noise.
+
+    Parameters
+    ----------
+    diagnosis : Diagnosis
+        The result.
+
+    Returns
+    -------
+    sentence : str
+        Without a full stop; '' where a name is missing, or nothing.
+
+    """
+    d = diagnosis
+    error = d.force.recalibrated
+    if d.verdict != 'recalibrate' or error is None or error**2 < _TWICE * d.noise_floor**2:
+        return ''
+    left = sqrt(error**2 - d.noise_floor**2)
+    span = max(float(np.ptp(one.observed.force)) for one in d.recordings)
+    percent = 100.0 * left / span
+    return (f'Beside the noise it leaves {left:.2g} N (rms, held out), {percent:.1g} % of the range '
+            'of the force: too little for a name')
 
 
 def held_out_result(diagnosis: Diagnosis) -> str:

@@ -20,14 +20,15 @@ from __future__ import annotations
 from typing import Any
 
 from .inputs import Inputs
-from ..wording import headline, held_out_result
+from ..wording import headline, held_out_result, trifle
 
 
 def prepare(inputs: Inputs) -> dict[str, Any]:
-    """Return verdict, headline, held-out result and names of the recordings."""
+    """Return verdict, headline, held-out result, what is too little, and the names."""
     return {
         'verdict': inputs.diagnosis.verdict,
         'headline': headline(inputs.diagnosis),
         'held_out_result': held_out_result(inputs.diagnosis),
+        'trifle': trifle(inputs.diagnosis),
         'title': inputs.title,
     }
