@@ -18,6 +18,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import lru_cache
+from types import SimpleNamespace
 from typing import Any
 
 from concealed_worlds import diagnosed, named, nominal, prepared_from, recorded, touches
@@ -230,6 +231,20 @@ def test_another_of_its_family_takes_the_place_of_a_law_the_best_fit_first() -> 
     assert not any(one.unexplained for one in others)
     costs = [one.best.cost for one in others]
     assert costs == sorted(costs)
+
+
+@pytest.mark.parametrize('name, sure, trifle', [
+    ('robot_drag', 0.3, True), ('robot_drag', 0.9, False), ('cubic_stiffness', 0.3, False)])
+def test_little_of_a_robot_is_named_only_if_it_surely_explains_most(
+    monkeypatch: pytest.MonkeyPatch, name: str, sure: float, trifle: bool
+) -> None:
+    # A controller that works in steps looks like a drag of 0.1 % of the force.
+    best = Fit(Model.of(SPRING).with_effect(name, (1.0,)), 100.0, np.zeros(1), 100)
+    monkeypatch.setattr(decision_module, 'fit', lambda recordings, model: best)
+    monkeypatch.setattr(decision_module, 'weighed', lambda recordings, model: [])
+    shares: Any = SimpleNamespace(
+        best=best, explained=1.0, sure=lambda of: sure, is_constant=lambda of: True)
+    assert decision_module._is_trifle([], shares, name) is trifle
 
 
 @pytest.mark.parametrize('corrected, exact, worse', [

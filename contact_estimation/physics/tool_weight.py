@@ -48,6 +48,7 @@ class ToolWeight(ContactEffect):
     description = 'The weight of a tool or payload beyond the sensor is not compensated.'
     Parameters = ToolWeightParameters
     needs_robot = True
+    needs_touch = True  # on an attached wall it is another location
     either_sign = True
 
     def __init__(self, values: ToolWeightParameters) -> None:

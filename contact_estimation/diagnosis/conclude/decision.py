@@ -245,13 +245,14 @@ def _is_trifle(recordings: Recordings, shares: Shares, name: str) -> bool:
     Return whether a name takes away little beside the force, and less than the noise.
 
     With long recordings every imperfection of a rig is significant. One that is the same on all
-    parts is a law however small if little else is missing, but for a robot: its controller works
-    in steps.
+    parts is a law however small if little else is missing. Of a robot, whose controller works in
+    steps, it must surely explain most.
     """
     best = shares.best
     without = fit(recordings, best.model.without(name))
     carried = weighed(recordings, without.model)
-    if EFFECTS[name].port == 'robot' and not material(carried, without.model, _TINY):
+    steps = EFFECTS[name].port == 'robot' and shares.sure(name) < _SURELY_MOST
+    if steps and not material(carried, without.model, _TINY):
         return True
     if shares.explained < EXPLAINED:
         return not material(carried, without.model)

@@ -154,8 +154,8 @@ def trifle(diagnosis: Diagnosis) -> str:
     left = sqrt(error**2 - d.noise_floor**2)
     span = max(float(np.ptp(one.observed.force)) for one in d.recordings)
     percent = 100.0 * left / span
-    return (f'Beside the noise it leaves {left:.2g} N (rms, held out), {percent:.1g} % of the range '
-            'of the force: too little for a name')
+    return (f'Beside the noise it leaves {left:.2g} N (rms, held out), {percent:.1g} % of the '
+            'range of the force: too little for a name')
 
 
 def held_out_result(diagnosis: Diagnosis) -> str:
