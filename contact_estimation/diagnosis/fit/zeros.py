@@ -237,9 +237,10 @@ def with_zeros(base: Model, present: Model) -> Model:
 
 def is_zero(name: str) -> bool:
     """Return whether an effect is a constant or slow zero, of the sensor or of the surface."""
-    return name == 'contact_offset' or EFFECTS[name].family == 'sensor_zero'
+    of_sensor = EFFECTS[name].family == 'sensor_zero' and EFFECTS[name].port == 'force_sensor'
+    return name == 'contact_offset' or of_sensor
 
 
 def resembles_zero(name: str) -> bool:
     """Return whether an effect is a zero, or of the family of one."""
-    return EFFECTS[name].family in ('sensor_zero', 'clearance')
+    return is_zero(name) or EFFECTS[name].family == 'clearance'
