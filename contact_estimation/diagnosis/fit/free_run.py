@@ -42,6 +42,7 @@ _CONVERGED = 1e-4  # of the motion
 _STABLE = 1.0  # rate of decay times step; Runge-Kutta is stable up to 2.8
 _RESOLVED = 0.2  # [rad] of the oscillation of robot and wall, a step
 _MOST_STEPS = 100.0
+_SLOW_TOUCH = 0.1  # of the greatest speed: of a touch-down
 _NEAR = 1e-9  # [m] or [N]: the laws are linear in small states
 _WALL_STEPS = 2  # Runge-Kutta steps a sample of a wall without a robot
 
@@ -110,13 +111,13 @@ def steps_a_sample(model: Model, o: Observed) -> int:
     """
     laws, wall = model.laws(), model.nominal.environment
     least = min(1e-4, 1e-2 * float(np.ptp(o.x)))
-    x, states = wall.location + 0.5 * max(float(np.max(o.x)) - wall.location, least), (0.0,) * 99
-    slow = 0.1 * SIGN_VELOCITY
-    touch = [laws.contact.touch(0.0, x, v, states[:laws.contact.states], math).resistance
-             for v in (0.0, slow)]
+    x = wall.location + 0.5 * max(float(np.max(o.x)) - wall.location, least)
+    fast, slow = float(np.max(np.abs(o.v))), 0.1 * SIGN_VELOCITY
+    states = laws.contact.settle(0.0, x, _SLOW_TOUCH * fast, (0.0,) * laws.contact.states)
+    touch = [laws.contact.touch(0.0, x, v, states, math).resistance for v in (0.0, slow)]
     drag = [laws.robot.force(x, v, (x, v, 0.0, 0.0), math) for v in (0.0, slow)]
     steepness = (touch[1] - touch[0] + drag[0] - drag[1]) / slow / laws.robot.link_mass
-    fastest = max(steepness, _decay(laws.contact, x, float(np.max(np.abs(o.v)))))
+    fastest = max(steepness, _decay(laws.contact, x, fast))
     steps = max(1, math.ceil(min(o.h * fastest / _STABLE, _MOST_STEPS)))
     if laws.robot.joint is not None:
         rate = 1.0 / math.sqrt(laws.robot.joint.compliance * laws.robot.link_mass)
