@@ -13,7 +13,7 @@
 # limitations under the License.
 
 """
-How the tests run: arithmetic on one thread, the whole suite on every core, ROS in one queue.
+How the tests run: arithmetic on one thread, the whole suite on every core, ROS in a queue besides.
 
 `pytest` without paths uses pytest-xdist where it is installed; `-n 0` keeps one process. With
 paths, and without pytest-xdist, everything runs in this process.
@@ -53,11 +53,11 @@ def in_worker() -> bool:
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_cmdline_main(config: pytest.Config) -> None:
-    """Run the whole suite on every core, unless the command line says otherwise."""
+    """Run the whole suite on every core; one process more, since the tests of ROS mostly wait."""
     whole = config.args_source is not config.ArgsSource.ARGS
     if config.pluginmanager.hasplugin('xdist') and whole and not in_worker():
         if config.option.numprocesses is None and config.option.dist == 'no':
-            config.option.numprocesses = 'auto'
+            config.option.numprocesses = (os.cpu_count() or 1) + 1
 
 
 @pytest.hookimpl(optionalhook=True)

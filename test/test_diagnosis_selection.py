@@ -109,7 +109,7 @@ def test_every_effect_of_a_wall_may_be_added_where_there_is_a_robot() -> None:
 def test_what_shows_in_the_motion_alone_needs_a_robot() -> None:
     left_out = set(OF_TOUCH) - set(candidates_for(MODEL, False))
     of_robot = {name for name, cls in EFFECTS.items() if cls.port == 'robot'}
-    assert left_out == {*of_robot, 'force_gain', 'force_nonlinearity'}
+    assert left_out == {*of_robot, 'force_gain', 'force_nonlinearity', 'tool_weight'}
 
 
 def test_a_play_needs_more_than_one_reversal() -> None:
