@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 
 from .contact_effect import ContactEffect
-from .numeric import Array, Flags, Number, positive
+from .numeric import Array, Flags, Number, positive, stretches
 from .scales import Scales
 from ..parameters.specification import optional_parameter, ParameterGroup
 
@@ -77,15 +77,16 @@ class ViscousFlow(ContactEffect):
         mean = (1.0 - decay) / step if step > 1e-9 else 1.0 - 0.5 * step
         push = (1.0 - mean) * d
         push[1:] += (mean - decay) * d[:-1]
-        u, receded, first = np.zeros(len(t)), 0.0, 0
-        while first < len(t):
-            touch = first + _first(d[first:] > receded)
-            u[first:touch] = receded
-            flow = lfilter([1.0], [1.0, -decay], push[touch:], zi=[decay * receded])[0]
-            # A sample at least, or a release within one would never end.
-            first = touch + max(1, _first(flow >= d[touch:]))
-            u[touch:first] = flow[:first - touch]
-            receded = float(u[min(first, len(t)) - 1])
+        u, receded = np.zeros(len(t)), 0.0
+        for first, stop in stretches(contact):
+            while first < stop:
+                touch = first + _first(d[first:stop] > receded)
+                u[first:touch] = receded
+                flow = lfilter([1.0], [1.0, -decay], push[touch:stop], zi=[decay * receded])[0]
+                # A sample at least, or a release within one would never end.
+                first = min(touch + max(1, _first(flow >= d[touch:stop])), stop)
+                u[touch:first] = flow[:first - touch]
+                receded = float(u[first - 1])
         return u[None, :]
 
     @classmethod

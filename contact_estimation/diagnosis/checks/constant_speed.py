@@ -16,13 +16,9 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from .check import Finding, of_families, Test
 from .evidence import Evidence
-from .measures import line_through
-
-_STRAIGHT = 0.01  # of the range: deviation of the motion from a straight line in time
+from .measures import bend_of, STRAIGHT
 
 
 def find(evidence: Evidence) -> Finding:
@@ -42,11 +38,10 @@ def find(evidence: Evidence) -> Finding:
     """
     if evidence.model.environment.unilateral:
         return Finding(True, 'the tool touches and leaves the surface')
-    t, x = evidence.whole.joint_t, evidence.whole.position
-    bend = float(np.std(x - line_through(t, x).slope * t) / np.ptp(x))
+    bend = bend_of(evidence.whole.joint_t, evidence.whole.position)
     text = f'the motion departs from one stroke at constant speed by {100.0 * bend:.2g} % of ' \
            'its range'
-    if bend > _STRAIGHT:
+    if bend > STRAIGHT:
         return Finding(True, text)
     return Finding(False, f'{text}: laws of time and speed look like laws of depth, and only the '
                           'latter are named; record the way back or a hold, or another speed and '

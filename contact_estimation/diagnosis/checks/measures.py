@@ -23,6 +23,9 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
+STRAIGHT = 0.01
+"""Bend, see `bend_of`, of one stroke at constant speed, at most."""
+
 
 class Line(NamedTuple):
     """
@@ -162,3 +165,21 @@ def line_through(x: Array, y: Array) -> Line:
     square = max(float(x @ x), 1e-300)
     product = float(x @ y)
     return Line(product / square, product / max(float(np.sqrt(square * (y @ y))), 1e-300))
+
+
+def bend_of(t: Array, x: Array) -> float:
+    """
+    Return how far a motion departs from one stroke at constant speed.
+
+    Parameters
+    ----------
+    t, x : ndarray, shape (N,)
+        Time [s] and position [m].
+
+    Returns
+    -------
+    bend : float
+        Standard deviation from a straight line in time, over the range.
+
+    """
+    return float(np.std(x - line_through(t, x).slope * t)) / max(float(np.ptp(x)), 1e-300)

@@ -248,15 +248,18 @@ def _is_trifle(recordings: Recordings, shares: Shares, name: str) -> bool:
     parts is a law however small if little else is missing. Of a robot, whose controller works in
     steps, it must surely explain most.
     """
-    best = shares.best
+    best, explained = shares.best, shares.explained >= EXPLAINED
+    steps = EFFECTS[name].port == 'robot' and shares.sure(name) < _SURELY_MOST
+    lawful = explained and shares.is_constant(name)
+    if lawful and not steps:
+        return False
     without = fit(recordings, best.model.without(name))
     carried = weighed(recordings, without.model)
-    steps = EFFECTS[name].port == 'robot' and shares.sure(name) < _SURELY_MOST
+    if not explained:
+        return not material(carried, without.model)
     if steps and not material(carried, without.model, _TINY):
         return True
-    if shares.explained < EXPLAINED:
-        return not material(carried, without.model)
-    if shares.is_constant(name):
+    if lawful:
         return False
     gain = without.cost - best.cost
     return gain <= best.residual_count and not material(carried, without.model, _SMALL)

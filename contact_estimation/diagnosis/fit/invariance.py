@@ -45,8 +45,10 @@ _OWN_STEPS = 8  # of the size of an effect on a part
 _TOLD = 1e-4  # share of the information on a value, from which on it is told
 _FAINT = 1e-6  # information that keeps an undetermined value finite
 _ROUNDING = 1e-13  # share of the information that rounding may make of nothing
-_ROBOT = 1  # the channel of its effects
 _TWO_SIDED = 1.96  # standard deviations of a 95 % interval
+
+ROBOT = 1
+"""The channel of the effects of the robot."""
 
 
 class Share(NamedTuple):
@@ -111,7 +113,7 @@ def channel_by_gain(effect: str, gain: Array) -> int | None:
 
     """
     channel = channel_of(effect)
-    return None if channel == _ROBOT and gain[_ROBOT] < 0.5 * np.sum(gain) else channel
+    return None if channel == ROBOT and gain[ROBOT] < 0.5 * np.sum(gain) else channel
 
 
 def judged_by_channel(recordings: Recordings, model: Model) -> bool:

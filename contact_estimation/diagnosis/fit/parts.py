@@ -27,6 +27,7 @@ from numpy.typing import NDArray
 
 from .discrepancy import CHANNELS, forces, has_discrepancy
 from .fitting import Fit
+from ..checks.measures import bend_of, STRAIGHT
 from ..observe.episodes import episodes
 from ..observe.model import Model
 from ..observe.prepared_recording import PreparedRecording, Recordings
@@ -36,7 +37,6 @@ Flags = NDArray[np.bool_]
 
 _LEAST_PARTS, _MOST_PARTS = 4, 8
 _EVENT, _PIECES = 0.6, 5  # share of the misfit in one block; pieces of a part
-_STRAIGHT = 0.01  # of the range: deviation of one stroke from a line in time
 _OUTWEIGHS = 2.0  # times the median misfit of the parts, beyond which a part counts no more
 _LEAST_RESIDUALS = 8  # of a part
 
@@ -114,10 +114,8 @@ def parts_of(recordings: Recordings, found: Fit) -> list[Part]:
 
 def _is_one_stroke(one: PreparedRecording, model: Model) -> bool:
     """Return whether an attached wall is moved once, at a constant speed."""
-    t, x = one.observed.t, one.observed.x
-    bend = x - np.polyval(np.polyfit(t, x, 1), t)
-    return not model.nominal.environment.unilateral and bool(
-        np.std(bend) < _STRAIGHT * np.ptp(x))
+    attached = not model.nominal.environment.unilateral
+    return attached and bend_of(one.observed.t, one.observed.x) <= STRAIGHT
 
 
 def _parts_of(recordings: Recordings, model: Model, pieces: int) -> list[Part]:

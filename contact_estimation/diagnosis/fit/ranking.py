@@ -31,7 +31,7 @@ from .criteria import ADEQUATE, is_sure_of_little, OF_LITTLE, predicts_enough, S
 from .discrepancy import CHANNELS, costs_by_channel, material, noise_by_channel
 from .fitting import Fit, fit
 from .form import law_in_form
-from .invariance import channel_by_gain, judged_by_channel, left_out_errors, share_of
+from .invariance import channel_by_gain, judged_by_channel, left_out_errors, ROBOT, share_of
 from .marks import Mark
 from .pairs import pairs_that_predict
 from .parts import counts_of, evened, Part, parts_of
@@ -49,7 +49,6 @@ _LITTLE = 1.25  # times the least discrepancy that is worth a name, in the motio
 # Of a spring the same as a force; at constant speed to and fro likewise.
 _LIKE_A_BIAS = ('contact_offset', 'asymmetric_damping')
 _BESIDE_ZEROS = 3  # laws that are tried for each offset that the model lacks
-_ROBOT = 1  # the channel of its effects
 _OF_TIME = ('wall_motion', 'sensor_zero')  # families of curves that follow time alone
 _WEAK = 0.15  # share of the misfit that one size for all parts fits, of a law that holds in form
 
@@ -246,7 +245,7 @@ def _promising(
 def _is_little(recordings: Recordings, present: Fit, channel: int | None) -> bool:
     """Return whether a channel lacks little beside the force, which no other channel confirms."""
     confirmed = channel is None and any(one.observed.reference is not None for one in recordings)
-    least = _LITTLE if channel == _ROBOT else 1.0
+    least = _LITTLE if channel == ROBOT else 1.0
     return not confirmed and (channel or 0) not in material(recordings, present.model, least)
 
 
@@ -257,7 +256,7 @@ def _sure_of_little(
     """Keep what explains nearly all of the little that shows; in the motion alone not of less."""
     large = material(recordings, present.model)
     return [one for one in candidates
-            if (one.channel != _ROBOT or _ROBOT in large) and _is_sure(one, zeros, before)]
+            if (one.channel != ROBOT or ROBOT in large) and _is_sure(one, zeros, before)]
 
 
 def _is_sure(one: Candidate, zeros: Zeros, before: Array) -> bool:

@@ -270,11 +270,9 @@ def nearest(recordings: Recordings, near: Sequence[Fit]) -> list[Fit]:
     order = np.argsort(costs.sum(axis=1) + price, kind='stable').tolist()
     names = [one.model.effects[-1] for one in near]
     curves = [is_flexible(recordings, one.model, name) for one, name in zip(near, names)]
-    kept, families = set(order[:_STARTED]), set[str]()
-    for k in sorted(order, key=lambda k: curves[k]):
-        if EFFECTS[names[k]].family not in families:
-            families.add(EFFECTS[names[k]].family)
-            kept.add(k)
+    laws_first = sorted(order, key=lambda k: curves[k])
+    of_family = {EFFECTS[names[k]].family: k for k in reversed(laws_first)}
+    kept = {*order[:_STARTED], *of_family.values()}
     for of_channel in costs.T if has_discrepancy(recordings) else ():
         if of_channel.any():
             kept |= set(np.argsort(of_channel + price, kind='stable')[:_OF_CHANNEL].tolist())
