@@ -37,6 +37,8 @@ EVEN, SLOPE = 0.0, 3.4
 DOUBTFUL = 0.5
 """Probability of an effect that leaves only noise, but may predict nothing of parts left out."""
 
+_TRIFLE = 0.02  # share of the misfit that another law, if inexact, may leave to any name
+
 LEAST, MOST = 0.05, 0.97
 """Limits of the probability: no finite number of worlds supports more."""
 
@@ -57,7 +59,7 @@ def probabilities(
         Share that all effects together leave, >= 0.
     exact : bool
         Whether the effects leave only noise: no wrong law does that by chance, if its share is
-        above zero beyond doubt.
+        above zero beyond doubt and no trifle.
 
     Returns
     -------
@@ -67,7 +69,7 @@ def probabilities(
 
     """
     if exact:
-        return [MOST if max(share.interval[0], other.interval[0]) > 0.0 else DOUBTFUL
+        return [DOUBTFUL if _is_doubtful(share, other) else MOST
                 for share, other in zip(shares, beside)]
     found, present = [], 1.0
     for share, other in zip(shares, beside):
@@ -75,6 +77,11 @@ def probabilities(
             _evidence(share, present), _evidence(other, other.share + left))))
         present = max(present - share.share, 0.0)
     return found
+
+
+def _is_doubtful(share: Share, beside: Share) -> bool:
+    sure = max(share.interval[0], beside.interval[0]) > 0.0
+    return not sure or max(share.share, beside.share) < _TRIFLE
 
 
 def probability_in_form(share: Share) -> float:
