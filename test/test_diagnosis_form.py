@@ -26,8 +26,9 @@ from contact_estimation.diagnosis.fit import form
 from contact_estimation.diagnosis.fit.candidate import Candidate
 from contact_estimation.diagnosis.fit.fitting import Fit, fit, residual_function
 from contact_estimation.diagnosis.fit.form import holds_in_form, law_in_form
-from contact_estimation.diagnosis.fit.invariance import errors_with_own_size, Share
+from contact_estimation.diagnosis.fit.invariance import errors_with_own_size
 from contact_estimation.diagnosis.fit.parts import Part, parts_of
+from contact_estimation.diagnosis.fit.share import Share
 from contact_estimation.diagnosis.observe.model import Model, names_of
 from contact_estimation.diagnosis.observe.signals import Signals
 from contact_estimation.diagnosis.report.text_report import as_text

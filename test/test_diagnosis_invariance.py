@@ -35,12 +35,11 @@ from contact_estimation.diagnosis.fit.invariance import (
     channel_by_gain,
     channel_of,
     left_out_errors,
-    Share,
-    share_of,
     values_on,
 )
 from contact_estimation.diagnosis.fit.parts import above_noise, evened, noise_of, Part, parts_of
 from contact_estimation.diagnosis.fit.ranking import first_that_predicts
+from contact_estimation.diagnosis.fit.share import Share, share_of
 from contact_estimation.diagnosis.observe.model import Model
 from contact_estimation.diagnosis.observe.prepared_recording import PreparedRecording
 import numpy as np

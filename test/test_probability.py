@@ -15,7 +15,7 @@
 """Test the probabilities of names."""
 
 from contact_estimation.diagnosis.conclude.probability import DOUBTFUL, MOST, probabilities
-from contact_estimation.diagnosis.fit.invariance import Share
+from contact_estimation.diagnosis.fit.share import Share
 
 import numpy as np
 

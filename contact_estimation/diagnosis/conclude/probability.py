@@ -27,7 +27,7 @@ from typing import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ..fit.invariance import Share
+from ..fit.share import Share
 
 Array = NDArray[np.float64]
 

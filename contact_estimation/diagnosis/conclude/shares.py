@@ -32,11 +32,10 @@ from ..fit.invariance import (
     jacobian_of,
     judged_by_channel,
     left_out_errors,
-    Share,
-    share_of,
     values_on,
 )
 from ..fit.parts import above_noise, evened, noise_of, Part, parts_of
+from ..fit.share import Share, share_of
 from ..fit.zeros import with_zeros
 from ..observe.model import Model, names_of
 from ..observe.prepared_recording import is_flexible, Recordings

@@ -19,7 +19,7 @@ from __future__ import annotations
 import numpy as np
 
 from .fitting import Fit
-from .invariance import Share
+from .share import Share
 from ..observe.model import Model
 
 THRESHOLD = 0.1

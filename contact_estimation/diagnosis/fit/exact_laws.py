@@ -20,8 +20,8 @@ from typing import Sequence
 
 from .criteria import ADEQUATE, enough, LEFT, noise_scale, penalty
 from .fitting import cost_of, Fit, fit, fit_to_end
-from .ranking import FLEXIBLE_LEAD
 from .search import is_credible, Progress, search
+from .simplest import FLEXIBLE_LEAD
 from ..observe.prepared_recording import is_flexible, Recordings
 
 _EXCHANGE_GAIN = 10.0  # cost, in that of the noise

@@ -30,8 +30,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .candidate import Candidate
-from .invariance import errors_with_own_size, Share, share_of
+from .invariance import errors_with_own_size
 from .parts import Part
+from .share import Share, share_of
 from .zeros import resembles_zero
 from ..observe.prepared_recording import Recordings
 from ...physics import EFFECTS

@@ -22,7 +22,7 @@ contact or a block of time, is left out in turn and predicted by a model fitted 
 
 from __future__ import annotations
 
-from typing import Callable, NamedTuple, Sequence
+from typing import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,7 +30,7 @@ from scipy.optimize import least_squares
 
 from .discrepancy import CHANNELS
 from .fitting import differentiate_by, Fit, residual_function
-from .parts import above_noise, Part
+from .parts import Part
 from ..observe.model import Model
 from ..observe.prepared_recording import is_flexible, Recordings
 from ..observe.residuals import force_explains_motion
@@ -45,34 +45,9 @@ _OWN_STEPS = 8  # of the size of an effect on a part
 _TOLD = 1e-4  # share of the information on a value, from which on it is told
 _FAINT = 1e-6  # information that keeps an undetermined value finite
 _ROUNDING = 1e-13  # share of the information that rounding may make of nothing
-_TWO_SIDED = 1.96  # standard deviations of a 95 % interval
 
 ROBOT = 1
 """The channel of the effects of the robot."""
-
-
-class Share(NamedTuple):
-    """
-    The part of a misfit that a model takes away on parts that it was not fitted on.
-
-    Attributes
-    ----------
-    share : float
-        Of the squared misfit above the noise, over all parts; below 0 if it predicts worse.
-    interval : (float, float)
-        95 %, by the jackknife over the parts; a part of which the others determine no prediction
-        counts as not predicted, which is no matter of chance.
-    parts : ndarray, shape (parts,)
-        Part by part.
-    harm : float
-        What it adds on the parts that it predicts worse, of the same misfit.
-
-    """
-
-    share: float
-    interval: tuple[float, float]
-    parts: Array
-    harm: float = 0.0
 
 
 def channel_of(effect: str) -> int | None:
@@ -281,46 +256,6 @@ def _tells_all(jacobian: Array, rest: Flags) -> bool:
 
 def _square(values: Array) -> float:
     return float(values @ values)
-
-
-def share_of(
-    before: Array, after: Array, parts: Sequence[Part], whole: Array, channel: int | None = None,
-) -> Share:
-    """
-    Compute the share of a misfit that a further effect takes away.
-
-    Parameters
-    ----------
-    before, after : ndarray, shape (parts, CHANNELS)
-        `left_out_errors` without and with the effect.
-    parts : sequence of Part
-        For the noise.
-    whole : ndarray, shape (parts, CHANNELS)
-        `left_out_errors` of the model whose misfit counts as 1.
-    channel : int, optional
-        The only one that counts; by default all do.
-
-    Returns
-    -------
-    share : Share
-        Of the effect, at most 1 of all parts together.
-
-    """
-    columns = slice(None) if channel is None else slice(channel, channel + 1)
-    gain = (before - after)[:, columns].sum(axis=1)
-    misfit = above_noise(whole, parts, columns)
-    # What is taken away was no noise, however large that was estimated.
-    misfit = misfit * max(1.0, float(gain.sum() / misfit.sum()))
-    share = float(gain.sum() / misfit.sum())
-    harm = float(np.maximum(-gain, 0.0).sum() / misfit.sum())
-    known = gain != 0.0
-    count, seen = int(np.count_nonzero(known)), float(misfit[known].sum())
-    if count < 2:
-        return Share(share, (-np.inf, np.inf), gain / misfit, harm)
-    without = (gain.sum() - gain[known]) / (seen - misfit[known]) * (seen / misfit.sum())
-    spread = float(np.sqrt((count - 1) / count * np.sum((without - without.mean()) ** 2)))
-    reach = _TWO_SIDED * spread
-    return Share(share, (share - reach, share + reach), gain / misfit, harm)
 
 
 def values_on(recordings: Recordings, found: Fit, part: Part) -> Model:

@@ -31,9 +31,10 @@ from .candidate import assess, Candidate
 from .criteria import ADEQUATE, predicts_enough, SHARE_OF_WHOLE
 from .discrepancy import noise_by_channel
 from .fitting import Fit
-from .invariance import left_out_errors, share_of
+from .invariance import left_out_errors
 from .parts import Part
 from .search import search
+from .share import share_of
 from .zeros import ZEROS
 from ..observe.prepared_recording import Recordings
 from ...physics import EFFECTS

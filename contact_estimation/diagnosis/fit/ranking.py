@@ -31,29 +31,22 @@ from .criteria import ADEQUATE, is_sure_of_little, OF_LITTLE, predicts_enough, S
 from .discrepancy import CHANNELS, costs_by_channel, material, noise_by_channel
 from .fitting import Fit, fit
 from .form import law_in_form
-from .invariance import channel_by_gain, judged_by_channel, left_out_errors, ROBOT, share_of
+from .invariance import channel_by_gain, judged_by_channel, left_out_errors, ROBOT
 from .marks import Mark
 from .pairs import pairs_that_predict
-from .parts import counts_of, evened, Part, parts_of
+from .parts import counts_of, evened, parts_of
+from .share import share_of
+from .simplest import adequate, simplest_curve
 from .zeros import is_zero, resembles_zero, with_zeros, ZEROS, Zeros
 from ..observe.model import Model
 from ..observe.prepared_recording import Recordings
-from ...physics import EFFECTS
 
 Array = NDArray[np.float64]
 
 _PROMISING, _ASSESSED = 0.4, 12  # of the largest gain in the fit, to be assessed; at most so many
-_FLEXIBLE_HARM = 0.01  # most harm of a curve that fits almost anything
-_OF_LAW = 0.8  # share of the gain of a series, or of a law, that what replaces it must have
 _LITTLE = 1.25  # times the least discrepancy that is worth a name, in the motion alone
-# Of a spring the same as a force; at constant speed to and fro likewise.
-_LIKE_A_BIAS = ('contact_offset', 'asymmetric_damping')
 _BESIDE_ZEROS = 3  # laws that are tried for each offset that the model lacks
-_OF_TIME = ('wall_motion', 'sensor_zero')  # families of curves that follow time alone
 _WEAK = 0.15  # share of the misfit that one size for all parts fits, of a law that holds in form
-
-FLEXIBLE_LEAD = 0.15
-"""Share of the misfit by which such a curve must be better than the best law."""
 
 
 class Ranking(NamedTuple):
@@ -160,7 +153,7 @@ def _channel(recordings: Recordings, present: Fit, found: Fit) -> int | None:
 def _best(taken: Sequence[Candidate], before: float) -> Candidate | None:
     """Return the best of the channels' candidates; of curves the simplest that is adequate."""
     best = min(taken, key=lambda one: one.total, default=None)
-    return _simplest(taken, before) if best is not None and best.flexible else best
+    return simplest_curve(taken, before) if best is not None and best.flexible else best
 
 
 def _others(
@@ -198,7 +191,7 @@ def first_that_predicts(
 
     """
     for laws in (candidates, [one for one in candidates if resembles_zero(one.name)]):
-        for best in _adequate(recordings, laws, before, zeros.parts):
+        for best in adequate(recordings, laws, before, zeros.parts):
             of_present = share_of(before, best.errors, zeros.parts, before, best.channel)
             of_whole = share_of(before, best.errors, zeros.parts, whole)
             if predicts_enough(of_present, of_whole, is_zero(best.name) and not best.flexible):
@@ -266,81 +259,3 @@ def _is_sure(one: Candidate, zeros: Zeros, before: Array) -> bool:
     shares = (share_of(before, one.errors, zeros.parts, before, one.channel),
               zeros.share_beside(one))
     return all(map(is_sure_of_little, shares))
-
-
-def _adequate(
-    recordings: Recordings, assessed: Sequence[Candidate], before: Array, parts: Sequence[Part]
-) -> list[Candidate]:
-    """List the best candidate, or the simplest of those that are adequate, then the others."""
-    laws = [one for one in assessed if not one.flexible]
-    winner = min(laws, key=lambda one: one.total, default=None)
-    curve = _simplest(assessed, float(before.sum()))
-    if curve is not None:
-        share = share_of(before, curve.errors, parts, before, curve.channel)
-        columns = slice(None) if curve.channel is None else curve.channel
-        noise = sum(float(np.sum(part.noise[columns])) for part in parts)
-        misfit = float(np.sum(before[:, columns])) - noise
-        lead = (winner.total if winner else float(before.sum())) - curve.total
-        if lead > FLEXIBLE_LEAD * misfit:
-            least = EFFECTS[curve.name].least_share
-            if share.share > least and share.harm < _FLEXIBLE_HARM:
-                return [_simpler_beside_an_offset(recordings, laws, curve, before, parts)]
-            family = EFFECTS[curve.name].family
-            if family in _OF_TIME and (winner is None or family != EFFECTS[winner.name].family):
-                return []  # what time tells so much better than any law is none of them
-    if winner is None:
-        return []
-    gain = float(before.sum()) - winner.total
-    adequate = [one for one in laws if one.total <= winner.total + ADEQUATE * gain]
-    simpler = [one for one in adequate if one.size < winner.size]
-    first = min(simpler, key=lambda one: (one.size, one.total), default=winner)
-    attached = not first.found.model.nominal.environment.unilateral
-    if attached and first.name in _LIKE_A_BIAS:
-        alike = (1.0 + ADEQUATE) * first.found.cost
-        first = next((one for one in laws
-                      if one.name == 'force_bias' and one.found.cost <= alike), first)
-    first = _instead_of_series(laws, first, float(before.sum()))
-    first = _simpler_beside_an_offset(recordings, laws, first, before, parts)
-    others = [one for one in adequate if one is not first]
-    return [first, *sorted(others, key=lambda one: one.total)]
-
-
-def _simplest(assessed: Sequence[Candidate], before: float) -> Candidate | None:
-    """Return the simplest of the curves that predict about as well as the best."""
-    curves = [one for one in assessed if one.flexible]
-    least = min((one.total for one in curves), default=0.0)
-    return min((one for one in curves if one.total <= least + ADEQUATE * (before - least)),
-               key=lambda one: (one.size, one.total), default=None)
-
-
-def _instead_of_series(
-    laws: Sequence[Candidate], winner: Candidate, before: float
-) -> Candidate:
-    """Return the best law of the family of a series, if one predicts most of what that does."""
-    if not EFFECTS[winner.name].is_series:
-        return winner
-    most = winner.total + (1.0 - _OF_LAW) * (before - winner.total)
-    family = EFFECTS[winner.name].family
-    return min((one for one in laws if not EFFECTS[one.name].is_series
-                and EFFECTS[one.name].family == family and one.total <= most),
-               key=lambda one: one.total, default=winner)
-
-
-def _simpler_beside_an_offset(
-    recordings: Recordings, assessed: Sequence[Candidate], taken: Candidate, before: Array,
-    parts: Sequence[Part],
-) -> Candidate:
-    """Return a simpler law if it predicts as well beside a bias, which comes next."""
-    if 'force_bias' in taken.found.model.effects:
-        return taken
-    gain = float(before.sum()) - taken.total
-    for one in sorted(assessed, key=lambda one: one.total):
-        # A clearance and a bias are two zeros: they replace a law only if the one does already.
-        weak = resembles_zero(one.name) and one.total > taken.total + (1.0 - _OF_LAW) * gain
-        if one.size < taken.size and not one.flexible and not weak:
-            model = one.found.model.with_effect('force_bias', (0.0,))
-            errors = left_out_errors(recordings, fit(recordings, model), parts)
-            slack = ADEQUATE * gain if one.size + 1 < taken.size else 0.0
-            if float(errors.sum()) <= taken.total + slack:
-                return one
-    return taken

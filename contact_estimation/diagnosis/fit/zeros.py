@@ -31,8 +31,9 @@ from .candidate import Candidate
 from .criteria import is_sure_of_little, predicts_enough, SHARE
 from .discrepancy import material, weighed
 from .fitting import Fit, fit, fit_to_end
-from .invariance import left_out_errors, Share, share_of
+from .invariance import left_out_errors
 from .parts import Part
+from .share import Share, share_of
 from ..observe.model import Model
 from ..observe.prepared_recording import Recordings
 from ...physics import EFFECTS
