@@ -37,12 +37,12 @@ def test_a_share_that_may_be_nought_is_doubtful() -> None:
 
 
 def test_a_trifle_beside_another_law_is_doubtful_though_it_leaves_only_noise() -> None:
-    whole, trifle = share_of(0.95, 0.02), share_of(0.015, 0.001)
+    whole, trifle = share_of(0.95, 0.02), share_of(0.03, 0.001)
     assert probabilities([whole, trifle], [whole, trifle], 0.0, True) == [MOST, DOUBTFUL]
 
 
 def test_an_early_trifle_that_the_others_need_is_as_sure_as_any() -> None:
-    whole, trifle, beside = share_of(0.95, 0.02), share_of(0.015, 0.001), share_of(0.3, 0.05)
+    whole, trifle, beside = share_of(0.95, 0.02), share_of(0.03, 0.001), share_of(0.3, 0.05)
     assert probabilities([trifle, whole], [beside, whole], 0.0, True) == [MOST, MOST]
 
 

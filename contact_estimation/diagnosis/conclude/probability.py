@@ -37,7 +37,7 @@ EVEN, SLOPE = 0.0, 3.4
 DOUBTFUL = 0.5
 """Probability of an effect that leaves only noise, but may predict nothing of parts left out."""
 
-_TRIFLE = 0.02  # share of the misfit that another law, if inexact, may leave to any name
+_TRIFLE = 0.05  # share of the misfit that another law, if inexact, may leave to any name
 
 LEAST, MOST = 0.05, 0.97
 """Limits of the probability: no finite number of worlds supports more."""
