@@ -159,8 +159,7 @@ def least_material(recording: PreparedRecording) -> float:
         Root mean square [N]: 0.6 % of the range of the force.
 
     """
-    low, high = np.percentile(recording.observed.force, (1.0, 99.0))
-    return _MATERIAL * float(high - low)
+    return _MATERIAL * recording.observed.force_range
 
 
 def _stiffness(recording: PreparedRecording, model: Model) -> float:

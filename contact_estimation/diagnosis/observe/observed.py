@@ -120,6 +120,12 @@ class Observed:
         return OBSERVER_CUTOFF / self.pace
 
     @cached_property
+    def force_range(self) -> float:
+        """Range of the force but for its highest and lowest hundredth [N]."""
+        low, high = np.percentile(self.force, (1.0, 99.0))
+        return float(high - low)
+
+    @cached_property
     def driving(self) -> Array:
         """Force whose straight lines move a wall without a robot, shape (N,) [N]."""
         return BETWEEN[self.between](self.force)

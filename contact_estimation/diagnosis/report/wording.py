@@ -20,7 +20,6 @@ from __future__ import annotations
 from math import isfinite, sqrt
 from typing import Sequence
 
-import numpy as np
 
 from ..conclude.dependence import Dependence
 from ..conclude.location import Location
@@ -152,7 +151,7 @@ def trifle(diagnosis: Diagnosis) -> str:
     if d.verdict != 'recalibrate' or error is None or error**2 < _TWICE * d.noise_floor**2:
         return ''
     left = sqrt(error**2 - d.noise_floor**2)
-    span = max(float(np.ptp(one.observed.force)) for one in d.recordings)
+    span = max(one.observed.force_range for one in d.recordings)
     percent = 100.0 * left / span
     return (f'Beside the noise it leaves {left:.2g} N (rms, held out), {percent:.1g} % of the '
             'range of the force: too little for a name')
