@@ -18,9 +18,14 @@ from __future__ import annotations
 
 from math import pi
 
+from concealed_worlds import nominal
+from contact_estimation.diagnosis.observe.observed import observe, Observed
+from contact_estimation.diagnosis.observe.signals import Signals
 from contact_estimation.diagnosis.observe.smoothing import (
     CUTOFFS_HZ,
     differentiate,
+    rate_noise,
+    slower_by_force,
     smooth,
     smooth_enough,
     white_noise_std,
@@ -157,3 +162,43 @@ def test_slow_sampling_leaves_the_signal_as_it_is() -> None:
     signal = wave(3.0)
     smoothed, _ = smooth_enough(signal, EVEN, 0.1, 1e-6)
     np.testing.assert_array_equal(smoothed, signal)
+
+
+@pytest.mark.parametrize('cutoff', [6.0, 20.0, 70.0])
+def test_rate_noise_bounds_that_of_smoothed_noise(cutoff: float) -> None:
+    noise = 1e-5 * np.random.default_rng(8).standard_normal(len(T))
+    rate = differentiate(smooth(noise, EVEN, cutoff * H), H).rate
+    assert 0.4 < np.std(rate) / rate_noise(1e-5, cutoff, H) < 1.0
+
+
+@pytest.mark.parametrize('frequency, low, high', [(0.5, 6.0, 9.0), (12.0, 30.0, 70.0)])
+def test_the_force_tells_the_bandwidth_of_a_static_wall(
+    frequency: float, low: float, high: float
+) -> None:
+    noise = 0.01 * np.random.default_rng(9).standard_normal(len(T))
+    cutoff = slower_by_force(1e3 * wave(frequency) + noise, EVEN, H, 1.0, 1.0)
+    assert cutoff is not None and low <= cutoff <= high
+
+
+def test_the_force_tells_no_bandwidth_where_noise_of_the_motion_matters_little() -> None:
+    noise = 0.01 * np.random.default_rng(9).standard_normal(len(T))
+    assert slower_by_force(1e3 * wave(0.5) + noise, EVEN, H, 0.05, 1.0) is None
+
+
+def wobbling(damping: float) -> Observed:
+    """Observe a damper in a slow sine whose position sensor wobbles at 40 Hz."""
+    motion = wave(0.25)
+    wobble = 4e-5 * np.sin(2.0 * pi * 40.0 * T) + 1e-5 * np.random.default_rng(
+        10).standard_normal(len(T))
+    force = -damping * np.gradient(motion, H) + 0.01 * np.random.default_rng(
+        11).standard_normal(len(T))
+    signals = Signals(T, force, T, motion + wobble, np.empty(0), np.empty((4, 0)))
+    return observe(signals, nominal(
+        environment__stiffness=0.0, environment__damping=damping, environment__unilateral=False))
+
+
+def test_a_wobble_that_the_force_of_a_damper_lacks_is_no_speed() -> None:
+    speed = np.gradient(wave(0.25), H)
+    loud, quiet = wobbling(5000.0), wobbling(1.0)
+    assert np.std((loud.v - speed)[MIDDLE]) < 0.1 * np.std((quiet.v - speed)[MIDDLE])
+    assert loud.position_noise == pytest.approx(4e-5 / np.sqrt(2.0), rel=0.1)

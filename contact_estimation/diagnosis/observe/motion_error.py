@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d
 
 from .pace import is_slow
-from .smoothing import differentiate
+from .smoothing import differentiate, rate_noise
 
 Array = NDArray[np.float64]
 
@@ -127,7 +127,7 @@ def motion_error(
     if not is_slow(h) and step == 0.0 and left is None:
         return None
     x_error = step / sqrt(12.0)
-    v_error = x_error * 2.0 * pi * cutoff * sqrt(min(1.0, 2.0 * cutoff * h))
+    v_error = rate_noise(x_error, cutoff, h)
     errors = np.tile([[x_error], [v_error]], len(x))
     if is_slow(h) or left is not None:
         errors = np.hypot(errors, _lost_between_samples(x, v, h))

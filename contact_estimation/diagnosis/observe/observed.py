@@ -28,7 +28,14 @@ from .motion_error import lost_by_lines, motion_error, quantisation_step
 from .observer import discretise, OBSERVER_CUTOFF, run, SecondOrder
 from .pace import pace_of
 from .signals import check_signals, Signals
-from .smoothing import differentiate, smooth_enough, white_noise_std
+from .smoothing import (
+    differentiate,
+    rate_noise,
+    slower_by_force,
+    smooth,
+    smooth_enough,
+    white_noise_std,
+)
 from ...physics.robot_law import RobotLaw
 from ...plant.between_samples import BETWEEN
 from ...plant.plant_parameters import PlantParameters
@@ -223,11 +230,18 @@ def observe(
     coarse = step if step / sqrt(12.0) > noise else 0.0
     noise = max(noise, coarse / sqrt(12.0))
     weight = np.where(sampled, 1.0, 1e-3)
-    left, cutoff = smooth_enough(
-        position - carried, weight, h, noise, pace_of(h, float(t[-1] - t[0])))
+    pace = pace_of(h, float(t[-1] - t[0]))
+    left, cutoff = smooth_enough(position - carried, weight, h, noise, pace)
+    wall = model.environment
+    static = not wall.unilateral and wall.inertia == 0.0
+    if static and not with_robot:
+        felt = wall.damping * rate_noise(noise, cutoff, h)
+        slower = slower_by_force(force, np.where(measured, 1.0, 1e-3), h, felt, pace)
+        if slower is not None and slower < cutoff:
+            left, cutoff = smooth(position, weight, slower * h), slower
+            noise = max(noise, float(np.std((position - left)[sampled])))
     x, v, a = differentiate(carried + left, h)
     x.flags.writeable = v.flags.writeable = False  # the states of a law along them are kept
-    static = not model.environment.unilateral and model.environment.inertia == 0.0
     # A straight line over a dropped sample cuts the bend, and innovations would ring from it.
     position = np.where(sampled, position, x)
     return Observed(

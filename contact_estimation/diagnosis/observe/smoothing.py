@@ -16,7 +16,7 @@
 
 from __future__ import annotations
 
-from math import pi
+from math import pi, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -28,6 +28,8 @@ Array = NDArray[np.float64]
 
 CUTOFFS_HZ = (6.0, 9.0, 13.0, 20.0, 30.0, 45.0, 70.0, 110.0, 180.0)  # at a pace of 1
 _THIRD_DIFFERENCE = (-1.0, 3.0, -3.0, 1.0)
+_LEAST_NOISE = 1e-4  # of the range of a force
+_FELT = 10.0  # times that noise
 
 
 class Derivatives(NamedTuple):
@@ -157,3 +159,56 @@ def smooth_enough(
         if np.mean(np.minimum(np.abs(left), 4.0 * noise) ** 2) <= 1.05 * noise**2:
             break
     return smoothed, cutoff
+
+
+def rate_noise(noise: float, cutoff: float, h: float) -> float:
+    """
+    Bound the standard deviation of the rate of a smoothed signal.
+
+    Parameters
+    ----------
+    noise : float
+        White noise of the signal.
+    cutoff : float
+        Of the smoothing [Hz].
+    h : float
+        Sample period [s].
+
+    Returns
+    -------
+    std : float
+        Unit of the signal per second; as if all noise in the band were at its upper end.
+
+    """
+    return noise * 2.0 * pi * cutoff * sqrt(min(1.0, 2.0 * cutoff * h))
+
+
+def slower_by_force(
+    force: Array, weight: Array, h: float, felt: float, pace: float
+) -> float | None:
+    """
+    Return the cut-off of the force of a static wall, where the noise of the motion needs it.
+
+    What such a wall does shows in its force at once: a motion that is faster than the force is
+    noise, whatever its spectrum. The rate would else be little but noise, which hides the damping
+    and every misfit.
+
+    Parameters
+    ----------
+    force, weight : ndarray, shape (N,)
+        As for `smooth` [N].
+    h : float
+        Sample period [s].
+    felt : float
+        Standard deviation of the force that the noise of the rate would cause [N].
+    pace : float
+        Of the recording.
+
+    Returns
+    -------
+    cutoff : float or None
+        [Hz]; None where the noise of the motion matters little.
+
+    """
+    noise = max(white_noise_std(force), _LEAST_NOISE * float(np.ptp(force)))
+    return None if felt < _FELT * noise else smooth_enough(force, weight, h, noise, pace)[1]
