@@ -187,12 +187,12 @@ def test_the_force_tells_no_bandwidth_where_noise_of_the_motion_matters_little()
 
 def wobbling(damping: float) -> Observed:
     """Observe a damper in a slow sine whose position sensor wobbles at 40 Hz."""
-    motion = wave(0.25)
-    wobble = 4e-5 * np.sin(2.0 * pi * 40.0 * T) + 1e-5 * np.random.default_rng(
-        10).standard_normal(len(T))
-    force = -damping * np.gradient(motion, H) + 0.01 * np.random.default_rng(
-        11).standard_normal(len(T))
-    signals = Signals(T, force, T, motion + wobble, np.empty(0), np.empty((4, 0)))
+    motion, generator = wave(0.25), np.random.default_rng(10)
+    wobble = 4e-5 * np.sin(2.0 * pi * 40.0 * T) + 1e-5 * generator.standard_normal(len(T))
+    force = np.asarray(-damping * np.gradient(motion, H), np.float64)
+    force += 0.01 * generator.standard_normal(len(T))
+    t = np.asarray(T, np.float64)
+    signals = Signals(t, force, t, motion + wobble, np.empty(0), np.empty((4, 0)))
     return observe(signals, nominal(
         environment__stiffness=0.0, environment__damping=damping, environment__unilateral=False))
 
