@@ -41,9 +41,7 @@ Array = NDArray[np.float64]
 FLEXIBLE_LEAD = 0.15
 """Share of the misfit by which a curve that fits almost anything must be better than a law."""
 
-OF_LAW = 0.8
-"""Share of the gain of a series, or of a law, that what replaces it must have."""
-
+_OF_LAW = 0.8  # share of the gain of a series, or of a law, that what replaces it must have
 _FLEXIBLE_HARM = 0.01  # most harm of a curve that fits almost anything
 # Of a spring the same as a force; at constant speed to and fro likewise.
 _LIKE_A_BIAS = ('contact_offset', 'asymmetric_damping')
@@ -144,7 +142,7 @@ def _instead_of_series(
     """Return the best law of the family of a series, if one predicts most of what that does."""
     if not EFFECTS[winner.name].is_series:
         return winner
-    most = winner.total + (1.0 - OF_LAW) * (before - winner.total)
+    most = winner.total + (1.0 - _OF_LAW) * (before - winner.total)
     family = EFFECTS[winner.name].family
     return min((one for one in laws if not EFFECTS[one.name].is_series
                 and EFFECTS[one.name].family == family and one.total <= most),
@@ -161,7 +159,7 @@ def _simpler_beside_an_offset(
     gain = float(before.sum()) - taken.total
     for one in sorted(assessed, key=lambda one: one.total):
         # A clearance and a bias are two zeros: they replace a law only if the one does already.
-        weak = resembles_zero(one.name) and one.total > taken.total + (1.0 - OF_LAW) * gain
+        weak = resembles_zero(one.name) and one.total > taken.total + (1.0 - _OF_LAW) * gain
         if one.size < taken.size and not one.flexible and not weak:
             model = one.found.model.with_effect('force_bias', (0.0,))
             errors = left_out_errors(recordings, fit(recordings, model), parts)

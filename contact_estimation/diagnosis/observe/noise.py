@@ -26,7 +26,7 @@ from .motion_error import lost_by_lines
 from .observed import Observed
 from .observer import innovations_of, SecondOrder
 from .pace import is_slow
-from .smoothing import white_noise_std
+from .smoothing import least_noise, white_noise_std
 
 Array = NDArray[np.float64]
 
@@ -56,7 +56,7 @@ def force_noise(model: Model, observed: Observed) -> float:
 
     """
     o = observed
-    least = 1e-4 * float(np.ptp(o.force))
+    least = least_noise(o.force)
     span = max(6, round(_WINDOW_S * o.pace / o.h))
     law = model.laws().contact
     if law.unilateral:

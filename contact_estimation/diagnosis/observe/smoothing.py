@@ -29,7 +29,7 @@ Array = NDArray[np.float64]
 CUTOFFS_HZ = (6.0, 9.0, 13.0, 20.0, 30.0, 45.0, 70.0, 110.0, 180.0)  # at a pace of 1
 _THIRD_DIFFERENCE = (-1.0, 3.0, -3.0, 1.0)
 _LEAST_NOISE = 1e-4  # of the range of a force
-_FELT = 10.0  # times that noise
+_FELT = 10.0  # times the noise of the force
 
 
 class Derivatives(NamedTuple):
@@ -123,6 +123,24 @@ def white_noise_std(signal: Array) -> float:
     return float(np.sqrt(0.5 * np.median(whitened)))
 
 
+def least_noise(force: Array) -> float:
+    """
+    Return the least noise of a force sensor that is worth assuming.
+
+    Parameters
+    ----------
+    force : ndarray, shape (N,)
+        [N].
+
+    Returns
+    -------
+    std : float
+        [N], a ten thousandth of the force's range.
+
+    """
+    return _LEAST_NOISE * float(np.ptp(force))
+
+
 def smooth_enough(
     signal: Array, weight: Array, h: float, noise: float, pace: float = 1.0
 ) -> tuple[Array, float]:
@@ -210,5 +228,5 @@ def slower_by_force(
         [Hz]; None where the noise of the motion matters little.
 
     """
-    noise = max(white_noise_std(force), _LEAST_NOISE * float(np.ptp(force)))
+    noise = max(white_noise_std(force), least_noise(force))
     return None if felt < _FELT * noise else smooth_enough(force, weight, h, noise, pace)[1]
