@@ -24,6 +24,7 @@ from .evidence import Evidence
 _SMALL = 0.3  # of the expected force
 _SMALL_ALONE = 0.1  # the same without a robot: the nominal wall may be too stiff
 _UNRELATED = 0.5  # correlation
+_REPEATS = 0.8  # the same of the force on the ways in and out
 _SURE = 20.0  # times the noise: expected forces
 
 
@@ -39,7 +40,9 @@ def find(evidence: Evidence) -> Finding:
     Returns
     -------
     finding : Finding
-        Not ok if the motion shows a contact that the force hardly shows.
+        Not ok if the motion shows a contact that the force hardly shows. A force that follows no
+        line, but is the same at a place on the ways in and out, is that of a strongly nonlinear
+        contact, such as a dome that buckles.
 
     """
     if not evidence.model.environment.unilateral:
@@ -56,7 +59,10 @@ def find(evidence: Evidence) -> Finding:
     lines = [wall] if robot is None else [wall, robot]
     least = _SMALL_ALONE if robot is None else _SMALL
     small = all(abs(line.slope) < least for line in lines)
-    unrelated = robot is not None and all(abs(line.correlation) < _UNRELATED for line in lines)
+    no_line = all(abs(line.correlation) < _UNRELATED for line in lines)
+    unrelated = robot is not None and no_line
+    if robot is None and no_line and evidence.repeats > _REPEATS:
+        return Finding(True, f'{text}, the same on the ways in and out')
     if expected < _SURE * evidence.force_noise or not (small or unrelated):
         return Finding(True, text)
     return Finding(False, f'{text}, expected about 1: this seems to be another axis of the '

@@ -41,6 +41,7 @@ _CLEAR = 8.0  # standard deviations of the smoothed noise
 _LONGEST_LAG = 0.25  # of the recording
 _LONGEST_AHEAD_S = 0.4
 _LEAST_COMMON = 0.5  # of the shorter topic
+_PLACES, _LEAST_THERE = 20, 2  # bins of the position, and samples of either way in one
 
 
 class Evidence:
@@ -113,6 +114,19 @@ class Evidence:
     def position_noise(self) -> float:
         """White noise of the position [m]."""
         return white_noise_std(max((part.position for part in self.parts), key=len))
+
+    @cached_property
+    def repeats(self) -> float:
+        """Correlation over the place of the force on the way in with that on the way out."""
+        s = self.smooth
+        edges = np.linspace(np.min(s.x), np.max(s.x), _PLACES + 1)[1:-1]
+        place = np.searchsorted(edges, s.x)
+        counts, sums = (np.array([np.bincount(place[way], values[way], _PLACES)
+                                  for way in (s.v > 0.0, s.v < 0.0)])
+                        for values in (np.ones(len(s.x)), s.force))
+        both = (counts >= _LEAST_THERE).all(axis=0)
+        way_in, way_out = sums[:, both] / counts[:, both]
+        return line_through(way_in, way_out).correlation if both.sum() > 2 else 0.0
 
     @property
     def clear_force(self) -> float:
