@@ -22,7 +22,7 @@ from types import SimpleNamespace
 from typing import Any
 
 from concealed_worlds import diagnosed, named, nominal, prepared_from, recorded, touches
-from contact_estimation.diagnosis.conclude import decision as decision_module
+from contact_estimation.diagnosis.conclude import decision as decision_module, trifles
 from contact_estimation.diagnosis.conclude.alternatives import beside_zeros, in_family
 from contact_estimation.diagnosis.conclude.conclusion import _worse
 from contact_estimation.diagnosis.conclude.decision import decide, Decision
@@ -240,11 +240,11 @@ def test_little_of_a_robot_is_named_only_if_it_surely_explains_most(
 ) -> None:
     # A controller that works in steps looks like a drag of 0.1 % of the force.
     best = Fit(Model.of(SPRING).with_effect(name, (1.0,)), 100.0, np.zeros(1), 100)
-    monkeypatch.setattr(decision_module, 'fit', lambda recordings, model: best)
-    monkeypatch.setattr(decision_module, 'weighed', lambda recordings, model: [])
+    monkeypatch.setattr(trifles, 'fit', lambda recordings, model: best)
+    monkeypatch.setattr(trifles, 'weighed', lambda recordings, model: [])
     shares: Any = SimpleNamespace(
         best=best, explained=1.0, sure=lambda of: sure, is_constant=lambda of: True)
-    assert decision_module._is_trifle([], shares, name) is trifle
+    assert trifles.is_trifle([], shares, name) is trifle
 
 
 @pytest.mark.parametrize('corrected, exact, worse', [

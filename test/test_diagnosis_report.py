@@ -183,19 +183,31 @@ def test_text_says_how_much_the_names_leave_and_where(count: int, subject: str) 
 
 
 @pytest.mark.parametrize('verdict, error, told', [
-    ('recalibrate', 2.0, True), ('recalibrate', 1.2, False), ('unexplained', 2.0, False)])
+    ('recalibrate', 2.0, True), ('recalibrate', 1.2, False), ('unexplained', 2.0, False),
+    ('consistent', 2.0, True), ('consistent', 1.2, False)])
 def test_a_trifle_beyond_the_noise_is_told_where_nothing_is_named(
     verdict: str, error: float, told: bool
 ) -> None:
     d = diagnosed('friction')
-    recalibrated = replace(d, verdict=verdict, effects=[], noise_floor=0.1,
-                           force=replace(d.force, recalibrated=0.1 * error))
+    models = {'nominal': 0.1 * error, 'recalibrated': 0.1 * error}
+    unnamed = replace(d, verdict=verdict, effects=[], noise_floor=0.1,
+                      force=replace(d.force, **models))
     low, high = np.percentile(d.recordings[0].observed.force, (1.0, 99.0))
-    percent = f'{17.32 / (high - low):.1g}'
+    percent = f'{17.32 / (high - low):.2g}'
     text = (f'Beside the noise it leaves 0.17 N (rms, held out), {percent} % of the '
             'range of the force: too little for a name.')
-    assert (text in as_text(recalibrated)) is told
-    assert (text in as_html(recalibrated, 'a.mcap')) is told
+    assert (text in as_text(unnamed)) is told
+    assert (text in as_html(unnamed, 'a.mcap')) is told
+    assert ('to within the sensor noise' in as_text(unnamed)) is (
+        verdict == 'consistent' and not told)
+
+
+def test_what_the_position_does_not_resolve_is_no_trifle() -> None:
+    d = diagnosed('friction')
+    low, high = np.percentile(d.recordings[0].observed.force, (1.0, 99.0))
+    unnamed = replace(d, verdict='recalibrate', effects=[], noise_floor=1e-6 * (high - low),
+                      force=replace(d.force, recalibrated=0.1 * (high - low)))
+    assert '10 % of the range of the force: the position does not resolve it.' in as_text(unnamed)
 
 
 def test_text_omits_the_interval_of_a_share_of_one_part() -> None:

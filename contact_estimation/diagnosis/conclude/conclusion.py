@@ -152,9 +152,8 @@ def _decided(fitted: Fitted, whole: Recordings, progress: Progress) -> _Tested:
         if again.best.model.effects and not again.worse:
             return again
     selection = decision.selection  # a false name is worse than no name
-    return _tested(fitted, whole, Decision(
-        selection._replace(best=selection.base), selection.base, True, decision.predictable,
-        None), progress)
+    unnamed = decide(selection._replace(best=selection.base), whole, progress)
+    return _tested(fitted, whole, unnamed, progress)
 
 
 def _tested(

@@ -25,8 +25,9 @@ from numpy.typing import NDArray
 from .apparent_mass import is_resonance
 from .held_out_power import confirmed, held_out_powers, largest, MOST_POWER
 from .shares import Shares, shares_of
+from .trifles import EXPLAINED, is_trifle, SURELY_MOST, without_correlated_trifles
 from ..fit.criteria import enough, leaves_noise, noise_scale, THRESHOLD
-from ..fit.discrepancy import has_discrepancy, material, weighed, without_discrepancy
+from ..fit.discrepancy import has_discrepancy, material, without_discrepancy
 from ..fit.fitting import Fit, fit
 from ..fit.flexible import autocorrelation, predictable_share
 from ..fit.model_uncertainty import discounted
@@ -42,15 +43,9 @@ from ...physics import EFFECTS
 
 Array = NDArray[np.float64]
 
-EXPLAINED = 0.5
-"""Least share of the misfit that names must predict on parts left out to explain it."""
-
 _TRIFLE, _UNSURE = 0.01, 0.1  # shares not worth a name: of an effect beyond doubt, of another
-_TINY = 0.2  # of the discrepancy that is worth a name, below which a robot's steps show
-_SMALL = 0.5  # of the discrepancy that is worth a name where laws may be inexact
 _PREDICTABLE = 0.1  # share of the residual that a smoother predicts: structure, not noise
 _SIGNIFICANT = 3.0  # standard deviations
-_SURELY_MOST = 0.6  # of the misfit that a curve explains down to the noise: a bias would, in part
 _DOWN_TO_NOISE = 0.95  # share of the misfit of a part
 _AUTOCORRELATION = 0.25  # of neighbouring residuals: structure that no smoother predicts
 
@@ -108,6 +103,9 @@ def decide(
     recordings, base, best = selection.recordings, selection.base, selection.best
     if best.model.effects and not has_discrepancy(recordings):
         best = _significant(recordings, confirmed(base, best, recordings, whole))
+        rest = without_correlated_trifles(recordings, base, best)
+        if rest is not None:
+            return decide(_carrying(selection, rest), whole, progress, False)
     if best.model.effects:
         progress('shares')
         in_form = selection.in_form if selection.in_form in best.model.effects else ''
@@ -128,7 +126,7 @@ def decide(
             or _is_resonance(recordings, best.model, name)
             or shares.most(name) < (_TRIFLE if shares.sure(name) > 0.0 else _UNSURE)
             or not _is_sure(shares, name, exact)
-            or exact and _is_trifle(recordings, shares, name))]  # last: it fits again
+            or exact and is_trifle(recordings, shares, name))]  # last: it fits again
         fewer = _without_doubtful(selection, best, shares, doubtful, whole, progress, again)
         if fewer is not None:
             return fewer
@@ -240,38 +238,13 @@ def _is_resonance(recordings: Recordings, model: Model, name: str) -> bool:
     return is_resonance(recordings, model, name)
 
 
-def _is_trifle(recordings: Recordings, shares: Shares, name: str) -> bool:
-    """
-    Return whether a name takes away little beside the force, and less than the noise.
-
-    With long recordings every imperfection of a rig is significant. One that is the same on all
-    parts is a law however small if little else is missing. Of a robot, whose controller works in
-    steps, it must surely explain most.
-    """
-    best, explained = shares.best, shares.explained >= EXPLAINED
-    steps = EFFECTS[name].port == 'robot' and shares.sure(name) < _SURELY_MOST
-    lawful = explained and shares.is_constant(name)
-    if lawful and not steps:
-        return False
-    without = fit(recordings, best.model.without(name))
-    carried = weighed(recordings, without.model)
-    if not explained:
-        return not material(carried, without.model)
-    if steps and not material(carried, without.model, _TINY):
-        return True
-    if lawful:
-        return False
-    gain = without.cost - best.cost
-    return gain <= best.residual_count and not material(carried, without.model, _SMALL)
-
-
 def _is_sure(shares: Shares, name: str, exact: bool) -> bool:
     """Return whether an effect surely predicts enough of the parts that were left out."""
     sure = shares.sure(name)
     if not exact:
         return sure > 0.0
     # What happens once, such as a sensor that settles, no other part tells.
-    return not shares.is_flexible(name) or sure > _SURELY_MOST or (
+    return not shares.is_flexible(name) or sure > SURELY_MOST or (
         sure > 0.0 and float(np.median(shares.of_channel[name].parts)) > _DOWN_TO_NOISE)
 
 

@@ -24,6 +24,7 @@ from typing import Sequence
 from ..conclude.dependence import Dependence
 from ..conclude.location import Location
 from ..conclude.result import Diagnosis, NamedEffect
+from ..fit.discrepancy import least_material
 from ...physics import EFFECTS
 
 PORTS = {'contact': 'in the contact', 'force_sensor': 'in the force sensor',
@@ -55,7 +56,8 @@ def headline(diagnosis: Diagnosis) -> str:
     """
     d = diagnosis
     if d.verdict == 'consistent':
-        return 'The simulation explains the recording to within the sensor noise'
+        return 'The simulation explains the recording' + (
+            '' if trifle(d) else ' to within the sensor noise')
     if d.verdict == 'recalibrate':
         old, new = d.nominal, d.recalibrated
         return (
@@ -133,7 +135,7 @@ def remainder(diagnosis: Diagnosis) -> str:
 
 def trifle(diagnosis: Diagnosis) -> str:
     """
-    Say how little a recalibrated model leaves, if that is more than noise.
+    Say how little a model leaves that lacks nothing, if that is more than noise.
 
     Parameters
     ----------
@@ -147,14 +149,17 @@ def trifle(diagnosis: Diagnosis) -> str:
 
     """
     d = diagnosis
-    error = d.force.recalibrated
-    if d.verdict != 'recalibrate' or error is None or error**2 < _TWICE * d.noise_floor**2:
+    errors = {'consistent': d.force.nominal, 'recalibrate': d.force.recalibrated}
+    error = errors.get(d.verdict)
+    if error is None or error**2 < _TWICE * d.noise_floor**2:
         return ''
     left = sqrt(error**2 - d.noise_floor**2)
-    span = max(one.observed.force_range for one in d.recordings)
-    percent = 100.0 * left / span
-    return (f'Beside the noise it leaves {left:.2g} N (rms, held out), {percent:.1g} % of the '
-            'range of the force: too little for a name')
+    shown = max(d.recordings, key=lambda one: one.observed.force_range)
+    percent = 100.0 * left / shown.observed.force_range
+    reason = ('too little for a name' if left < least_material(shown)
+              else 'the position does not resolve it')
+    return (f'Beside the noise it leaves {left:.2g} N (rms, held out), {percent:.2g} % of the '
+            f'range of the force: {reason}')
 
 
 def held_out_result(diagnosis: Diagnosis) -> str:

@@ -1,0 +1,106 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""What is too little beside the force to be worth a name."""
+
+from __future__ import annotations
+
+from .shares import Shares
+from ..fit.discrepancy import correlation_time, material, weighed
+from ..fit.fitting import Fit, fit
+from ..fit.zeros import ZEROS
+from ..observe.prepared_recording import Recordings
+from ..observe.residuals import residuals
+from ...physics import EFFECTS
+
+EXPLAINED = 0.5
+"""Least share of the misfit that names must predict on parts left out to explain it."""
+
+SURELY_MOST = 0.6
+"""Share of the misfit that a curve explains down to the noise: a bias would, in part."""
+
+_TINY = 0.2  # of the discrepancy that is worth a name, below which a robot's steps show
+_SMALL = 0.5  # of the discrepancy that is worth a name where laws may be inexact
+_CORRELATED = 8.0  # neighbouring residuals that tell as much as one: no white noise
+
+
+def is_trifle(recordings: Recordings, shares: Shares, name: str) -> bool:
+    """
+    Return whether a name takes away little beside the force, and less than the noise.
+
+    With long recordings every imperfection of a rig is significant. One that is the same on all
+    parts is a law however small if little else is missing. Of a robot, whose controller works in
+    steps, it must surely explain most.
+
+    Parameters
+    ----------
+    recordings : sequence of PreparedRecording
+        Without a discrepancy.
+    shares : Shares
+        Of all names.
+    name : str
+        One of them.
+
+    Returns
+    -------
+    trifle : bool
+        If so, it is not worth a name.
+
+    """
+    best, explained = shares.best, shares.explained >= EXPLAINED
+    steps = EFFECTS[name].port == 'robot' and shares.sure(name) < SURELY_MOST
+    lawful = explained and shares.is_constant(name)
+    if lawful and not steps:
+        return False
+    without = fit(recordings, best.model.without(name))
+    carried = weighed(recordings, without.model)
+    if not explained:
+        return not material(carried, without.model)
+    if steps and not material(carried, without.model, _TINY):
+        return True
+    if lawful:
+        return False
+    gain = without.cost - best.cost
+    return gain <= best.residual_count and not material(carried, without.model, _SMALL)
+
+
+def without_correlated_trifles(recordings: Recordings, base: Fit, best: Fit) -> Fit | None:
+    """
+    Fit without all laws if together they explain a trifle, and what they leave is no white noise.
+
+    A law down to the noise is one however little it explains. Where residuals as small as the
+    noise are correlated, the noise is that of rounded positions, say, and hides what else is
+    missing: then the laws are curves through one of the small imperfections of every rig.
+
+    Parameters
+    ----------
+    recordings : sequence of PreparedRecording
+        Without a discrepancy.
+    base, best : Fit
+        Recalibrated, and with effects.
+
+    Returns
+    -------
+    rest : Fit or None
+        `base`, or with the zeros alone if it leaves more; None if the laws are worth their names.
+
+    """
+    laws = [name for name in best.model.effects if name not in ZEROS]
+    times = [correlation_time(part) for one in recordings
+             for part in one.split(residuals(one, best.model))]
+    if not laws or max(times) < _CORRELATED:
+        return None
+    zeros = fit(recordings, best.model.without(*laws))
+    return next((rest for rest in (base, zeros)
+                 if not material(weighed(recordings, rest.model), rest.model)), None)

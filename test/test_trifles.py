@@ -1,0 +1,52 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Tests that curves through a small imperfection get no name, and laws of the same size do."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from concealed_worlds import nominal, prepared_from
+from contact_estimation.diagnosis.conclude.trifles import without_correlated_trifles
+from contact_estimation.diagnosis.fit.discrepancy import correlation_time
+from contact_estimation.diagnosis.fit.fitting import fit
+from contact_estimation.diagnosis.observe.residuals import residuals
+from contact_estimation.diagnosis.observe.signals import Signals
+import numpy as np
+import pytest
+
+T = np.arange(0.0, 20.0, 0.01)
+DEPTH = 5e-3 + 4e-3 * np.sin(2.0 * T) * np.cos(0.31 * T)
+STIFFNESS, NOISE = 1000.0, 2e-3
+SPRING = nominal(environment__stiffness=STIFFNESS, environment__damping=0.0,
+                 environment__unilateral=False)
+
+
+@pytest.mark.parametrize('cubic, wave, trifle', [
+    (4e5, 0.0, False), (4e5, 5.0, True), (4e6, 5.0, False)])
+def test_a_trifle_is_worth_its_name_only_if_it_leaves_white_noise(
+    cubic: float, wave: float, trifle: bool
+) -> None:
+    noise = NOISE * np.random.default_rng(3).standard_normal(len(T))
+    slow = wave * NOISE * np.sin(1.1 * T)
+    force = -(STIFFNESS * DEPTH + cubic * DEPTH**3) + slow + noise
+    prepared, model = prepared_from(
+        Signals(T, force, T, DEPTH, np.empty(0), np.empty((4, 0))), SPRING)
+    recordings = [replace(prepared, force_noise=5.0 * NOISE)]  # as of rounded positions
+    base, best = fit(recordings, model), fit(
+        recordings, model.with_effect('cubic_stiffness', (cubic,)))
+    assert best.cost < best.residual_count < base.cost
+    assert (correlation_time(residuals(recordings[0], best.model)) > 8.0) is (wave > 0.0)
+    assert (without_correlated_trifles(recordings, base, best) is base) is trifle
