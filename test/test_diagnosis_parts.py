@@ -24,9 +24,10 @@ from typing import Any
 from concealed_worlds import diagnosed, named, nominal, prepared_from, recorded, touches
 from contact_estimation.diagnosis.conclude import decision as decision_module, trifles
 from contact_estimation.diagnosis.conclude.alternatives import beside_zeros, in_family
-from contact_estimation.diagnosis.conclude.conclusion import _worse
+from contact_estimation.diagnosis.conclude.conclusion import _is_contradicted, _worse
 from contact_estimation.diagnosis.conclude.decision import decide, Decision
 from contact_estimation.diagnosis.conclude.held_out import Part
+from contact_estimation.diagnosis.conclude.result import Errors
 from contact_estimation.diagnosis.conclude.shares import Shares, shares_of
 from contact_estimation.diagnosis.fit import ranking as ranking_module
 from contact_estimation.diagnosis.fit.criteria import SHARE
@@ -268,6 +269,17 @@ def test_a_better_force_does_not_make_up_for_a_much_worse_motion_unless_that_dri
     part = Part('held out', squares, np.full(2, 100.0), moved, np.full(2, 100.0))
     best = Model.of(SPRING).with_effect('cubic_stiffness', (2e6,))
     assert _worse([part], best, False, drifts) is worse
+
+
+@pytest.mark.parametrize('nominal, recalibrated, contradicted', [
+    (0.1, 0.3, True), (0.3, 0.1, False), (0.25, 0.3, False), (0.01, 0.03, False)])
+def test_values_that_are_far_worse_for_the_force_are_not_recommended(
+    nominal: float, recalibrated: float, contradicted: bool
+) -> None:
+    # A motion of one frequency tells neither mass nor spring, but their difference.
+    range_of_10: Any = SimpleNamespace(observed=SimpleNamespace(force_range=10.0))
+    force = Errors(nominal, recalibrated, recalibrated)
+    assert _is_contradicted(force, [range_of_10]) is contradicted
 
 
 def test_a_law_whose_size_differs_between_parts_makes_room_for_the_next(

@@ -28,9 +28,9 @@ from .dependence import dependences
 from .held_out import by_part, errors_of, improvement_interval, measure_part, Part
 from .location import locate, Location
 from .naming import advice, name_effects
-from .result import Diagnosis, NamedEffect, pair_of, Remainder, Value
+from .result import Diagnosis, Errors, NamedEffect, pair_of, Remainder, Value
 from .shares import Shares
-from ..fit.discrepancy import has_discrepancy
+from ..fit.discrepancy import has_discrepancy, least_material
 from ..fit.fitting import Fit, fit_at
 from ..fit.free_run import free_run
 from ..fit.model_uncertainty import discounted
@@ -45,7 +45,7 @@ from ...physics import EFFECTS
 Array = NDArray[np.float64]
 
 # Ratios of errors on held-out data.
-_CLEARLY_WORSE, _FAR_WORSE, _THE_SAME = 1.05, 3.0, 1.02
+_CLEARLY_WORSE, _MUCH_WORSE, _FAR_WORSE, _THE_SAME = 1.05, 1.5, 3.0, 1.02
 _UNTOLD = 4.0  # cost of two standard deviations
 _HELD = 0.1  # deviation of a spring's force, in that of all the force, which holds a driven mass
 _NOTHING = 0.01  # of the misfit: a remainder that is not worth a word
@@ -101,7 +101,10 @@ def conclude(fitted: Fitted, seed: int, progress: Progress) -> Diagnosis:
              for one in fitted.selection.recordings]
     decision, recordings, base, best, parts, free_runs, _ = _decided(fitted, whole, progress)
     selection, models = decision.selection, (fitted.nominal, base.model, best.model)
+    force, motion = errors_of(parts)
     verdict = verdict_of(decision, selection.base, fitted.nominal_cost)
+    if verdict == 'recalibrate' and _is_contradicted(force, whole):
+        verdict = 'unexplained'
     stds = standard_deviations(recordings, best)
     names = name_effects(
         best, stds, selection, decision.shares, recordings, whole[0], generator)
@@ -109,7 +112,6 @@ def conclude(fitted: Fitted, seed: int, progress: Progress) -> Diagnosis:
     improvement = improvement_interval(parts, generator)
     progress('dependence of the residuals')
     by_name = dict(zip(MODELS, models))
-    force, motion = errors_of(parts)
     return Diagnosis(
         verdict=verdict, effects=names.effects, location=location,
         remainder=_remainder(decision.shares, best, whole[0]), nominal=models[0],
@@ -186,6 +188,14 @@ def _refined(
         return recordings, base, best
     recordings, base = refine(recordings, base)
     return recordings, base, base
+
+
+def _is_contradicted(force: Errors, whole: Recordings) -> bool:
+    """Return whether other values, that the motion asks for, are far worse for the force."""
+    if force.nominal is None or force.recalibrated is None:
+        return False
+    least = max(least_material(one) for one in whole)
+    return force.recalibrated > max(_MUCH_WORSE * force.nominal, least)
 
 
 def _nominal_where_unknown(nominal: Model, recordings: Recordings, best: Fit) -> Fit:
