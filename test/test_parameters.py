@@ -28,6 +28,7 @@ from contact_estimation.exceptions import (
 )
 from contact_estimation.parameters.specification import (
     group,
+    of_valid,
     parameter,
     ParameterGroup,
     ParameterSpecification,
@@ -200,6 +201,13 @@ def test_choice_is_checked_in_the_constructor_too() -> None:
 def test_range_is_checked_in_the_constructor_too() -> None:
     with pytest.raises(ParameterRangeError, match='gain must be'):
         Inner(gain=-1.0)
+
+
+def test_values_known_to_be_valid_make_an_equal_group() -> None:
+    made = of_valid(Inner, (3.0, 1.5))
+    assert made == Inner(gain=3.0, optional=1.5) and hash(made) == hash(Inner(3.0, 1.5))
+    with pytest.raises(FrozenInstanceError):
+        made.gain = 4.0  # type: ignore[attr-defined]
 
 
 def test_nan_means_off_where_it_is_allowed() -> None:

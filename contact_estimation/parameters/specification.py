@@ -19,7 +19,7 @@ from __future__ import annotations
 import dataclasses
 import functools
 import math
-from typing import Any, Iterator
+from typing import Any, Iterator, Sequence
 
 from .value_text import number_text, Value, value_text
 from ..exceptions import ParameterRangeError, UnknownNameError
@@ -251,6 +251,28 @@ class ParameterGroup:
         cls: Any = type(self)  # mypy takes it for unhashable, as its instances may be
         for own in _own_specifications(cls):
             object.__setattr__(self, own.name, own.check(getattr(self, own.name)))
+
+
+def of_valid(cls: type[ParameterGroup], values: Sequence[float]) -> ParameterGroup:
+    """
+    Construct a group without checks, for a search that keeps to the ranges.
+
+    Parameters
+    ----------
+    cls : type of ParameterGroup
+        Its class, without nested groups.
+    values : sequence of float
+        In the order of its parameters.
+
+    Returns
+    -------
+    group : ParameterGroup
+        Equal to one that was checked.
+
+    """
+    made = object.__new__(cls)
+    made.__dict__.update(zip(cls.__dataclass_fields__, values))
+    return made
 
 
 @functools.lru_cache(maxsize=None)

@@ -16,6 +16,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 import math
 from typing import Any, NamedTuple, Sequence
 
@@ -29,6 +30,7 @@ from .numeric import Array
 
 State = tuple[float, ...]
 _KEPT = KeptMotion()
+_USED = ('surface', 'transmit', 'deflection', 'spring', 'damper', 'carried', 'resistance', 'tail')
 
 
 class Touch(NamedTuple):
@@ -83,19 +85,16 @@ class ContactLaw:
         self._exponent = 1.0
         for effect in wall:
             self._exponent *= effect.exponent
-        starts = np.cumsum([0, *(effect.states for effect in wall)]).tolist()
-        placed = [(effect, slice(a, b)) for effect, a, b in zip(wall, starts[:-1], starts[1:])]
+        placed, first = [], 0
+        for effect in wall:
+            placed.append((effect, slice(first, first + effect.states)))
+            first += effect.states
         # Only overridden hooks are called: a plant evaluates the law 20 000 times per second.
-        self._surfaces, self._transmissions, self._deflections, self._springs = (
-            [place for place in placed if hook in overridden(type(place[0]))]
-            for hook in ('surface', 'transmit', 'deflection', 'spring')
-        )
-        self._dampers, self._carriers, self._resistances, self._tails = (
-            [place for place in placed if hook in overridden(type(place[0]))]
-            for hook in ('damper', 'carried', 'resistance', 'tail')
-        )
+        users, self._is_plain = _users_of_hooks(tuple(map(type, wall)))
+        (self._surfaces, self._transmissions, self._deflections, self._springs, self._dampers,
+         self._carriers, self._resistances, self._tails) = (
+            [placed[k] for k in numbers] for numbers in users)
         self._stateful = [place for place in placed if place[0].states]
-        self._is_plain = not any(overridden(type(effect)) - {'tail'} for effect in wall)
 
     @property
     def bends_stiffness(self) -> bool:
@@ -299,6 +298,16 @@ class ContactLaw:
 
         """
         return np.asarray(self.motion_along(t, x, v).d > 0.0)
+
+
+@lru_cache(maxsize=None)
+def _users_of_hooks(
+    kinds: tuple[type[ContactEffect], ...],
+) -> tuple[tuple[tuple[int, ...], ...], bool]:
+    """Return for each hook which effects override it, and whether none does but for a tail."""
+    changed = [overridden(kind) for kind in kinds]
+    users = tuple(tuple(k for k, hooks in enumerate(changed) if hook in hooks) for hook in _USED)
+    return users, not any(hooks - {'tail'} for hooks in changed)
 
 
 def _shaping(effect: ContactEffect) -> tuple[type, tuple[float, ...]]:

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from .link import link_against_wall
 from .observed import Observed
-from ...parameters.specification import specifications
+from ...parameters.specification import of_valid, specifications
 from ...physics import EFFECTS
 from ...physics.contact_effect import ContactEffect
 from ...physics.contact_law import ContactLaw
@@ -152,13 +152,7 @@ class Model:
 
     def place(self, name: str) -> slice:
         """Return the place of an effect's parameters in `values`."""
-        first = self.base_count
-        for effect in self.effects:
-            count = len(names_of(effect))
-            if effect == name:
-                return slice(first, first + count)
-            first += count
-        raise KeyError(name)
+        return _places(self.effects, self.base_count)[name]
 
     def with_free(self, coordinates: Array) -> 'Model':
         """Return the model at other `coordinates`; values that are not free stay."""
@@ -222,7 +216,8 @@ class Model:
 
     def at(self, values: Any) -> 'Model':
         """Return the model with other values."""
-        return replace(self, values=tuple(float(value) for value in values))
+        return Model(self.nominal, self.effects, tuple(map(float, values)), self.with_inertia,
+                     self.excluded)
 
     @property
     def bounds(self) -> tuple[Array, Array]:
@@ -244,7 +239,7 @@ class Model:
         found = {}
         for name in self.effects:
             cls = EFFECTS[name]
-            found[name] = cls(cls.Parameters(*self.values[self.place(name)]))
+            found[name] = cls(of_valid(cls.Parameters, self.values[self.place(name)]))
         return [found[name] for name in EFFECTS if name in found]
 
     def plausible(self) -> bool:
@@ -263,7 +258,12 @@ class Model:
         return cls.is_flexible(cls.Parameters(*self.values[self.place(name)]), duration)
 
     def laws(self) -> Laws:
-        """Build the equations."""
+        """Return the equations."""
+        return self._laws
+
+    @cached_property
+    def _laws(self) -> Laws:
+        """Build the equations, which every residual asks for."""
         effects, wall, robot = self.made_effects(), self.nominal.environment, self.nominal.robot
         inertia = self.values[2] if self.with_inertia else 0.0
         contact = ContactLaw(self.stiffness, self.damping, wall.location, inertia,
@@ -293,6 +293,15 @@ class Model:
         free[0] = not self._replaces('replaces_stiffness')
         free[1] = not self._replaces('replaces_damping')
         return free
+
+
+@lru_cache(maxsize=None)
+def _places(effects: tuple[str, ...], first: int) -> dict[str, slice]:
+    """Return where the parameters of effects are in `Model.values`."""
+    places = {}
+    for effect in effects:
+        places[effect] = slice(first, first := first + len(names_of(effect)))
+    return places
 
 
 @lru_cache(maxsize=None)
