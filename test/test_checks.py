@@ -340,10 +340,10 @@ def test_what_a_failed_check_could_cause_is_no_candidate() -> None:
     assert 'dead_zone' in examined.excluded and 'coulomb_friction' not in examined.excluded
 
 
-def stroke(speed: float, back: bool = False) -> Signals:
-    """Load a stiffening specimen by 5 mm at constant speed, once."""
+def stroke(speed: float, back: bool = False, wait: float = 0.0) -> Signals:
+    """Load a stiffening specimen by 5 mm at constant speed, once; wait for a share of that."""
     t = np.arange(0.0, 0.005 / speed, 0.01)
-    x = speed * t
+    x = speed * np.maximum(t - wait * t[-1], 0.0)
     if back:
         x = np.minimum(x, 0.005 - x)
     random = np.random.default_rng(1)
@@ -356,13 +356,18 @@ SPECIMEN = nominal(environment__stiffness=5000.0, environment__damping=0.0,
                    environment__unilateral=False)
 
 
-def test_laws_of_time_are_not_named_in_one_stroke_at_constant_speed() -> None:
-    (found,) = failed(stroke(1e-3), SPECIMEN)
+@pytest.mark.parametrize('wait', [0.0, 0.1])
+def test_laws_of_time_are_not_named_in_one_stroke_at_constant_speed(wait: float) -> None:
+    (found,) = failed(stroke(1e-3, wait=wait), SPECIMEN)
     assert (found.name, found.fatal) == ('constant_speed', False)
     assert {'viscoelastic_relaxation', 'force_drift', 'quadratic_damping',
             'environment_resonance'} <= found.could_cause
     assert not {'cubic_stiffness', 'plastic_set', 'force_bias'} & found.could_cause
-    assert not failed(stroke(1e-3, back=True), SPECIMEN)
+
+
+@pytest.mark.parametrize('back, wait', [(True, 0.0), (False, 0.4)])
+def test_a_way_back_or_a_rest_tells_time_from_depth(back: bool, wait: float) -> None:
+    assert not failed(stroke(1e-3, back, wait), SPECIMEN)
 
 
 def test_strokes_at_several_speeds_tell_time_from_depth() -> None:

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-STRAIGHT = 0.01
+STRAIGHT = 0.03
 """Bend, see `bend_of`, of one stroke at constant speed, at most."""
 
 
