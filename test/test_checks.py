@@ -22,7 +22,7 @@ from typing import Any, Callable, Mapping
 from concealed_worlds import ATTACHED, attached, nominal, physics, recorded
 from contact_estimation.diagnosis.checks import check, CHECKS, clock_offset, examine
 from contact_estimation.diagnosis.checks.check import Check
-from contact_estimation.diagnosis.checks.measures import Lag, Line
+from contact_estimation.diagnosis.checks.measures import bend_of, Lag, Line, STRAIGHT
 from contact_estimation.diagnosis.checks.spikes import spikes
 from contact_estimation.diagnosis.conclude.diagnose import diagnose
 from contact_estimation.diagnosis.observe.reference_rates import with_reference_rates
@@ -368,6 +368,12 @@ def test_laws_of_time_are_not_named_in_one_stroke_at_constant_speed(wait: float)
 @pytest.mark.parametrize('back, wait', [(True, 0.0), (False, 0.4)])
 def test_a_way_back_or_a_rest_tells_time_from_depth(back: bool, wait: float) -> None:
     assert not failed(stroke(1e-3, back, wait), SPECIMEN)
+
+
+def test_a_short_step_and_a_long_rest_are_no_constant_speed() -> None:
+    t = np.arange(0.0, 60.0, 0.005)
+    x = np.minimum(t / 0.1, 1.0)
+    assert np.std(x - np.poly1d(np.polyfit(t, x, 1))(t)) < STRAIGHT < 0.1 < bend_of(t, x)
 
 
 def test_strokes_at_several_speeds_tell_time_from_depth() -> None:

@@ -179,7 +179,13 @@ def bend_of(t: Array, x: Array) -> float:
     Returns
     -------
     bend : float
-        Standard deviation from a straight line in time, over the range.
+        Standard deviation from a straight line in time, over the range, or from one over the
+        position, over the duration, if that is larger: as in a rest after a step.
 
     """
-    return float(np.std(x - line_through(t, x).slope * t)) / max(float(np.ptp(x)), 1e-300)
+    return max(_deviation(t, x), _deviation(x, t))
+
+
+def _deviation(x: Array, y: Array) -> float:
+    """Return the standard deviation of y from a line over x, over its range."""
+    return float(np.std(y - line_through(x, y).slope * x)) / max(float(np.ptp(y)), 1e-300)
