@@ -23,14 +23,13 @@ from typing import Any, NamedTuple, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from .contact_effect import ContactEffect, overridden
+from .contact_effect import ContactEffect, HOOKS, overridden
 from .effect import Effect
 from .kept_motion import KeptMotion, StatesAlong, WallMotion
 from .numeric import Array
 
 State = tuple[float, ...]
 _KEPT = KeptMotion()
-_USED = ('surface', 'transmit', 'deflection', 'spring', 'damper', 'carried', 'resistance', 'tail')
 
 
 class Touch(NamedTuple):
@@ -306,7 +305,7 @@ def _users_of_hooks(
 ) -> tuple[tuple[tuple[int, ...], ...], bool]:
     """Return for each hook which effects override it, and whether none does but for a tail."""
     changed = [overridden(kind) for kind in kinds]
-    users = tuple(tuple(k for k, hooks in enumerate(changed) if hook in hooks) for hook in _USED)
+    users = tuple(tuple(k for k, hooks in enumerate(changed) if hook in hooks) for hook in HOOKS)
     return users, not any(hooks - {'tail'} for hooks in changed)
 
 

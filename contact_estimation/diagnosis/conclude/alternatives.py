@@ -20,7 +20,7 @@ from typing import Iterator
 
 from .decision import decide_without, Decision
 from .shares import shares_of
-from .trifles import EXPLAINED
+from ..fit.criteria import EXPLAINED
 from ..fit.discrepancy import has_discrepancy
 from ..fit.fitting import Fit, fit
 from ..fit.search import Progress, search_family

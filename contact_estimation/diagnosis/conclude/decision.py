@@ -25,8 +25,15 @@ from numpy.typing import NDArray
 from .apparent_mass import is_resonance
 from .held_out_power import confirmed, held_out_powers, largest, MOST_POWER
 from .shares import Shares, shares_of
-from .trifles import EXPLAINED, is_trifle, SURELY_MOST, without_correlated_trifles
-from ..fit.criteria import enough, leaves_noise, noise_scale, THRESHOLD
+from .trifles import is_trifle, without_correlated_trifles
+from ..fit.criteria import (
+    enough,
+    EXPLAINED,
+    leaves_noise,
+    noise_scale,
+    SURELY_MOST,
+    THRESHOLD,
+)
 from ..fit.discrepancy import has_discrepancy, material, without_discrepancy
 from ..fit.fitting import Fit, fit
 from ..fit.flexible import autocorrelation, predictable_share

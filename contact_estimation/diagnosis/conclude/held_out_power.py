@@ -21,7 +21,7 @@ from typing import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ..fit.criteria import explained_share
+from ..fit.criteria import EXPLAINED, explained_share
 from ..fit.discrepancy import forces, least_material
 from ..fit.fitting import Fit
 from ..fit.output_error import refine, runs_true
@@ -34,8 +34,6 @@ Array = NDArray[np.float64]
 
 MOST_POWER = 2.0
 """Held-out mean square, over that of the noise, of a wrong model."""
-
-_EXPLAINED = 0.5  # least share of the held-out misfit that names must explain
 
 
 def confirmed(base: Fit, best: Fit, recordings: Recordings, whole: Recordings) -> Fit:
@@ -62,7 +60,7 @@ def confirmed(base: Fit, best: Fit, recordings: Recordings, whole: Recordings) -
     powers = [[float(np.mean(part)) for part in held_out_powers(whole, model)]
               for model in (base.model, best.model)]
     contradicted = any(
-        after > MOST_POWER and explained_share(before, after, 1.0) < _EXPLAINED
+        after > MOST_POWER and explained_share(before, after, 1.0) < EXPLAINED
         for before, after in zip(*powers))
     # Where a robot sticks, velocities are not known well enough for the residuals.
     if contradicted and not runs_true(whole, refine(recordings, best)[1].model):

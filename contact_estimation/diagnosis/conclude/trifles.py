@@ -17,18 +17,13 @@
 from __future__ import annotations
 
 from .shares import Shares
+from ..fit.criteria import EXPLAINED, SURELY_MOST
 from ..fit.discrepancy import correlation_time, material, weighed
 from ..fit.fitting import Fit, fit
 from ..fit.zeros import ZEROS
 from ..observe.prepared_recording import Recordings
 from ..observe.residuals import residuals
 from ...physics import EFFECTS
-
-EXPLAINED = 0.5
-"""Least share of the misfit that names must predict on parts left out to explain it."""
-
-SURELY_MOST = 0.6
-"""Share of the misfit that a curve explains down to the noise: a bias would, in part."""
 
 _TINY = 0.2  # of the discrepancy that is worth a name, below which a robot's steps show
 _SMALL = 0.5  # of the discrepancy that is worth a name where laws may be inexact
@@ -101,6 +96,7 @@ def without_correlated_trifles(recordings: Recordings, base: Fit, best: Fit) -> 
              for part in one.split(residuals(one, best.model))]
     if not laws or max(times) < _CORRELATED:
         return None
-    zeros = fit(recordings, best.model.without(*laws))
-    return next((rest for rest in (base, zeros)
-                 if not material(weighed(recordings, rest.model), rest.model)), None)
+    if not material(weighed(recordings, base.model), base.model):
+        return base
+    rest = fit(recordings, best.model.without(*laws))
+    return None if material(weighed(recordings, rest.model), rest.model) else rest

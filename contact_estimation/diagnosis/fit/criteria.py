@@ -49,6 +49,12 @@ ADEQUATE = 0.05
 TRIFLE, NEARLY_ALL = 0.02, 0.7
 """Least share of that misfit that a zero must have if it is so much of the present one."""
 
+EXPLAINED = 0.5
+"""Least share of the misfit that names must predict on data left out to explain it."""
+
+SURELY_MOST = 0.6
+"""Share of the misfit that a curve explains down to the noise: a bias would, in part."""
+
 LEFT = 0.5
 """Mean square of the residuals beyond that of the noise, from which on something is missing."""
 
