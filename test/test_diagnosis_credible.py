@@ -22,7 +22,8 @@ from contact_estimation.diagnosis.conclude.conclusion import _nominal_where_unkn
 from contact_estimation.diagnosis.conclude.naming import _other_families
 from contact_estimation.diagnosis.conclude.shares import Shares
 from contact_estimation.diagnosis.fit.applicable import candidates_for, candidates_in
-from contact_estimation.diagnosis.fit.fitting import Fit, fit, fit_at, step
+from contact_estimation.diagnosis.fit.first_step import steps
+from contact_estimation.diagnosis.fit.fitting import Fit, fit, fit_at
 from contact_estimation.diagnosis.fit.scales import measure_scales
 from contact_estimation.diagnosis.fit.search import is_credible, may_show, search
 from contact_estimation.diagnosis.fit.uncertainty import standard_deviations
@@ -204,7 +205,7 @@ def test_the_search_finds_how_fast_a_zero_settles() -> None:
 def test_one_step_may_be_of_all_that_a_law_is_linear_in() -> None:
     recording, found = prepared(specimen(TO_AND_FRO, 4.0 * np.exp(-T / 2.3) - 3.1))
     start = found.model.with_effect('settling_bias', (0.02, 2.3, 0.0))
-    cost, there = step([recording], start)
+    cost, there, _ = steps([recording], [start])[0]
     change, _, bias = there.values[there.place('settling_bias')]
     assert (-change, -bias) == pytest.approx((4.0, -3.1), rel=0.02)
     assert cost < 1.1 * fit([recording], start).cost

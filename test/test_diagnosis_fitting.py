@@ -20,7 +20,7 @@ from dataclasses import replace
 from typing import Any
 
 from concealed_worlds import FREE, MODEL, nominal, physics, prepared_from, recorded
-from contact_estimation.diagnosis.fit.fitting import fit, residual_function, step
+from contact_estimation.diagnosis.fit.fitting import fit, residual_function
 from contact_estimation.diagnosis.fit.model_uncertainty import discounted
 from contact_estimation.diagnosis.fit.uncertainty import standard_deviations
 from contact_estimation.diagnosis.observe.model import Model, names_of
@@ -92,40 +92,6 @@ def test_fit_stays_within_the_ranges_of_the_parameters() -> None:
     low, high = found.model.bounds
     assert np.all(low <= found.model.values) and np.all(found.model.values <= high)
     assert found.model.values[-1] < 0.05
-
-
-@pytest.mark.slow
-def test_step_is_exact_for_what_is_linear() -> None:
-    recording, model = prepared_from(recorded(**physics('force_bias', 2.0)))
-    start = model.with_effect('force_bias', (0.01,))
-    cost, stepped = step([recording], start)
-    again, _ = step([recording], stepped)
-    assert stepped.values[-1] == pytest.approx(2.0, rel=0.02)
-    assert cost - again < 1e-3 * cost
-
-
-@pytest.mark.parametrize('times', [0.2, 5.0])
-def test_step_is_exact_for_a_linear_value_searched_by_its_logarithm(times: float) -> None:
-    recording, model = prepared_from(recorded(**physics('power_law_damping', 1500.0, 0.5)))
-    base = fit([recording], model).model
-    _, stepped = step([recording], base.with_effect('power_law_damping', (times * 1500.0, 0.5)))
-    assert stepped.values[-2] == pytest.approx(1500.0, rel=0.05)
-
-
-def test_step_never_makes_things_worse() -> None:
-    recording, model = prepared_from(recorded())
-    start = model.with_effect('power_law_stiffness', (2.0, 1e6))
-    before = float(np.sum(residuals(recording, start) ** 2))
-    assert step([recording], start)[0] <= before
-
-
-@pytest.mark.parametrize('depth', [0.0012, 0.0025, 0.012])
-def test_step_finds_the_magnitude_of_a_law_whose_shape_is_far_off(depth: float) -> None:
-    recording, model = prepared_from(recorded(**physics('exponential_stiffness', 0.6, 0.0025)))
-    without = fit([recording], model)
-    wild = 20.0 / np.expm1(0.013 / depth)
-    cost, _ = step([recording], model.with_effect('exponential_stiffness', (wild, depth)))
-    assert cost < 0.5 * without.cost
 
 
 def test_what_is_no_number_is_beyond_all_cost() -> None:

@@ -30,13 +30,14 @@ from contact_estimation.diagnosis.fit.discrepancy import (
     with_discrepancy,
     without_discrepancy,
 )
-from contact_estimation.diagnosis.fit.fitting import differentiate_by, Fit, fit, residual_function
+from contact_estimation.diagnosis.fit.fitting import Fit, fit, residual_function
 from contact_estimation.diagnosis.fit.invariance import (
     channel_by_gain,
     channel_of,
     left_out_errors,
     values_on,
 )
+from contact_estimation.diagnosis.fit.jacobian import differentiate_by
 from contact_estimation.diagnosis.fit.parts import above_noise, evened, noise_of, Part, parts_of
 from contact_estimation.diagnosis.fit.ranking import first_that_predicts
 from contact_estimation.diagnosis.fit.share import Share, share_of

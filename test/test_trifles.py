@@ -19,13 +19,18 @@ from __future__ import annotations
 from dataclasses import replace
 
 from concealed_worlds import nominal, prepared_from
-from contact_estimation.diagnosis.conclude.trifles import without_correlated_trifles
+from contact_estimation.diagnosis.conclude.trifles import without_unconfirmed_trifles
 from contact_estimation.diagnosis.fit.discrepancy import correlation_time
 from contact_estimation.diagnosis.fit.fitting import fit
+from contact_estimation.diagnosis.observe.model import Model
+from contact_estimation.diagnosis.observe.prepared_recording import PreparedRecording
 from contact_estimation.diagnosis.observe.residuals import residuals
 from contact_estimation.diagnosis.observe.signals import Signals
 import numpy as np
+from numpy.typing import NDArray
 import pytest
+
+Array = NDArray[np.float64]
 
 T = np.arange(0.0, 20.0, 0.01)
 DEPTH = 5e-3 + 4e-3 * np.sin(2.0 * T) * np.cos(0.31 * T)
@@ -34,19 +39,34 @@ SPRING = nominal(environment__stiffness=STIFFNESS, environment__damping=0.0,
                  environment__unilateral=False)
 
 
+def specimen(depth: Array, cubic: float, stray: Array) -> tuple[PreparedRecording, Model]:
+    force = -(STIFFNESS * depth + cubic * depth**3) + stray
+    return prepared_from(Signals(T, force, T, depth, np.empty(0), np.empty((4, 0))), SPRING)
+
+
 @pytest.mark.parametrize('cubic, wave, trifle', [
     (4e5, 0.0, False), (4e5, 5.0, True), (4e6, 5.0, False)])
 def test_a_trifle_is_worth_its_name_only_if_it_leaves_white_noise(
     cubic: float, wave: float, trifle: bool
 ) -> None:
     noise = NOISE * np.random.default_rng(3).standard_normal(len(T))
-    slow = wave * NOISE * np.sin(1.1 * T)
-    force = -(STIFFNESS * DEPTH + cubic * DEPTH**3) + slow + noise
-    prepared, model = prepared_from(
-        Signals(T, force, T, DEPTH, np.empty(0), np.empty((4, 0))), SPRING)
+    prepared, model = specimen(DEPTH, cubic, wave * NOISE * np.sin(1.1 * T) + noise)
     recordings = [replace(prepared, force_noise=5.0 * NOISE)]  # as of rounded positions
     base, best = fit(recordings, model), fit(
         recordings, model.with_effect('cubic_stiffness', (cubic,)))
     assert best.cost < best.residual_count < base.cost
     assert (correlation_time(residuals(recordings[0], best.model)) > 8.0) is (wave > 0.0)
-    assert (without_correlated_trifles(recordings, base, best) is base) is trifle
+    assert (without_unconfirmed_trifles(recordings, base, best) is base) is trifle
+
+
+@pytest.mark.parametrize('cubic, turns, trifle', [
+    (4e5, False, True), (4e5, True, False), (4e6, False, False)])
+def test_a_single_stroke_confirms_no_trifle(cubic: float, turns: bool, trifle: bool) -> None:
+    ramp = 9e-3 * T / T[-1]
+    depth = np.where(ramp < 4.5e-3, 2.0 * ramp, 2.0 * (9e-3 - ramp)) if turns else ramp
+    noise = NOISE * np.random.default_rng(3).standard_normal(len(T))
+    prepared, model = specimen(depth, cubic, noise)
+    base, best = fit([prepared], model), fit(
+        [prepared], model.with_effect('cubic_stiffness', (cubic,)))
+    assert best.cost < 1.1 * best.residual_count < base.cost
+    assert (without_unconfirmed_trifles([prepared], base, best) is base) is trifle

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from .apparent_mass import is_resonance
 from .held_out_power import confirmed, held_out_powers, largest, MOST_POWER
 from .shares import Shares, shares_of
-from .trifles import is_trifle, without_correlated_trifles
+from .trifles import is_trifle, without_unconfirmed_trifles
 from ..fit.criteria import (
     enough,
     EXPLAINED,
@@ -110,7 +110,7 @@ def decide(
     recordings, base, best = selection.recordings, selection.base, selection.best
     if best.model.effects and not has_discrepancy(recordings):
         best = _significant(recordings, confirmed(base, best, recordings, whole))
-        rest = without_correlated_trifles(recordings, base, best)
+        rest = without_unconfirmed_trifles(recordings, base, best)
         if rest is not None:
             return decide(_carrying(selection, rest), whole, progress, False)
     if best.model.effects:

@@ -33,8 +33,9 @@ from .candidates import Candidate, candidates, Reach, scaling_test
 from .naming import indistinguishable_pairs, what_is_explained
 from .result import Diagnosis
 from ..fit.criteria import THRESHOLD
-from ..fit.fitting import differentiate_by, residual_function
+from ..fit.fitting import residual_function
 from ..fit.free_run import plant_of, steps_a_sample
+from ..fit.jacobian import differentiate_by
 from ..fit.model_uncertainty import discounted
 from ..observe.episodes import episodes
 from ..observe.model import Model

@@ -29,7 +29,8 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from .discrepancy import CHANNELS
-from .fitting import differentiate_by, Fit, residual_function
+from .fitting import Fit, residual_function
+from .jacobian import differentiate_by
 from .parts import Part
 from ..observe.model import Model
 from ..observe.prepared_recording import is_flexible, Recordings

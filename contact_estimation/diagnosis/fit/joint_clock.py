@@ -27,7 +27,7 @@ from .fitting import Fit, fit
 from .model_uncertainty import discounted
 from .selection import Selection
 from ..observe.model import Model
-from ..observe.prepared_recording import prepare, Recordings
+from ..observe.prepared_recording import prepare, PreparedRecording, Recordings
 from ..observe.signals import Recording
 
 Select = Callable[[Sequence[Recording]], tuple[Recordings, Selection]]
@@ -65,7 +65,7 @@ class JointClock:
         self, raw: Sequence[Recording], recordings: Recordings, base: Model, best: Model,
         hold: int,
     ) -> None:
-        self._raw, self._base, self._hold = raw, base, hold
+        self._raw, self._recordings, self._base, self._hold = raw, recordings, base, hold
         self._delay = best.values[best.place(_DELAY).start] if _DELAY in best.effects else 0.0
         self._rest = best.without(_DELAY) if self._delay else best
         found = fit(recordings, best)
@@ -118,8 +118,16 @@ class JointClock:
         return [float(nearby.x), *of_delay]
 
     def _prepared(self, late: float) -> Recordings:
-        return [discounted(prepare(one, self._base, hold=self._hold), self._base)
-                for one in self._earlier(late)]
+        return [self._discounted_as(before, prepare(one, self._base, hold=self._hold))
+                for before, one in zip(self._recordings, self._earlier(late))]
+
+    def _discounted_as(
+        self, before: PreparedRecording, earlier: PreparedRecording
+    ) -> PreparedRecording:
+        """Discount what is uncertain as before the shift, which moves it little."""
+        if earlier.block_count != before.block_count:
+            return discounted(earlier, self._base)
+        return replace(earlier, discount=before.discount)
 
     def _earlier(self, by: float) -> list[Recording]:
         return [replace(one, signals=one.signals._replace(joint_t=one.signals.joint_t - by))

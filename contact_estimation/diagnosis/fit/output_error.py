@@ -29,8 +29,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .criteria import penalty
-from .fitting import cost_of, differentiate_by, Fit, fit, fit_to_end
+from .fitting import cost_of, Fit, fit, fit_to_end
 from .free_run import free_run, Run
+from .jacobian import differentiate_by
 from ..observe.model import Model
 from ..observe.prepared_recording import PreparedRecording, Recordings
 from ..observe.residuals import huber

@@ -24,7 +24,8 @@ from numpy.typing import NDArray
 from .applicable import candidates_in
 from .criteria import noise_scale, penalty
 from .discrepancy import costs_by_channel, has_discrepancy
-from .fitting import cost_of, derivatives, Fit, fit, fit_at, fit_to_end, step
+from .first_step import steps
+from .fitting import cost_of, derivatives, Fit, fit, fit_at, fit_to_end
 from .scales import measure_scales
 from ..observe.model import Model, names_of
 from ..observe.prepared_recording import is_flexible, PreparedRecording, Recordings
@@ -282,10 +283,9 @@ def nearest(recordings: Recordings, near: Sequence[Fit]) -> list[Fit]:
 def _best_start(
     recordings: Recordings, starts: Sequence[Model], others: Array | None
 ) -> Model:
-    """Return the best model one step from the starts; parameters as `step`."""
-    steps = [step(recordings, model, others) for model in starts]
-    order = sorted(range(len(steps)), key=lambda k: steps[k][0])
-    near = steps[order[0]][1]
+    """Return the best model one step from the starts; parameters as `steps`."""
+    taken = steps(recordings, starts, others)
+    near = taken[0].model
     if not all(recording.driven_by_force(near) for recording in recordings):
         return near
     cost, enough = cost_of(recordings, near), _FAR * sum(one.residual_count for one in recordings)
@@ -297,7 +297,7 @@ def _best_start(
         return near
     # Far from the optimum the memory of a resonant wall misleads the search, and one step is too
     # long for a strongly nonlinear law.
-    brief = [fit(recordings, starts[k], steps=8, briefly=True).model
-             for k in order[:1 + len(starts) // _MANY]]
+    brief = [fit(recordings, step.start, steps=8, briefly=True).model
+             for step in taken[:1 + len(starts) // _MANY]]
     costs += [cost, *(cost_of(recordings, model) for model in brief)]
     return [*starts, near, *brief][int(np.argmin(costs))]

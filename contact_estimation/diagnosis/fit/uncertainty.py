@@ -20,7 +20,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .discrepancy import correlation_time
-from .fitting import differentiate_by, Fit, residual_function
+from .fitting import Fit, residual_function
+from .jacobian import differentiate_by
 from ..observe.model import Model
 from ..observe.prepared_recording import Recordings
 

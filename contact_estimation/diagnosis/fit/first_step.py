@@ -1,0 +1,199 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""First steps from the starts of a law: the best of many, for few evaluations."""
+
+from __future__ import annotations
+
+from typing import NamedTuple, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .fitting import residual_function, sum_of_squares
+from .jacobian import differentiate_by
+from ..observe.model import Model, names_of
+from ..observe.prepared_recording import Recordings
+from ..observe.residuals import bends, huber
+from ...physics import EFFECTS
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+_SHORT = 0.3  # of a step that is too long
+_LEAST_CHANGE = -0.99  # relative, of a value that a law is linear in and that is above 0
+
+
+class Step(NamedTuple):
+    """
+    A Gauss-Newton step.
+
+    Attributes
+    ----------
+    cost : float
+        At `model`.
+    model : Model
+        After the step.
+    start : Model
+        Before it.
+
+    """
+
+    cost: float
+    model: Model
+    start: Model
+
+
+def steps(
+    recordings: Recordings, starts: Sequence[Model], others: Array | None = None
+) -> list[Step]:
+    """
+    Take one Gauss-Newton step, exact in linear parameters, from each start that may be the best.
+
+    Parameters
+    ----------
+    recordings : sequence of PreparedRecording
+        Fitted together.
+    starts : sequence of Model
+        With the same effects.
+    others : ndarray, shape (R, P'), optional
+        Known derivatives by the coordinates before those of the newest law.
+
+    Returns
+    -------
+    steps : list of Step
+        Best first. A start whose derivatives foretell more than the cost of the best is left
+        where it is, at the cost that they foretell.
+
+    """
+    near = sorted((_Start(recordings, model, others) for model in starts),
+                  key=lambda start: start.foretold)
+    taken: list[Step] = []
+    for start in near:
+        if taken and start.foretold > min(step.cost for step in taken):
+            taken.append(Step(start.foretold, start.model, start.model))
+        else:
+            taken.append(start.step())
+    return sorted(taken, key=lambda step: step.cost)
+
+
+class _Start:
+    """
+    A start, its residuals and their derivatives.
+
+    Attributes
+    ----------
+    model : Model
+        The start.
+    foretold : float
+        Cost after a step, were the residuals linear.
+
+    """
+
+    def __init__(self, recordings: Recordings, model: Model, others: Array | None) -> None:
+        self.model, self._recordings = model, recordings
+        # Bent residuals would make the step too short.
+        self._residuals = residual_function(recordings, model, robust=False, briefly=True)
+        low, high = model.ranges
+        self._values = np.clip(model.coordinates, low, high)
+        self._here = self._residuals(self._values)
+        self._columns = self._differentiated(others)
+        # Of the triangular factor any columns give the same step as of all rows.
+        stacked = np.column_stack((self._columns, -self._here))
+        self._factor = np.asarray(np.linalg.qr(stacked, mode='r'))
+        self._shapes = _shapes(model)
+        self._every = np.ones(len(self._values), bool)
+        self.foretold = min(self._foretold(self._every), self._cost(self._here))
+
+    def step(self) -> Step:
+        """
+        Take the step.
+
+        One of all values is too long where the newest law is far from linear in those that shape
+        it; then one of what it is linear in and the others alone is better.
+
+        Returns
+        -------
+        step : Step
+            To where the cost is least; none if the step would raise it.
+
+        """
+        best = self._tried(self._every)
+        if self._shapes.any() and self._foretold(~self._shapes) < best[0]:
+            best = min(best, self._tried(~self._shapes), key=_first)
+        at_start = self._cost(self._here), self._values
+        if best[0] >= at_start[0]:
+            best = min(at_start, self._tried(self._every, _SHORT), key=_first)
+        return Step(best[0], self.model.with_free(best[1]), self.model)
+
+    def _differentiated(self, others: Array | None) -> Array:
+        """Return the derivatives, shape (R, P), for a change by the typical size."""
+        known, model = 0 if others is None else others.shape[1], self.model
+        before = self._values[:known]
+        own = differentiate_by(
+            self._values[known:], model.steps[known:],
+            lambda own: self._residuals(np.concatenate([before, own])), self._here,
+            most=model.ranges[1][known:])
+        return own if others is None else np.hstack([others, own])
+
+    def _change(self, free: Flags) -> Array:
+        """Return the step, shape (P,), in typical sizes, of the coordinates that are free."""
+        change = np.zeros(len(self._values))
+        change[free] = np.linalg.lstsq(self._factor[:, :-1][:, free], self._factor[:, -1],
+                                       rcond=1e-10)[0]
+        return change
+
+    def _foretold(self, free: Flags) -> float:
+        return self._cost(self._here + self._columns @ self._change(free))
+
+    def _tried(self, free: Flags, share: float = 1.0) -> tuple[float, Array]:
+        model = self.model
+        change = self._change(free) * model.steps
+        if not np.any(free & self._shapes):  # then the law is linear in those of the logarithms
+            factors = _of_newest(model) & model.logarithmic[model.free] & ~self._shapes
+            change[factors] = np.log1p(np.maximum(change[factors], _LEAST_CHANGE))
+        there = np.clip(self._values + share * change, *model.ranges)
+        return self._cost(self._residuals(there)), there
+
+    def _cost(self, straight: Array) -> float:
+        """Return the cost of residuals of which large ones are not bent yet."""
+        cost, begin = 0.0, 0
+        for one in self._recordings:
+            stop = begin + len(one.channels(self.model)) * one.block_count
+            part = straight[begin:stop]
+            cost += sum_of_squares(huber(part) if bends(one, self.model) else part)
+            begin = stop
+        return cost
+
+
+def _first(result: tuple[float, Array]) -> float:
+    return result[0]
+
+
+def _shapes(model: Model) -> Flags:
+    """Return which coordinates shape the newest law, which is linear in its others."""
+    shapes = np.zeros(len(model.values), bool)
+    if model.effects:
+        name = model.effects[-1]
+        linear = EFFECTS[name].linear()
+        shapes[model.place(name)] = [parameter not in linear for parameter in names_of(name)]
+    return shapes[model.free]
+
+
+def _of_newest(model: Model) -> Flags:
+    """Return which coordinates are those of the newest law."""
+    newest = np.zeros(len(model.values), bool)
+    if model.effects:
+        newest[model.place(model.effects[-1])] = True
+    return newest[model.free]

@@ -1,0 +1,139 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Jacobian of residuals that is kept up to date by what a search evaluates anyway."""
+
+from __future__ import annotations
+
+from typing import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+STEP = 1e-4
+"""Step of forward differences, as a share of the typical change of a value."""
+
+_PREDICTED = 0.5  # of a change of the residuals: what the Jacobian may miss and be kept
+
+
+class SecantJacobian:
+    """
+    Jacobian by forward differences, and from there by rank-one updates while it predicts well.
+
+    A least-squares search evaluates the residuals at each of its points. Where they change as the
+    Jacobian J foretells, Broyden's update J + (dr - J dx) dx' / (dx' dx), with dx in units of the
+    typical changes, needs no further evaluation; where not, J is differenced anew. Source:
+    C. G. Broyden, A class of methods for solving nonlinear simultaneous equations, Math. Comp. 19
+    (1965); K. Madsen, H. B. Nielsen and O. Tingleff, Methods for Non-Linear Least Squares
+    Problems (2004), section 3.5.
+
+    Parameters
+    ----------
+    function : callable
+        Values to residuals.
+    size : ndarray, shape (P,)
+        Typical change of each value.
+    most : ndarray, shape (P,)
+        Upper bounds of the values.
+
+    Attributes
+    ----------
+    updated : bool
+        Whether the last Jacobian is one of an update.
+
+    """
+
+    def __init__(
+        self, function: Callable[[Array], Array], size: Array, most: Array
+    ) -> None:
+        self._function, self._size, self._most = function, size, most
+        self._last: tuple[Array, Array] | None = None  # point and residuals evaluated last
+        self._at: tuple[Array, Array, Array] | None = None  # point, residuals, J by the size
+        self.updated = False
+
+    def residuals(self, values: Array) -> Array:
+        """Evaluate the residuals, shape (R,), at values, shape (P,)."""
+        if self._last is None or not np.array_equal(self._last[0], values):
+            self._last = values.copy(), self._function(values)
+        return self._last[1]
+
+    def jacobian(self, values: Array) -> Array:
+        """Return the derivatives, shape (R, P), at values, shape (P,)."""
+        here = self.residuals(values)
+        columns = self._from_last_point(values, here)
+        self.updated = columns is not None
+        if columns is None:
+            columns = differentiate_by(values, self._size, self._function, here, most=self._most)
+        self._at = values.copy(), here, columns
+        return columns / self._size
+
+    def renew(self) -> None:
+        """Difference the next Jacobian."""
+        self._at = None
+
+    def _from_last_point(self, values: Array, here: Array) -> Array | None:
+        """Update the Jacobian of the last point; None if it does not predict the residuals."""
+        if self._at is None:
+            return None
+        before, residuals, columns = self._at
+        change = (values - before) / self._size
+        length = float(change @ change)
+        if not length:
+            return columns
+        changed = here - residuals
+        missed = changed - columns @ change
+        if missed @ missed > _PREDICTED ** 2 * (changed @ changed):
+            return None
+        updated: Array = columns + np.outer(missed / length, change)
+        return updated
+
+
+def differentiate_by(
+    values: Array, size: Array, function: Callable[[Array], Array], here: Array,
+    share: float = STEP, most: Array | None = None,
+) -> Array:
+    """
+    Differentiate a function of several values by forward differences.
+
+    Parameters
+    ----------
+    values : ndarray, shape (P,)
+        The point.
+    size : ndarray, shape (P,)
+        Typical change of each value.
+    function : callable
+        Values to residuals.
+    here : ndarray, shape (R,)
+        Its result at `values`.
+    share : float
+        Step, as a share of `size`.
+    most : ndarray, shape (P,), optional
+        Upper bounds of the values; steps that would exceed them go backwards.
+
+    Returns
+    -------
+    jacobian : ndarray, shape (R, P)
+        A column for each value, for a change by its size.
+
+    """
+    columns = np.empty((len(here), len(values)))
+    for k in range(len(values)):
+        moved, change = values.copy(), share
+        if most is not None and values[k] + change * size[k] > most[k]:
+            change = -share
+        moved[k] += change * size[k]
+        columns[:, k] = (function(moved) - here) / change
+    return columns
