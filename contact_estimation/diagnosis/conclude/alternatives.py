@@ -22,7 +22,8 @@ from .decision import decide_without, Decision
 from .shares import shares_of
 from ..fit.criteria import EXPLAINED
 from ..fit.discrepancy import has_discrepancy
-from ..fit.fitting import Fit, fit
+from ..fit.first_step import fit_without
+from ..fit.fitting import Fit
 from ..fit.search import Progress, search_family
 from ..fit.selection import Selection
 from ..fit.zeros import ZEROS
@@ -87,7 +88,7 @@ def beside_zeros(selection: Selection, decision: Decision) -> Decision | None:
     if not zeros or not set(named) <= set(selected.effects):
         return None
     others = [name for name in selected.effects if name not in (*named, *zeros)]
-    return _decision(selection, fit(selection.recordings, selected.without(*others)))
+    return _decision(selection, fit_without(selection.recordings, selected, others))
 
 
 def in_family(

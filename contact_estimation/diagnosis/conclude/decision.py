@@ -35,6 +35,7 @@ from ..fit.criteria import (
     THRESHOLD,
 )
 from ..fit.discrepancy import has_discrepancy, material, without_discrepancy
+from ..fit.first_step import fit_without
 from ..fit.fitting import Fit, fit
 from ..fit.flexible import autocorrelation, predictable_share
 from ..fit.model_uncertainty import discounted
@@ -164,7 +165,7 @@ def _without_doubtful(
         return None
     zeros = [name for name in doubtful if name in ZEROS]
     dropped = _dropped(shares, (zeros or doubtful)[-1])
-    rest = fit(selection.recordings, best.model.without(*dropped))
+    rest = fit_without(selection.recordings, best.model, dropped)
     fewer = decide(_carrying(selection, rest), whole, progress, False)
     laws, left = _laws(best.model), _laws(fewer.best.model)
     if len(zeros) == len(doubtful) and not laws <= left:
@@ -305,7 +306,7 @@ def _significant(recordings: Recordings, best: Fit) -> Fit:
                 for parameter, value, std in zip(
                     names_of(name), best.model.values[place], stds[place])]
         if not any(away):
-            rest = fit(recordings, best.model.without(name))
+            rest = fit_without(recordings, best.model, (name,))
             if not enough(rest, best):
                 return _significant(recordings, rest)
     return best

@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 
 from .result import EffectOnPart
 from ..fit.discrepancy import weighed
+from ..fit.first_step import fit_without
 from ..fit.fitting import Fit, fit
 from ..fit.invariance import (
     channel_by_gain,
@@ -151,7 +152,7 @@ class Shares:
 
     def error_without(self, names: Sequence[str]) -> float:
         """Return the sum of the squared errors on parts left out, without some effects."""
-        found = fit(self.recordings, self.best.model.without(*names))
+        found = fit_without(self.recordings, self.best.model, names)
         return float(left_out_errors(self.recordings, found, self.parts, self.base).sum())
 
     def is_flexible(self, name: str) -> bool:
@@ -228,7 +229,8 @@ def shares_of(
         of_channel[name] = share_of(before, errors, parts, base_errors, channels[name])
     beside = {best.effects[-1]: of_channel[best.effects[-1]]}
     for name in best.effects[:-1]:
-        without = left_out_errors(carried, fit(carried, best.without(name)), parts, base_errors)
+        without = left_out_errors(
+            carried, fit_without(carried, best, (name,)), parts, base_errors)
         beside[name] = share_of(without, errors, parts, base_errors, channels[name])
     together = pair or _only_together(best.effects, shares, channels)
     if together:
@@ -269,7 +271,7 @@ def _gains_of_pair(
 ) -> tuple[Array, Array]:
     """Return what each law of a pair takes away, on average over their order; never harm alone."""
     outset, both = first.before, second.after
-    other = fit(recordings, second.found.model.without(first.found.model.effects[-1]))
+    other = fit_without(recordings, second.found.model, first.found.model.effects[-1:])
     without_second = np.minimum(first.after, outset)
     without_first = np.minimum(left_out_errors(recordings, other, parts, outset), outset)
     change = 0.5 * (without_first - without_second)

@@ -21,7 +21,8 @@ import numpy as np
 from .shares import Shares
 from ..fit.criteria import EXPLAINED, SURELY_MOST
 from ..fit.discrepancy import correlation_time, material, weighed
-from ..fit.fitting import Fit, fit
+from ..fit.first_step import fit_without
+from ..fit.fitting import Fit
 from ..fit.zeros import ZEROS
 from ..observe.prepared_recording import Recordings
 from ..observe.residuals import residuals
@@ -61,7 +62,7 @@ def is_trifle(recordings: Recordings, shares: Shares, name: str) -> bool:
     lawful = explained and shares.is_constant(name)
     if lawful and not steps:
         return False
-    without = fit(recordings, best.model.without(name))
+    without = fit_without(recordings, best.model, (name,))
     carried = weighed(recordings, without.model)
     if not explained:
         return not material(carried, without.model)
@@ -102,7 +103,7 @@ def without_unconfirmed_trifles(recordings: Recordings, base: Fit, best: Fit) ->
         return None
     if not material(weighed(recordings, base.model), base.model):
         return base
-    rest = fit(recordings, best.model.without(*laws))
+    rest = fit_without(recordings, best.model, laws)
     return None if material(weighed(recordings, rest.model), rest.model) else rest
 
 

@@ -19,6 +19,7 @@ from __future__ import annotations
 from typing import Sequence
 
 from .criteria import ADEQUATE, enough, LEFT, noise_scale, penalty
+from .first_step import fit_without
 from .fitting import cost_of, Fit, fit, fit_to_end
 from .search import is_credible, Progress, search
 from .simplest import FLEXIBLE_LEAD
@@ -113,7 +114,7 @@ def exact_pair(
     if exact or not beside or beside[0].cost > _NEARLY_EXACT * present.cost:
         return exact
     # The first was bent towards what the second explains: search it anew beside that.
-    second = fit(recordings, beside[0].model.without(best.model.effects[-1]))
+    second = fit_without(recordings, beside[0].model, best.model.effects[-1:])
     return exact_laws(recordings, second.cost, search(recordings, second, progress), False)
 
 
@@ -203,7 +204,7 @@ def exchange(
     """
     rivals = dict(rivals)
     for name in best.model.effects[:-1]:
-        rest = fit(recordings, best.model.without(name))
+        rest = fit_without(recordings, best.model, (name,))
         fits = search(recordings, rest, progress)
         # A wider law always fits a little better: it is charged for its parameters.
         least = _EXCHANGE_GAIN + (penalty(fits[0].model) - penalty(best.model) if fits else 0.0)
@@ -229,7 +230,7 @@ def prune(recordings: Recordings, best: Fit, rivals: Rivals) -> tuple[Fit, Rival
 
     """
     while len(best.model.effects) > 1:
-        shorter = [fit(recordings, best.model.without(name)) for name in best.model.effects]
+        shorter = [fit_without(recordings, best.model, (name,)) for name in best.model.effects]
         least = min(shorter, key=lambda found: found.cost)
         if enough(least, best):
             break

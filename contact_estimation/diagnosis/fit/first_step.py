@@ -21,7 +21,7 @@ from typing import NamedTuple, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from .fitting import residual_function, sum_of_squares
+from .fitting import Fit, fit, residual_function, sum_of_squares
 from .jacobian import differentiate_by
 from ..observe.model import Model, names_of
 from ..observe.prepared_recording import Recordings
@@ -88,6 +88,31 @@ def steps(
     return sorted(taken, key=lambda step: step.cost)
 
 
+def fit_without(recordings: Recordings, model: Model, names: Sequence[str]) -> Fit:
+    """
+    Fit a model without some of its effects.
+
+    What they carried the others take over in one step. A search alone, which takes small steps
+    where a value is small, ends in between where a law had taken the place of the spring.
+
+    Parameters
+    ----------
+    recordings : sequence of PreparedRecording
+        Fitted together.
+    model : Model
+        With the effects.
+    names : sequence of str
+        Those that are left out.
+
+    Returns
+    -------
+    found : Fit
+        Of the model with the other effects.
+
+    """
+    return fit(recordings, steps(recordings, [model.without(*names)])[0].model)
+
+
 class _Start:
     """
     A start, its residuals and their derivatives.
@@ -114,6 +139,7 @@ class _Start:
         self._factor = np.asarray(np.linalg.qr(stacked, mode='r'))
         self._shapes = _shapes(model)
         self._every = np.ones(len(self._values), bool)
+        self._wall = np.arange(len(self._values)) < np.count_nonzero(model.free[:2])
         self.foretold = min(self._foretold(self._every), self._cost(self._here))
 
     def step(self) -> Step:
@@ -121,7 +147,8 @@ class _Start:
         Take the step.
 
         One of all values is too long where the newest law is far from linear in those that shape
-        it; then one of what it is linear in and the others alone is better.
+        it; then one of what it is linear in and the others alone is better. Where there is almost
+        no spring, nothing tells where it is: then one of K_e and B_e alone helps.
 
         Returns
         -------
@@ -134,7 +161,8 @@ class _Start:
             best = min(best, self._tried(~self._shapes), key=_first)
         at_start = self._cost(self._here), self._values
         if best[0] >= at_start[0]:
-            best = min(at_start, self._tried(self._every, _SHORT), key=_first)
+            best = min(at_start, self._tried(self._every, _SHORT), self._tried(self._wall),
+                       key=_first)
         return Step(best[0], self.model.with_free(best[1]), self.model)
 
     def _differentiated(self, others: Array | None) -> Array:

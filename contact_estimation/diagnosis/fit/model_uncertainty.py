@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import median_filter
 
-from ..observe.discount import Discount
+from ..observe.discount import Discount, LEAST_VARIANCE
 from ..observe.model import Model
 from ..observe.prepared_recording import PreparedRecording
 from ..observe.residuals import residuals, response_to
@@ -40,6 +40,7 @@ known to 0.2 %, stamps to 0.03 ms."""
 
 _MOST_STEPS = 200
 _LEAST_STEP = 0.1  # standard deviations of the motion
+_SHOWS = 0.1  # of the least variance that a discount takes away: as much may add up
 _STANDS_OUT = 10.0  # times the median: else it is not a step
 _AROUND = 5  # samples among which it stands out
 _UNIFORM = 1.0 / sqrt(12.0)  # standard deviation of an instant within a sample
@@ -124,8 +125,9 @@ def _steps_of_reference(recording: PreparedRecording, model: Model) -> list[Arra
     pulse = np.zeros(len(o.t))
     pulse[0] = 1.0
     response = _response(recording, pulse, model)
+    variance = float(np.sum(recording.motion.average(response) ** 2)) * (_UNIFORM * jumps) ** 2
     responses = []
-    for k in steps[size[steps] > least].tolist():
+    for k in steps[(size[steps] > least) & (variance[steps] > _SHOWS * LEAST_VARIANCE)].tolist():
         for first in (k, k + 1):  # two pulses span its possible courses within the sample
             moved = np.zeros(len(o.t))
             moved[first:] = response[:len(o.t) - first] * jumps[k] * _UNIFORM

@@ -20,7 +20,8 @@ from .applicable import candidates_in
 from .criteria import SHARE
 from .discrepancy import noise_by_channel
 from .exact_laws import BEYOND_DOUBT
-from .fitting import Fit, fit
+from .first_step import fit_without
+from .fitting import Fit
 from .search import may_show, Progress, search, search_family
 from .zeros import ZEROS
 from ..observe.prepared_recording import Recordings
@@ -49,7 +50,7 @@ def narrowest(recordings: Recordings, base: Fit, best: Fit, progress: Progress) 
 
     """
     for name in [one for one in best.model.effects if EFFECTS[one].is_series]:
-        rest = fit(recordings, best.model.without(name))
+        rest = fit_without(recordings, best.model, (name,))
         laws = [law for law in candidates_in(recordings, rest.model)
                 if EFFECTS[law].family == EFFECTS[name].family and not EFFECTS[law].is_series]
         fits = search(recordings, rest, progress, laws)
@@ -98,7 +99,7 @@ def without_trifles(recordings: Recordings, best: Fit) -> Fit:
 
     """
     for name in [one for one in best.model.effects[:-1] if one not in ZEROS]:
-        rest = fit(recordings, best.model.without(name))
+        rest = fit_without(recordings, best.model, (name,))
         misfit = rest.cost - float(noise_by_channel(recordings, best.model).sum())
         if rest.cost - best.cost < SHARE * misfit:
             return without_trifles(recordings, rest)

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from .applicable import candidates_in
 from .criteria import noise_scale, penalty
 from .discrepancy import costs_by_channel, has_discrepancy
-from .first_step import steps
+from .first_step import fit_without, steps
 from .fitting import cost_of, derivatives, Fit, fit, fit_at, fit_to_end
 from .scales import measure_scales
 from ..observe.model import Model, names_of
@@ -124,7 +124,7 @@ def search_family(
         Beside the other effects of the model, the best fit first.
 
     """
-    rest = fit(recordings, model.without(name))
+    rest = fit_without(recordings, model, (name,))
     laws = [law for law in candidates_in(recordings, rest.model)
             if EFFECTS[law].family == EFFECTS[name].family and law != name]
     return sorted(search(recordings, rest, progress, laws), key=lambda found: found.cost)

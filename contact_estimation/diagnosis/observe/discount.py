@@ -23,7 +23,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-_LEAST_VARIANCE = 1e-3  # of the noise: half a thousandth of such residuals would be taken away
+LEAST_VARIANCE = 0.02
+"""Least variance along a direction, in that of the noise: of less a hundredth were taken away."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +61,7 @@ class Discount:
 
         """
         squares, turns = np.linalg.eigh(columns.T @ columns)
-        large = squares > _LEAST_VARIANCE
+        large = squares > LEAST_VARIANCE
         directions = columns @ (turns[:, large] / np.sqrt(squares[large]))
         return cls(directions, 1.0 - 1.0 / np.sqrt(1.0 + squares[large]))
 
