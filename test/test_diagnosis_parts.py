@@ -241,7 +241,7 @@ def test_little_of_a_robot_is_named_only_if_it_surely_explains_most(
 ) -> None:
     # A controller that works in steps looks like a drag of 0.1 % of the force.
     best = Fit(Model.of(SPRING).with_effect(name, (1.0,)), 100.0, np.zeros(1), 100)
-    monkeypatch.setattr(trifles, 'fit', lambda recordings, model: best)
+    monkeypatch.setattr(trifles, 'fit_without', lambda recordings, model, names: best)
     monkeypatch.setattr(trifles, 'weighed', lambda recordings, model: [])
     shares: Any = SimpleNamespace(
         best=best, explained=1.0, sure=lambda of: sure, is_constant=lambda of: True)

@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 STEP = 1e-4
 """Step of forward differences, as a share of the typical change of a value."""
 
-_PREDICTED = 0.5  # of a change of the residuals: what the Jacobian may miss and be kept
+_PREDICTED = 0.2  # of a change of the residuals: what the Jacobian may miss and be kept
 
 
 class SecantJacobian:

@@ -156,6 +156,7 @@ def select(
         return Selection(recordings, base, as_shown(recordings, best, progress), rivals, evidence)
     carried, best = weigh(recordings, best)
     best = as_shown(carried, without_trifles(carried, best), progress)
+    in_form, marked = (_now(name, best.model) for name in (in_form, marked))
     return Selection(carried, fit(carried, base.model), best, rivals, evidence, in_form, pair,
                      marked, mark)
 
@@ -202,6 +203,14 @@ def of_model(recordings: Recordings, selection: Selection, model: Model) -> Sele
     carried, best = weigh(recordings, fit(recordings, model))
     base = fit(carried, selection.base.model)
     return selection._replace(recordings=carried, base=base, best=best)
+
+
+def _now(name: str, model: Model) -> str:
+    """Return the effect of a model that stands for another of its family; '' if none does."""
+    if not name or name in model.effects:
+        return name
+    alike = (one for one in model.effects if EFFECTS[one].family == EFFECTS[name].family)
+    return next(alike, '')
 
 
 def _law_count(model: Model) -> int:
