@@ -55,6 +55,28 @@ class Step(NamedTuple):
     start: Model
 
 
+def derivatives(recordings: Recordings, model: Model) -> Array:
+    """
+    Differentiate the residuals of a model, neither bent nor with a long memory.
+
+    Parameters
+    ----------
+    recordings : sequence of PreparedRecording
+        Fitted together.
+    model : Model
+        With its values.
+
+    Returns
+    -------
+    columns : ndarray, shape (R, P)
+        By each coordinate, for a change by its typical size.
+
+    """
+    straight = residual_function(recordings, model, robust=False, briefly=True)
+    start = model.coordinates
+    return differentiate_by(start, model.steps, straight, straight(start), most=model.ranges[1])
+
+
 def steps(
     recordings: Recordings, starts: Sequence[Model], others: Array | None = None
 ) -> list[Step]:
@@ -140,7 +162,8 @@ class _Start:
         self._shapes = _shapes(model)
         self._every = np.ones(len(self._values), bool)
         self._wall = np.arange(len(self._values)) < np.count_nonzero(model.free[:2])
-        self.foretold = min(self._foretold(self._every), self._cost(self._here))
+        self._cost_here = self._cost(self._here)
+        self.foretold = min(self._foretold(self._every), self._cost_here)
 
     def step(self) -> Step:
         """
@@ -159,7 +182,7 @@ class _Start:
         best = self._tried(self._every)
         if self._shapes.any() and self._foretold(~self._shapes) < best[0]:
             best = min(best, self._tried(~self._shapes), key=_first)
-        at_start = self._cost(self._here), self._values
+        at_start = self._cost_here, self._values
         if best[0] >= at_start[0]:
             best = min(at_start, self._tried(self._every, _SHORT), self._tried(self._wall),
                        key=_first)

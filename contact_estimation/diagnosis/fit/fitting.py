@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from .jacobian import differentiate_by, SecantJacobian
+from .jacobian import SecantJacobian
 from ..observe.model import Model
 from ..observe.prepared_recording import Recordings
 from ..observe.residuals import residuals
@@ -159,28 +159,6 @@ def fit_to_end(recordings: Recordings, found: Fit) -> Fit:
         if found.cost > _SLOWLY * before:
             break
     return found
-
-
-def derivatives(recordings: Recordings, model: Model) -> Array:
-    """
-    Differentiate the residuals of a model, neither bent nor with a long memory.
-
-    Parameters
-    ----------
-    recordings : sequence of PreparedRecording
-        Fitted together.
-    model : Model
-        With its values.
-
-    Returns
-    -------
-    columns : ndarray, shape (R, P)
-        By each coordinate, for a change by its typical size.
-
-    """
-    straight = residual_function(recordings, model, robust=False, briefly=True)
-    start = model.coordinates
-    return differentiate_by(start, model.steps, straight, straight(start), most=model.ranges[1])
 
 
 def fit_at(recordings: Recordings, model: Model) -> Fit:

@@ -23,9 +23,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-STEP = 1e-4
-"""Step of forward differences, as a share of the typical change of a value."""
-
+_STEP = 1e-4  # of forward differences, as a share of the typical change of a value
 _PREDICTED = 0.2  # of a change of the residuals: what the Jacobian may miss and be kept
 
 
@@ -103,7 +101,7 @@ class SecantJacobian:
 
 def differentiate_by(
     values: Array, size: Array, function: Callable[[Array], Array], here: Array,
-    share: float = STEP, most: Array | None = None,
+    share: float = _STEP, most: Array | None = None,
 ) -> Array:
     """
     Differentiate a function of several values by forward differences.

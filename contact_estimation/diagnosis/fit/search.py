@@ -24,8 +24,8 @@ from numpy.typing import NDArray
 from .applicable import candidates_in
 from .criteria import noise_scale, penalty
 from .discrepancy import costs_by_channel, has_discrepancy
-from .first_step import fit_without, steps
-from .fitting import cost_of, derivatives, Fit, fit, fit_at, fit_to_end
+from .first_step import derivatives, fit_without, steps
+from .fitting import cost_of, Fit, fit, fit_at, fit_to_end
 from .scales import measure_scales
 from ..observe.model import Model, names_of
 from ..observe.prepared_recording import is_flexible, PreparedRecording, Recordings
