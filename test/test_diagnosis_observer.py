@@ -20,13 +20,13 @@ from math import exp
 
 from contact_estimation.diagnosis.observe.observer import (
     coast,
-    discretise,
     innovations,
     innovations_of,
     kalman_filter,
     run,
     run_velocity,
 )
+from contact_estimation.physics.second_order import discretise
 import numpy as np
 from numpy.typing import NDArray
 import pytest

@@ -32,7 +32,6 @@ from contact_estimation.diagnosis.fit.model_uncertainty import discounted
 from contact_estimation.diagnosis.observe.discount import Discount
 from contact_estimation.diagnosis.observe.model import Model
 from contact_estimation.diagnosis.observe.observed import Observed
-from contact_estimation.diagnosis.observe.observer import discretise
 from contact_estimation.diagnosis.observe.prepared_recording import PreparedRecording
 from contact_estimation.diagnosis.observe.residuals import (
     force_residual,
@@ -45,6 +44,7 @@ from contact_estimation.diagnosis.observe.residuals import (
 from contact_estimation.diagnosis.observe.signals import Signals
 from contact_estimation.diagnosis.observe.touch_down import at_touch_down
 from contact_estimation.diagnosis.observe.usable_samples import default_block, force_drops, usable
+from contact_estimation.physics.second_order import discretise
 import numpy as np
 from numpy.typing import NDArray
 import pytest

@@ -26,7 +26,11 @@ from contact_estimation.diagnosis.fit import (
     search as search_module,
     selection as selection_module,
 )
-from contact_estimation.diagnosis.fit.applicable import candidates_for, candidates_in
+from contact_estimation.diagnosis.fit.applicable import (
+    candidates_for,
+    candidates_in,
+    is_single_stroke,
+)
 from contact_estimation.diagnosis.fit.candidate import Candidate
 from contact_estimation.diagnosis.fit.criteria import (
     enough,
@@ -135,10 +139,35 @@ def test_attached_wall_has_no_effects_of_touching_and_one_inertia() -> None:
     names = set(candidates_for(Model.of(nominal(**ATTACHED)), False))
     drive = Model.of(nominal(**{**ATTACHED, 'environment__stiffness': 0.0}))
     assert names - set(candidates_for(drive, False)) == {
-        'bouc_wen_hysteresis', 'contact_offset', 'free_play', 'unloading_hysteresis'}
+        'beating_environment', 'bouc_wen_hysteresis', 'contact_offset', 'free_play',
+        'moving_environment', 'stiffness_drift'}
     assert 'environment_inertia' not in names
     assert not any(EFFECTS[name].needs_touch for name in names)
     assert {'cubic_stiffness', 'force_bias'} <= names
+
+
+def test_pressed_wall_alone_has_laws_of_a_side_on_which_it_loads() -> None:
+    wall = Model.of(nominal(**ATTACHED))
+    pulled, pressed = (set(candidates_for(wall, False, pressed)) for pressed in (False, True))
+    assert pressed - pulled == {
+        'hunt_crossley_damping', 'plastic_set', 'power_law_stiffness', 'unloading_hysteresis'}
+
+
+@pytest.mark.parametrize('back, lost, returns', [
+    (0.2, 1.0, True),  # what yields is unloaded by little motion
+    (0.2, 0.2, False), (0.02, 1.0, False),
+    (0.6, 0.2, True)])
+def test_hysteresis_needs_a_motion_or_a_force_that_returns(
+    back: float, lost: float, returns: bool
+) -> None:
+    t: Array = np.arange(2001) / 100.0
+    x, force = (10.0 * np.interp(t, [0.0, 2.0, 14.0, 20.0], [0.0, first, 1.0, 1.0 - part])
+                for first, part in ((0.2, back), (0.9, lost)))
+    noise = np.random.default_rng(4).normal(0.0, 0.01, len(t))
+    signals = Signals(t, noise - force, t, 1e-3 * x, t[:0], np.empty((4, 0)))
+    recording, model = prepared_from(signals, nominal(**ATTACHED))
+    assert ('bouc_wen_hysteresis' in candidates_in([recording], model)) is returns
+    assert is_single_stroke([recording]) is not returns
 
 
 @pytest.mark.parametrize(('cost', 'first'), [

@@ -22,6 +22,7 @@ from concealed_worlds import nominal, prepared_from
 from contact_estimation.diagnosis.conclude.trifles import without_unconfirmed_trifles
 from contact_estimation.diagnosis.fit.discrepancy import correlation_time
 from contact_estimation.diagnosis.fit.fitting import fit
+from contact_estimation.diagnosis.fit.selection import select
 from contact_estimation.diagnosis.observe.model import Model
 from contact_estimation.diagnosis.observe.prepared_recording import PreparedRecording
 from contact_estimation.diagnosis.observe.residuals import residuals
@@ -70,3 +71,15 @@ def test_a_single_stroke_confirms_no_trifle(cubic: float, turns: bool, trifle: b
         [prepared], model.with_effect('cubic_stiffness', (cubic,)))
     assert best.cost < 1.1 * best.residual_count < base.cost
     assert (without_unconfirmed_trifles([prepared], base, best) is base) is trifle
+
+
+@pytest.mark.parametrize('cubic, named', [(3e5, False), (1e6, True)])
+def test_a_single_stroke_with_a_rest_needs_more_than_a_trifle_too(
+    cubic: float, named: bool
+) -> None:
+    noise = NOISE * np.random.default_rng(3).standard_normal(len(T))
+    stray = 6.0 * NOISE * np.sin(1.1 * T) + noise
+    prepared, model = specimen(9e-3 * T / T[-1], cubic, stray)
+    base = fit([prepared], model)
+    assert base.cost > 100.0 * base.residual_count
+    assert (select([prepared], base).best.model.effects == ('cubic_stiffness',)) is named

@@ -58,6 +58,7 @@ class BeatingEnvironment(ContactEffect):
     family = 'wall_motion'
     description = 'The surface oscillates at two frequencies: a beat, or a motion with harmonics.'
     Parameters = BeatingEnvironmentParameters
+    needs_spring = True  # what none presses on moves unseen
 
     def __init__(self, values: BeatingEnvironmentParameters) -> None:
         super().__init__(values)

@@ -276,7 +276,7 @@ class ContactLaw:
         """
         states, d, rate, engaged = self.motion_along(t, x, v)
         touch = self._touch(t, d, rate, engaged, states, np)
-        pressing = -(touch.resistance + self.inertia * a)
+        pressing = -(touch.resistance + self.inertia * a if self.inertia else touch.resistance)
         if not self.unilateral:
             return np.where(touch.contact, pressing, 0.0), d
         held = np.where(touch.contact, np.minimum(self.pull, pressing), touch.free_force)

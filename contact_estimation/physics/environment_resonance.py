@@ -17,7 +17,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
 from math import pi
 from typing import Any
 
@@ -29,23 +28,11 @@ from .moving_environment import MANY_PERIODS
 from .numeric import Array, Flags, Number
 from .random_strength import log_uniform, Strength
 from .scales import Scales
+from .second_order import discretise
 from ..parameters.specification import optional_parameter, ParameterGroup
 
 _DAMPED = 0.3  # wide enough for the next of the frequencies to be near
 _LOWEST, _HIGHEST, _FREQUENCIES = 0.1, 6.0, 9  # times the pace of the motion
-
-
-@lru_cache(maxsize=64)
-def _sampled(omega: float, damping: float, h: float) -> tuple[Array, Array, tuple[Array, ...]]:
-    """Return the filters from a surface, straight between samples, to y and p, and their rest."""
-    from scipy.signal import cont2discrete, lfilter_zi, ss2tf  # slow to import
-
-    # In y and p = w - 2 zeta omega d no rate of d appears, which jumps at a touch-down.
-    system = (np.array([[0.0, 1.0], [-omega**2, -damping]]),
-              np.array([[damping], [omega**2 - damping**2]]), np.eye(2), np.zeros((2, 1)))
-    *sampled, _ = cont2discrete(system, h, 'foh')
-    rows, poles = ss2tf(*sampled)
-    return rows, poles, tuple(lfilter_zi(row, poles) for row in rows)
 
 
 @dataclass(frozen=True)
@@ -104,12 +91,15 @@ class EnvironmentResonance(ContactEffect):
         """Filter d, straight between samples; see `ContactEffect.states_along`."""
         from scipy.signal import lfilter  # slow to import
 
-        damping = 2.0 * self.values.damping_ratio * self._omega
-        rows, poles, at_rest = _sampled(self._omega, damping, float(t[1] - t[0]))
+        spring, damping = self._omega**2, 2.0 * self.values.damping_ratio * self._omega
+        system = discretise(1.0, damping, spring, float(t[1] - t[0]))
+        # In y and p = y' - damping d no rate of d appears, which jumps at a touch-down.
+        rows = (spring * system.position + damping * system.velocity,
+                (spring - damping**2) * system.velocity - damping * spring * system.position)
         surface = np.where(contact, d, 0.0)
-        y, p = (lfilter(row, poles, surface, zi=rest * surface[0])[0]
-                for row, rest in zip(rows, at_rest))
-        return np.array([y - surface, p + damping * surface])
+        moved = surface - surface[0]  # from rest: y = d, y' = 0
+        y, p = (lfilter(row, system.denominator, moved) for row in rows)
+        return np.array([y - moved, p + damping * moved])
 
     @classmethod
     def is_flexible(cls, values: Any, duration: float) -> bool:
@@ -125,8 +115,9 @@ class EnvironmentResonance(ContactEffect):
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """Spread the frequency about the pace of the motion, and the mass, which moves a wall."""
         frequencies = np.geomspace(_LOWEST, _HIGHEST, _FREQUENCIES) / scales.pace
+        shares = (0.01, 0.5) if scales.driven else (0.01,)  # the force is linear in the mass
         return [(share * scales.moved_mass, float(f), _DAMPED)
-                for share in (0.01, 0.5) for f in frequencies]
+                for share in shares for f in frequencies]
 
     @classmethod
     def largest(cls, scales: Scales) -> float:

@@ -56,6 +56,7 @@ class _Weights(NamedTuple):
     springs: tuple[float, ...]
 
 
+@lru_cache(maxsize=16)
 def _weights(alpha: float) -> _Weights:
     """
     Return the branches whose sum is D^alpha.
@@ -122,10 +123,17 @@ class _Blocks(NamedTuple):
 
     def force(self, springs: Array) -> Array:
         """Return what makes the force in a block of its history, shape (history, _BLOCK)."""
-        kernels = np.pad((self.entered * springs) @ self.powers[:-1].T, ((0, 0), (0, 1)))
+        kernels = np.zeros((2, _BLOCK + 1))
+        kernels[:, :-1] = (self.entered * springs) @ self.powers[:-1].T
         since = np.arange(_BLOCK) - np.arange(_BLOCK)[:, None]
         since[since < 0] = _BLOCK  # the 0 at the end: nothing acts before it happens
         return np.vstack((*kernels[:, since], springs[:, None] * self.powers[1:].T))
+
+
+@lru_cache(maxsize=16)
+def _force_of_history(h: float, alpha: float) -> Array:
+    """Return `_Blocks.force` of D^alpha; cached, since most derivatives leave alpha as it is."""
+    return _Blocks.of(h).force(np.array(_weights(alpha).springs))
 
 
 @dataclass(frozen=True)
@@ -175,7 +183,8 @@ class FractionalRelaxation(ContactEffect):
 
     def _along(self, t: Any, v: Any, history: Array) -> Any:
         """Return the resistance along a recording of the history of `states_along`."""
-        force = history @ _Blocks.of(float(t[1] - t[0])).force(np.array(self._springs))
+        C, alpha = self.values.C, self.values.alpha
+        force = history @ (C * _force_of_history(float(t[1] - t[0]), alpha))
         return force.ravel()[:len(t)] + self._damper * v
 
     def state_rates(

@@ -23,7 +23,7 @@ import numpy as np
 
 from .numeric import Array
 
-_MOST_BYTES = 1 << 26
+_MOST, _MOST_BYTES = 12, 1 << 26  # a model and those that differ from it in one value
 
 
 class StatesAlong:
@@ -114,7 +114,7 @@ class KeptMotion:
                 array.flags.writeable = False
         self._kept[key] = (x, v, motion)
         self._bytes += _bytes_of(motion)
-        while self._bytes > _MOST_BYTES and len(self._kept) > 1:
+        while len(self._kept) > _MOST or self._bytes > _MOST_BYTES and len(self._kept) > 1:
             _, (_, _, oldest) = self._kept.popitem(last=False)
             self._bytes -= _bytes_of(oldest)
         return motion

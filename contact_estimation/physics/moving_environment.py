@@ -51,6 +51,7 @@ class MovingEnvironment(ContactEffect):
     family = 'wall_motion'
     description = 'The surface oscillates sinusoidally.'
     Parameters = MovingEnvironmentParameters
+    needs_spring = True  # what none presses on moves unseen
 
     def surface(self, t: Number, state: Any, m: Any) -> tuple[Any, Any]:
         """Return the oscillation; see `ContactEffect.surface`."""

@@ -27,6 +27,8 @@ from .random_strength import Strength, Values
 from .scales import Scales
 from ..parameters.specification import optional_parameter, ParameterGroup
 
+_LEAST_POWER = 0.15
+
 
 @dataclass(frozen=True)
 class PowerLawStiffnessParameters(ParameterGroup):
@@ -57,6 +59,11 @@ class PowerLawStiffness(ContactEffect):
     def spring(self, t: Number, d: Number, force: Number, m: Any) -> Number:
         """Return K_n d^n; see `ContactEffect.spring`."""
         return self.values.K_n * positive(d, m) ** self.values.n
+
+    @classmethod
+    def plausible(cls, values: Any) -> bool:
+        """Return whether the force grows with the depth: of a lesser power it is a step."""
+        return bool(values.n >= _LEAST_POWER)
 
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:

@@ -50,6 +50,8 @@ class Scales(NamedTuple):
         Shortest time between samples [s]; 0 where unknown.
     beat : tuple of (float, complex)
         The two tones that together explain most of that residual; empty where unknown.
+    driven : bool
+        Whether a measured force moves the wall, without a robot.
 
     """
 
@@ -65,6 +67,7 @@ class Scales(NamedTuple):
     spectrum: tuple[Tone, ...] = ()
     sample_period: float = 0.0
     beat: tuple[Tone, ...] = ()
+    driven: bool = False
 
     @property
     def pace(self) -> float:

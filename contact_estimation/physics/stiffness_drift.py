@@ -40,6 +40,7 @@ class StiffnessDrift(ContactEffect):
     family = 'wall_motion'
     description = 'The stiffness of the wall increases or decreases linearly with time.'
     Parameters = StiffnessDriftParameters
+    needs_spring = True
     either_sign = True
 
     def spring(self, t: Number, d: Number, force: Number, m: Any) -> Number:

@@ -52,6 +52,7 @@ class UnloadingHysteresis(ContactEffect):
     Parameters = UnloadingHysteresisParameters
     needs_return = True
     needs_spring = True
+    needs_penetration = True  # pulled as well as pressed, a wall has no side on which it loads
 
     states = 1  # greatest d of the contact
 

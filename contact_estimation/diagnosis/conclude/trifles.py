@@ -16,9 +16,8 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from .shares import Shares
+from ..fit.applicable import is_single_stroke
 from ..fit.criteria import EXPLAINED, SURELY_MOST
 from ..fit.discrepancy import correlation_time, material, weighed
 from ..fit.first_step import fit_without
@@ -30,7 +29,6 @@ from ...physics import EFFECTS
 
 _TINY = 0.2  # of the discrepancy that is worth a name, below which a robot's steps show
 _SMALL = 0.5  # of the discrepancy that is worth a name where laws may be inexact
-_ONE_WAY = 1.5  # times the range: path of a motion that does not return
 _CORRELATED = 8.0  # neighbouring residuals that tell as much as one: no white noise
 
 
@@ -81,7 +79,7 @@ def without_unconfirmed_trifles(recordings: Recordings, base: Fit, best: Fit) ->
     A law down to the noise is one however little it explains. Where residuals as small as the
     noise are correlated, the noise is that of rounded positions, say, and hides what else is
     missing: then the laws are curves through one of the small imperfections of every rig. So are
-    they in a single stroke, which passes each depth once: any imperfection is a curve of depth.
+    they in a single stroke.
 
     Parameters
     ----------
@@ -99,17 +97,9 @@ def without_unconfirmed_trifles(recordings: Recordings, base: Fit, best: Fit) ->
     laws = [name for name in best.model.effects if name not in ZEROS]
     times = [correlation_time(part) for one in recordings
              for part in one.split(residuals(one, best.model))]
-    if not laws or max(times) < _CORRELATED and not _is_single_stroke(recordings):
+    if not laws or max(times) < _CORRELATED and not is_single_stroke(recordings):
         return None
     if not material(weighed(recordings, base.model), base.model):
         return base
     rest = fit_without(recordings, best.model, laws)
     return None if material(weighed(recordings, rest.model), rest.model) else rest
-
-
-def _is_single_stroke(recordings: Recordings) -> bool:
-    """Return whether all that is recorded is one way in or out."""
-    if len(recordings) > 1:
-        return False
-    x = recordings[0].blocks(recordings[0].observed.x)
-    return float(np.sum(np.abs(np.diff(x)))) < _ONE_WAY * float(np.ptp(x))

@@ -24,6 +24,7 @@ from ...physics import EFFECTS
 
 _ORDER, _UNTOLD = 4, 0.2  # of a polynomial in x; share of the variance of |v| that it leaves
 _STROKES, _MANY_STROKES = 1.5, 3.0  # more than one; more than one and a return
+_LITTLE, _MOST = 0.05, 0.5  # of the range of motion and of force, on the way back
 _THERE_AND_BACK = 2.5  # one contact, with little to and fro
 _OF_SPEED = 'damping_law'  # a family
 _MOVES, _FASTEST = 0.2, 0.9  # of the speed that so many samples do not exceed
@@ -128,9 +129,42 @@ def candidates_in(recordings: Recordings, model: Model) -> list[str]:
         any(map(_has_speeds, recordings)), _has_paces(recordings), any(map(_plays, recordings)))
 
 
+def is_single_stroke(recordings: Recordings) -> bool:
+    """
+    Return whether all that is recorded is one way in or out.
+
+    It passes each depth once: any imperfection of a rig is a curve of depth.
+
+    Parameters
+    ----------
+    recordings : sequence of PreparedRecording
+        Fitted together.
+
+    Returns
+    -------
+    single : bool
+        By the path of the motion, over its range.
+
+    """
+    if len(recordings) > 1 or _is_unloaded(recordings[0]):
+        return False
+    x = recordings[0].blocks(recordings[0].observed.x)
+    return float(np.sum(np.abs(np.diff(x)))) < _STROKES * float(np.ptp(x))
+
+
 def _returns(recording: PreparedRecording) -> bool:
     """Return whether the motion is more than one stroke and a hold."""
-    return _strokes(recording) > _STROKES
+    return _strokes(recording) > _STROKES or _is_unloaded(recording)
+
+
+def _is_unloaded(recording: PreparedRecording) -> bool:
+    """Return whether the force returns with the motion, though that may return a little alone."""
+    x, force = map(recording.blocks, (recording.observed.x, recording.observed.force))
+    last = int(np.argmax(np.abs(x - x[0])))  # the turn of what yields
+    after, at_turn = slice(last, None), np.abs(force[last] - force[0])
+    return bool(float(np.ptp(x[after])) > _LITTLE * float(np.ptp(x))
+                and float(np.ptp(force[after])) > _MOST * float(np.ptp(force)) > 0.0
+                and at_turn > _MOST * float(np.ptp(force)))
 
 
 def _plays(recording: PreparedRecording) -> bool:

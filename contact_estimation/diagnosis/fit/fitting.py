@@ -87,9 +87,10 @@ def residual_function(
     def stacked_residuals(values: Array) -> Array:
         there = model.with_free(values)
         with np.errstate(all='ignore'):
-            stacked = np.concatenate(
-                [residuals(recording, there, robust, briefly) for recording in recordings])
-        return np.where(np.abs(stacked) < _LARGEST, stacked, _LARGEST)
+            each = [residuals(recording, there, robust, briefly) for recording in recordings]
+        stacked = each[0] if len(each) == 1 else np.concatenate(each)
+        small = np.abs(stacked) < _LARGEST
+        return stacked if small.all() else np.where(small, stacked, _LARGEST)
 
     return stacked_residuals
 

@@ -44,6 +44,7 @@ _STEPS = (1.0, 0.5, 0.25, 0.1)  # shares of a Gauss-Newton step that are tried
 _LOOSE, _ROUNDS = 3.0, 3  # a part alone: sizes of a value that its prior allows, steps
 _OWN_STEPS = 8  # of the size of an effect on a part
 _TOLD = 1e-4  # share of the information on a value, from which on it is told
+_UNTOLD = 1e-9  # singular value of the derivatives on the rest, beside all, that is none
 _FAINT = 1e-6  # information that keeps an undetermined value finite
 _ROUNDING = 1e-13  # share of the information that rounding may make of nothing
 
@@ -231,7 +232,11 @@ def _fitted_on(
     """Step from the fit on all parts to that on the rest; return coordinates and residuals."""
     values, (low, high) = model.coordinates, model.ranges
     present = _square(here[rest])
-    change = np.linalg.lstsq(jacobian[rest], -here[rest], rcond=1e-9)[0] * model.steps
+    told, every = np.linalg.norm(jacobian[rest]), np.linalg.norm(jacobian)
+    if told <= _UNTOLD * every:  # the rest tells nothing: its derivatives are rounding
+        return values, here
+    change = np.linalg.lstsq(
+        jacobian[rest], -here[rest], rcond=_UNTOLD * every / told)[0] * model.steps
     for share in _STEPS:
         there = np.clip(values + share * change, low, high)
         residuals = function(there)

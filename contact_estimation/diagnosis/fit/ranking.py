@@ -26,6 +26,7 @@ from typing import NamedTuple, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from .applicable import is_single_stroke
 from .candidate import assess, Candidate
 from .criteria import ADEQUATE, is_sure_of_little, OF_LITTLE, predicts_enough, SHARE
 from .discrepancy import CHANNELS, costs_by_channel, material, noise_by_channel
@@ -247,6 +248,8 @@ def _sure_of_little(
     before: Array,
 ) -> list[Candidate]:
     """Keep what explains nearly all of the little that shows; in the motion alone not of less."""
+    if is_single_stroke(recordings):
+        return []
     large = material(recordings, present.model)
     return [one for one in candidates
             if (one.channel != ROBOT or ROBOT in large) and _is_sure(one, zeros, before)]

@@ -78,16 +78,15 @@ def search(
     """
     scales = measure_scales(recordings, base)
     near: list[Fit] = []
-    driven = any(recording.driven_by_force(base.model) for recording in recordings)
     # Starts are small: the derivatives by all other parameters stay nearly as they are.
-    others = None if driven else derivatives(recordings, base.model)
+    others = None if scales.driven else derivatives(recordings, base.model)
     for name in candidates_in(recordings, base.model) if names is None else names:
         progress(name)
         starts = [base.model.with_effect(name, values)
                   for values in EFFECTS[name].starts(scales)]
         replaces = starts[0].free.sum() - len(names_of(name)) < base.model.free.sum()
         start = _best_start(recordings, starts, None if replaces else others)
-        if EFFECTS[name].resonates and not driven:
+        if EFFECTS[name].resonates and not scales.driven:
             start = fit(recordings, start, steps=4).model
         near.append(fit_at(recordings, start))
     started = [fit(recordings, one.model, steps=4) for one in nearest(recordings, near)]

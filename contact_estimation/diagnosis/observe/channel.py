@@ -78,10 +78,11 @@ class Channel:
 
     @cached_property
     def _weights(self) -> Array:
-        """Return the weight of each sample in the mean of its block, shape (N,)."""
+        """Return the weight of each sample in its block's residual, shape (blocks, block)."""
         unknown = self.discrepancy * np.sqrt(self.block)
         widened = np.hypot(self.noise * self.spread, unknown)
-        return np.asarray(np.hypot(self.noise, unknown) / widened * self.use)
+        weights = np.hypot(self.noise, unknown) / widened * self.use
+        return np.asarray(_in_blocks(weights, self.block) / self._sum_std[:, np.newaxis])
 
     @property
     def error(self) -> float:
@@ -119,7 +120,8 @@ class Channel:
             In standard deviations of a block's mean; 0 for empty blocks.
 
         """
-        return sum_blocks(error * self._weights, self.block) / self._sum_std
+        # Weighing and summing at once: every evaluation of a model asks for two averages.
+        return np.asarray(np.einsum('ij,ij->i', _in_blocks(error, self.block), self._weights))
 
 
 def sum_blocks(signal: Array, block: int) -> Array:
@@ -139,5 +141,10 @@ def sum_blocks(signal: Array, block: int) -> Array:
         In the signal's unit.
 
     """
+    return np.asarray(np.einsum('ij->i', _in_blocks(signal, block)))
+
+
+def _in_blocks(signal: Array, block: int) -> Array:
+    """Return a signal block by block, shape (N // block, block)."""
     count = len(signal) // block
-    return np.asarray(np.einsum('ij->i', signal[:count * block].reshape(count, block)))
+    return signal[:count * block].reshape(count, block)

@@ -30,8 +30,9 @@ from scipy.signal import lfilter
 
 from .model import Model
 from .observed import Observed
-from .observer import coast, discretise, innovation_std, kalman_filter, run, run_velocity
+from .observer import coast, innovation_std, kalman_filter, run, run_velocity
 from ...physics.numeric import SIGN_VELOCITY
+from ...physics.second_order import discretise
 from ...plant.between_samples import NOISE, smooth
 
 Array = NDArray[np.float64]

@@ -22,12 +22,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
-from .observer import discretise, run, run_from, run_velocity
+from .observer import run, run_from, run_velocity
 from .touch_down import at_touch_down
 from ...physics.contact_law import ContactLaw
 from ...physics.joint import Joint
 from ...physics.numeric import Flags, stretches
 from ...physics.robot_law import RobotLaw
+from ...physics.second_order import discretise
 
 Array = NDArray[np.float64]
 

@@ -24,9 +24,10 @@ from .driven_wall import DrivenWall
 from .model import Model
 from .motion_error import lost_by_lines
 from .observed import Observed
-from .observer import innovations_of, SecondOrder
+from .observer import innovations_of
 from .pace import is_slow
 from .smoothing import least_noise, white_noise_std
+from ...physics.second_order import SecondOrder
 
 Array = NDArray[np.float64]
 

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline
 
 from .motion_error import lost_by_lines, motion_error, quantisation_step
-from .observer import discretise, OBSERVER_CUTOFF, run, SecondOrder
+from .observer import OBSERVER_CUTOFF, run
 from .pace import pace_of
 from .signals import check_signals, Signals
 from .smoothing import (
@@ -37,6 +37,7 @@ from .smoothing import (
     white_noise_std,
 )
 from ...physics.robot_law import RobotLaw
+from ...physics.second_order import discretise, SecondOrder
 from ...plant.between_samples import BETWEEN
 from ...plant.plant_parameters import PlantParameters
 

@@ -13,7 +13,7 @@
 # limitations under the License.
 
 """
-Second-order dynamics driven by a force, and the innovations of an observer of it.
+Motion of second-order dynamics under a force, and the innovations of an observer of it.
 
 A model's misfit in position, run free, keeps every error for as long as the dynamics remember it.
 The innovations x - x_predicted of an observer with cut-off omega_o forget it after 1 / omega_o,
@@ -22,14 +22,14 @@ and are white if the model is correct.
 
 from __future__ import annotations
 
-from functools import lru_cache
 from math import exp
-from typing import NamedTuple, Sequence
+from typing import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import expm
 from scipy.signal import freqz, lfilter
+
+from ...physics.second_order import SecondOrder
 
 Array = NDArray[np.float64]
 
@@ -37,59 +37,6 @@ _FREQUENCIES = 4096  # at which spectra are averaged
 
 OBSERVER_CUTOFF = 50.0
 """omega_o [rad/s] at a pace of 1: errors in the time of an impact are forgotten in 40 ms."""
-
-
-class SecondOrder(NamedTuple):
-    """
-    M x'' + B x' + K x = f, exactly discretised for f straight between samples.
-
-    Attributes
-    ----------
-    denominator : ndarray, shape (3,)
-        Of the position's transfer function.
-    position, velocity : ndarray, shape (3,)
-        Numerators.
-    transition : ndarray, shape (2, 2)
-        Of position and velocity over a sample period without a force.
-
-    """
-
-    denominator: Array
-    position: Array
-    velocity: Array
-    transition: Array
-
-
-@lru_cache(maxsize=64)
-def discretise(mass: float, damping: float, stiffness: float, h: float) -> SecondOrder:
-    """
-    Discretise with a first-order hold.
-
-    Parameters
-    ----------
-    mass, damping, stiffness : float
-        M [kg], B [N s/m], K [N/m].
-    h : float
-        Sample period [s].
-
-    Returns
-    -------
-    system : SecondOrder
-        Difference equations of position and velocity.
-
-    """
-    # States x, v, f, f': the exponential of the block matrix integrates a straight f exactly.
-    block = np.zeros((4, 4))
-    block[0, 1], block[2, 3] = 1.0, 1.0
-    block[1, :3] = -stiffness / mass, -damping / mass, 1.0 / mass
-    step = expm(block * h)
-    A, b_0, b_1 = step[:2, :2], step[:2, 2] - step[:2, 3] / h, step[:2, 3] / h
-    denominator = np.array([1.0, -np.trace(A), np.linalg.det(A)])
-    # z x = A x + b_0 f + b_1 z f; the adjugate of (z I - A) gives the numerators.
-    adjugate = np.array([[A[1, 1], -A[0, 1]], [-A[1, 0], A[0, 0]]])
-    low, high = -adjugate @ b_0, -adjugate @ b_1
-    numerators = [np.array([b_1[i], b_0[i] + high[i], low[i]]) for i in range(2)]
-    return SecondOrder(denominator, numerators[0], numerators[1], A)
 
 
 def run(system: SecondOrder, force: Array, position: float, stiffness: float) -> Array:

@@ -31,9 +31,9 @@ from .latest import Latest
 from .model import Model
 from .noise import force_error, force_noise, innovation_error, motion_noise
 from .observed import observe, Observed, reference_on_grid
-from .observer import SecondOrder
 from .signals import Recording
 from .usable_samples import default_block, force_drops, usable
+from ...physics.second_order import SecondOrder
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]

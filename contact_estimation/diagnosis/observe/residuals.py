@@ -31,10 +31,11 @@ from .channel import sum_blocks
 from .driven_wall import DrivenWall
 from .link import run_jointed
 from .model import Laws, Model
-from .observer import discretise, innovations, innovations_of, run
+from .observer import innovations, innovations_of, run
 from .prepared_recording import PreparedRecording
 from .touch_down import at_touch_down
 from ...physics.robot_law import RobotLaw
+from ...physics.second_order import discretise
 
 Array = NDArray[np.float64]
 

@@ -40,7 +40,9 @@ def at_touch_down(force: Array, d: Array) -> Array:
         Changed at the samples before touch-down alone.
 
     """
-    begins = np.flatnonzero((force[:-1] == 0.0) & (d[:-1] <= 0.0) & (d[1:] > 0.0))
+    inside = d > 0.0
+    begins = np.flatnonzero(inside[1:] > inside[:-1])
+    begins = begins[force[begins] == 0.0]
     d_0, d_1 = d[begins], d[begins + 1]
     share = d_1 / (d_1 - d_0)  # of the step that is spent in contact
     changed = force.copy()

@@ -1,0 +1,79 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Second-order dynamics driven by a force, as difference equations."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+
+from .numeric import Array
+
+
+class SecondOrder(NamedTuple):
+    """
+    M x'' + B x' + K x = f, exactly discretised for f straight between samples.
+
+    Attributes
+    ----------
+    denominator : ndarray, shape (3,)
+        Of the position's transfer function.
+    position, velocity : ndarray, shape (3,)
+        Numerators.
+    transition : ndarray, shape (2, 2)
+        Of position and velocity over a sample period without a force.
+
+    """
+
+    denominator: Array
+    position: Array
+    velocity: Array
+    transition: Array
+
+
+@lru_cache(maxsize=64)
+def discretise(mass: float, damping: float, stiffness: float, h: float) -> SecondOrder:
+    """
+    Discretise with a first-order hold.
+
+    Parameters
+    ----------
+    mass, damping, stiffness : float
+        M [kg], B [N s/m], K [N/m].
+    h : float
+        Sample period [s].
+
+    Returns
+    -------
+    system : SecondOrder
+        Difference equations of position and velocity.
+
+    """
+    from scipy.linalg import expm  # slow to import, and no node needs it
+
+    # States x, v, f, f': the exponential of the block matrix integrates a straight f exactly.
+    block = np.zeros((4, 4))
+    block[0, 1], block[2, 3] = 1.0, 1.0
+    block[1, :3] = -stiffness / mass, -damping / mass, 1.0 / mass
+    step = expm(block * h)
+    A, b_0, b_1 = step[:2, :2], step[:2, 2] - step[:2, 3] / h, step[:2, 3] / h
+    denominator = np.array([1.0, -np.trace(A), np.linalg.det(A)])
+    # z x = A x + b_0 f + b_1 z f; the adjugate of (z I - A) gives the numerators.
+    adjugate = np.array([[A[1, 1], -A[0, 1]], [-A[1, 0], A[0, 0]]])
+    low, high = -adjugate @ b_0, -adjugate @ b_1
+    numerators = [np.array([b_1[i], b_0[i] + high[i], low[i]]) for i in range(2)]
+    return SecondOrder(denominator, numerators[0], numerators[1], A)
