@@ -160,7 +160,7 @@ def test_pressed_wall_alone_has_laws_of_a_side_on_which_it_loads() -> None:
 def test_hysteresis_needs_a_motion_or_a_force_that_returns(
     back: float, lost: float, returns: bool
 ) -> None:
-    t: Array = np.arange(2001) / 100.0
+    t = np.arange(0.0, 20.005, 0.01)
     x, force = (10.0 * np.interp(t, [0.0, 2.0, 14.0, 20.0], [0.0, first, 1.0, 1.0 - part])
                 for first, part in ((0.2, back), (0.9, lost)))
     noise = np.random.default_rng(4).normal(0.0, 0.01, len(t))

@@ -232,7 +232,7 @@ def _fitted_on(
     """Step from the fit on all parts to that on the rest; return coordinates and residuals."""
     values, (low, high) = model.coordinates, model.ranges
     present = _square(here[rest])
-    told, every = np.linalg.norm(jacobian[rest]), np.linalg.norm(jacobian)
+    told, every = float(np.linalg.norm(jacobian[rest])), float(np.linalg.norm(jacobian))
     if told <= _UNTOLD * every:  # the rest tells nothing: its derivatives are rounding
         return values, here
     change = np.linalg.lstsq(
