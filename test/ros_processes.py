@@ -169,8 +169,9 @@ def node_process(folder: Path, node: str, **parameters: Any) -> ModuleProcess:
     """
     Start a node; double underscores stand for the dots of parameter names.
 
-    It subscribes reliably: a busy machine loses samples of best effort, and tests compare all.
+    The estimator subscribes reliably, as the recorder does by itself: a busy machine loses
+    samples of best effort, and tests compare all.
     """
     named = {name.replace('__', '.'): value for name, value in parameters.items()}
-    named = {**(RELIABLE if node != 'plant_node' else {}), **named}
+    named = {**(RELIABLE if node == 'estimator_node' else {}), **named}
     return ModuleProcess(folder, f'ros.{node}', *parameter_arguments(named))

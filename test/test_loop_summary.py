@@ -146,11 +146,10 @@ def test_configuration_gives_the_estimator_the_robot_of_the_plant(tmp_path: Path
 def test_lockstep_loses_no_sample_to_quality_of_service(tmp_path: Path) -> None:
     for lockstep in (False, True):
         write_parameters(tmp_path / 'out.yaml', configure('sine', lockstep=lockstep), tmp_path)
-        for node in ('estimator_node', 'recorder_node'):
-            quality = [value for name, value in
-                       read_parameter_file(tmp_path / 'out.yaml', node).items()
-                       if name.startswith('qos_overrides.')]
-            assert quality == (['reliable'] * 3 if lockstep else [])
+        quality = [value for name, value in
+                   read_parameter_file(tmp_path / 'out.yaml', 'estimator_node').items()
+                   if name.startswith('qos_overrides.')]
+        assert quality == (['reliable'] * 3 if lockstep else [])
 
 
 def test_duration_beyond_one_experiment_repeats_it() -> None:

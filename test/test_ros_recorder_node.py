@@ -24,6 +24,7 @@ from contact_estimation.exceptions import RecordingError
 from contact_estimation.messages import decode_string, WrenchDecoder
 from contact_estimation.recordings import RecordingReader
 import pytest
+from rclpy.qos import QoSProfile, ReliabilityPolicy as Reliability
 from ros_listener import Listener
 from ros_messages import wrench, WrenchStamped
 from ros_peer import estimator_and_peer, PERIOD_NS, WINDOW
@@ -52,10 +53,11 @@ def recorded_parameters(folder: Path) -> dict[str, str]:
 class Sensor(Listener):
     """Publishes numbered wrenches."""
 
-    def __init__(self) -> None:
+    def __init__(self, reliability: Reliability = Reliability.RELIABLE, number: int = 0) -> None:
         super().__init__()
-        self._wrenches = self.node.create_publisher(WrenchStamped, 'wrench', 100)
-        self.number = 0
+        qos = QoSProfile(depth=100, reliability=reliability)
+        self._wrenches = self.node.create_publisher(WrenchStamped, 'wrench', qos)
+        self.number = number
 
     def measure(self) -> None:
         """Publish the next one."""
@@ -87,6 +89,29 @@ def test_killed_recorder_leaves_all_that_was_flushed(tmp_path: Path) -> None:
     flushed = {number * PERIOD_NS for number in range(first, last + 1)}
     assert flushed <= recorded_stamps(folder)
     assert RecordingReader(folder).truncated
+
+
+def test_recorder_subscribes_as_publishers_offer(tmp_path: Path) -> None:
+    folder, reliable = tmp_path / 'recording', Sensor()
+    with node_process(tmp_path / 'recorder', 'recorder_node', output=folder) as process:
+        reliable.measure_until_recorded(folder)
+
+        def subscribed() -> list[Reliability]:
+            """Return how the recorder subscribes to wrenches."""
+            offers = reliable.node.get_subscriptions_info_by_topic('/wrench')
+            return [offer.qos_profile.reliability for offer in offers]
+
+        assert subscribed() == [Reliability.RELIABLE]
+        other = Sensor(Reliability.BEST_EFFORT, 1000)
+        other.measure_until_recorded(folder, 1001)
+        assert subscribed() == [Reliability.BEST_EFFORT]
+        after = reliable.number + 2000  # beyond the numbers of the other
+        reliable.number = after
+        reliable.measure_until_recorded(folder, after + 1)
+        process.signal(signal.SIGINT)
+        assert process.end().code == 0
+    reliable.close()
+    other.close()
 
 
 def test_interrupted_recorder_leaves_a_whole_rosbag2_folder(tmp_path: Path) -> None:

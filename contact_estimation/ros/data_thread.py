@@ -82,14 +82,16 @@ class RawSubscriptions:
                 'several times the CPU load'
             )
         self._group = _NeverByExecutor() if self.dedicated else None
+        # Replaced, never changed: another thread may be going through them.
         self._waking: list[tuple[Any, Callback]] = []
         self._quiet: list[tuple[Any, Callback]] = []
         self._wait_set: Any = None
+        self._capacity = 0
 
     def subscribe(
         self, topic: str, type_name: str, qos: QoSProfile, callback: Callback, wakes: bool = True,
         overrides: bool = False,
-    ) -> None:
+    ) -> Any:
         """
         Subscribe to a topic; the callback gets the serialised message.
 
@@ -109,12 +111,27 @@ class RawSubscriptions:
         overrides : bool
             Whether parameters qos_overrides.TOPIC... may change the quality of service.
 
+        Returns
+        -------
+        subscription : rclpy.subscription.Subscription
+            For `forget`.
+
         """
         subscription = self._node.create_subscription(
             message_class(type_name), topic, callback, qos, raw=True, callback_group=self._group,
             qos_overriding_options=overridable() if overrides else None,
         )
-        (self._waking if wakes else self._quiet).append((subscription, callback))
+        if wakes:
+            self._waking = [*self._waking, (subscription, callback)]
+        else:
+            self._quiet = [*self._quiet, (subscription, callback)]
+        return subscription
+
+    def forget(self, subscription: Any) -> None:
+        """Serve a subscription no more; once the thread has caught up, it may be destroyed."""
+        self._waking, self._quiet = (
+            [each for each in kept if each[0] is not subscription]
+            for kept in (self._waking, self._quiet))
 
     def wait(self, timeout_ns: int) -> None:
         """
@@ -127,8 +144,9 @@ class RawSubscriptions:
 
         """
         waking = self._waking
-        if self._wait_set is None:
-            self._wait_set = _WaitSet(len(waking), 0, 0, 0, 0, 0, self._node.context.handle)
+        if self._wait_set is None or self._capacity < len(waking):
+            self._capacity = len(waking)
+            self._wait_set = _WaitSet(self._capacity, 0, 0, 0, 0, 0, self._node.context.handle)
         wait_set = self._wait_set
         wait_set.clear_entities()
         for subscription, _ in waking:

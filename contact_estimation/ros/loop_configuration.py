@@ -186,11 +186,10 @@ def write_parameters(
 
     """
     estimator, plant = (configuration.sections[f'{name}_node'] for name in ('estimator', 'plant'))
-    quality = _RELIABLY if plant.get('lockstep') else {}
     nodes = {
-        'estimator_node': {**quality, **estimator},
+        'estimator_node': {**(_RELIABLY if plant.get('lockstep') else {}), **estimator},
         'plant_node': {**plant, 'summary_file': str(plant_summary or '')},
-        'recorder_node': {**quality, 'output': str(recording)},
+        'recorder_node': {'output': str(recording)},
     }
     nested = {node: {'ros__parameters': dict(values)} for node, values in nodes.items()}
     path.write_text(yaml.safe_dump(nested, sort_keys=False))

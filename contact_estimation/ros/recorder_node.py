@@ -25,6 +25,7 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy
 
 from . import topics
 from .data_thread import DataThread, RawSubscriptions
+from .matched_subscriptions import MatchedSubscriptions
 from .message_classes import has_transforms
 from .parameters import declare
 from .running import run_node
@@ -39,12 +40,11 @@ from ..recordings import OfferedQos, RecordingWriter
 from ..recordings.estimation_metadata import RECORD, to_metadata
 
 PURPOSE = 'recorder_node: record wrench, joints, references and estimates as a rosbag2 folder'
-_FLUSH_S = 0.4
+_FLUSH_S, _MATCH_S = 0.4, 0.05
+_DEPTH = 1000
 
-# Best effort matches any publisher; sensor drivers are best effort.
-_ANY_QOS = QoSProfile(depth=1000, reliability=ReliabilityPolicy.BEST_EFFORT)
 # The estimator publishes reliably: what a busy machine drops is sent again.
-_ESTIMATE_QOS = QoSProfile(depth=1000, reliability=ReliabilityPolicy.RELIABLE)
+_ESTIMATE_QOS = QoSProfile(depth=_DEPTH, reliability=ReliabilityPolicy.RELIABLE)
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,7 @@ class RecorderParameters(ParameterGroup):
     )
 
 
-def recorded_topics(estimator: str) -> dict[str, tuple[str, QoSProfile]]:
+def recorded_topics(estimator: str) -> dict[str, tuple[str, QoSProfile | None]]:
     """
     List what is recorded.
 
@@ -70,7 +70,7 @@ def recorded_topics(estimator: str) -> dict[str, tuple[str, QoSProfile]]:
     Returns
     -------
     topics : dict
-        Topic to its type and the quality of service to subscribe with.
+        Topic to its type and the quality of service to subscribe with; None: as is offered.
 
     """
     vectors = ('stiffness', 'damping', 'stiffness_std', 'damping_std', 'location', 'inertia')
@@ -83,12 +83,12 @@ def recorded_topics(estimator: str) -> dict[str, tuple[str, QoSProfile]]:
         '/parameter_events': 'rcl_interfaces/msg/ParameterEvent',
     }
     of_tf = {
-        topics.TF: (TRANSFORMS_TYPE, _ANY_QOS),
+        topics.TF: (TRANSFORMS_TYPE, None),
         topics.TF_STATIC: (TRANSFORMS_TYPE, topics.TF_STATIC_QOS),
     }
     return {
         **(of_tf if has_transforms() else {}),
-        **{topic: (type_name, _ANY_QOS) for topic, type_name in of_any_publisher.items()},
+        **{topic: (type_name, None) for topic, type_name in of_any_publisher.items()},
         **{f'{estimator}/{name}': (topics.VECTOR3, _ESTIMATE_QOS) for name in vectors},
         f'{estimator}/model_fit': (topics.FLOAT64, _ESTIMATE_QOS),
         **{f'{estimator}/{name}': (type_name, _ESTIMATE_QOS)
@@ -122,10 +122,16 @@ class RecorderNode(Node):
             )
         self._writer = RecordingWriter.folder(own.output)
         self._data = RawSubscriptions(self)
-        for topic, (type_name, qos) in recorded_topics(own.estimator).items():
-            self._data.subscribe(topic, type_name, qos, self._recording(topic, type_name, qos),
-                                 overrides=qos is _ANY_QOS)
         self._thread = DataThread(self._data, self._failed)
+        self._matched = MatchedSubscriptions(self, self._data, self._thread.catch_up, _DEPTH)
+        for topic, (type_name, qos) in recorded_topics(own.estimator).items():
+            record = self._recording(topic, type_name, qos)
+            if qos is None:
+                self._matched.add(topic, type_name, record)
+            else:
+                self._data.subscribe(topic, type_name, qos, record)
+        self._matched.match()
+        self.create_timer(_MATCH_S, self._matched.match)
         self.create_timer(_FLUSH_S, self._flush)
 
     def start(self) -> None:
@@ -139,12 +145,14 @@ class RecorderNode(Node):
             self._data.take_all()
         self._writer.close()
 
-    def _recording(self, topic: str, type_name: str, qos: QoSProfile) -> Callable[[bytes], None]:
+    def _recording(
+        self, topic: str, type_name: str, qos: QoSProfile | None
+    ) -> Callable[[bytes], None]:
         name = self.resolve_topic_name(topic)
         write, is_events = self._writer.write, topic.endswith('/events')
         # The QoS that the publishers offer, so that a played bag matches every subscriber.
-        latched = is_events or topic == topics.TF_STATIC
-        offered = OfferedQos.of_profile(qos if latched else topics.OUTPUT_QOS)
+        latched = qos if is_events or topic == topics.TF_STATIC else None
+        offered = OfferedQos.of_profile(latched or topics.OUTPUT_QOS)
 
         def record(raw: bytes) -> None:
             write(name, type_name, raw, time.time_ns(), qos=offered)
