@@ -114,6 +114,17 @@ def test_recorder_subscribes_as_publishers_offer(tmp_path: Path) -> None:
     other.close()
 
 
+def test_recorder_records_before_a_simulated_clock_begins(tmp_path: Path) -> None:
+    folder, sensor = tmp_path / 'recording', Sensor()
+    with node_process(
+        tmp_path / 'recorder', 'recorder_node', use_sim_time=True, output=folder
+    ) as process:
+        sensor.measure_until_recorded(folder)
+        process.signal(signal.SIGINT)
+        assert process.end().code == 0
+    sensor.close()
+
+
 def test_interrupted_recorder_leaves_a_whole_rosbag2_folder(tmp_path: Path) -> None:
     rosbags = pytest.importorskip('rosbags.highlevel')
     folder, sensor = tmp_path / 'recording', Sensor()

@@ -20,6 +20,7 @@ from dataclasses import dataclass
 import time
 from typing import Any, Callable, Sequence
 
+from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 
@@ -131,8 +132,9 @@ class RecorderNode(Node):
             else:
                 self._data.subscribe(topic, type_name, qos, record)
         self._matched.match()
-        self.create_timer(_MATCH_S, self._matched.match)
-        self.create_timer(_FLUSH_S, self._flush)
+        steady = Clock(clock_type=ClockType.STEADY_TIME)  # a simulated clock may not have begun
+        self.create_timer(_MATCH_S, self._matched.match, clock=steady)
+        self.create_timer(_FLUSH_S, self._flush, clock=steady)
 
     def start(self) -> None:
         """Start recording."""
