@@ -124,6 +124,19 @@ def test_standard_deviations_cover_the_errors() -> None:
     assert np.sqrt(np.mean(np.square(errors))) < 3.0
 
 
+def test_standard_deviations_beside_a_gain_are_those_of_the_values() -> None:
+    recording, model = prepared_from(recorded(**physics('force_gain', 0.545)))
+    model = fit([recording], model.with_effect('force_gain', (0.6,))).model
+    here, values = residuals(recording, model), np.array(model.values)
+    jacobian = np.column_stack([
+        (residuals(recording, model.at(values + change)) - here) / change.sum()
+        for change in np.diag(1e-6 * values)])
+    white = np.sqrt(np.diag(np.linalg.inv(jacobian.T @ jacobian)))
+    std = standard_deviations([recording], fit([recording], model))
+    np.testing.assert_allclose(std[[0, 2]], white[[0, 2]], rtol=0.3)
+    assert std[0] / values[0] < 0.3 * std[2] / values[2]
+
+
 def test_slow_residuals_make_standard_deviations_larger() -> None:
     recording, model = prepared_from(recorded())
     o = recording.observed

@@ -45,7 +45,7 @@ from contact_estimation.diagnosis.fit.fitting import Fit, fit
 from contact_estimation.diagnosis.fit.model_uncertainty import discounted
 from contact_estimation.diagnosis.fit.scales import measure_scales
 from contact_estimation.diagnosis.fit.search import is_credible, nearest, search
-from contact_estimation.diagnosis.fit.selection import select
+from contact_estimation.diagnosis.fit.selection import select, weigh
 from contact_estimation.diagnosis.observe.model import Model, names_of
 from contact_estimation.diagnosis.observe.prepared_recording import PreparedRecording
 from contact_estimation.diagnosis.observe.residuals import residuals
@@ -382,3 +382,25 @@ def test_a_robot_is_judged_by_the_force_too_where_the_wall_was_fitted_to_its_mot
              id(found): np.array([300.0 - in_force, 200.0 - in_motion])}
     monkeypatch.setattr(ranking_module, 'costs_by_channel', lambda r, one: costs[id(one)])
     assert ranking_module._channel([], present, found) == channel
+
+
+@pytest.mark.parametrize('noise', [0.2, 0.02])
+@pytest.mark.parametrize('gain', [0.545, 1.7])
+def test_search_finds_a_gain_far_from_one_however_precise_the_force(
+    gain: float, noise: float
+) -> None:
+    recording, base = prepared(*physics('force_gain', gain).items(),
+                               ('sensors__force_noise', noise))
+    carried, present = weigh([recording], base)
+    found = search(carried, present, lambda name: None)
+    assert found[0].model.effects == ('force_gain',)
+    assert found[0].model.values[-1] == pytest.approx(gain, rel=0.01)
+
+
+def test_coordinates_beside_a_gain_are_those_that_the_force_tells() -> None:
+    model = MODEL.with_effect('force_gain', (0.5,))
+    K_e, B_e, gain = model.coordinates
+    assert (K_e, B_e) == pytest.approx((0.5 * model.stiffness, 0.5 * model.damping))
+    moved = model.with_free(np.array([K_e, B_e, 2.0 * gain]))
+    assert moved.stiffness == pytest.approx(0.5 * model.stiffness)
+    assert moved.with_free(moved.coordinates).values == pytest.approx(moved.values)

@@ -49,6 +49,9 @@ class Effect(DrawnEffect):
         Whether the effect cannot be identified in a permanently attached environment.
     needs_attachment : bool
         Whether the effect is another one on a wall that only pushes.
+    rescales_wall : bool
+        Whether the measured force tells K_e and B_e times a value of the effect alone, see
+        `wall_scale`.
     needs_penetration : bool
         Whether the law holds for x beyond x_e only, in a permanently attached environment too.
     accumulates : bool
@@ -106,6 +109,7 @@ class Effect(DrawnEffect):
     in_logarithm: ClassVar[tuple[str, ...]] = ()
     needs_touch: ClassVar[bool] = False
     needs_attachment: ClassVar[bool] = False
+    rescales_wall: ClassVar[bool] = False
     needs_penetration: ClassVar[bool] = False
     accumulates: ClassVar[bool] = False
     needs_return: ClassVar[bool] = False
@@ -220,6 +224,24 @@ class Effect(DrawnEffect):
     def linear(cls) -> tuple[str, ...]:
         """Return the parameters in which the law is linear, by default the first."""
         return cls.linear_in or (fields(cls.Parameters)[0].name,)
+
+    @classmethod
+    def wall_scale(cls, values: Any) -> float:
+        """
+        Return what the wall's values must be multiplied by for the measured force to stay.
+
+        Parameters
+        ----------
+        values : ParameterGroup
+            An instance of `Parameters`.
+
+        Returns
+        -------
+        scale : float
+            1 unless `rescales_wall`.
+
+        """
+        return 1.0
 
     @classmethod
     def is_flexible(cls, values: Any, duration: float) -> bool:

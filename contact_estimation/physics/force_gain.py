@@ -54,6 +54,7 @@ class ForceGain(ForceSensorEffect):
     family = 'sensor_gain'
     description = 'The sensitivity of the force sensor is not that of its calibration.'
     Parameters = ForceGainParameters
+    rescales_wall = True
     neutral = {'gain': 1.0}
     needs_robot = True
     least_share = 0.96  # a sensor that bends or saturates has a gain too, but leaves more
@@ -81,9 +82,14 @@ class ForceGain(ForceSensorEffect):
         return True
 
     @classmethod
+    def wall_scale(cls, values: Any) -> float:
+        """Return 1 / gain: the product of it and K_e is known far better than either."""
+        return float(1.0 / values.gain)
+
+    @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
-        """Spread the gain: the product of it and K_e is known far better than either."""
-        return [(gain,) for gain in (0.65, 0.85, 1.15, 1.4)]
+        """Spread the gain."""
+        return [(gain,) for gain in (0.5, 0.65, 0.85, 1.15, 1.4, 1.8)]
 
     @classmethod
     def draw(cls, scales: Scales, rng: Generator) -> Strength:

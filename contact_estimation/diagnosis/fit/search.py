@@ -32,6 +32,7 @@ from ..observe.prepared_recording import is_flexible, PreparedRecording, Recordi
 from ..observe.residuals import force_residual
 from ...parameters.specification import ParameterGroup
 from ...physics import EFFECTS
+from ...physics.scales import Scales
 
 Array = NDArray[np.float64]
 
@@ -82,10 +83,10 @@ def search(
     others = None if scales.driven else derivatives(recordings, base.model)
     for name in candidates_in(recordings, base.model) if names is None else names:
         progress(name)
-        starts = [base.model.with_effect(name, values)
-                  for values in EFFECTS[name].starts(scales)]
-        replaces = starts[0].free.sum() - len(names_of(name)) < base.model.free.sum()
-        start = _best_start(recordings, starts, None if replaces else others)
+        starts = _starts(base.model, name, scales)
+        small = starts[0].base_values == base.model.base_values and (
+            starts[0].free.sum() - len(names_of(name)) == base.model.free.sum())
+        start = _best_start(recordings, starts, others if small else None)
         if EFFECTS[name].resonates and not scales.driven:
             start = fit(recordings, start, steps=4).model
         near.append(fit_at(recordings, start))
@@ -98,6 +99,17 @@ def search(
             if is_credible(recordings, found.model)]
     scale = noise_scale(min(fits, key=lambda found: found.cost)) if fits else 1.0
     return sorted(fits, key=lambda found: found.cost + scale * penalty(found.model))
+
+
+def _starts(model: Model, name: str, scales: Scales) -> list[Model]:
+    """Return a model with each start of an effect, and with the wall that keeps the force."""
+    cls = EFFECTS[name]
+    starts = []
+    for values in cls.starts(scales):
+        start = model.with_effect(name, values)
+        same_force = start.with_wall_times(cls.wall_scale(cls.Parameters(*values)))
+        starts += [start] if same_force == start else [same_force, start]
+    return starts
 
 
 def search_family(

@@ -56,16 +56,23 @@ def standard_deviations(recordings: Recordings, found: Fit) -> Array:
     here = function(values)
     jacobian = differentiate_by(values, size, function, here, most=model.ranges[1])
     inverse = np.linalg.pinv(jacobian.T @ jacobian, rcond=1e-13)
+    told = differentiate_by(values, size, lambda these: _free_values(model.with_free(these)),
+                            _free_values(model), most=model.ranges[1])
     span = max(1, round(_CLUSTER_S * recordings[0].observed.pace / recordings[0].block_s))
     scores = np.add.reduceat(jacobian * here[:, None], np.arange(0, len(here), span), axis=0)
-    clustered = np.diag(inverse @ (scores.T @ scores) @ inverse)
+    inverse = told @ inverse
+    clustered = np.diag(inverse @ (scores.T @ scores) @ inverse.T)
     times = _correlation_times(recordings, model, here)
-    correlated = np.diag(inverse @ (jacobian.T * times) @ jacobian @ inverse)
+    correlated = np.diag(inverse @ (jacobian.T * times) @ jacobian @ inverse.T)
     correlated = correlated * max(1.0, float(np.mean(here**2)))
     std = np.full(len(model.values), np.nan)
-    std[model.free] = np.sqrt(np.maximum(clustered, correlated)) * model.sizes[model.free]
+    std[model.free] = np.sqrt(np.maximum(clustered, correlated))
     std[model.at_end] = np.nan
     return std
+
+
+def _free_values(model: Model) -> Array:
+    return np.array(model.values)[model.free]
 
 
 def _correlation_times(recordings: Recordings, model: Model, stacked: Array) -> Array:

@@ -143,6 +143,11 @@ class Model:
                   for value, (_, least, most) in zip(values, _ranges(name)))
         return replace(self, effects=(*self.effects, name), values=(*self.values, *within))
 
+    def with_wall_times(self, factor: float) -> 'Model':
+        """Return the model with all values of the wall multiplied by a factor."""
+        wall = [factor * value for value in self.base_values]
+        return self.at([*wall, *self.values[self.base_count:]])
+
     def without(self, *names: str) -> 'Model':
         """Return the model without some of its effects."""
         dropped = {k for name in names for k in range(*self.place(name).indices(len(self.values)))}
@@ -160,17 +165,41 @@ class Model:
         every[self.free] = coordinates
         logarithms = np.minimum(every[self.logarithmic], _LARGEST_LOGARITHM)
         every[self.logarithmic] = np.exp(logarithms)
+        every[self._rescaled] *= self._wall_scale(every)
         return self.at(every)
 
     def _of_free(self, values: Array) -> Array:
         """Convert values to coordinates of the free ones."""
         logarithms = np.log(np.maximum(np.abs(values), _LEAST_MAGNITUDE))
-        return np.asarray(np.where(self.logarithmic, logarithms, values)[self.free])
+        every = np.where(self.logarithmic, logarithms, values)
+        every[self._rescaled] /= self._wall_scale(np.array(self.values))
+        return np.asarray(every[self.free])
 
     @property
     def coordinates(self) -> Array:
-        """Return the unknowns of a search: the free values, some as logarithms."""
+        """
+        Return the unknowns of a search: the free values, some as logarithms.
+
+        Those of the wall are what the measured force tells, see `Effect.wall_scale`: a valley of
+        equal forces is straight then, and the motion alone decides where in it the optimum is.
+        """
         return self._of_free(np.array(self.values))
+
+    @cached_property
+    def _rescaled(self) -> NDArray[np.bool_]:
+        """Which of all values an effect of the sensor scales: those of the wall, or none."""
+        wall = np.arange(len(self.values)) < self.base_count
+        return np.asarray(wall & self.free & any(
+            EFFECTS[name].rescales_wall for name in self.effects))
+
+    def _wall_scale(self, values: Array) -> float:
+        """Return the product of the effects' `wall_scale`."""
+        scale = 1.0
+        for name in self.effects:
+            if EFFECTS[name].rescales_wall:
+                own = of_valid(EFFECTS[name].Parameters, values[self.place(name)].tolist())
+                scale *= EFFECTS[name].wall_scale(own)
+        return scale
 
     @property
     def ranges(self) -> tuple[Array, Array]:
