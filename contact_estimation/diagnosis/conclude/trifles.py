@@ -27,11 +27,8 @@ from ..observe.prepared_recording import Recordings
 from ..observe.residuals import residuals
 from ...physics import EFFECTS
 
-_OF_TIME = 'timing'  # a family
-
-# Of the discrepancy that is worth a name: below which a robot's steps show; filters, or other
-# small things where laws may be inexact.
-_TINY, _SMALL = 0.2, 0.5
+_TINY = 0.2  # of the discrepancy that is worth a name, below which a robot's steps show
+_SMALL = 0.5  # of the discrepancy that is worth a name where laws may be inexact
 _CORRELATED = 8.0  # neighbouring residuals that tell as much as one: no white noise
 
 
@@ -40,8 +37,8 @@ def is_trifle(recordings: Recordings, shares: Shares, name: str) -> bool:
     Return whether a name takes away little beside the force, and less than the noise.
 
     With long recordings every imperfection of a rig is significant. One that is the same on all
-    parts is a law however small if little else is missing. Of a robot, whose controller works in
-    steps, and of time, since every sensor has a filter, it must surely explain most.
+    parts is a law however small if it surely explains most. Of a robot less is enough, but not
+    of what the steps of its controller may be.
 
     Parameters
     ----------
@@ -59,17 +56,16 @@ def is_trifle(recordings: Recordings, shares: Shares, name: str) -> bool:
 
     """
     best, explained = shares.best, shares.explained >= EXPLAINED
-    cls = EFFECTS[name]
-    of_time = cls.family == _OF_TIME
-    usual = (cls.port == 'robot' or of_time) and shares.sure(name) < SURELY_MOST
+    surely = shares.sure(name) >= SURELY_MOST
     lawful = explained and shares.is_constant(name)
-    if lawful and not usual:
+    if lawful and surely:
         return False
     without = fit_without(recordings, best.model, (name,))
     carried = weighed(recordings, without.model)
     if not explained:
         return not material(carried, without.model)
-    if usual and not material(carried, without.model, _SMALL if of_time else _TINY):
+    least = _TINY if EFFECTS[name].port == 'robot' else 1.0
+    if not surely and not material(carried, without.model, least):
         return True
     if lawful:
         return False

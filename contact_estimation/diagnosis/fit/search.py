@@ -103,13 +103,9 @@ def search(
 
 def _starts(model: Model, name: str, scales: Scales) -> list[Model]:
     """Return a model with each start of an effect, and with the wall that keeps the force."""
-    cls = EFFECTS[name]
-    starts = []
-    for values in cls.starts(scales):
-        start = model.with_effect(name, values)
-        same_force = start.with_wall_times(cls.wall_scale(cls.Parameters(*values)))
-        starts += [start] if same_force == start else [same_force, start]
-    return starts
+    starts = [model.with_effect(name, values) for values in EFFECTS[name].starts(scales)]
+    same_force = starts if EFFECTS[name].rescales_wall else []
+    return [*(start.with_rescaled_wall() for start in same_force), *starts]
 
 
 def search_family(

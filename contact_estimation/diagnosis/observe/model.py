@@ -143,9 +143,10 @@ class Model:
                   for value, (_, least, most) in zip(values, _ranges(name)))
         return replace(self, effects=(*self.effects, name), values=(*self.values, *within))
 
-    def with_wall_times(self, factor: float) -> 'Model':
-        """Return the model with all values of the wall multiplied by a factor."""
-        wall = [factor * value for value in self.base_values]
+    def with_rescaled_wall(self) -> 'Model':
+        """Return the model with a wall beside which its effects leave the measured force."""
+        scale = self._wall_scale(np.array(self.values))
+        wall = [scale * value for value in self.base_values]
         return self.at([*wall, *self.values[self.base_count:]])
 
     def without(self, *names: str) -> 'Model':
