@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from .shares import Shares
 from ..fit.applicable import is_single_stroke
-from ..fit.criteria import EXPLAINED, SURELY_MOST
+from ..fit.criteria import EXPLAINED, OF_LITTLE, SURELY_MOST
 from ..fit.discrepancy import correlation_time, material, weighed
 from ..fit.first_step import fit_without
 from ..fit.fitting import Fit
@@ -37,8 +37,8 @@ def is_trifle(recordings: Recordings, shares: Shares, name: str) -> bool:
     Return whether a name takes away little beside the force, and less than the noise.
 
     With long recordings every imperfection of a rig is significant. One that is the same on all
-    parts is a law however small if it surely explains most. Of a robot less is enough, but not
-    of what the steps of its controller may be.
+    parts is a law however small if all names leave little, or if it surely explains most: a robot
+    whose controller works in steps must, but less of it is worth a name.
 
     Parameters
     ----------
@@ -56,7 +56,9 @@ def is_trifle(recordings: Recordings, shares: Shares, name: str) -> bool:
 
     """
     best, explained = shares.best, shares.explained >= EXPLAINED
-    surely = shares.sure(name) >= SURELY_MOST
+    of_robot = EFFECTS[name].port == 'robot'
+    surely = shares.sure(name) >= SURELY_MOST or (
+        not of_robot and shares.explained >= OF_LITTLE)
     lawful = explained and shares.is_constant(name)
     if lawful and surely:
         return False
@@ -64,8 +66,7 @@ def is_trifle(recordings: Recordings, shares: Shares, name: str) -> bool:
     carried = weighed(recordings, without.model)
     if not explained:
         return not material(carried, without.model)
-    least = _TINY if EFFECTS[name].port == 'robot' else 1.0
-    if not surely and not material(carried, without.model, least):
+    if not surely and not material(carried, without.model, _TINY if of_robot else 1.0):
         return True
     if lawful:
         return False
