@@ -37,8 +37,8 @@ def is_trifle(recordings: Recordings, shares: Shares, name: str) -> bool:
     Return whether a name takes away little beside the force, and less than the noise.
 
     With long recordings every imperfection of a rig is significant. One that is the same on all
-    parts is a law however small if all names leave little, or if it surely explains most: a robot
-    whose controller works in steps must, but less of it is worth a name.
+    parts is a law however small if all names together leave little, or if it surely explains most.
+    Of a robot, whose controller works in steps, the latter alone counts, of less than others.
 
     Parameters
     ----------
