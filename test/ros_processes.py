@@ -169,9 +169,10 @@ def node_process(folder: Path, node: str, **parameters: Any) -> ModuleProcess:
     """
     Start a node; double underscores stand for the dots of parameter names.
 
-    The estimator subscribes reliably, as the recorder does by itself: a busy machine loses
-    samples of best effort, and tests compare all.
+    It subscribes reliably, as the recorder does by itself: a busy machine loses samples of best
+    effort, and tests compare all.
     """
     named = {name.replace('__', '.'): value for name, value in parameters.items()}
-    named = {**(RELIABLE if node == 'estimator_node' else {}), **named}
+    by_itself = node in ('plant_node', 'recorder_node')
+    named = {**({} if by_itself else RELIABLE), **named}
     return ModuleProcess(folder, f'ros.{node}', *parameter_arguments(named))

@@ -26,11 +26,6 @@ from contact_estimation.diagnosis.fit import (
     search as search_module,
     selection as selection_module,
 )
-from contact_estimation.diagnosis.fit.applicable import (
-    candidates_for,
-    candidates_in,
-    is_single_stroke,
-)
 from contact_estimation.diagnosis.fit.candidate import Candidate
 from contact_estimation.diagnosis.fit.criteria import (
     enough,
@@ -50,7 +45,6 @@ from contact_estimation.diagnosis.observe.model import Model, names_of
 from contact_estimation.diagnosis.observe.prepared_recording import PreparedRecording
 from contact_estimation.diagnosis.observe.residuals import residuals
 from contact_estimation.diagnosis.observe.signals import Signals
-from contact_estimation.physics import EFFECTS
 import numpy as np
 from numpy.typing import NDArray
 import pytest
@@ -101,73 +95,6 @@ def test_a_force_that_is_level_since_the_depth_is_held_is_no_saturating_sensor()
                      environment__unilateral=False)
     held, start = prepared_from(Signals(t, force, t, x, np.empty(0), np.empty((4, 0))), spring)
     assert not is_credible([held], start.with_effect('force_saturation', (9.98,)))
-
-
-OF_TOUCH = [name for name, cls in EFFECTS.items() if not cls.needs_attachment]
-
-
-def test_every_effect_of_a_wall_may_be_added_where_there_is_a_robot() -> None:
-    assert candidates_for(MODEL, True) == OF_TOUCH
-
-
-def test_what_shows_in_the_motion_alone_needs_a_robot() -> None:
-    left_out = set(OF_TOUCH) - set(candidates_for(MODEL, False))
-    of_robot = {name for name, cls in EFFECTS.items() if cls.port == 'robot'}
-    assert left_out == {*of_robot, 'force_gain', 'force_nonlinearity', 'tool_weight'}
-
-
-def test_a_play_needs_more_than_one_reversal() -> None:
-    left_out = set(OF_TOUCH) - set(candidates_for(MODEL, True, plays=False))
-    assert left_out == {'backlash'}
-    signals = recorded()  # of which one contact, out of three
-    once = signals.wrench_t < 1.9
-    force, held = signals.force[once], np.repeat(signals.position[once][-1], 200)
-    t = signals.wrench_t[:len(force) + len(held)]
-    x = np.concatenate((np.maximum.accumulate(signals.position[once]), held))
-    signals = Signals(t, np.concatenate((force, 0.1 * held)), t, x, t[:0], np.empty((4, 0)))
-    recording, model = prepared_from(signals)
-    assert 'backlash' not in candidates_in([recording], model)
-    assert 'backlash' in candidates_in([prepared_from(recorded())[0]], model)
-
-
-def test_effect_is_not_added_twice() -> None:
-    rubbing = MODEL.with_effect('coulomb_friction', (1.0,))
-    assert 'coulomb_friction' not in candidates_for(rubbing, True)
-
-
-def test_attached_wall_has_no_effects_of_touching_and_one_inertia() -> None:
-    names = set(candidates_for(Model.of(nominal(**ATTACHED)), False))
-    drive = Model.of(nominal(**{**ATTACHED, 'environment__stiffness': 0.0}))
-    assert names - set(candidates_for(drive, False)) == {
-        'beating_environment', 'bouc_wen_hysteresis', 'contact_offset', 'free_play',
-        'moving_environment', 'stiffness_drift'}
-    assert 'environment_inertia' not in names
-    assert not any(EFFECTS[name].needs_touch for name in names)
-    assert {'cubic_stiffness', 'force_bias'} <= names
-
-
-def test_pressed_wall_alone_has_laws_of_a_side_on_which_it_loads() -> None:
-    wall = Model.of(nominal(**ATTACHED))
-    pulled, pressed = (set(candidates_for(wall, False, pressed)) for pressed in (False, True))
-    assert pressed - pulled == {
-        'hunt_crossley_damping', 'plastic_set', 'power_law_stiffness', 'unloading_hysteresis'}
-
-
-@pytest.mark.parametrize('back, lost, returns', [
-    (0.2, 1.0, True),  # what yields is unloaded by little motion
-    (0.2, 0.2, False), (0.02, 1.0, False),
-    (0.6, 0.2, True)])
-def test_hysteresis_needs_a_motion_or_a_force_that_returns(
-    back: float, lost: float, returns: bool
-) -> None:
-    t = np.arange(0.0, 20.005, 0.01)
-    x, force = (10.0 * np.interp(t, [0.0, 2.0, 14.0, 20.0], [0.0, first, 1.0, 1.0 - part])
-                for first, part in ((0.2, back), (0.9, lost)))
-    noise = np.random.default_rng(4).normal(0.0, 0.01, len(t))
-    signals = Signals(t, noise - force, t, 1e-3 * x, t[:0], np.empty((4, 0)))
-    recording, model = prepared_from(signals, nominal(**ATTACHED))
-    assert ('bouc_wen_hysteresis' in candidates_in([recording], model)) is returns
-    assert is_single_stroke([recording]) is not returns
 
 
 @pytest.mark.parametrize(('cost', 'first'), [

@@ -17,6 +17,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..observe.model import Model
 from ..observe.prepared_recording import PreparedRecording, Recordings
@@ -148,8 +149,7 @@ def is_single_stroke(recordings: Recordings) -> bool:
     """
     if len(recordings) > 1 or _is_unloaded(recordings[0]):
         return False
-    x = recordings[0].blocks(recordings[0].observed.x)
-    return float(np.sum(np.abs(np.diff(x)))) < _STROKES * float(np.ptp(x))
+    return _path_over_range(recordings[0].blocks(recordings[0].observed.x)) < _STROKES
 
 
 def _returns(recording: PreparedRecording) -> bool:
@@ -160,11 +160,10 @@ def _returns(recording: PreparedRecording) -> bool:
 def _is_unloaded(recording: PreparedRecording) -> bool:
     """Return whether the force returns with the motion, though that may return a little alone."""
     x, force = map(recording.blocks, (recording.observed.x, recording.observed.force))
-    last = int(np.argmax(np.abs(x - x[0])))  # the turn of what yields
-    after, at_turn = slice(last, None), np.abs(force[last] - force[0])
-    return bool(float(np.ptp(x[after])) > _LITTLE * float(np.ptp(x))
-                and float(np.ptp(force[after])) > _MOST * float(np.ptp(force)) > 0.0
-                and at_turn > _MOST * float(np.ptp(force)))
+    turn = int(np.argmax(np.abs(x - x[0])))  # of what yields
+    most = _MOST * float(np.ptp(force))
+    return bool(np.ptp(x[turn:]) > _LITTLE * np.ptp(x)
+                and np.ptp(force[turn:]) > most > 0.0 and abs(force[turn] - force[0]) > most)
 
 
 def _plays(recording: PreparedRecording) -> bool:
@@ -173,8 +172,11 @@ def _plays(recording: PreparedRecording) -> bool:
 
 
 def _strokes(recording: PreparedRecording) -> float:
-    """Return the length of the path, over its range."""
-    x = recording.observed.x
+    return _path_over_range(recording.observed.x)
+
+
+def _path_over_range(x: NDArray[np.float64]) -> float:
+    """Return the length of the path of a motion, over its range."""
     return float(np.sum(np.abs(np.diff(x)))) / max(float(np.ptp(x)), 1e-300)
 
 
