@@ -34,6 +34,7 @@ _LEAST, _SHARE = 5.0, 0.05  # least gain, and as a share of the misfit of the mo
 _PRICE = 2.0  # times the usual one: a delay near half a period fits a little better than the hold
 _PERIODS = 1.5  # of the reference: the hold and one cycle of a digital controller
 _OF_DELAY = 0.8  # least share of what such a delay explains, for the hold to stand for it
+_OF_BEST = 0.2  # least share of what the best model explains, for the hold to matter without it
 
 
 class ReferenceHold:
@@ -63,13 +64,21 @@ class ReferenceHold:
 
     def is_promising(self, best: Model) -> bool:
         """Return whether a hold explains the motion better, to the base or the best model."""
-        models = [best, self._base] if best.effects else [self._base]
-        if self._is_of_sampling(best):
-            if self.is_better(best.without(_DELAY), best):
-                return True
-        elif _price(self._straight, best) < self._count:
-            models = models[:1]  # of what is explained down to the noise no selection finds more
-        return any(self.is_better(model, model) for model in models)
+        of_sampling = self._is_of_sampling(best)
+        if of_sampling and self.is_better(best.without(_DELAY), best):
+            return True
+        if self.is_better(best, best):
+            return True
+        # Of what is explained down to the noise no selection finds more.
+        if not of_sampling and _price(self._straight, best) < self._count:
+            return False
+        return self.is_better(self._base, self._base) and self._matters_beside(best)
+
+    def _matters_beside(self, best: Model) -> bool:
+        """Return whether the hold explains a fair share of what the best model does."""
+        before = _price(self._straight, self._base)
+        explained = before - _price(self._straight, best)
+        return before - _price(self._held, self._base) > _OF_BEST * explained
 
     def instead_of_delay(self, straight: Model) -> Model | None:
         """Return a model without its delay, if the held reference explains more than that."""
