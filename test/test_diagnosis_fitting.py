@@ -20,10 +20,13 @@ from dataclasses import replace
 from typing import Any
 
 from concealed_worlds import FREE, MODEL, nominal, physics, prepared_from, recorded
+from contact_estimation.diagnosis.fit import output_error
 from contact_estimation.diagnosis.fit.fitting import fit, residual_function
+from contact_estimation.diagnosis.fit.free_run import free_run, Run
 from contact_estimation.diagnosis.fit.model_uncertainty import discounted
 from contact_estimation.diagnosis.fit.uncertainty import standard_deviations
 from contact_estimation.diagnosis.observe.model import Model, names_of
+from contact_estimation.diagnosis.observe.observed import Observed
 from contact_estimation.diagnosis.observe.residuals import residuals
 from contact_estimation.diagnosis.observe.signals import Signals
 from contact_estimation.physics import EFFECTS
@@ -110,6 +113,24 @@ def test_value_searched_by_its_logarithm_stays_finite(logarithm: float) -> None:
     coordinates = np.array([B_e, 1.5, logarithm])
     assert np.isfinite(bent.with_free(coordinates).values).all()
     assert np.isfinite(residual_function([recording], bent)(coordinates)).all()
+
+
+@pytest.mark.parametrize(('error', 'taken'), [(0.02, True), (0.3, False)])
+def test_a_free_run_gives_no_values_that_residuals_refute(
+    monkeypatch: pytest.MonkeyPatch, error: float, taken: bool
+) -> None:
+    # A free run that starts from a wrong command is least wrong at wrong values.
+    def wrong(model: Model, observed: Observed) -> Run:
+        return free_run(model.at((*model.values[:2], model.values[2] - error)), observed)
+
+    recording, model = prepared_from(recorded(
+        **physics('environment_inertia', 0.5), sensors__position_noise=3e-5))
+    found = fit([recording], model.with_effect('environment_inertia', (0.1,)))
+    monkeypatch.setattr(output_error, 'free_run', wrong)
+    _, refined = output_error.refine([recording], found)
+    expected = found.model.values[2] + (error if taken else 0.0)
+    assert refined.model.values[2] == pytest.approx(expected, abs=0.02)
+    assert (refined.model is found.model) == (not taken)
 
 
 @pytest.mark.slow

@@ -28,8 +28,8 @@ from typing import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from .criteria import penalty
-from .fitting import cost_of, Fit, fit, fit_to_end
+from .criteria import leaves_noise, penalty
+from .fitting import cost_of, Fit, fit, fit_at, fit_to_end
 from .free_run import free_run, Run
 from .jacobian import differentiate_by
 from ..observe.model import Model
@@ -63,8 +63,9 @@ def refine(recordings: Recordings, found: Fit) -> tuple[Recordings, Fit]:
         With the rounds of Picard's iteration that residuals of the refined model need.
     refined : Fit
         With the values of least output error. For a robot cost and residuals are still those of
-        the start; so are the values if the output error does not fall, or if the command is not
-        known well enough for a free run to follow the motion.
+        the start; so are the values if the output error does not fall, if the command is not
+        known well enough for a free run to follow the motion, or if the residuals would be more
+        than noise: then the free run followed what is not the values' own.
 
     """
     if not found.model.nominal.environment.unilateral:
@@ -82,7 +83,8 @@ def refine(recordings: Recordings, found: Fit) -> tuple[Recordings, Fit]:
         model, here = tried, there
         if slowly:
             break
-    return recordings, found._replace(model=model) if model.plausible() else found
+    kept = not leaves_noise(found) or leaves_noise(fit_at(recordings, model))
+    return recordings, found._replace(model=model) if kept and model.plausible() else found
 
 
 def refine_and_prune(recordings: Recordings, found: Fit) -> tuple[Recordings, Fit]:
