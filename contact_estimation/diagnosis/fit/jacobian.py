@@ -46,6 +46,8 @@ class SecantJacobian:
         Typical change of each value.
     most : ndarray, shape (P,)
         Upper bounds of the values.
+    share : float
+        Step of the differences, as a share of `size`.
 
     Attributes
     ----------
@@ -55,9 +57,9 @@ class SecantJacobian:
     """
 
     def __init__(
-        self, function: Callable[[Array], Array], size: Array, most: Array
+        self, function: Callable[[Array], Array], size: Array, most: Array, share: float = _STEP
     ) -> None:
-        self._function, self._size, self._most = function, size, most
+        self._function, self._size, self._most, self._share = function, size, most, share
         self._last: tuple[Array, Array] | None = None  # point and residuals evaluated last
         self._at: tuple[Array, Array, Array] | None = None  # point, residuals, J by the size
         self.updated = False
@@ -74,7 +76,8 @@ class SecantJacobian:
         columns = self._from_last_point(values, here)
         self.updated = columns is not None
         if columns is None:
-            columns = differentiate_by(values, self._size, self._function, here, most=self._most)
+            columns = differentiate_by(
+                values, self._size, self._function, here, self._share, self._most)
         self._at = values.copy(), here, columns
         return columns / self._size
 

@@ -31,7 +31,7 @@ from numpy.typing import NDArray
 from .criteria import leaves_noise, penalty
 from .fitting import cost_of, Fit, fit, fit_at, fit_to_end
 from .free_run import free_run, Run
-from .jacobian import differentiate_by
+from .jacobian import SecantJacobian
 from ..observe.model import Model
 from ..observe.prepared_recording import PreparedRecording, Recordings
 from ..observe.residuals import huber
@@ -73,16 +73,7 @@ def refine(recordings: Recordings, found: Fit) -> tuple[Recordings, Fit]:
     runs = _free_runs(recordings, found.model)
     if not all(_close(one, run, _CLOSE) for one, run in zip(recordings, runs)):
         return recordings, found
-    model, here = found.model, _errors(recordings, runs)
-    for _ in range(_MOST_STEPS):
-        tried = _better(recordings, model, here)
-        there = _errors_at(recordings, tried)
-        if float(there @ there) >= float(here @ here):
-            break
-        slowly = float(there @ there) > _SLOWLY * float(here @ here)
-        model, here = tried, there
-        if slowly:
-            break
+    model = _least_output_error(recordings, found.model, runs)
     kept = not leaves_noise(found) or leaves_noise(fit_at(recordings, model))
     return recordings, found._replace(model=model) if kept and model.plausible() else found
 
@@ -147,16 +138,28 @@ def _refine_wall(recordings: Recordings, found: Fit) -> tuple[Recordings, Fit]:
     return [replace(recording, picard_rounds=1) for recording in recordings], found
 
 
-def _better(recordings: Recordings, model: Model, here: Array) -> Model:
-    """Take a Gauss-Newton step from a model with the errors `here`."""
-    values, size = model.coordinates, model.steps
-
+def _least_output_error(recordings: Recordings, model: Model, runs: Sequence[Run]) -> Model:
+    """Search the values of least output error from those of a model with these free runs."""
     def errors(these: Array) -> Array:
-        return _errors_at(recordings, model.with_free(these))
+        there = model.with_free(these)
+        return _errors(recordings, runs if there == model else _free_runs(recordings, there))
 
-    jacobian = differentiate_by(values, size, errors, here, _STEP, model.ranges[1])
-    change = np.linalg.lstsq(jacobian, -here, rcond=1e-9)[0] * size
-    return model.with_free(np.clip(values + change, *model.ranges))
+    low, high = model.ranges
+    search = SecantJacobian(errors, model.steps, high, _STEP)
+    values = model.coordinates
+    here = search.residuals(values)
+    for _ in range(_MOST_STEPS):
+        jacobian = search.jacobian(values) * model.steps
+        change = np.linalg.lstsq(jacobian, -here, rcond=1e-9)[0] * model.steps
+        tried = np.clip(values + change, low, high)
+        there = search.residuals(tried)
+        before, after = float(here @ here), float(there @ there)
+        if after >= before:
+            break
+        values, here = tried, there
+        if after > _SLOWLY * before:
+            break
+    return model.with_free(values)
 
 
 def _close(recording: PreparedRecording, run: Run, bound: float) -> bool:
@@ -166,10 +169,6 @@ def _close(recording: PreparedRecording, run: Run, bound: float) -> bool:
 
 def _free_runs(recordings: Recordings, model: Model) -> list[Run]:
     return [free_run(model, recording.observed) for recording in recordings]
-
-
-def _errors_at(recordings: Recordings, model: Model) -> Array:
-    return _errors(recordings, _free_runs(recordings, model))
 
 
 def _errors(recordings: Recordings, runs: Sequence[Run]) -> Array:

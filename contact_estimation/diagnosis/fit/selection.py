@@ -225,10 +225,10 @@ def _is_explained(recordings: Recordings, base: Fit, best: Fit) -> bool:
         # The noise of the other channel may be estimated too large, and hide the excess of one.
         excess = costs_by_channel(recordings, best) - noise_by_channel(recordings, best.model)
         return bool(np.max(excess) < THRESHOLD * count + PRICE)
+    if not best.model.effects or explained_share(base.cost, best.cost, count) <= _FULLY:
+        return False
     # A wall that a force drives is measured more precisely than any law is valid.
-    driven = all(one.driven_by_force(base.model) for one in recordings)
-    explained = explained_share(base.cost, best.cost, count)
-    return driven and bool(best.model.effects) and explained > _FULLY
+    return leaves_noise(best) or all(one.driven_by_force(base.model) for one in recordings)
 
 
 def _carried(recordings: Recordings, best: Fit) -> tuple[Recordings, Fit]:
