@@ -18,8 +18,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from contact_estimation.diagnosis.fit.discrepancy import std_beyond_noise
+from concealed_worlds import ATTACHED, nominal, prepared_from
+from contact_estimation.diagnosis.fit.discrepancy import std_beyond_noise, with_discrepancy
 from contact_estimation.diagnosis.observe.channel import Channel
+from contact_estimation.diagnosis.observe.signals import Signals
+from contact_estimation.plant.driven_wall import run_driven_wall
 import numpy as np
 from numpy.typing import NDArray
 import pytest
@@ -74,3 +77,19 @@ def test_empty_blocks_have_no_residual() -> None:
     assert not nothing.average(np.ones(COUNT)).any()
     assert not nothing.noise_share.any()
     assert std_beyond_noise(np.zeros(COUNT // 8), nothing) == 0.0
+
+
+@pytest.mark.parametrize('position_noise', [1e-7, 1e-5, 2e-4])
+def test_unknown_force_of_a_driven_wall_is_found_behind_any_noise_of_the_position(
+    position_noise: float
+) -> None:
+    rng, t, model = np.random.default_rng(5), np.arange(6000) / 250.0, nominal(**ATTACHED)
+    known = 25.0 * np.sin(3.0 * t) + 10.0 * np.cos(41.0 * t) + 1e-3 * rng.normal(size=len(t))
+    unknown = UNKNOWN * rng.normal(size=len(t))
+    x = run_driven_wall(model, t, known + unknown, 0.0)
+    x = x + position_noise * rng.normal(size=len(t))
+    prepared, start = prepared_from(
+        Signals(t, known, t, x, np.empty(0), np.empty((4, 0))), model)
+    found = with_discrepancy(prepared, start)
+    assert prepared.force_noise < 0.02 * UNKNOWN
+    assert found.force_discrepancy == pytest.approx(UNKNOWN, rel=0.25)

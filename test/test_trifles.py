@@ -73,7 +73,7 @@ def test_a_single_stroke_confirms_no_trifle(cubic: float, turns: bool, trifle: b
     assert (without_unconfirmed_trifles([prepared], base, best) is base) is trifle
 
 
-@pytest.mark.parametrize('cubic, named', [(3e5, False), (1e6, True)])
+@pytest.mark.parametrize('cubic, named', [(3e5, False), (7e5, False), (1e6, True)])
 def test_a_single_stroke_with_a_rest_needs_more_than_a_trifle_too(
     cubic: float, named: bool
 ) -> None:

@@ -17,7 +17,7 @@
 from __future__ import annotations
 
 from .shares import Shares
-from ..fit.applicable import is_single_stroke
+from ..fit.applicable import is_single_stroke, least_worth_a_name
 from ..fit.criteria import EXPLAINED, OF_LITTLE, SURELY_MOST
 from ..fit.discrepancy import correlation_time, material, weighed
 from ..fit.first_step import fit_without
@@ -101,7 +101,8 @@ def without_unconfirmed_trifles(recordings: Recordings, base: Fit, best: Fit) ->
              for part in one.split(residuals(one, best.model))]
     if not laws or max(times) < _CORRELATED and not is_single_stroke(recordings):
         return None
-    if not material(weighed(recordings, base.model), base.model):
+    least = least_worth_a_name(recordings)
+    if not material(weighed(recordings, base.model), base.model, least):
         return base
     rest = fit_without(recordings, best.model, laws)
-    return None if material(weighed(recordings, rest.model), rest.model) else rest
+    return None if material(weighed(recordings, rest.model), rest.model, least) else rest

@@ -27,6 +27,7 @@ _ORDER, _UNTOLD = 4, 0.2  # of a polynomial in x; share of the variance of |v| t
 _STROKES, _MANY_STROKES = 1.5, 3.0  # more than one; more than one and a return
 _LITTLE, _MOST = 0.05, 0.5  # of the range of motion and of force, on the way back
 _THERE_AND_BACK = 2.5  # one contact, with little to and fro
+_OF_STROKE = 1.7  # times the least misfit worth a name: 1 % of the range of the force
 _OF_SPEED = 'damping_law'  # a family
 _MOVES, _FASTEST = 0.2, 0.9  # of the speed that so many samples do not exceed
 _ONE_SPEED, _NEARLY_ALL = 0.1, 0.9  # deviation from it, and share of the moving samples within
@@ -150,6 +151,24 @@ def is_single_stroke(recordings: Recordings) -> bool:
     if len(recordings) > 1 or _is_unloaded(recordings[0]):
         return False
     return _path_over_range(recordings[0].blocks(recordings[0].observed.x)) < _STROKES
+
+
+def least_worth_a_name(recordings: Recordings) -> float:
+    """
+    Return the least misfit that is worth a name, in `least_material`: more in a single stroke.
+
+    Parameters
+    ----------
+    recordings : sequence of PreparedRecording
+        Fitted together.
+
+    Returns
+    -------
+    share : float
+        As for `material`.
+
+    """
+    return _OF_STROKE if is_single_stroke(recordings) else 1.0
 
 
 def _returns(recording: PreparedRecording) -> bool:

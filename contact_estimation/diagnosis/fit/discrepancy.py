@@ -28,6 +28,7 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import brentq
 
 from .fitting import Fit
 from .model_uncertainty import discounted
@@ -47,6 +48,7 @@ _REWEIGHTED = 5  # times; the discrepancy and its weights depend on each other
 _MOST_LAGS = 200
 _WIDENED = 0.75  # with 1 the innovations would be little but the noise of the position
 _MATERIAL = 0.006  # of the range of the force
+_MATCHED = 0.05  # relative, of the size of an unknown force
 
 
 def with_discrepancy(recording: PreparedRecording, model: Model) -> PreparedRecording:
@@ -79,12 +81,34 @@ def with_discrepancy(recording: PreparedRecording, model: Model) -> PreparedReco
 def _widened(plain: PreparedRecording, model: Model) -> tuple[PreparedRecording, float]:
     """Let the filter expect forces nearly as large as the model leaves; return their size [N]."""
     plain = plain.widened(1.0, model)
-    left = residuals(plain, model, robust=False)
-    size = float(np.sqrt(left @ left / plain.residual_count))
-    unknown = plain.force_noise * max(size**2 - 1.0, 0.0) ** 0.5
+    size, unknown = _rms(plain, model), _unknown_force(plain, model)
     if unknown < least_material(plain):
         return plain, unknown  # the slow forces, which decide a free run, still count most
     return plain.widened(max(1.0, size**_WIDENED), model), unknown
+
+
+def _rms(recording: PreparedRecording, model: Model) -> float:
+    left = residuals(recording, model, robust=False)
+    return float(np.sqrt(left @ left / recording.residual_count))
+
+
+def _unknown_force(plain: PreparedRecording, model: Model) -> float:
+    """
+    Return the size of the unknown force that explains the innovations of a driven wall [N].
+
+    With the noise of the force in its place, they would be as large as the filter expects.
+    """
+    def excess(logarithm: float) -> float:
+        noisier = replace(plain, force_noise=float(np.exp(logarithm)))
+        return _rms(noisier.widened(1.0, model), model) - 1.0
+
+    least, most = np.log([plain.force_noise, plain.observed.force_range])
+    if least >= most or excess(least) <= 0.0:
+        return 0.0
+    if excess(most) >= 0.0:
+        return plain.observed.force_range
+    matched = float(np.exp(brentq(excess, least, most, xtol=_MATCHED)))
+    return max(matched**2 - plain.force_noise**2, 0.0) ** 0.5
 
 
 def forces(recording: PreparedRecording, model: Model) -> list[float]:

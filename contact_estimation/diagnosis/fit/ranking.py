@@ -26,7 +26,7 @@ from typing import NamedTuple, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from .applicable import is_single_stroke
+from .applicable import is_single_stroke, least_worth_a_name
 from .candidate import assess, Candidate
 from .criteria import ADEQUATE, is_sure_of_little, OF_LITTLE, predicts_enough, SHARE
 from .discrepancy import CHANNELS, costs_by_channel, material, noise_by_channel
@@ -239,7 +239,7 @@ def _promising(
 def _is_little(recordings: Recordings, present: Fit, channel: int | None) -> bool:
     """Return whether a channel lacks little beside the force, which no other channel confirms."""
     confirmed = channel is None and any(one.observed.reference is not None for one in recordings)
-    least = _LITTLE if channel == ROBOT else 1.0
+    least = _LITTLE if channel == ROBOT else least_worth_a_name(recordings)
     return not confirmed and (channel or 0) not in material(recordings, present.model, least)
 
 
