@@ -35,7 +35,13 @@ from ..fit.joint_clock import JointClock
 from ..fit.model_uncertainty import discounted
 from ..fit.reference_hold import ReferenceHold
 from ..fit.search import Progress
-from ..fit.selection import fitted_again, of_model, select, Selection
+from ..fit.selection import (
+    fitted_again,
+    of_model,
+    select,
+    Selection,
+    with_effects_kept,
+)
 from ..observe.held_reference import with_held_reference
 from ..observe.held_samples import without_held_samples
 from ..observe.model import Model
@@ -218,10 +224,13 @@ def _selected(
     progress: Progress,
 ) -> _Selected:
     """Select the effects, with the reference as the robot seems to follow it."""
-    def selected(raw: Sequence[Recording]) -> tuple[Recordings, Selection]:
+    def recalibrated(raw: Sequence[Recording]) -> tuple[Recordings, Fit]:
         prepared: Recordings = [prepare(one, nominal, hold=hold) for one in raw]
         progress('recalibration')
-        prepared, base = _recalibrate(prepared, nominal)
+        return _recalibrate(prepared, nominal)
+
+    def selected(raw: Sequence[Recording]) -> tuple[Recordings, Selection]:
+        prepared, base = recalibrated(raw)
         return prepared, select(prepared, base, progress)
 
     straight = _Selected(fitted, held_out, *selected(fitted))
@@ -237,7 +246,9 @@ def _selected(
     holding = ReferenceHold(straight.prepared, fitted, held, straight.selection.base.model)
     if not holding.is_promising(best):
         return straight
-    prepared, selection = selected(held)
+    prepared, base = recalibrated(held)
+    selection = with_effects_kept(prepared, base, straight.selection) or select(
+        prepared, base, progress)
     if not holding.is_better(selection.best.model, best):
         without = holding.instead_of_delay(best)
         if without is None:

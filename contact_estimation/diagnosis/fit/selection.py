@@ -181,6 +181,36 @@ def fitted_again(recordings: Recordings, selection: Selection) -> Selection:
     return of_model(recordings, selection, selection.best.model)
 
 
+def with_effects_kept(
+    recordings: Recordings, base: Fit, selection: Selection
+) -> Selection | None:
+    """
+    Keep the effects of a selection for the same recordings, prepared differently.
+
+    Parameters
+    ----------
+    recordings : sequence of PreparedRecording
+        Fitted together, without a discrepancy.
+    base : Fit
+        Recalibrated to them, without effects.
+    selection : Selection
+        Of the effects.
+
+    Returns
+    -------
+    selection : Selection or None
+        None if the effects do not explain the recordings, or not each of them is needed.
+
+    """
+    best = fit(recordings, selection.best.model)
+    explained = leaves_noise(best) and _is_explained(recordings, base, best)
+    if not (explained and enough(base, best) and best.model.plausible()):
+        return None
+    if prune(recordings, best, selection.rivals)[0].model.effects != best.model.effects:
+        return None
+    return Selection(recordings, base, best, selection.rivals, selection.evidence)
+
+
 def of_model(recordings: Recordings, selection: Selection, model: Model) -> Selection:
     """
     Fit a model to recordings in place of the selected one.
