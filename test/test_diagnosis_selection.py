@@ -35,12 +35,18 @@ from contact_estimation.diagnosis.fit.criteria import (
     SHARE,
     THRESHOLD,
 )
+from contact_estimation.diagnosis.fit.discrepancy import has_discrepancy
 from contact_estimation.diagnosis.fit.exact_laws import prune, Rivals, simplest_first
 from contact_estimation.diagnosis.fit.fitting import Fit, fit
 from contact_estimation.diagnosis.fit.model_uncertainty import discounted
 from contact_estimation.diagnosis.fit.scales import measure_scales
 from contact_estimation.diagnosis.fit.search import is_credible, nearest, search
-from contact_estimation.diagnosis.fit.selection import select, weigh
+from contact_estimation.diagnosis.fit.selection import (
+    select,
+    Selection,
+    weigh,
+    with_effects_kept,
+)
 from contact_estimation.diagnosis.observe.model import Model, names_of
 from contact_estimation.diagnosis.observe.prepared_recording import PreparedRecording
 from contact_estimation.diagnosis.observe.residuals import residuals
@@ -95,6 +101,29 @@ def test_a_force_that_is_level_since_the_depth_is_held_is_no_saturating_sensor()
                      environment__unilateral=False)
     held, start = prepared_from(Signals(t, force, t, x, np.empty(0), np.empty((4, 0))), spring)
     assert not is_credible([held], start.with_effect('force_saturation', (9.98,)))
+
+
+@pytest.mark.parametrize(('missing', 'effects', 'alike', 'kept'), [
+    ('cubic_stiffness', ('cubic_stiffness',), False, True),
+    ('cubic_stiffness', ('cubic_stiffness', 'force_bias'), True, False),
+    ('coulomb_friction', ('presliding_friction',), True, True),
+    ('coulomb_friction', ('presliding_friction',), False, False),
+    ('coulomb_friction', (), True, False),
+])
+def test_effects_stay_where_each_is_needed_and_no_search_would_find_more(
+    missing: str, effects: tuple[str, ...], alike: bool, kept: bool
+) -> None:
+    sizes = {'cubic_stiffness': (3e6,), 'presliding_friction': (1.0, 1e5)}
+    recording, base = prepared(*physics(missing, sizes.get(missing, (3.0,))[0]).items())
+    best = base
+    for name in effects:
+        best = fit([recording], best.model.with_effect(name, sizes.get(name, (0.1,))))
+    after = with_effects_kept(
+        [recording], base, Selection([recording], base, best, Rivals(), {}), alike)
+    assert (after is not None) is kept
+    if after is not None:
+        assert after.best.model.effects == effects
+        assert has_discrepancy(after.recordings) is (missing not in effects)
 
 
 @pytest.mark.parametrize(('cost', 'first'), [

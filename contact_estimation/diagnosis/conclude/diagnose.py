@@ -247,8 +247,8 @@ def _selected(
     if not holding.is_promising(best):
         return straight
     prepared, base = recalibrated(held)
-    selection = with_effects_kept(prepared, base, straight.selection) or select(
-        prepared, base, progress)
+    kept = with_effects_kept(prepared, base, straight.selection, holding.leaves_alike(best))
+    selection = kept or select(prepared, base, progress)
     if not holding.is_better(selection.best.model, best):
         without = holding.instead_of_delay(best)
         if without is None:

@@ -34,6 +34,7 @@ _LEAST, _SHARE = 5.0, 0.05  # least gain, and as a share of the misfit of the mo
 _PRICE = 2.0  # times the usual one: a delay near half a period fits a little better than the hold
 _PERIODS = 1.5  # of the reference: the hold and one cycle of a digital controller
 _OF_DELAY = 0.8  # least share of what such a delay explains, for the hold to stand for it
+_ALIKE = 0.5  # least share of what a model leaves on straight lines, for it to leave alike
 _OF_BEST = 0.2  # least share of what the best model explains, for the hold to matter without it
 
 
@@ -79,6 +80,12 @@ class ReferenceHold:
         before = _price(self._straight, self._base)
         explained = before - _price(self._straight, best)
         return before - _price(self._held, self._base) > _OF_BEST * explained
+
+    def leaves_alike(self, best: Model) -> bool:
+        """Return whether a model without a delay leaves as much with a hold, or half of it."""
+        straight, held = (fit(each, best).cost - sum(one.residual_count for one in each)
+                          for each in (self._straight, self._held))
+        return held > _ALIKE * straight and _DELAY not in best.effects
 
     def instead_of_delay(self, straight: Model) -> Model | None:
         """Return a model without its delay, if the held reference explains more than that."""

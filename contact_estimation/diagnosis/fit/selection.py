@@ -182,7 +182,7 @@ def fitted_again(recordings: Recordings, selection: Selection) -> Selection:
 
 
 def with_effects_kept(
-    recordings: Recordings, base: Fit, selection: Selection
+    recordings: Recordings, base: Fit, selection: Selection, alike: bool
 ) -> Selection | None:
     """
     Keep the effects of a selection for the same recordings, prepared differently.
@@ -195,20 +195,26 @@ def with_effects_kept(
         Recalibrated to them, without effects.
     selection : Selection
         Of the effects.
+    alike : bool
+        Whether the effects leave nearly as much as before, so that another search would not find
+        more; else they must leave only noise.
 
     Returns
     -------
     selection : Selection or None
-        None if the effects do not explain the recordings, or not each of them is needed.
+        None if a search may find other effects, or if not each of them is needed.
 
     """
     best = fit(recordings, selection.best.model)
-    explained = leaves_noise(best) and _is_explained(recordings, base, best)
-    if not (explained and enough(base, best) and best.model.plausible()):
+    if not (best.model.effects and best.model.plausible() and enough(base, best)):
+        return None
+    if not (alike or leaves_noise(best) and _is_explained(recordings, base, best)):
         return None
     if prune(recordings, best, selection.rivals)[0].model.effects != best.model.effects:
         return None
-    return Selection(recordings, base, best, selection.rivals, selection.evidence)
+    if leaves_noise(best):
+        return Selection(recordings, base, best, selection.rivals, selection.evidence)
+    return of_model(recordings, selection, best.model)
 
 
 def of_model(recordings: Recordings, selection: Selection, model: Model) -> Selection:
