@@ -29,6 +29,7 @@ from contact_estimation.diagnosis.fit import (
 from contact_estimation.diagnosis.fit.candidate import Candidate
 from contact_estimation.diagnosis.fit.criteria import (
     enough,
+    leaves_noise,
     noise_scale,
     penalty,
     PRICE,
@@ -124,6 +125,20 @@ def test_effects_stay_where_each_is_needed_and_no_search_would_find_more(
     if after is not None:
         assert after.best.model.effects == effects
         assert has_discrepancy(after.recordings) is (missing not in effects)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(('bias', 'sought'), [(0.15, False), (0.3, True)])
+def test_beside_a_large_effect_none_is_sought_in_what_is_nearly_noise(
+    bias: float, sought: bool
+) -> None:
+    recording, base = prepared(
+        *physics('cubic_stiffness', 2e7).items(), *physics('force_bias', bias).items())
+    alone = fit([recording], base.model.with_effect('cubic_stiffness', (2e7,)))
+    assert leaves_noise(alone) is not sought
+    assert alone.cost > 1.2 * alone.residual_count
+    expected = {'cubic_stiffness', 'force_bias'} if sought else {'cubic_stiffness'}
+    assert set(select([recording], base).best.model.effects) == expected
 
 
 @pytest.mark.parametrize(('cost', 'first'), [
