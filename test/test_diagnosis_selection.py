@@ -40,14 +40,10 @@ from contact_estimation.diagnosis.fit.discrepancy import has_discrepancy
 from contact_estimation.diagnosis.fit.exact_laws import prune, Rivals, simplest_first
 from contact_estimation.diagnosis.fit.fitting import Fit, fit
 from contact_estimation.diagnosis.fit.model_uncertainty import discounted
+from contact_estimation.diagnosis.fit.same_effects import with_effects_kept
 from contact_estimation.diagnosis.fit.scales import measure_scales
 from contact_estimation.diagnosis.fit.search import is_credible, nearest, search
-from contact_estimation.diagnosis.fit.selection import (
-    select,
-    Selection,
-    weigh,
-    with_effects_kept,
-)
+from contact_estimation.diagnosis.fit.selection import select, Selection, weigh
 from contact_estimation.diagnosis.observe.model import Model, names_of
 from contact_estimation.diagnosis.observe.prepared_recording import PreparedRecording
 from contact_estimation.diagnosis.observe.residuals import residuals

@@ -41,8 +41,9 @@ from ..fit.flexible import autocorrelation, predictable_share
 from ..fit.model_uncertainty import discounted
 from ..fit.pairs import is_pair
 from ..fit.pull_offs import is_pulled_off
+from ..fit.same_effects import fitted_again
 from ..fit.search import may_show, Progress
-from ..fit.selection import fitted_again, select, Selection, weigh
+from ..fit.selection import select, Selection, weigh
 from ..fit.uncertainty import standard_deviations
 from ..fit.zeros import ZEROS
 from ..observe.model import Model, names_of

@@ -34,14 +34,9 @@ from ..fit.free_run import free_run
 from ..fit.joint_clock import JointClock
 from ..fit.model_uncertainty import discounted
 from ..fit.reference_hold import ReferenceHold
+from ..fit.same_effects import fitted_again, of_model, with_effects_kept
 from ..fit.search import Progress
-from ..fit.selection import (
-    fitted_again,
-    of_model,
-    select,
-    Selection,
-    with_effects_kept,
-)
+from ..fit.selection import select, Selection
 from ..observe.held_reference import with_held_reference
 from ..observe.held_samples import without_held_samples
 from ..observe.model import Model

@@ -122,7 +122,7 @@ def select(
     """
     best, evidence, rivals = base, dict[str, float](), Rivals()
     in_form, mark, marked, pair = '', None, '', tuple[str, ...]()
-    while _law_count(best.model) < MOST_EFFECTS and not _is_explained(recordings, base, best):
+    while _law_count(best.model) < MOST_EFFECTS and not is_explained(recordings, base, best):
         carried, present = _carried(recordings, best)
         found = search(carried, present, progress)
         evidence = evidence or _evidence(carried, present, found)
@@ -161,86 +161,6 @@ def select(
                      marked, mark)
 
 
-def fitted_again(recordings: Recordings, selection: Selection) -> Selection:
-    """
-    Fit the models of a selection of inexact laws to the same recordings, prepared differently.
-
-    Parameters
-    ----------
-    recordings : sequence of PreparedRecording
-        Fitted together, without a discrepancy.
-    selection : Selection
-        Of the effects.
-
-    Returns
-    -------
-    selection : Selection
-        Of the same effects.
-
-    """
-    return of_model(recordings, selection, selection.best.model)
-
-
-def with_effects_kept(
-    recordings: Recordings, base: Fit, selection: Selection, alike: bool
-) -> Selection | None:
-    """
-    Keep the effects of a selection for the same recordings, prepared differently.
-
-    Parameters
-    ----------
-    recordings : sequence of PreparedRecording
-        Fitted together, without a discrepancy.
-    base : Fit
-        Recalibrated to them, without effects.
-    selection : Selection
-        Of the effects.
-    alike : bool
-        Whether the effects leave nearly as much as before, so that another search would not find
-        more; else they must leave only noise.
-
-    Returns
-    -------
-    selection : Selection or None
-        None if a search may find other effects, or if not each of them is needed.
-
-    """
-    best = fit(recordings, selection.best.model)
-    if not (best.model.effects and best.model.plausible() and enough(base, best)):
-        return None
-    if not (alike or leaves_noise(best) and _is_explained(recordings, base, best)):
-        return None
-    if prune(recordings, best, selection.rivals)[0].model.effects != best.model.effects:
-        return None
-    if leaves_noise(best):
-        return Selection(recordings, base, best, selection.rivals, selection.evidence)
-    return of_model(recordings, selection, best.model)
-
-
-def of_model(recordings: Recordings, selection: Selection, model: Model) -> Selection:
-    """
-    Fit a model to recordings in place of the selected one.
-
-    Parameters
-    ----------
-    recordings : sequence of PreparedRecording
-        Fitted together, without a discrepancy.
-    selection : Selection
-        Of other effects.
-    model : Model
-        With the effects.
-
-    Returns
-    -------
-    selection : Selection
-        Of the effects of the model.
-
-    """
-    carried, best = weigh(recordings, fit(recordings, model))
-    base = fit(carried, selection.base.model)
-    return selection._replace(recordings=carried, base=base, best=best)
-
-
 def _now(name: str, model: Model) -> str:
     """Return the effect of a model that stands for another of its family; '' if none does."""
     if not name or name in model.effects:
@@ -254,8 +174,23 @@ def _law_count(model: Model) -> int:
     return len(set(model.effects) - set(ZEROS))
 
 
-def _is_explained(recordings: Recordings, base: Fit, best: Fit) -> bool:
-    """Return whether what is left is noise, or no more than the error of the method."""
+def is_explained(recordings: Recordings, base: Fit, best: Fit) -> bool:
+    """
+    Return whether what is left is noise, or no more than the error of the method.
+
+    Parameters
+    ----------
+    recordings : sequence of PreparedRecording
+        As fitted.
+    base, best : Fit
+        Recalibrated, and with effects.
+
+    Returns
+    -------
+    explained : bool
+        If so, no further effect is sought.
+
+    """
     count = best.residual_count
     if best.cost < count * (1.0 + 0.5 * THRESHOLD):
         # The noise of the other channel may be estimated too large, and hide the excess of one.
