@@ -42,7 +42,7 @@ _STEP = 1e-3  # relative, of the finite differences
 _CLOSE = 4.0  # standard deviations of the position noise, within which a run is refined
 _AT_NOISE = 1.5  # times the noise: largest error of a correct free run
 _PICARD = 8  # rounds in which the free run of a wall converges
-_MOST_STEPS, _SLOWLY = 3, 0.99  # of Gauss and Newton; less than a hundredth is no progress
+_MOST_STEPS, _SLOWLY = 5, 0.99  # of Gauss and Newton; less than a hundredth is no progress
 _WORSE = 4.0  # times the cost with effects at the measured motion: the iteration diverged
 
 
@@ -154,11 +154,12 @@ def _least_output_error(recordings: Recordings, model: Model, runs: Sequence[Run
         tried = np.clip(values + change, low, high)
         there = search.residuals(tried)
         before, after = float(here @ here), float(there @ there)
-        if after >= before:
-            break
-        values, here = tried, there
+        if after < before:
+            values, here = tried, there
         if after > _SLOWLY * before:
-            break
+            if not search.updated:
+                break
+            search.renew()  # an updated Jacobian may point astray
     return model.with_free(values)
 
 
