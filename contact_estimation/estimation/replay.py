@@ -23,6 +23,7 @@ from typing import Any, Iterator, Mapping
 from .arm_frames import static_of_parameters
 from .events import apply_event, EstimationEvent, STATIC
 from .inputs import MessageInputs
+from .late_messages import LateMessages
 from .parameters import EstimationParameters
 from .recorded_arm import recorded_description, recorded_parameters, recorded_static
 from .recorded_arm import refused_at_start
@@ -39,7 +40,6 @@ from ..recordings.topic_names import canonical
 from ..reference.setpoints import Reference
 
 _AHEAD = 6000  # messages by which an event may be recorded after the sample that it follows
-_MOST_UNPAIRED = 200  # messages of one topic in excess of the other that a chunk's end explains
 
 
 class RecordingReplay:
@@ -84,6 +84,9 @@ class RecordingReplay:
             source.wrench: self._inputs.process_wrench,
             source.tf if of_tf else source.joint_states: self._inputs.process_motion,
         }
+        # The first transform of a message stands for none of the others.
+        self._late = None if of_tf else LateMessages(
+            source.wrench, lambda: self.session.parameters.synchronisation)
         self._references = TrajectoryDecoder()
         self._left_over: list[RecordedMessage] = []
         self._last_reference_ns, self._reference_jumps = -(2**63), 0
@@ -103,7 +106,8 @@ class RecordingReplay:
             If a topic is missing or has another type than expected.
 
         """
-        for batch in self._ahead(self._reader.batches(self._topics())):
+        batches = self._ahead(self._reader.batches(self._topics()))
+        for batch in self._late.joined(batches) if self._late else batches:
             yield self._process(batch)
         yield self._process_one_by_one(self._left_over)
 
@@ -175,17 +179,22 @@ class RecordingReplay:
         """Process a batch at once where it is regular, else message by message."""
         messages = self._left_over + batch if self._left_over else batch
         self._left_over = []
+        if self.session.waits:
+            messages = self._ordered(messages)
         estimates, messages = self._finish_waiting(messages)  # few, or none
         wrench = self._source.wrench
         wrenches = [data for topic, _, data in messages if topic == wrench]
         motions = [data for topic, _, data in messages if topic != wrench]
         count = min(len(wrenches), len(motions))
-        if count and len(messages) - 2 * count < _MOST_UNPAIRED:
+        if count and self._late and self._late.end_together(messages):
             paired = self._inputs.process_pairs(wrenches[:count], motions[:count])
             if paired is not None:
                 self._left_over = self._unpaired(messages, count)
                 return estimates + paired if estimates else paired
-        return estimates + self._process_one_by_one(messages)
+        return estimates + self._process_one_by_one(self._ordered(messages))
+
+    def _ordered(self, messages: list[RecordedMessage]) -> list[RecordedMessage]:
+        return self._late.ordered(messages) if self._late else messages
 
     def _finish_waiting(
         self, messages: list[RecordedMessage]

@@ -37,7 +37,8 @@ TRAJECTORY = 'trajectory_msgs/msg/JointTrajectory'
 INPUT_QOS = QoSProfile(depth=100, reliability=ReliabilityPolicy.BEST_EFFORT)
 """Matches any publisher; deep, so that no message is dropped while the machine stalls."""
 
-OUTPUT_QOS = QoSProfile(depth=100, reliability=ReliabilityPolicy.RELIABLE)
+OUTPUT_QOS = QoSProfile(depth=1000, reliability=ReliabilityPolicy.RELIABLE)
+"""Deep, so that what a recorder missed while it had no CPU can be sent to it again."""
 
 DESCRIPTION_QOS = QoSProfile(
     depth=1,

@@ -1,0 +1,134 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+Messages that a recorder received late, put back in the order of their stamps.
+
+What a recorder without CPU misses is sent again, seconds later, each topic for itself. The node
+had it in time and has paired it, so the replay must. A topic that stays behind is another matter:
+its clock is wrong or its driver is slow, and the node has rejected it.
+"""
+
+from __future__ import annotations
+
+from typing import Callable, Iterable, Iterator
+
+from ..messages.cdr import header_stamp_ns
+from ..recordings import RecordedMessage
+from ..signals.synchronisation import SynchronisationParameters
+
+_MOST_HELD = 6000  # messages for which a late topic is awaited
+
+
+class LateMessages:
+    """
+    Undo the lateness of one topic against the other, where it does not last.
+
+    Parameters
+    ----------
+    wrench : str
+        Topic of the wrenches; the messages of all other topics are joint states.
+    limits : callable
+        Returns those with which messages are paired at the time.
+
+    """
+
+    def __init__(self, wrench: str, limits: Callable[[], SynchronisationParameters]) -> None:
+        self._wrench, self._limits = wrench, limits
+
+    def joined(
+        self, batches: Iterable[list[RecordedMessage]]
+    ) -> Iterator[list[RecordedMessage]]:
+        """
+        Join a batch at whose end one topic is late with those that follow, until it is no more.
+
+        Parameters
+        ----------
+        batches : iterable of list of RecordedMessage
+            In the order of the recording.
+
+        Yields
+        ------
+        batch : list of RecordedMessage
+            In the same order; as given where the topic stays behind.
+
+        """
+        held: list[list[RecordedMessage]] = []
+        together: list[RecordedMessage] = []
+        for batch in batches:
+            held.append(batch)
+            together += batch
+            if self.end_together(together):
+                yield together
+            elif len(together) >= _MOST_HELD:
+                yield from held
+            else:
+                continue
+            held, together = [], []
+        yield from held
+
+    def end_together(self, messages: list[RecordedMessage]) -> bool:
+        """Return whether the last stamps of both topics are within the limit of lateness."""
+        last: dict[bool, int | None] = {}
+        for message in reversed(messages):
+            last.setdefault(message.topic == self._wrench, self._stamp_ns(message))
+            if len(last) == 2:
+                break
+        wrench_ns, joint_ns = last.get(True), last.get(False)
+        if wrench_ns is None or joint_ns is None:
+            return False
+        return abs(wrench_ns - joint_ns) <= self._limits().timeout_s * 1e9
+
+    def ordered(self, messages: list[RecordedMessage]) -> list[RecordedMessage]:
+        """
+        Order messages by their stamps, where both topics end together and set time back alike.
+
+        Parameters
+        ----------
+        messages : list of RecordedMessage
+            In the order of the recording.
+
+        Returns
+        -------
+        messages : list of RecordedMessage
+            Those of each topic in the same order; a joint state before the wrench of its stamp.
+
+        """
+        if not self.end_together(messages):
+            return messages
+        jump_ns = int(self._limits().time_jump_s * 1e9)
+        newest: dict[bool, int] = {}
+        jumps = {True: 0, False: 0}
+        keys: list[tuple[int, int, bool]] = []
+        for message in messages:
+            of_wrench = message.topic == self._wrench
+            stamp_ns, last_ns = self._stamp_ns(message), newest.get(of_wrench)
+            if stamp_ns is None:
+                stamp_ns = last_ns or 0
+            if last_ns is not None and stamp_ns < last_ns:
+                if stamp_ns < last_ns - jump_ns:
+                    jumps[of_wrench] += 1
+                else:  # will be rejected
+                    stamp_ns = last_ns
+            newest[of_wrench] = stamp_ns
+            keys.append((jumps[of_wrench], stamp_ns, of_wrench))
+        if jumps[True] != jumps[False]:
+            return messages
+        return [messages[place] for place in sorted(range(len(keys)), key=keys.__getitem__)]
+
+    def _stamp_ns(self, message: RecordedMessage) -> int | None:
+        stamp_ns = header_stamp_ns(message.data)
+        if stamp_ns is None or message.topic == self._wrench:
+            return stamp_ns
+        return stamp_ns + round(self._limits().offset * 1e9)

@@ -1,0 +1,102 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""A topic that a starved recorder received late is replayed as if it had come in time."""
+
+from __future__ import annotations
+
+from itertools import chain
+from math import nan
+from pathlib import Path
+from typing import Iterable, Sequence
+
+from contact_estimation.estimation.replay import RecordingReplay
+from contact_estimation.messages import JointStateEncoder, WrenchEncoder
+from contact_estimation.recordings import RecordingReader, RecordingWriter
+from contact_estimation.recordings.source import RecordingSource
+from contact_estimation.signals.contact_sample import ContactSample
+from core_runs import contact_samples
+import pytest
+
+TYPES = {'/wrench': 'geometry_msgs/msg/WrenchStamped',
+         '/joint_states': 'sensor_msgs/msg/JointState'}
+BEGIN_NS, PERIOD_NS = 1_750_000_000_000_000_000, 2_000_000
+SAMPLES = [sample._replace(stamp_ns=BEGIN_NS + sample.stamp_ns)
+           for sample in contact_samples(3.0, force_noise=0.5)]
+CHUNK = 200  # messages
+Sent = tuple[int, str, bytes]
+
+
+def sent(samples: Sequence[ContactSample]) -> list[Sent]:
+    """Encode samples: number of the sample, topic and message."""
+    wrenches, joints = WrenchEncoder('tool'), JointStateEncoder('tool', 'contact_x', True)
+    return list(chain.from_iterable(
+        [(k, '/joint_states', joints.encode(stamp_ns, x, v)),
+         (k, '/wrench', wrenches.encode(stamp_ns, force, 0.0, 0.0))]
+        for k, (stamp_ns, x, v, force) in enumerate(samples)))
+
+
+def late(messages: Iterable[Sent], topic: str, first: int, until: int) -> list[Sent]:
+    """Let a topic from one sample on not be received before another."""
+    def received(message: Sent) -> int:
+        number = message[0]
+        return max(until, number) if message[1] == topic and number >= first else number
+
+    return sorted(messages, key=received)
+
+
+def replayed(path: Path, messages: Iterable[Sent]) -> tuple[list[str], dict[str, int]]:
+    """Record messages in this order and replay them; return estimates and rejections."""
+    with RecordingWriter.file(path) as writer:
+        for k, (_, topic, raw) in enumerate(messages):
+            writer.write(topic, TYPES[topic], raw, BEGIN_NS + k * PERIOD_NS // 2)
+            if k % CHUNK == CHUNK - 1:
+                writer.flush()
+    replay = RecordingReplay(RecordingReader(path), RecordingSource(), {})
+    estimates = [repr(axes) for batch in replay.estimates() for axes in batch]
+    return estimates, dict(replay.session.rejected)
+
+
+IN_TIME = sent(SAMPLES)
+BAD = sent([sample._replace(force=nan) if k % 400 == 300 else sample
+            for k, sample in enumerate(SAMPLES)])
+BACK = sent([*SAMPLES, *(sample._replace(stamp_ns=sample.stamp_ns - PERIOD_NS // 2)
+                         for sample in SAMPLES)])
+
+
+@pytest.mark.parametrize('topic', TYPES)
+@pytest.mark.parametrize('messages', (IN_TIME, BAD, BACK), ids=('regular', 'with NaN', 'set back'))
+@pytest.mark.parametrize('span', ((0, 110), (120, 710), (310, 380), (1000, 1470)))
+def test_replay_is_that_of_the_topic_in_time(
+    tmp_path: Path, topic: str, messages: list[Sent], span: tuple[int, int]
+) -> None:
+    in_time = replayed(tmp_path / 'a.mcap', messages)
+    delayed = late(messages, topic, *span)
+    assert delayed != messages
+    assert replayed(tmp_path / 'b.mcap', delayed) == in_time
+    assert len(in_time[0]) > 1700 and not in_time[1].get('joint_missing')
+
+
+@pytest.mark.parametrize('lag', (60, 150, 600))
+def test_wrenches_of_a_topic_that_stays_behind_are_rejected(tmp_path: Path, lag: int) -> None:
+    behind = sorted(IN_TIME, key=lambda m: m[0] + lag * (m[1] == '/joint_states'))
+    estimates, rejected = replayed(tmp_path / 'a.mcap', behind[:-lag])  # all until the stop
+    assert not estimates
+    assert rejected['joint_missing'] > 1700 - lag
+
+
+def test_a_topic_set_back_alone_is_replayed_as_recorded(tmp_path: Path) -> None:
+    alone = [m for m in BACK if m[1] == '/wrench' or m[0] < len(SAMPLES)]
+    estimates, _ = replayed(tmp_path / 'a.mcap', alone)
+    assert len(estimates) == len(SAMPLES)
