@@ -31,9 +31,11 @@ import socket
 import subprocess
 import sys
 import time
-from typing import Any, Callable, Mapping, NamedTuple
+from typing import Any, Callable, Collection, Mapping, NamedTuple
 
 import contact_estimation
+from contact_estimation.messages.cdr import header_stamp_ns
+from contact_estimation.recordings import RecordingReader
 import pytest
 
 pytest.importorskip('rclpy')
@@ -98,6 +100,15 @@ def wait_until(condition: Callable[[], Any], what: str, every_s: float = 0.02) -
     while not condition():
         assert time.monotonic() < give_up, f'waited in vain for {what}'
         time.sleep(every_s)
+
+
+def wait_until_recorded(folder: Path, topics: Collection[str], stamp_ns: int) -> None:
+    """Wait until all is in, up to a stamp; each topic comes in order, some of them late."""
+    def recorded() -> bool:
+        messages = RecordingReader(folder).messages(topics)
+        return set(topics) == {m.topic for m in messages if header_stamp_ns(m.data) == stamp_ns}
+
+    wait_until(recorded, 'the whole recording', 0.2)
 
 
 def descendants(pid: int) -> list[int]:

@@ -24,7 +24,6 @@ from typing import Iterator
 from contact_estimation.estimation.replay import RecordingReplay
 from contact_estimation.exceptions import RecordingError
 from contact_estimation.messages import Vector3StampedDecoder
-from contact_estimation.messages.cdr import header_stamp_ns
 from contact_estimation.recordings import RecordingReader
 from contact_estimation.recordings.source import RecordingSource
 from contact_estimation.signals.contact_sample import ContactSample
@@ -33,7 +32,7 @@ import numpy as np
 import pytest
 from ros_messages import joint_state, moved, Vector3Stamped, wrench
 from ros_peer import estimator_and_peer, Peer, PERIOD_NS
-from ros_processes import ModuleProcess, node_process, wait_until
+from ros_processes import ModuleProcess, node_process, wait_until_recorded
 
 pytestmark = pytest.mark.slow
 
@@ -92,15 +91,10 @@ class Recording:
         messages = RecordingReader(self._folder).messages([topic])
         return dict(decode(message.data)[:2] for message in messages)
 
-    def _whole(self, last_ns: int) -> bool:
-        """Whether all is in, up to a sample; each topic comes in order, some of them late."""
-        topics = {'/wrench', '/joint_states', *(f'/{self.peer.name}/{name}' for name in VALUES)}
-        messages = RecordingReader(self._folder).messages(sorted(topics))
-        return topics == {m.topic for m in messages if header_stamp_ns(m.data) == last_ns}
-
     def finish(self, last_ns: int) -> dict[str, dict[int, float]]:
         """End the recorder when the last sample is in; return what was recorded."""
-        wait_until(lambda: self._whole(last_ns), 'the whole recording', 0.2)
+        outputs = [f'/{self.peer.name}/{name}' for name in VALUES]
+        wait_until_recorded(self._folder, ['/wrench', '/joint_states', *outputs], last_ns)
         self.recorder.signal(signal.SIGINT)
         assert self.recorder.end().code == 0
         return {name: self._recorded(name) for name in VALUES}

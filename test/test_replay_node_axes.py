@@ -30,7 +30,7 @@ from contact_estimation.recordings.source import RecordingSource
 from contact_estimation.signals.contact_sample import ContactSample
 import pytest
 from ros_peer import ESTIMATES, PERIOD_NS
-from ros_processes import node_process, wait_until
+from ros_processes import node_process, wait_until_recorded
 
 pytestmark = pytest.mark.slow
 
@@ -93,8 +93,8 @@ def test_replay_of_two_axes_equals_the_node_bit_for_bit(tmp_path: Path) -> None:
         peer.change(estimator='rls', further_axes__x__location=1e-4)
         peer.feed_instants(samples[600:])
         last = samples[-1].stamp_ns
-        for name in ESTIMATES:
-            wait_until(lambda: last in recorded(folder, name), 'the whole recording', 0.2)
+        outputs = [f'/estimator_node/{name}' for name in ESTIMATES]
+        wait_until_recorded(folder, ['/wrench', '/joint_states', *outputs], last)
         recorder.signal(signal.SIGINT)
         assert recorder.end().code == 0
     for name in ESTIMATES:
