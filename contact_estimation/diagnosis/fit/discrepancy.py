@@ -25,10 +25,11 @@ error of the force.
 from __future__ import annotations
 
 from dataclasses import replace
+from math import log
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import brentq
+from scipy.optimize import minimize_scalar
 
 from .fitting import Fit
 from .model_uncertainty import discounted
@@ -94,21 +95,26 @@ def _rms(recording: PreparedRecording, model: Model) -> float:
 
 def _unknown_force(plain: PreparedRecording, model: Model) -> float:
     """
-    Return the size of the unknown force that explains the innovations of a driven wall [N].
+    Return the size of the unknown force that the innovations of a driven wall show [N].
 
-    With the noise of the force in its place, they would be as large as the filter expects.
+    Of all filters, the one that predicts best weighs force and position by the ratio of their true
+    noise, and its innovations tell the size of both (Ljung 1999, section 7.4). What the position
+    lacks, which no force explains, is so told from a force.
     """
-    def excess(logarithm: float) -> float:
-        noisier = replace(plain, force_noise=float(np.exp(logarithm)))
-        return _rms(noisier.widened(1.0, model), model) - 1.0
+    def filtered(logarithm: float) -> tuple[float, float]:
+        noisier = replace(plain, block=1, force_noise=float(np.exp(logarithm)))
+        noisier = noisier.widened(1.0, model)  # not averaged: only white innovations are least
+        size = _rms(noisier, model)
+        return size * noisier.motion_noise, size * noisier.force_noise
 
     least, most = np.log([plain.force_noise, plain.observed.force_range])
-    if least >= most or excess(least) <= 0.0:
+    if least >= most:
         return 0.0
-    if excess(most) >= 0.0:
-        return plain.observed.force_range
-    matched = float(np.exp(brentq(excess, least, most, xtol=_MATCHED)))
-    return max(matched**2 - plain.force_noise**2, 0.0) ** 0.5
+    best = minimize_scalar(
+        lambda logarithm: log(filtered(logarithm)[0]), bounds=(least, most), method='bounded',
+        options={'xatol': _MATCHED}).x
+    total = filtered(float(best))[1]
+    return max(total**2 - plain.force_noise**2, 0.0) ** 0.5
 
 
 def forces(recording: PreparedRecording, model: Model) -> list[float]:
