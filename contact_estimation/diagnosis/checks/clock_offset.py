@@ -68,7 +68,9 @@ def find(evidence: Evidence) -> Finding:
     return Finding(True, text)
 
 
-def with_late_joints(checks: Sequence[Check], late: float) -> list[Check]:
+def with_late_joints(
+    checks: Sequence[Check], late: float, commanded: bool = True
+) -> list[Check]:
     """
     Replace the result of this check by what the fits have shown.
 
@@ -78,6 +80,8 @@ def with_late_joints(checks: Sequence[Check], late: float) -> list[Check]:
         Of a recording.
     late : float
         By how much the joint states are stamped late [s].
+    commanded : bool
+        Whether there is a robot with a reference; otherwise a force drives the wall.
 
     Returns
     -------
@@ -85,8 +89,12 @@ def with_late_joints(checks: Sequence[Check], late: float) -> list[Check]:
         That of the clocks failed.
 
     """
-    text = (f'command and force both fit the motion best about {1e3 * late:.2g} ms earlier, '
-            'expected at the same instant: joint_states are stamped late; stamp them when the '
+    fits, cause = ('command and force both fit', 'joint_states are stamped late')
+    if not commanded:
+        fits = 'the force that drives the wall fits'
+        cause += ', or wrench is a command that the drive follows late; record the measured force'
+    text = (f'{fits} the motion best about {1e3 * late:.2g} ms earlier, '
+            f'expected at the same instant: {cause}; stamp them when the '
             f'positions are read (on line, set synchronisation.offset to {-late:.2g} s)')
     return [Check(one.name, False, text, True, frozenset(EFFECTS))
             if one.name == 'clock_offset' else one for one in checks]

@@ -143,7 +143,8 @@ def _diagnosed(given: _Given, hold: int) -> tuple[Diagnosis, bool]:
     found = _selected(given.fitted, given.held_out, nominal, hold, progress)
     prepared, selection = found.prepared, found.selection
     if found.late:
-        return refuse(with_late_joints(given.checks, found.late), nominal), True
+        commanded = all(one.observed.reference is not None for one in prepared)
+        return refuse(with_late_joints(given.checks, found.late, commanded), nominal), True
     others: Recordings = [prepare(one, nominal, hold=0) for one in found.held_out]
     nominal_cost = cost_of(prepared, nominal)
     if all(one.driven_by_force(nominal) for one in prepared):
@@ -229,15 +230,18 @@ def _selected(
         return prepared, select(prepared, base, progress)
 
     straight = _Selected(fitted, held_out, *selected(fitted))
-    if any(one.observed.reference is None for one in straight.prepared):
-        return straight
-    progress('reference between setpoints')
-    held = [with_held_reference(one) for one in fitted]
     best = straight.selection.best.model
+    if not all(one.observed.has_dynamics(nominal.nominal) for one in straight.prepared):
+        return straight
+    progress('clock of the joint states')
     late = JointClock(fitted, straight.prepared, straight.selection.base.model, best,
                       hold).lateness(selected)
     if late:
         return straight._replace(late=late)
+    if any(one.observed.reference is None for one in straight.prepared):
+        return straight
+    progress('reference between setpoints')
+    held = [with_held_reference(one) for one in fitted]
     holding = ReferenceHold(straight.prepared, fitted, held, straight.selection.base.model)
     if not holding.is_promising(best):
         return straight

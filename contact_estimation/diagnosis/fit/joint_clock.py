@@ -38,7 +38,8 @@ _TRIED = (1.0, 1.2)  # times the delay: what bends beside it makes it too short
 _PROMISING, _WITH_DELAY = 0.75, 1.4  # most of the misfit of the effects, for stamps to be tried
 _LEFT = 0.25  # most of it that late stamps may leave
 _DAMPED = 0.05  # of the damping without a shift
-_LEAST = 0.003  # [s]: less is that of a sensor's filter, as is less than a sample
+_LEAST = 0.003  # [s]: less is that of a sensor's filter
+_OF_PERIOD = 0.9  # of a sample: less is the course of the signals between samples
 
 
 class JointClock:
@@ -46,7 +47,7 @@ class JointClock:
     Comparison of joint states as stamped with ones stamped earlier.
 
     A robot that moves late meets the wall where the wall is. One whose stamps are late meets it
-    before it is there, by its speed times the lateness.
+    before it is there, by its speed times the lateness. A wall that a force drives moves with it.
 
     Parameters
     ----------
@@ -84,7 +85,7 @@ class JointClock:
         Returns
         -------
         late : float
-            [s]; 0 unless it is more than a sample or a filter of the force, and leaves less than
+            [s]; 0 unless it is that of a sample or more, or a filter, and leaves less than
             a quarter of what the effects leave, and a wall with damping: a shift that takes the
             place of it is none.
 
@@ -93,7 +94,7 @@ class JointClock:
             return 0.0
         period = max(float(np.median(np.diff(one.signals.joint_t))) for one in self._raw)
         for late in self._tried():
-            if late < max(_LEAST, period):
+            if late < max(_LEAST, _OF_PERIOD * period):
                 continue
             earlier, selection = select(self._earlier(late))
             found = fit(earlier, selection.best.model)
