@@ -55,6 +55,7 @@ Array = NDArray[np.float64]
 _TRIFLE, _UNSURE = 0.01, 0.1  # shares not worth a name: of an effect beyond doubt, of another
 _PREDICTABLE = 0.1  # share of the residual that a smoother predicts: structure, not noise
 _SIGNIFICANT = 3.0  # standard deviations
+_BY_PAIR = 0.85  # share that a pair must predict: two laws follow much of what neither is
 _DOWN_TO_NOISE = 0.95  # share of the misfit of a part
 _AUTOCORRELATION = 0.25  # of neighbouring residuals: structure that no smoother predicts
 
@@ -139,6 +140,9 @@ def decide(
         fewer = _without_doubtful(selection, best, shares, doubtful, whole, progress, again)
         if fewer is not None:
             return fewer
+        if len(together) > 1 and shares.explained < _BY_PAIR:
+            rest = fit_without(recordings, best.model, together)
+            return decide(_carrying(selection, rest), whole, progress, False)
         return Decision(selection, best, shares.explained < EXPLAINED, 0.0, shares)
     progress('structure of the residuals')
     recordings = _plain(recordings, base.model)

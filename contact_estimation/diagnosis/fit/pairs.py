@@ -44,8 +44,8 @@ Array = NDArray[np.float64]
 _ELASTIC, _LOSSES = 'elastic_law', ('friction', 'hysteresis', 'relaxation', 'damping_law')
 _LEAST_FIT = 0.5  # share of the misfit that a pair must fit, to be assessed
 _ASSESSED = 8
-_LEAST = 0.85  # share of the misfit that it must predict: two laws follow much of what neither is
-_LEFT = 0.3  # share of it that a zero leaves in the place of a pair
+_LEAST = 0.5  # share of the misfit that it must predict
+_LEFT, _LEAD = 0.3, 0.15  # shares: left by a zero that may be in the place of a pair; lead over it
 
 
 def is_pair(names: Sequence[str]) -> bool:
@@ -94,14 +94,17 @@ def pairs_that_predict(
     -------
     pairs : list of Candidate
         The best with its loss as last effect, then others with the same elastic law. Without
-        either of its laws the best predicts clearly less, and so does the zero. It predicts nearly
-        all: otherwise one law that the library does not have is likelier than these two.
+        either of its laws the best predicts clearly less, and so does the zero.
 
     """
     squares = float(before.sum())
     misfit = squares - sum(float(part.noise.sum()) for part in parts)
-    if zero is not None and zero.total - squares + misfit < _LEFT * misfit:
-        return []
+    least = _LEAST
+    if zero is not None:
+        left = (zero.total - squares + misfit) / misfit
+        if left < _LEFT:
+            return []
+        least = max(_LEAST, 1.0 - left + _LEAD)
     elastic = [one for one in found if EFFECTS[one.model.effects[-1]].family == _ELASTIC]
     losses = [name for name in candidates_in(recordings, present.model)
               if EFFECTS[name].family in _LOSSES]
@@ -116,7 +119,7 @@ def pairs_that_predict(
         return []
     best = min(assessed, key=lambda pair: pair.total)
     share = share_of(before, best.errors, parts, before)
-    if share.share < _LEAST or not predicts_enough(share, share):
+    if share.share < least or not predicts_enough(share, share):
         return []
     most = best.total + ADEQUATE * (squares - best.total)
     adequate = [pair for pair in assessed if pair.total <= most]
