@@ -16,12 +16,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import lru_cache
 from math import pi
-from typing import Sequence
+from typing import Any, Sequence
 
 from concealed_worlds import diagnosed, nominal, prepared_from
+from contact_estimation.diagnosis.conclude import decision
 from contact_estimation.diagnosis.conclude.result import Diagnosis
+from contact_estimation.diagnosis.conclude.shares import Shares, shares_of
 from contact_estimation.diagnosis.fit import form
 from contact_estimation.diagnosis.fit.candidate import Candidate
 from contact_estimation.diagnosis.fit.fitting import Fit, fit, residual_function
@@ -81,6 +84,17 @@ def test_damping_of_another_size_in_each_touch_is_named_by_its_form() -> None:
 
 
 @pytest.mark.slow
+def test_a_law_that_no_longer_holds_in_form_is_not_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    def failing(*arguments: Any) -> Shares:
+        shares = shares_of(*arguments)
+        harm = {name: share._replace(share=-0.6) for name, share in shares.in_form.items()}
+        return replace(shares, in_form=harm)
+
+    monkeypatch.setattr(decision, 'shares_of', failing)
+    found = diagnosed(touches(*DAMPING), MODEL)
+    assert 'hunt_crossley_damping' not in [effect.name for effect in found.effects]
+
+
 def test_report_says_that_the_size_differs() -> None:
     effect, = diagnosis().effects
     assert effect.share_in_form is not None

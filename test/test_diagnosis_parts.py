@@ -32,7 +32,7 @@ from contact_estimation.diagnosis.conclude.shares import Shares, shares_of
 from contact_estimation.diagnosis.fit import ranking as ranking_module
 from contact_estimation.diagnosis.fit.criteria import SHARE
 from contact_estimation.diagnosis.fit.fitting import Fit, fit
-from contact_estimation.diagnosis.fit.parts import counts_of, evened, parts_of
+from contact_estimation.diagnosis.fit.parts import counts_of, evened, Part as FitPart, parts_of
 from contact_estimation.diagnosis.fit.ranking import _is_little, _promising
 from contact_estimation.diagnosis.fit.revision import as_shown
 from contact_estimation.diagnosis.fit.search import may_show
@@ -106,6 +106,20 @@ def test_a_single_event_does_not_hide_a_law_that_holds_everywhere_else() -> None
     assert _promising(carried, hit[0], hit[1:], evenly, None, SHARE) == hit[1:]
 
 
+@pytest.mark.parametrize('lacking, kept', [
+    ((1e9, 120.0, 60.0, 50.0), (1.8e-7, 1.0, 1.0, 1.0)),  # which the rest does not determine
+    ((1e9, 0.5, 0.4, 0.6), (0.005, 1.0, 1.0, 1.0))])  # an event beside trifles
+def test_an_undetermined_part_does_not_make_what_others_lack_a_trifle(
+    lacking: tuple[float, ...], kept: tuple[float, ...]
+) -> None:
+    count = 100
+    parts = [FitPart(str(k), np.arange(4 * count) // count == k, np.zeros(count, dtype=int),
+                     np.ones(count), np.array([0.01, 0.0])) for k in range(4)]
+    found, squares = evened(parts, np.column_stack((lacking, np.zeros(4))))
+    assert [part.counts for part in found] == pytest.approx(kept, rel=0.02)
+    assert squares[:, 0] == pytest.approx([part.counts * one for part, one in zip(found, lacking)])
+
+
 def spring(cubic: float, stray: float, noise_std: float = 1e-3) -> Signals:
     """Record an attached spring with a curvature; its force also strays by so much [N]."""
     t = np.arange(2000) / 100.0
@@ -157,7 +171,7 @@ def test_an_inexact_law_is_named_only_if_it_is_no_trifle_beside_the_force(
 
 
 @pytest.mark.parametrize('friction, stray, names', [
-    (0.12, 0.06, ['friction']), (0.12, 0.08, []), (0.02, 0.06, [])])
+    (0.12, 0.06, ['friction']), (0.12, 0.08, []), (0.02, 0.06, []), (0.05, 0.02, [])])
 def test_little_of_a_single_channel_is_named_if_one_law_explains_nearly_all_of_it(
     friction: float, stray: float, names: list[str]
 ) -> None:

@@ -126,6 +126,8 @@ def decide(
         # What cannot be goes first: others may be doubtful beside it alone.
         doubtful = [name for name in best.model.effects if name != in_form and not (
             best.model.is_plausible(name) and may_show(recordings, best.model, name))]
+        if in_form and shares.in_form[in_form].share < EXPLAINED:
+            doubtful.append(in_form)
         # A level force down to the noise tells a sensor that clips in a single part, too.
         clipped = [name for name in best.model.effects if exact and EFFECTS[name].clips_force]
         pulled = [name for name in best.model.effects

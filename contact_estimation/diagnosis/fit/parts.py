@@ -38,6 +38,7 @@ Flags = NDArray[np.bool_]
 _LEAST_PARTS, _MOST_PARTS = 4, 8
 _EVENT, _PIECES = 0.6, 5  # share of the misfit in one block; pieces of a part
 _OUTWEIGHS = 2.0  # times the median misfit of the parts, beyond which a part counts no more
+_USUAL = 0.25  # of the discrepancy, in squares per residual: more is lacking, not a trifle
 _LEAST_RESIDUALS = 8  # of a part
 
 
@@ -221,7 +222,11 @@ def evened(parts: Sequence[Part], whole: Array) -> tuple[list[Part], Array]:
         The same errors on these parts.
 
     """
-    misfit = above_noise(whole, parts)
+    # Where the rest determines no prediction of a part, its error may be of any size; what others
+    # lack, of about the size of the discrepancy, must not be a trifle beside it.
+    lacking = (whole - noise_of(whole, parts)).sum(axis=1)
+    usual = np.array([_USUAL * np.count_nonzero(part.there) for part in parts])
+    misfit = np.where(lacking > usual, lacking, above_noise(whole, parts))
     factors = np.minimum(1.0, _OUTWEIGHS * np.median(misfit) / misfit)
     return ([part.scaled(float(factor)) for part, factor in zip(parts, factors)],
             factors[:, np.newaxis] * whole)

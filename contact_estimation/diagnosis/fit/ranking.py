@@ -46,6 +46,7 @@ Array = NDArray[np.float64]
 
 _PROMISING, _ASSESSED = 0.4, 12  # of the largest gain in the fit, to be assessed; at most so many
 _LITTLE = 1.25  # times the least discrepancy that is worth a name, in the motion alone
+_TRACE = 0.35  # times it: less is in every instrument, whatever explains it
 _BESIDE_ZEROS = 3  # laws that are tried for each offset that the model lacks
 _WEAK = 0.15  # share of the misfit that one size for all parts fits, of a law that holds in form
 
@@ -248,7 +249,7 @@ def _sure_of_little(
     before: Array,
 ) -> list[Candidate]:
     """Keep what explains nearly all of the little that shows; in the motion alone not of less."""
-    if is_single_stroke(recordings):
+    if is_single_stroke(recordings) or not material(recordings, present.model, _TRACE):
         return []
     large = material(recordings, present.model)
     return [one for one in candidates
