@@ -82,6 +82,18 @@ def slow_clock(factor: float) -> Change:
     return change
 
 
+def in_bursts(s: Signals) -> Signals:
+    """Stamp ten wrenches when a buffer is read."""
+    n = np.arange(len(s.wrench_t))
+    return s._replace(wrench_t=s.wrench_t[n - n % 10] + 2e-5 * (n % 10))
+
+
+def cut_short(s: Signals) -> Signals:
+    """Lose the last third of the joint states."""
+    count = 2 * len(s.joint_t) // 3
+    return s._replace(joint_t=s.joint_t[:count], position=s.position[:count])
+
+
 def thinned(step: int) -> Change:
     """Keep one of so many samples."""
     def change(s: Signals) -> Signals:
@@ -141,6 +153,8 @@ WRONG: Mapping[str, tuple[str, Change]] = {
     'wrench early': ('clock_offset', late(-0.3)),
     'wrench late': ('clock_offset', late(0.4)),
     'joints on another day': ('clock_offset', late(0.0, 1e5)),
+    'wrench in bursts': ('stamp_bursts', in_bursts),
+    'stamps of a clock that is a twentieth slow': ('sampling_rate', slow_clock(1.05)),
     'stamps in milliseconds': ('sampling_rate', slow_clock(1e3)),
     'stamps of a fast clock': ('sampling_rate', slow_clock(1e-3)),
     'reference measured': ('command_topic', measured_reference),
@@ -150,6 +164,7 @@ WRONG: Mapping[str, tuple[str, Change]] = {
 COARSE: Mapping[str, tuple[str, Change]] = {
     'ten hertz': ('sampling_rate', thinned(25)),
     'a pause': ('gaps', paused),
+    'joints that end early': ('common_time', cut_short),
     'positions of the reference alone': ('reference_rates', without_rates),
     'rounded': ('quantisation', rounded),
     'wild positions': ('spikes', spiked),
@@ -363,6 +378,61 @@ def test_laws_of_time_are_not_named_in_one_stroke_at_constant_speed(wait: float)
     assert {'viscoelastic_relaxation', 'force_drift', 'quadratic_damping',
             'environment_resonance'} <= found.could_cause
     assert not {'cubic_stiffness', 'plastic_set', 'force_bias'} & found.could_cause
+
+
+def test_a_wall_that_is_pressed_once_at_constant_speed_has_laws_of_depth_alone() -> None:
+    wall = nominal(environment__stiffness=5000.0, environment__damping=0.0)
+    free = np.arange(-2.0, 0.0, 0.01)  # before the touch-down; the robot then slows down
+    once = stroke(1e-3)
+    t, x = np.append(free, once.joint_t), np.append(3e-3 * free, once.position)
+    pressed = once._replace(wrench_t=t, joint_t=t, position=x, force=np.append(
+        np.random.default_rng(2).normal(0.0, 0.01, len(free)), once.force))
+    (found,) = failed(pressed, wall)
+    assert found.name == 'constant_speed' and 'viscoelastic_relaxation' in found.could_cause
+    tapped = pressed._replace(
+        wrench_t=np.append(t, t + 7.0), joint_t=np.append(t, t + 7.0), position=np.tile(x, 2),
+        force=np.tile(pressed.force, 2))
+    assert not failed(tapped, wall)
+
+
+@pytest.mark.parametrize('zero', [5.0, 100.0])
+def test_a_sensor_that_was_not_zeroed_has_no_wrong_sign(zero: float) -> None:
+    s = recorded()
+    assert not failed(s._replace(force=s.force + zero), nominal())
+    (found,) = failed(s._replace(force=zero - s.force), nominal())
+    assert found.name == 'force_sign'
+
+
+def test_a_recording_that_begins_in_contact_tells_no_location() -> None:
+    s = recorded()
+    pressed = np.flatnonzero(s.force < -0.7 * np.max(-s.force))
+    there = slice(pressed[0], pressed[0] + 100)
+    assert (s.force[there] < -1.0).all()
+    wall = nominal(environment__location=nominal().environment.location - 0.05)
+    short = s._replace(wrench_t=s.wrench_t[there], force=s.force[there], joint_t=s.joint_t[there],
+                       position=s.position[there])
+    assert 'wall_location' not in [one.name for one in failed(short, wall)]
+
+
+def test_a_drive_does_not_touch_a_surface() -> None:
+    signals = recorded(environment__unilateral=False)
+    drive = signals._replace(reference_t=np.empty(0), reference=np.empty((4, 0)))
+    (found,) = failed(drive, nominal())
+    assert found.name == 'unilateral' and 'set environment.unilateral to false' in found.text
+
+
+def test_stretches_between_long_pauses_are_no_bursts() -> None:
+    s = recorded()
+    stretch = np.arange(len(s.wrench_t)) // 200
+    t = s.wrench_t + 10.0 * stretch
+    (found,) = failed(Signals(t, s.force, t, s.position, t, s.reference), nominal())
+    assert (found.name, found.fatal) == ('gaps', False)
+
+
+def test_a_force_that_no_unit_explains_is_another_signal() -> None:
+    (found,) = failed(stroke(1e-3, back=True)._replace(
+        force=5e-9 * stroke(1e-3, back=True).force), SPECIMEN)
+    assert found.name == 'force_unit' and 'belong together' in found.text
 
 
 @pytest.mark.parametrize('back, wait', [(True, 0.0), (False, 0.4)])

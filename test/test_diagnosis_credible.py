@@ -173,8 +173,9 @@ def test_a_zero_that_settles_is_no_candidate_where_a_specimen_is_loaded_once() -
     assert 'settling_bias' in candidates_for(Model.of(nominal()), True, returns=False)
 
 
-def test_no_damping_law_is_a_candidate_where_a_specimen_moves_at_one_speed() -> None:
-    laws = {name for name, cls in EFFECTS.items() if cls.family == 'damping_law'}
+@pytest.mark.parametrize('family', ['damping_law', 'inertia'])
+def test_no_law_of_speed_is_a_candidate_where_a_specimen_moves_at_one(family: str) -> None:
+    laws = {name for name, cls in EFFECTS.items() if cls.family == family}
     assert not laws & set(candidates_for(Model.of(SPRING), False, paces=False))
     assert laws & set(candidates_for(Model.of(SPRING), False))
     triangle = 0.01 * np.abs((T / 3.0) % 2.0 - 1.0)

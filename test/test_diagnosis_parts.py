@@ -22,9 +22,9 @@ from types import SimpleNamespace
 from typing import Any
 
 from concealed_worlds import diagnosed, named, nominal, prepared_from, recorded, touches
-from contact_estimation.diagnosis.conclude import decision as decision_module, trifles
+from contact_estimation.diagnosis.conclude import conclusion, decision as decision_module, trifles
 from contact_estimation.diagnosis.conclude.alternatives import beside_zeros, in_family
-from contact_estimation.diagnosis.conclude.conclusion import _is_contradicted, _worse
+from contact_estimation.diagnosis.conclude.conclusion import _free_runs, _is_contradicted, _worse
 from contact_estimation.diagnosis.conclude.decision import decide, Decision
 from contact_estimation.diagnosis.conclude.held_out import Part
 from contact_estimation.diagnosis.conclude.result import Errors
@@ -76,17 +76,20 @@ def test_parts_of_a_single_event_are_pieces_of_all_contacts() -> None:
     assert min(of_event[:2]) > 0.3 * sum(of_event) and sum(of_event[2:]) == 0.0
 
 
-def test_parts_of_one_stroke_are_pieces_of_the_whole_stroke() -> None:
+@pytest.mark.parametrize('attached', [True, False])
+def test_parts_of_one_stroke_are_pieces_of_the_whole_stroke(attached: bool) -> None:
     # A spring that is stiffer from a depth on: no part before it tells of that.
     t = np.arange(2000) / 100.0
     noise = np.random.default_rng(4).normal(0.0, 1e-3, len(t))
+    model = SPRING if attached else nominal(
+        environment__stiffness=1000.0, environment__damping=0.0)
     for x, count in ((0.0005 * t, 5), (0.005 * (1.0 - np.cos(2.0 * t)), 1)):
         force = 1000.0 * x + 300.0 * np.maximum(x - 0.002, 0.0)
         signals = Signals(t, noise - force, t, x, np.empty(0), np.empty((4, 0)))
-        recording, model = prepared_from(signals, SPRING)
-        parts = parts_of([recording], fit([recording], model))
+        recording, start = prepared_from(signals, model)
+        parts = parts_of([recording], fit([recording], start))
         stretches = [np.count_nonzero(np.diff(part.there.astype(int)) == 1) for part in parts[1:]]
-        assert len(parts) == 4 and set(stretches) == {count}
+        assert len(parts) >= 4 and set(stretches) == {count}
 
 
 def test_a_single_event_does_not_hide_a_law_that_holds_everywhere_else() -> None:
@@ -286,6 +289,21 @@ def test_a_better_force_does_not_make_up_for_a_much_worse_motion_unless_that_dri
     part = Part('held out', squares, np.full(2, 100.0), moved, np.full(2, 100.0))
     best = Model.of(SPRING).with_effect('cubic_stiffness', (2e6,))
     assert _worse([part], best, False, drifts) is worse
+
+
+@pytest.mark.parametrize('stiffness, away, told', [
+    (0.0, 2.0, False), (0.0, 0.5, True), (1000.0, 2.0, True)])
+def test_a_free_run_that_drifts_away_tells_nothing(
+    monkeypatch: pytest.MonkeyPatch, stiffness: float, away: float, told: bool
+) -> None:
+    x = 1e-3 * np.sin(np.arange(100.0))  # moved by 1 N
+    recording: Any = SimpleNamespace(observed=SimpleNamespace(
+        x=x, force=1e3 * x, has_dynamics=lambda nominal: True,
+        driven_by_force=lambda nominal: True))
+    model = Model.of(SPRING).at((stiffness, 0.0))
+    monkeypatch.setattr(conclusion, 'free_run', lambda model, observed: SimpleNamespace(
+        position=x + away * 2e-3))
+    assert (_free_runs(recording, [model, model, model]) is not None) is told
 
 
 @pytest.mark.parametrize('nominal, recalibrated, contradicted', [

@@ -23,6 +23,7 @@ from . import (
     axis,
     clock_offset,
     command_topic,
+    common_time,
     complete_file,
     constant_speed,
     excitation,
@@ -37,6 +38,7 @@ from . import (
     reference_rates,
     sampling_rate,
     spikes,
+    stamp_bursts,
     stamp_order,
     unilateral,
     wall_location,
@@ -50,9 +52,11 @@ from ...plant.plant_parameters import PlantParameters
 CHECKS: Mapping[str, Test] = {
     'complete_file': complete_file.TEST,
     'stamp_order': stamp_order.TEST,
+    'stamp_bursts': stamp_bursts.TEST,
     'spikes': spikes.TEST,
     'sampling_rate': sampling_rate.TEST,
     'clock_offset': clock_offset.TEST,
+    'common_time': common_time.TEST,
     'gaps': gaps.TEST,
     'excitation': excitation.TEST,
     'unilateral': unilateral.TEST,
@@ -161,9 +165,10 @@ def check(
     evidence = Evidence(recording.signals, model, recording)
     checks: list[Check] = []
     for name, test in CHECKS.items():
-        missing = [one.name for one in checks if one.name in test.after and one.fatal]
+        missing = [one for one in checks
+                   if one.name in test.after and (one.fatal or not one.tested)]
         if missing:
-            checks.append(Check(name, True, f'not tested before {missing[0]} is put right',
+            checks.append(Check(name, True, f'not tested before {missing[0].name} is put right',
                                 tested=False))
             continue
         if test.alone and not alone:

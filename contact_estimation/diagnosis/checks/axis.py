@@ -66,8 +66,8 @@ def find(evidence: Evidence) -> Finding:
     if expected < _SURE * evidence.force_noise or not (small or unrelated):
         return Finding(True, text)
     return Finding(False, f'{text}, expected about 1: this seems to be another axis of the '
-                          'sensor, or one that is not connected; choose --axis, or check the '
-                          "wrench's frame and unit")
+                          'sensor, or one that is not connected; choose --axis, or check '
+                          "the wrench's frame and unit and the nominal stiffness")
 
 
 TEST = Test(find, after=('clock_offset', 'sampling_rate', 'position_sign', 'length_unit',

@@ -36,9 +36,7 @@ def find(evidence: Evidence) -> Finding:
         Not ok if laws of time cannot be told from laws of depth.
 
     """
-    if evidence.model.environment.unilateral:
-        return Finding(True, 'the tool touches and leaves the surface')
-    bend = bend_of(evidence.whole.joint_t, evidence.whole.position)
+    bend = bend_of(*evidence.motion_in_contact)
     text = f'the motion departs from one stroke at constant speed by {100.0 * bend:.2g} % of ' \
            'its range'
     if bend > STRAIGHT:

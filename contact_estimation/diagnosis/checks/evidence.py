@@ -31,10 +31,12 @@ from ...physics.robot_law import RobotLaw
 from ...plant.plant_parameters import PlantParameters
 
 Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
 
 _WINDOW_S, _LEAST_WINDOW, _ORDER = 0.08, 5, 3  # of the smoothing polynomials
 _BINS = 25  # of the force: one and its neighbours hold free flight
 _DECILE = 0.1
+_LEVEL = 0.1  # most deviation of a level force, in that of one in contact
 _CONTACT = 0.03  # of the range of the force: more is a contact
 _PULL = 0.1  # of the same: more is no noise of free flight
 _CLEAR = 8.0  # standard deviations of the smoothed noise
@@ -200,6 +202,48 @@ class Evidence:
         return float(np.mean(s.force[s.x <= low])), float(np.mean(s.force[s.x >= high]))
 
     @cached_property
+    def sides_beyond_zero(self) -> tuple[float, float]:
+        """
+        Return the same without the zero of the sensor.
+
+        It is that of the lowest positions if the force is level there, as in free flight, and not
+        at the highest.
+        """
+        s = self.smooth
+        spread = float(np.std(s.force[s.x >= np.quantile(s.x, 1.0 - _DECILE)]))
+        if self._spread_at_low < _LEVEL * spread:
+            return 0.0, self.sides[1] - self.sides[0]
+        return self.sides
+
+    @property
+    def sees_free_flight(self) -> bool:
+        """Whether the force is level at the lowest positions."""
+        return self._spread_at_low < max(self.clear_force, _LEVEL * float(np.std(
+            self.smooth.force)))
+
+    @cached_property
+    def _spread_at_low(self) -> float:
+        s = self.smooth
+        return float(np.std(s.force[s.x <= np.quantile(s.x, _DECILE)]))
+
+    @cached_property
+    def motion_in_contact(self) -> tuple[Array, Array]:
+        """Return time, in samples, and position [m] from the first contact to the last."""
+        s = self.smooth
+        if not self.model.environment.unilateral:
+            return np.arange(float(len(s.x))), s.x
+        contact = np.flatnonzero(self._in_contact)
+        first, last = (contact[0], contact[-1] + 1) if len(contact) else (0, len(s.x))
+        return np.arange(float(last - first)), s.x[first:last]
+
+    @cached_property
+    def _in_contact(self) -> Flags:
+        """Where the force is clearly not that of the lowest positions, shape (N,)."""
+        force = self.smooth.force
+        least = max(self.clear_force, _CONTACT * float(np.ptp(force)))
+        return np.asarray(np.abs(force - self.sides[0]) > least)
+
+    @cached_property
     def pulls(self) -> bool:
         """Whether the surface pulls the tool back, beyond the force of free flight."""
         force = self.smooth.force
@@ -209,9 +253,7 @@ class Evidence:
     @cached_property
     def onset(self) -> Onset | None:
         """Where contacts begin by the force; None without a contact."""
-        s = self.smooth
-        away = np.abs(s.force - self.sides[0])
-        contact = away > max(self.clear_force, _CONTACT * float(np.ptp(s.force)))
+        s, contact = self.smooth, self._in_contact
         if not contact.any():
             return None
         first = np.flatnonzero(contact[1:] & ~contact[:-1])

@@ -47,7 +47,7 @@ def find(evidence: Evidence) -> Finding:
     """
     if not evidence.model.environment.unilateral:
         return _of_specimen(evidence)
-    low, high = evidence.sides
+    low, high = evidence.sides_beyond_zero
     if evidence.with_reference and _is_other_axis(evidence):
         return Finding(True, 'the force is too small to have a sign')
     far = max(low, high, key=abs)

@@ -16,9 +16,15 @@
 
 from __future__ import annotations
 
+from math import log
+
+import numpy as np
+
 from .check import Finding, Test
 from .evidence import Evidence
 from .units import FORCES, mistaken_unit
+
+_IMPOSSIBLE = log(1e4)  # factor
 
 
 def find(evidence: Evidence) -> Finding:
@@ -44,11 +50,21 @@ def find(evidence: Evidence) -> Finding:
         text += f', {evidence.of_robot.slope:.3g} times what the robot felt'
     unit = mistaken_unit(evidence, FORCES)
     if unit is None:
-        return Finding(True, text)
+        return _of_magnitude(evidence, text)
     other = {'kN': ' (or positions in mm)', 'kgf': ' (or on another axis)',
              'lbf': ' (or on another axis)'}.get(unit, '')
     return Finding(False, f'{text}, expected about 1: it seems to be in {unit}{other}; record '
                           'newtons')
+
+
+def _of_magnitude(evidence: Evidence, text: str) -> Finding:
+    """Find a force that no unit explains."""
+    expected, force = float(np.std(evidence.wall_force)), float(np.std(evidence.smooth.force))
+    if not expected or not force or abs(log(force / expected)) < _IMPOSSIBLE:
+        return Finding(True, text)
+    return Finding(False, f'the force varies by {force:.3g} N, that of the nominal wall by '
+                          f'{expected:.3g} N, expected about the same: no model is wrong by so '
+                          'much; check that topics, joint, axis and model file belong together')
 
 
 TEST = Test(find, after=('clock_offset', 'force_sign', 'position_sign', 'length_unit'))

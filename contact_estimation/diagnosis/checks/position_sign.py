@@ -45,7 +45,7 @@ def find(evidence: Evidence) -> Finding:
                               f'flight, expected 1{change}')
     if not evidence.model.environment.unilateral:
         return Finding(True, 'a permanently attached specimen has no side')
-    low, high = evidence.sides
+    low, high = evidence.sides_beyond_zero
     if abs(low) < evidence.clear_force or abs(low) < _STRONGER * abs(high):
         return Finding(True, f'the force is {high:.3g} N at the largest x, {low:.3g} N at the '
                              'smallest')

@@ -58,4 +58,5 @@ def find(evidence: Evidence) -> Finding:
 
 
 TEST = Test(find, after=('clock_offset', 'length_unit'), could_cause=frozenset(
-    {'backlash', 'dead_zone', 'moving_environment', 'plastic_set', 'presliding_friction'}))
+    {'backlash', 'dead_zone', 'free_play', 'moving_environment', 'plastic_set',
+     'presliding_friction'}))

@@ -16,15 +16,19 @@
 
 from __future__ import annotations
 
-from math import pi, sqrt
+from math import log, pi, sqrt
+
+import numpy as np
 
 from .check import Finding, of_families, Test
 from .evidence import Evidence
-from .measures import line_through
+from ..observe.signals import LEAST_SAMPLES
 
 _COARSE = 1.0  # radians of the natural oscillation, a sample
-_STAMPS = 4.0  # factor between recorded rates of the reference and those of its positions
-_CORRELATED = 0.9
+# Between recorded rates of the reference and those of its positions: steps over which they are
+# compared, the share of the greatest rate from which on, the factor that is another clock, and the
+# scatter of that.
+_STRIDE, _FAST, _STRETCHED, _SCATTER = 10, 0.3, 1.03, 0.1
 
 
 def find(evidence: Evidence) -> Finding:
@@ -49,8 +53,8 @@ def find(evidence: Evidence) -> Finding:
     unlike = _rates_over_stamps(evidence)
     if unlike is not None:
         return Finding(False, f'{text}; x_r moves {1.0 / unlike:.3g} times as fast as its '
-                              'recorded rates, expected 1: stamps or rates have another unit; '
-                              'record seconds')
+                              'recorded rates, expected 1: stamps or rates have another unit, '
+                              'or another clock; record seconds')
     if angular * evidence.period > 2.0 * pi:
         return Finding(False, f'{text}: nothing of it can be seen; check the unit of the stamps, '
                               'or record at a higher rate')
@@ -62,12 +66,19 @@ def find(evidence: Evidence) -> Finding:
 
 def _rates_over_stamps(evidence: Evidence) -> float | None:
     """Return the ratio of recorded rates to differences of the reference if it is not 1."""
-    s = evidence.smooth
-    if s.reference is None or s.reference_rate is None:
+    t, (x, v, _, _) = evidence.whole.reference_t, evidence.whole.reference
+    if len(t) <= _STRIDE:
         return None
-    rates = line_through(s.reference_rate, s.reference[1])
-    unlike = not 1.0 / _STAMPS < abs(rates.slope) < _STAMPS
-    return rates.slope if unlike and abs(rates.correlation) > _CORRELATED else None
+    travel = np.concatenate([[0.0], np.cumsum(0.5 * (v[1:] + v[:-1]) * np.diff(t))])
+    foretold, moved = (row[_STRIDE:] - row[:-_STRIDE] for row in (travel, x))
+    fast = np.abs(foretold) > _FAST * np.max(np.abs(foretold))
+    if np.count_nonzero(fast) < LEAST_SAMPLES:
+        return None
+    with np.errstate(divide='ignore'):  # of a reference that is held
+        ratios = foretold[fast] / moved[fast]
+    low, usual, high = np.quantile(ratios, (0.25, 0.5, 0.75))
+    unlike = usual > 0.0 and abs(log(usual)) > log(_STRETCHED)
+    return float(usual) if unlike and high - low < _SCATTER * usual else None
 
 
 def _natural_frequency(evidence: Evidence) -> float | None:
@@ -80,5 +91,5 @@ def _natural_frequency(evidence: Evidence) -> float | None:
     return None
 
 
-TEST = Test(find, could_cause=of_families(
+TEST = Test(find, after=('stamp_bursts',), could_cause=of_families(
     'timing', 'inertia', 'damping_law', 'robot', 'limits', 'clearance', 'adhesion'))

@@ -27,7 +27,9 @@ from ..observe.signals import Signals
 Array = NDArray[np.float64]
 
 _NEIGHBOURS, _FAR = 5, 0.5  # samples of the median; distance from it, as a share of the range
-_MOST = 0.01  # of the samples: more is a motion that is sampled too coarsely
+# Of the samples, and of the distance of the nearest jump those of all others: more is a motion
+# that is sampled coarsely.
+_MOST, _APART = 0.01, 0.5
 
 
 def find(evidence: Evidence) -> Finding:
@@ -67,13 +69,17 @@ def spikes(position: Array) -> NDArray[np.bool_]:
     Returns
     -------
     found : ndarray of bool, shape (N,)
-        None if there are too many for jumps.
+        None if there are too many for jumps, or others are nearly as far away.
 
     """
     usual = medfilt(position, _NEIGHBOURS)
     usual[:2], usual[-2:] = usual[2], usual[-3]  # the filter pads with zeros
-    found = np.abs(position - usual) > _FAR * np.ptp(usual)
-    return found if np.mean(found) < _MOST else np.zeros(len(position), bool)
+    away = np.abs(position - usual)
+    found = away > _FAR * np.ptp(usual)
+    none = np.zeros(len(position), bool)
+    if not found.any() or np.mean(found) >= _MOST:
+        return none
+    return found if np.max(away[~found]) < _APART * np.min(away[found]) else none
 
 
 def without_spikes(signals: Signals) -> Signals:

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""A robot that leaves a wall which the model says it is attached to."""
+"""A robot that leaves a wall it is attached to by the model, or a drive that is to touch one."""
 
 from __future__ import annotations
 
@@ -24,13 +24,15 @@ from .measures import line_through
 
 _FREE = 0.1  # of the range of the motion
 _FLAT = 0.2  # stiffness of what is no wall, in that of the wall
+_CLEARLY, _OFTEN = 0.1, 0.25  # of the range of the force, and of the time
 
 
 def find(evidence: Evidence) -> Finding:
     """
-    Find free flight of a robot that the model attaches to the wall.
+    Find free flight of a robot that the model attaches to the wall, or none where it does not.
 
-    A specimen without a command may well be slack; a robot that is commanded leaves the wall.
+    A specimen without a command may well be slack; a robot that is commanded leaves the wall. What
+    pushes and pulls, each for much of the time, and is nowhere free, does not touch a surface.
 
     Parameters
     ----------
@@ -41,11 +43,11 @@ def find(evidence: Evidence) -> Finding:
     -------
     finding : Finding
         Not ok if the force begins within the motion, does not change before, and a reference
-        commands the robot.
+        commands the robot; or if it has both signs and is not level at the lowest positions.
 
     """
     if evidence.model.environment.unilateral:
-        return Finding(True, 'the model lets the tool leave the wall')
+        return _of_touch(evidence)
     if len(evidence.whole.reference_t) < 2:
         return Finding(True, 'no reference_trajectory: not the robot of eq. (1)')
     x, onset = evidence.smooth.x, evidence.onset
@@ -59,6 +61,17 @@ def find(evidence: Evidence) -> Finding:
         return Finding(True, 'the force changes over the whole motion')
     return Finding(False, f'{text}, expected a wall that the tool is attached to '
                           '(environment.unilateral: false); set environment.unilateral to true')
+
+
+def _of_touch(evidence: Evidence) -> Finding:
+    force = evidence.smooth.force
+    least = max(evidence.clear_force, _CLEARLY * float(np.ptp(force)))
+    pulls, pushes = (float(np.mean(sign * force > least)) for sign in (1.0, -1.0))
+    text = f'F_e pulls for {100.0 * pulls:.0f} % of the time, pushes for {100.0 * pushes:.0f} %'
+    if min(pulls, pushes) < _OFTEN or evidence.sees_free_flight:
+        return Finding(True, text)
+    return Finding(False, f'{text}, and nowhere is there free flight: nothing that only touches '
+                          'a surface; set environment.unilateral to false')
 
 
 TEST = Test(find, after=('excitation', 'clock_offset', 'sampling_rate'))

@@ -19,6 +19,8 @@ from __future__ import annotations
 from math import exp, log
 from typing import Mapping
 
+import numpy as np
+
 from .evidence import Evidence
 
 LENGTHS: Mapping[str, float] = {'mm': 1e3, 'um': 1e6, 'cm': 1e2, 'inches': 39.37}
@@ -84,6 +86,8 @@ def mistaken_unit(evidence: Evidence, units: Mapping[str, float]) -> str | None:
 
     """
     wall = evidence.of_wall
+    if not evidence.with_reference and abs(wall.correlation) < _CORRELATED:
+        return _of_ranges(evidence, units)
     if wall.slope <= 0.0 or wall.correlation < _CORRELATED:
         return None
     best = min(units, key=lambda name: abs(log(wall.slope / units[name])))
@@ -96,6 +100,16 @@ def mistaken_unit(evidence: Evidence, units: Mapping[str, float]) -> str | None:
     if robot.slope <= 0.0 or abs(off) > most:
         return None
     return best if _ROBOT_LOW < log(robot.slope / units[best]) < _ROBOT_HIGH else None
+
+
+def _of_ranges(evidence: Evidence, units: Mapping[str, float]) -> str | None:
+    """Return the unit of a force that does not follow the nominal one, by its deviation alone."""
+    expected, force = float(np.std(evidence.wall_force)), float(np.std(evidence.smooth.force))
+    if not expected or not force:
+        return None
+    return next((name for name, ratio in units.items()
+                 if abs(log(ratio)) > _HUGE and abs(log(force / expected / ratio)) < _WALL_ALONE),
+                None)
 
 
 def inverse(units: Mapping[str, float]) -> dict[str, float]:

@@ -51,7 +51,8 @@ def find(evidence: Evidence) -> Finding:
     x = evidence.smooth.x
     never, always = float(np.max(x)) < wall.location, float(np.min(x)) > wall.location
     far = abs(off) > _FAR * onset.depth + onset.blur
-    if never or (far and (off < 0.0 or (always and evidence.with_reference))):
+    beyond = always and evidence.with_reference and evidence.sees_free_flight
+    if never or (far and (off < 0.0 or beyond)):
         return Finding(False, f'{text}, expected there; set the location to about '
                               f'{onset.position:.4g} m')
     return Finding(True, text)

@@ -47,7 +47,7 @@ Array = NDArray[np.float64]
 # Ratios of errors on held-out data.
 _CLEARLY_WORSE, _MUCH_WORSE, _FAR_WORSE, _THE_SAME = 1.05, 1.5, 3.0, 1.02
 _UNTOLD = 4.0  # cost of two standard deviations
-_HELD = 0.1  # deviation of a spring's force, in that of all the force, which holds a driven mass
+_HELD = 0.3  # deviation of a spring's force, in that of all the force, which holds a driven mass
 _NOTHING = 0.01  # of the misfit: a remainder that is not worth a word
 
 MODELS = ('nominal', 'recalibrated', 'corrected')
@@ -285,10 +285,13 @@ def _held_out(
 
 
 def _free_runs(recording: PreparedRecording, models: Sequence[Model]) -> list[Array] | None:
-    """Return the free-run positions of the models; None without dynamics."""
-    if not recording.observed.has_dynamics(models[0].nominal):
+    """Return the free-run positions of the models; None where they tell nothing."""
+    o = recording.observed
+    if not o.has_dynamics(models[0].nominal):
         return None
-    nominal, recalibrated = (free_run(one, recording.observed).position for one in models[:2])
-    if models[2] is models[1]:
-        return [nominal, recalibrated, recalibrated]
-    return [nominal, recalibrated, free_run(models[2], recording.observed).position]
+    runs = [free_run(one, o).position for one in models[:2]]
+    runs.append(runs[1] if models[2] is models[1] else free_run(models[2], o).position)
+    away = max(float(np.max(np.abs(x - o.x))) for x in runs)
+    if _drifts(recording, models[2]) and not away < float(np.ptp(o.x)):
+        return None
+    return runs

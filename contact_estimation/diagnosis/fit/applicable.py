@@ -28,7 +28,7 @@ _STROKES, _MANY_STROKES = 1.5, 3.0  # more than one; more than one and a return
 _LITTLE, _MOST = 0.05, 0.5  # of the range of motion and of force, on the way back
 _THERE_AND_BACK = 2.5  # one contact, with little to and fro
 _OF_STROKE = 1.7  # times the least misfit worth a name: 1 % of the range of the force
-_OF_SPEED = 'damping_law'  # a family
+_OF_SPEED, _OF_ACCELERATION = 'damping_law', 'inertia'  # families
 _MOVES, _FASTEST = 0.2, 0.9  # of the speed that so many samples do not exceed
 _ONE_SPEED, _NEARLY_ALL = 0.1, 0.9  # deviation from it, and share of the moving samples within
 _SLACK = 0.02  # of the range, by which a pressed wall may be pulled
@@ -54,7 +54,8 @@ def candidates_for(
     speeds : bool
         Whether its depth does not tell its speed, but for the direction.
     paces : bool
-        Whether it moves at several speeds: at one a damping is no other than a hysteresis.
+        Whether it moves at several speeds: at one a damping is no other than a hysteresis, and
+        no mass is accelerated but at the turns.
     plays : bool
         Whether the motion reverses more than once, or the force vanishes in contact: else a wall
         that stays where it was pressed lets go as a play does.
@@ -81,6 +82,7 @@ def candidates_for(
         and (wall.unilateral or wall.stiffness > 0.0 or not cls.needs_spring)
         and (speeds or wall.stiffness == 0.0 or not cls.needs_speeds)
         and (wall.unilateral or paces or cls.family != _OF_SPEED)
+        and (with_robot or paces or cls.family != _OF_ACCELERATION)
         and (plays or not getattr(cls, 'lets_go', False))
         and not (cls.base_parameter == 'inertia' and model.with_inertia)
     ]

@@ -102,7 +102,7 @@ def parts_of(recordings: Recordings, found: Fit) -> list[Part]:
         contacts or a permanently attached wall, the first and last of a contact with the free
         flight beside them. Where one of those blocks has nearly all of the misfit, a single event,
         each part is a set of shorter blocks spread over the contact and the flight around it.
-        So it is in one stroke of an attached wall: depths beyond a fit's are no test of a law.
+        So it is in one stroke at constant speed: depths beyond a fit's are no test of a law.
 
     """
     parts = _parts_of(recordings, found.model, 1)
@@ -114,9 +114,14 @@ def parts_of(recordings: Recordings, found: Fit) -> list[Part]:
 
 
 def _is_one_stroke(one: PreparedRecording, model: Model) -> bool:
-    """Return whether an attached wall is moved once, at a constant speed."""
-    attached = not model.nominal.environment.unilateral
-    return attached and bend_of(one.observed.t, one.observed.x) <= STRAIGHT
+    """Return whether a wall is moved or pressed once, at a constant speed."""
+    o, here = one.observed, slice(None)
+    if model.nominal.environment.unilateral:
+        spans = episodes(model, o)
+        if len(spans) != 1:
+            return False
+        here = slice(*spans[0])
+    return bend_of(o.t[here], o.x[here]) <= STRAIGHT
 
 
 def _parts_of(recordings: Recordings, model: Model, pieces: int) -> list[Part]:

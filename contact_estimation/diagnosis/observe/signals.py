@@ -126,8 +126,8 @@ def check_signals(signals: Signals) -> None:
     for name, stamps in (('wrench', signals.wrench_t), ('joint_states', signals.joint_t)):
         if len(stamps) < LEAST_SAMPLES:
             raise RecordingError(
-                f'{name} has {len(stamps)} samples, expected at least {LEAST_SAMPLES}; record '
-                'longer or at a higher rate'
+                f'{name} has {len(stamps)} samples, expected at least {LEAST_SAMPLES} with '
+                'different stamps; stamp every header, record longer or at a higher rate'
             )
     for name, values in (
         ('wrench', signals.force), ('joint_states', signals.position),
