@@ -68,8 +68,8 @@ def find(evidence: Evidence) -> Finding:
     return Finding(True, text)
 
 
-def with_late_joints(
-    checks: Sequence[Check], late: float, commanded: bool = True
+def with_offset(
+    checks: Sequence[Check], topic: str, late: float, commanded: bool = True
 ) -> list[Check]:
     """
     Replace the result of this check by what the fits have shown.
@@ -78,8 +78,10 @@ def with_late_joints(
     ----------
     checks : sequence of Check
         Of a recording.
+    topic : str
+        'joint_states' or 'wrench'.
     late : float
-        By how much the joint states are stamped late [s].
+        By how much its stamps are late [s]; negative if they are early.
     commanded : bool
         Whether there is a robot with a reference; otherwise a force drives the wall.
 
@@ -89,13 +91,21 @@ def with_late_joints(
         That of the clocks failed.
 
     """
-    fits, cause = ('command and force both fit', 'joint_states are stamped late')
+    side, when = ('late', 'earlier') if late > 0.0 else ('early', 'later')
+    others = 'command and force both fit the motion'
+    if topic == 'wrench':
+        others = 'the force fits motion and command'
+    cause = f'{topic} are' if topic == 'joint_states' else f'{topic} is'
+    cause += f' stamped {side}' + (' or filtered' if late > 0.0 else '')
     if not commanded:
-        fits = 'the force that drives the wall fits'
+        others = 'the force that drives the wall fits the motion'
         cause += ', or wrench is a command that the drive follows late; record the measured force'
-    text = (f'{fits} the motion best about {1e3 * late:.2g} ms earlier, '
-            f'expected at the same instant: {cause}; stamp them when the '
-            f'positions are read (on line, set synchronisation.offset to {-late:.2g} s)')
+    elif late < 0.0:
+        cause += ', or the other topics late'
+    joints = late if topic == 'joint_states' else -late
+    text = (f'{others} best about {1e3 * abs(late):.2g} ms {when}, '
+            f'expected at the same instant: {cause}; stamp each sample when it is '
+            f'measured (on line, set synchronisation.offset to {-joints:.2g} s)')
     return [Check(one.name, False, text, True, frozenset(EFFECTS))
             if one.name == 'clock_offset' else one for one in checks]
 

@@ -26,12 +26,12 @@ from .refusal import refuse
 from .result import Diagnosis
 from ..checks import examine
 from ..checks.check import Check
-from ..checks.clock_offset import with_late_joints
+from ..checks.clock_offset import with_offset
+from ..fit.clocks import Clocks, Offset
 from ..fit.criteria import penalty, SHARE, THRESHOLD
 from ..fit.discrepancy import has_discrepancy
 from ..fit.fitting import cost_of, Fit, fit
 from ..fit.free_run import free_run
-from ..fit.joint_clock import JointClock
 from ..fit.model_uncertainty import discounted
 from ..fit.reference_hold import ReferenceHold
 from ..fit.same_effects import fitted_again, of_model, with_effects_kept
@@ -142,9 +142,9 @@ def _diagnosed(given: _Given, hold: int) -> tuple[Diagnosis, bool]:
     progress('noise and alignment')
     found = _selected(given.fitted, given.held_out, nominal, hold, progress)
     prepared, selection = found.prepared, found.selection
-    if found.late:
+    if found.offset is not None:
         commanded = all(one.observed.reference is not None for one in prepared)
-        return refuse(with_late_joints(given.checks, found.late, commanded), nominal), True
+        return refuse(with_offset(given.checks, *found.offset, commanded), nominal), True
     others: Recordings = [prepare(one, nominal, hold=0) for one in found.held_out]
     nominal_cost = cost_of(prepared, nominal)
     if all(one.driven_by_force(nominal) for one in prepared):
@@ -202,8 +202,8 @@ class _Selected(NamedTuple):
     ----------
     holds_reference : bool
         Whether the robot holds the reference between setpoints.
-    late : float
-        By how much the joint states are stamped late [s].
+    offset : Offset or None
+        Of a topic whose stamps differ from those of the others.
 
     """
 
@@ -212,7 +212,7 @@ class _Selected(NamedTuple):
     prepared: Recordings
     selection: Selection
     holds_reference: bool = False
-    late: float = 0.0
+    offset: Offset | None = None
 
 
 def _selected(
@@ -233,11 +233,11 @@ def _selected(
     best = straight.selection.best.model
     if not all(one.observed.has_dynamics(nominal.nominal) for one in straight.prepared):
         return straight
-    progress('clock of the joint states')
-    late = JointClock(fitted, straight.prepared, straight.selection.base.model, best,
-                      hold).lateness(selected)
-    if late:
-        return straight._replace(late=late)
+    progress('clocks of the topics')
+    offset = Clocks(fitted, straight.prepared, straight.selection.base.model, best,
+                    hold).offset(selected)
+    if offset is not None:
+        return straight._replace(offset=offset)
     if any(one.observed.reference is None for one in straight.prepared):
         return straight
     progress('reference between setpoints')

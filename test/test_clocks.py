@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Joint states that are stamped late are told from a command that arrives late."""
+"""Stamps that are late or early are told from delays, masses and memories."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ from typing import Any
 
 from contact_estimation.diagnosis.conclude.diagnose import diagnose
 from contact_estimation.diagnosis.conclude.result import Diagnosis
-from contact_estimation.diagnosis.fit import joint_clock
+from contact_estimation.diagnosis.fit import clocks
+from contact_estimation.diagnosis.fit.clocks import Clocks, Offset
 from contact_estimation.diagnosis.fit.fitting import Fit
-from contact_estimation.diagnosis.fit.joint_clock import JointClock
 from contact_estimation.diagnosis.observe.model import Model
 from contact_estimation.diagnosis.observe.signals import Recording, Signals
 from contact_estimation.parameters.values import build
@@ -39,10 +39,11 @@ WALL = {'environment.stiffness': 5000.0, 'environment.damping': 12.0, 'environme
         'environment.location': 0.0, 'environment.unilateral': False}
 
 
-def diagnosed(late: float, **physics: Any) -> Diagnosis:
-    """Diagnose a recording whose joint states are stamped late."""
+def diagnosed(late: float, wrench: float = 0.0, **physics: Any) -> Diagnosis:
+    """Diagnose a recording whose joint states, or wrenches, are stamped late."""
     signals = recorded(**{f'physics__{name}': value for name, value in physics.items()})
-    late_ones = signals._replace(joint_t=signals.joint_t + late)
+    late_ones = signals._replace(joint_t=signals.joint_t + late - wrench,
+                                 reference_t=signals.reference_t - wrench)
     return diagnose(Recording('late.mcap', late_ones), nominal())
 
 
@@ -53,6 +54,26 @@ def test_late_joint_states_are_no_delay_of_the_command(physics: dict[str, float]
     assert (list(failed), found.effects, found.verdict) == (['clock_offset'], [], 'unexplained')
     remedy = re.search(r'set synchronisation.offset to (-[\d.]+) s', failed['clock_offset'])
     assert remedy and float(remedy[1]) == pytest.approx(-LATE_S, rel=0.1)
+
+
+@pytest.mark.parametrize('wrench, joints', [(-0.004, 0.0), (0.0, -0.003)])
+def test_stamps_before_the_event_are_no_mass_and_no_memory(wrench: float, joints: float) -> None:
+    found = diagnosed(joints, wrench)
+    failed = {check.name: check.text for check in found.checks if not check.ok}
+    assert (list(failed), found.effects, found.verdict) == (['clock_offset'], [], 'unexplained')
+    early = 'wrench is' if wrench else 'joint_states are'
+    assert f'{early} stamped early' in failed['clock_offset']
+    remedy = re.search(r'set synchronisation.offset to (-?[\d.]+) s', failed['clock_offset'])
+    assert remedy and float(remedy[1]) == pytest.approx(wrench - joints, rel=0.1)
+
+
+def test_an_offset_is_put_right() -> None:
+    signals = recorded()
+    for offset, joints, reference in (
+            (Offset('joint_states', 0.01), -0.01, 0.0), (Offset('wrench', 0.01), 0.01, 0.01)):
+        shifted = offset.put_right(signals)
+        assert shifted.joint_t == pytest.approx(signals.joint_t + joints, abs=1e-12)
+        assert shifted.reference_t == pytest.approx(signals.reference_t + reference, abs=1e-12)
 
 
 def test_a_command_that_arrives_late_is_named() -> None:
@@ -92,18 +113,19 @@ def test_a_force_that_is_held_between_samples_is_no_late_stamp(held: bool) -> No
     assert all(check.ok for check in found.checks)
 
 
-@pytest.mark.parametrize('damping, late', [(150.0, LATE_S), (0.0, 0.0)])
+@pytest.mark.parametrize('damping, found', [(150.0, True), (0.0, False)])
 def test_a_shift_that_takes_the_place_of_damping_is_none(
-    monkeypatch: pytest.MonkeyPatch, damping: float, late: float
+    monkeypatch: pytest.MonkeyPatch, damping: float, found: bool
 ) -> None:
     base = Model.of(nominal())
-    left = base.at((4800.0, damping))
-    misfits = iter((100.0, 1.0))  # as stamped, and shifted
-    monkeypatch.setattr(joint_clock, 'fit', lambda recordings, model: Fit(
+    left, offset = base.at((4800.0, damping)), Offset('joint_states', LATE_S)
+    misfits = iter((100.0, 1.0, 1.0))  # as stamped, and shifted
+    monkeypatch.setattr(clocks, 'fit', lambda recordings, model: Fit(
         model, 1000.0 + next(misfits), np.ones(2), 1000))
-    monkeypatch.setattr(joint_clock, 'leaves_noise', lambda found: False)
-    monkeypatch.setattr(JointClock, '_tried', lambda self: [LATE_S])
-    raw = [Recording('late.mcap', recorded())]
-    clock = JointClock(raw, [], base, base, 0)
+    monkeypatch.setattr(clocks, 'leaves_noise', lambda found: False)
+    monkeypatch.setattr(Clocks, '_tried', lambda self: [offset])
+    monkeypatch.setattr(Clocks, '_refined', lambda self, offset, model: offset)
+    monkeypatch.setattr(Clocks, '_prepared', lambda self, offset: [])
+    tested = Clocks([Recording('late.mcap', recorded())], [], base, base, 0)
     of_shifted: Any = SimpleNamespace(best=Fit(left, 0.0, np.ones(2), 1000))
-    assert clock.lateness(lambda earlier: ([], of_shifted)) == late
+    assert tested.offset(lambda shifted: ([], of_shifted)) == (offset if found else None)
