@@ -124,7 +124,8 @@ def test_a_shift_that_takes_the_place_of_damping_is_none(
         model, 1000.0 + next(misfits), np.ones(2), 1000))
     monkeypatch.setattr(clocks, 'leaves_noise', lambda found: False)
     monkeypatch.setattr(Clocks, '_tried', lambda self: [offset])
-    monkeypatch.setattr(Clocks, '_refined', lambda self, offset, model: offset)
+    for name in ('_refined', '_fitted'):
+        monkeypatch.setattr(Clocks, name, lambda self, offset, model: offset)
     monkeypatch.setattr(Clocks, '_prepared', lambda self, offset: [])
     tested = Clocks([Recording('late.mcap', recorded())], [], base, base, 0)
     of_shifted: Any = SimpleNamespace(best=Fit(left, 0.0, np.ones(2), 1000))
