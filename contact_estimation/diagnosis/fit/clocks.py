@@ -126,8 +126,9 @@ class Clocks:
         -------
         offset : Offset or None
             None unless it is that of a sample or more, or a filter, and leaves less than
-            a quarter of what the effects leave, and a wall with damping: a shift that takes the
-            place of it is none.
+            a quarter of what the effects leave (four fifths with fewer effects, none of them a
+            delay, mass or memory), and a wall with damping: a shift that takes the place of it is
+            none.
 
         """
         if self._explained:
