@@ -50,7 +50,7 @@ def find(evidence: Evidence) -> Finding:
                              f'{evidence.of_wall.correlation:.2f}')
     wall, robot = evidence.of_wall, None
     text = f'the force is {wall.slope:.2g} times that of the nominal wall'
-    expected = float(np.std(evidence.wall_force))
+    _, expected = evidence.deviations
     if evidence.with_reference:
         robot = evidence.of_robot
         text += f' and {robot.slope:.2g} times what the robot felt'

@@ -45,13 +45,12 @@ def find(evidence: Evidence) -> Finding:
 
     """
     overlap = evidence.overlap
-    spans = ', '.join(f'{name} from {begin:.6g} to {end:.6g} s'
-                      for name, (begin, end) in overlap.spans.items())
     if not overlap.enough:
-        return Finding(False, f'{spans}: expected the same time, got {overlap.seconds:.3g} s in '
-                              'common; stamp all topics by one clock, in one unit')
+        return Finding(False, f'{overlap.text}: expected the same time, got '
+                              f'{overlap.seconds:.3g} s in common; stamp all topics by one '
+                              'clock, in one unit')
     if not evidence.model.environment.unilateral:
-        return Finding(True, spans)
+        return Finding(True, overlap.text)
     lag = evidence.lag
     text = f'the force fits the motion best when shifted by {1e3 * lag.seconds:.0f} ms'
     off = lag.seconds > _LATE_S or lag.seconds < -_EARLY_S

@@ -38,15 +38,13 @@ def find(evidence: Evidence) -> Finding:
 
     """
     overlap = evidence.overlap
-    spans = {name: overlap.spans[name] for name in ('wrench', 'joint_states')}
-    longest = max(end - begin for begin, end in spans.values())
-    text = ', '.join(f'{name} from {begin:.6g} to {end:.6g} s'
-                     for name, (begin, end) in spans.items())
+    spans = (overlap.spans[name] for name in ('wrench', 'joint_states'))
+    longest = max(end - begin for begin, end in spans)
     if overlap.seconds >= (1.0 - _MOST_LOST) * longest:
-        return Finding(True, text)
-    return Finding(False, f'{text}: the {overlap.seconds:.3g} s in which all topics were recorded '
-                          'are diagnosed, the rest is not; record all topics from begin to end',
-                   fatal=False)
+        return Finding(True, overlap.text)
+    return Finding(False, f'{overlap.text}: the {overlap.seconds:.3g} s in which all topics were '
+                          'recorded are diagnosed, the rest is not; record all topics from '
+                          'begin to end', fatal=False)
 
 
 TEST = Test(find, after=('clock_offset',))

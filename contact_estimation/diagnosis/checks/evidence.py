@@ -151,6 +151,11 @@ class Evidence:
         return np.where(s.x > wall.location, np.maximum(force, 0.0), 0.0)
 
     @cached_property
+    def deviations(self) -> tuple[float, float]:
+        """Return the standard deviations of the measured and the nominal wall's force [N]."""
+        return float(np.std(self.smooth.force)), float(np.std(self.wall_force))
+
+    @cached_property
     def implied_force(self) -> Array:
         """F_e that the nominal robot must have felt to move as it did, shape (N,) [N]; eq. (1)."""
         s = self.smooth

@@ -18,8 +18,6 @@ from __future__ import annotations
 
 from math import log
 
-import numpy as np
-
 from .check import Finding, Test
 from .evidence import Evidence
 from .units import FORCES, mistaken_unit
@@ -59,7 +57,7 @@ def find(evidence: Evidence) -> Finding:
 
 def _of_magnitude(evidence: Evidence, text: str) -> Finding:
     """Find a force that no unit explains."""
-    expected, force = float(np.std(evidence.wall_force)), float(np.std(evidence.smooth.force))
+    force, expected = evidence.deviations
     if not expected or not force or abs(log(force / expected)) < _IMPOSSIBLE:
         return Finding(True, text)
     return Finding(False, f'the force varies by {force:.3g} N, that of the nominal wall by '

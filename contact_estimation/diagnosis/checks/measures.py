@@ -88,6 +88,12 @@ class Overlap(NamedTuple):
     seconds: float
     enough: bool
 
+    @property
+    def text(self) -> str:
+        """Begin and end of each topic."""
+        return ', '.join(f'{name} from {begin:.6g} to {end:.6g} s'
+                         for name, (begin, end) in self.spans.items())
+
 
 class Lag(NamedTuple):
     """

@@ -19,8 +19,6 @@ from __future__ import annotations
 from math import exp, log
 from typing import Mapping
 
-import numpy as np
-
 from .evidence import Evidence
 
 LENGTHS: Mapping[str, float] = {'mm': 1e3, 'um': 1e6, 'cm': 1e2, 'inches': 39.37}
@@ -104,7 +102,7 @@ def mistaken_unit(evidence: Evidence, units: Mapping[str, float]) -> str | None:
 
 def _of_ranges(evidence: Evidence, units: Mapping[str, float]) -> str | None:
     """Return the unit of a force that does not follow the nominal one, by its deviation alone."""
-    expected, force = float(np.std(evidence.wall_force)), float(np.std(evidence.smooth.force))
+    force, expected = evidence.deviations
     if not expected or not force:
         return None
     return next((name for name, ratio in units.items()
