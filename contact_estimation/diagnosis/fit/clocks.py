@@ -40,6 +40,7 @@ _TRIED = (1.0, 1.2)  # times the delay: what bends beside it makes it too short
 _PROMISING, _WITH_DELAY = 0.75, 1.4  # most of the misfit of the effects, for stamps to be tried
 # The same of early stamps: near those that leave least, there, and there without any effect.
 _NEARBY, _EARLY, _ALONE = 4.0, 0.9, 0.4
+_LESS = 0.7  # most of what the same model leaves of the stamps as recorded, near those
 _FEWER = 0.8  # most of it that other stamps may leave with fewer effects, none that they look like
 _LEFT = 0.25  # most of it that other stamps may leave
 _DAMPED = 0.05  # of the damping without a shift
@@ -186,6 +187,8 @@ class Clocks:
         least, by, model = min(scans, key=lambda scan: scan[:2])
         if least > scanned * self._misfit:
             return None
+        if sign < 0.0 and least > _LESS * self._left(Offset(topic, 0.0), model):
+            return None  # no other stamps are needed
         nearby = self._refined(Offset(topic, sign * by), model)
         left = min(least, self._left(nearby, model))
         return nearby if left <= refined * self._misfit else None

@@ -29,7 +29,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .criteria import leaves_noise, penalty
-from .fitting import cost_of, Fit, fit, fit_at, fit_to_end
+from .fitting import cost_of, Fit, fit, fit_at, fit_to_end, sum_of_squares
 from .free_run import free_run, Run
 from .jacobian import SecantJacobian
 from ..observe.model import Model
@@ -150,16 +150,17 @@ def _least_output_error(recordings: Recordings, model: Model, runs: Sequence[Run
     here = search.residuals(values)
     for _ in range(_MOST_STEPS):
         jacobian = search.jacobian(values) * model.steps
-        change = np.linalg.lstsq(jacobian, -here, rcond=1e-9)[0] * model.steps
-        tried = np.clip(values + change, low, high)
+        change = np.linalg.lstsq(jacobian, -here, rcond=1e-9)[0]
+        foretold = sum_of_squares(here + jacobian @ change)
+        tried = np.clip(values + change * model.steps, low, high)
         there = search.residuals(tried)
-        before, after = float(here @ here), float(there @ there)
+        before, after = sum_of_squares(here), sum_of_squares(there)
         if after < before:
             values, here = tried, there
         if after > _SLOWLY * before:
-            if not search.updated:
+            if not search.updated or foretold > _SLOWLY * before:
                 break
-            search.renew()  # an updated Jacobian may point astray
+            search.renew()  # the updated Jacobian points astray: it foretold more
     return model.with_free(values)
 
 
