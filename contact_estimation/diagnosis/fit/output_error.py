@@ -43,6 +43,7 @@ _CLOSE = 4.0  # standard deviations of the position noise, within which a run is
 _AT_NOISE = 1.5  # times the noise: largest error of a correct free run
 _PICARD = 8  # rounds in which the free run of a wall converges
 _MOST_STEPS, _SLOWLY = 5, 0.99  # of Gauss and Newton; less than a hundredth is no progress
+_AS_FORETOLD = 1.001  # of the cost: most after a step that foretold next to nothing
 _WORSE = 4.0  # times the cost with effects at the measured motion: the iteration diverged
 
 
@@ -158,9 +159,10 @@ def _least_output_error(recordings: Recordings, model: Model, runs: Sequence[Run
         if after < before:
             values, here = tried, there
         if after > _SLOWLY * before:
-            if not search.updated or foretold > _SLOWLY * before:
+            little = foretold > _SLOWLY * before and after < _AS_FORETOLD * before
+            if little or not search.updated:
                 break
-            search.renew()  # the updated Jacobian points astray: it foretold more
+            search.renew()  # the updated Jacobian points astray
     return model.with_free(values)
 
 
