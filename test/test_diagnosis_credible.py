@@ -16,10 +16,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import Any
+
 from concealed_worlds import diagnosed, named, nominal, physics, prepared_from, recorded
+from contact_estimation.diagnosis.conclude import conclusion as conclusion_module
 from contact_estimation.diagnosis.conclude.apparent_mass import is_resonance
 from contact_estimation.diagnosis.conclude.conclusion import _nominal_where_unknown
-from contact_estimation.diagnosis.conclude.naming import _other_families
+from contact_estimation.diagnosis.conclude.naming import _other_families, name_effects, Names
 from contact_estimation.diagnosis.conclude.shares import Shares
 from contact_estimation.diagnosis.fit.applicable import candidates_for, candidates_in
 from contact_estimation.diagnosis.fit.first_step import steps
@@ -296,6 +300,20 @@ def test_only_other_families_take_a_part_of_a_probability() -> None:
         ('coulomb_friction', (1.0,)))]
     assert _other_families('elastic_law', rivals) == {'friction'}
     assert _other_families('friction', rivals[1:]) == set()
+
+
+@pytest.mark.parametrize(('probability', 'names', 'verdict'), [
+    (0.32, ['coulomb_friction'], 'physics_missing'), (0.28, [], 'unexplained')])
+def test_a_name_that_is_unlikely_is_not_given(
+    monkeypatch: pytest.MonkeyPatch, probability: float, names: list[str], verdict: str,
+) -> None:
+    def doubted(*args: Any) -> Names:
+        effects, rivals = name_effects(*args)
+        return Names([replace(one, probability=probability) for one in effects], rivals)
+
+    monkeypatch.setattr(conclusion_module, 'name_effects', doubted)
+    diagnosis = diagnosed(recorded(**physics('coulomb_friction', 3.0)))
+    assert (named(diagnosis), diagnosis.verdict) == (names, verdict)
 
 
 def test_a_presliding_friction_comes_near_its_end() -> None:

@@ -23,11 +23,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .alternatives import alternatives
-from .decision import decide, Decision, verdict_of
+from .decision import decide, decide_on_rest, Decision, verdict_of
 from .dependence import dependences
 from .held_out import by_part, errors_of, improvement_interval, measure_part, Part
 from .location import locate, Location
-from .naming import advice, name_effects
+from .naming import advice, name_effects, Names
 from .result import Diagnosis, Errors, NamedEffect, pair_of, Remainder, Value
 from .shares import Shares
 from ..fit.discrepancy import has_discrepancy, least_material
@@ -48,6 +48,7 @@ Array = NDArray[np.float64]
 _CLEARLY_WORSE, _MUCH_WORSE, _FAR_WORSE, _THE_SAME = 1.05, 1.5, 3.0, 1.02
 _UNTOLD = 4.0  # cost of two standard deviations
 _HELD = 0.3  # deviation of a spring's force, in that of all the force, which holds a driven mass
+_UNLIKELY = 0.3  # probability below which a name is none; surely one of three families has more
 _NOTHING = 0.01  # of the misfit: a remainder that is not worth a word
 
 MODELS = ('nominal', 'recalibrated', 'corrected')
@@ -99,15 +100,20 @@ def conclude(fitted: Fitted, seed: int, progress: Progress) -> Diagnosis:
     generator, base_model = np.random.default_rng(seed), fitted.selection.base.model
     whole = [discounted(one.whole(base_model), base_model)
              for one in fitted.selection.recordings]
-    decision, recordings, base, best, parts, free_runs, _ = _decided(fitted, whole, progress)
+    tested = _decided(fitted, whole, progress)
+    names = _named(tested, whole, generator)
+    while unlikely := [one.name for one in names.effects if one.probability < _UNLIKELY]:
+        rest = decide_on_rest(
+            tested.decision.selection, tested.decision.best.model, unlikely, whole, progress)
+        tested = _tested(fitted, whole, rest, progress)
+        names = _named(tested, whole, generator)
+    decision, recordings, base, best, parts, free_runs, _ = tested
     selection, models = decision.selection, (fitted.nominal, base.model, best.model)
     force, motion = errors_of(parts)
     verdict = verdict_of(decision, selection.base, fitted.nominal_cost)
     if verdict == 'recalibrate' and _is_contradicted(force, whole):
         verdict = 'unexplained'
     stds = standard_deviations(recordings, best)
-    names = name_effects(
-        best, stds, selection, decision.shares, recordings, whole[0], generator)
     location = _locate(verdict, names.effects, base, whole[0])
     improvement = improvement_interval(parts, generator)
     progress('dependence of the residuals')
@@ -156,6 +162,14 @@ def _decided(fitted: Fitted, whole: Recordings, progress: Progress) -> _Tested:
     selection = decision.selection  # a false name is worse than no name
     unnamed = decide(selection._replace(best=selection.base), whole, progress)
     return _tested(fitted, whole, unnamed, progress)
+
+
+def _named(tested: _Tested, whole: Recordings, generator: np.random.Generator) -> Names:
+    """Name the effects of a decision."""
+    recordings, best, decision = tested.recordings, tested.best, tested.decision
+    return name_effects(
+        best, standard_deviations(recordings, best), decision.selection, decision.shares,
+        recordings, whole[0], generator)
 
 
 def _tested(

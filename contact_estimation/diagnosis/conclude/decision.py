@@ -143,8 +143,7 @@ def decide(
         if fewer is not None:
             return fewer
         if len(together) > 1 and shares.explained < _BY_PAIR:
-            rest = fit_without(recordings, best.model, together)
-            return decide(_carrying(selection, rest), whole, progress, False)
+            return decide_on_rest(selection, best.model, together, whole, progress)
         return Decision(selection, best, shares.explained < EXPLAINED, 0.0, shares)
     progress('structure of the residuals')
     recordings = _plain(recordings, base.model)
@@ -172,8 +171,7 @@ def _without_doubtful(
         return None
     zeros = [name for name in doubtful if name in ZEROS]
     dropped = _dropped(shares, (zeros or doubtful)[-1])
-    rest = fit_without(selection.recordings, best.model, dropped)
-    fewer = decide(_carrying(selection, rest), whole, progress, False)
+    fewer = decide_on_rest(selection, best.model, dropped, whole, progress)
     laws, left = _laws(best.model), _laws(fewer.best.model)
     if len(zeros) == len(doubtful) and not laws <= left:
         return None
@@ -229,6 +227,36 @@ def decide_without(
     model = replace(base, excluded=base.excluded | names)
     others = select(recordings, fit(recordings, model), progress, by_likelihood=False)
     return decide(others, whole, progress, False)
+
+
+def decide_on_rest(
+    selection: Selection, model: Model, names: Sequence[str], whole: Recordings,
+    progress: Progress,
+) -> Decision:
+    """
+    Decide on the other effects of a model; what some carried becomes a discrepancy.
+
+    Parameters
+    ----------
+    selection : Selection
+        From which the model was decided.
+    model : Model
+        With effects.
+    names : sequence of str
+        Those that are left out.
+    whole : sequence of PreparedRecording
+        Its recordings with their held-out parts.
+    progress : callable
+        Called with a description of each stage.
+
+    Returns
+    -------
+    decision : Decision
+        Without them.
+
+    """
+    rest = fit_without(selection.recordings, model, names)
+    return decide(_carrying(selection, rest), whole, progress, False)
 
 
 def _plain(recordings: Recordings, base: Model) -> Recordings:
