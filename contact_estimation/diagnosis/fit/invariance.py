@@ -29,7 +29,7 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from .discrepancy import CHANNELS
-from .fitting import Fit, residual_function
+from .fitting import Fit, residual_function, sum_of_squares
 from .jacobian import differentiate_by
 from .parts import Part
 from ..observe.model import Model
@@ -231,7 +231,7 @@ def _fitted_on(
 ) -> tuple[Array, Array]:
     """Step from the fit on all parts to that on the rest; return coordinates and residuals."""
     values, (low, high) = model.coordinates, model.ranges
-    present = _square(here[rest])
+    present = sum_of_squares(here[rest])
     told, every = float(np.linalg.norm(jacobian[rest])), float(np.linalg.norm(jacobian))
     if told <= _UNTOLD * every:  # the rest tells nothing: its derivatives are rounding
         return values, here
@@ -240,7 +240,7 @@ def _fitted_on(
     for share in _STEPS:
         there = np.clip(values + share * change, low, high)
         residuals = function(there)
-        if _square(residuals[rest]) <= present:
+        if sum_of_squares(residuals[rest]) <= present:
             return there, residuals
     return values, here
 
@@ -258,10 +258,6 @@ def _tells_all(jacobian: Array, rest: Flags) -> bool:
     """Return whether the rest tells something on every value, which may show on one part alone."""
     told, every = (np.sum(rows**2, axis=0) for rows in (jacobian[rest], jacobian))
     return bool(np.all(told >= _TOLD * every))
-
-
-def _square(values: Array) -> float:
-    return float(values @ values)
 
 
 def values_on(recordings: Recordings, found: Fit, part: Part) -> Model:
@@ -297,7 +293,7 @@ def values_on(recordings: Recordings, found: Fit, part: Part) -> Model:
         change = np.linalg.lstsq(jacobian, -here, rcond=1e-12)[0] * size
         for share in _STEPS:
             tried = np.clip(values + share * change, low, high)
-            if _square(errors(tried)) < _square(here):
+            if sum_of_squares(errors(tried)) < sum_of_squares(here):
                 values = tried
                 break
         else:
