@@ -40,7 +40,7 @@ _TRIED = (1.0, 1.2)  # times the delay: what bends beside it makes it too short
 _PROMISING, _WITH_DELAY = 0.75, 1.4  # most of the misfit of the effects, for stamps to be tried
 # The same of early stamps: near those that leave least, there, and there without any effect.
 _NEARBY, _EARLY, _ALONE = 4.0, 0.9, 0.4
-_LESS = 0.7  # most of what the same model leaves of the stamps as recorded, near those
+_LESS = 0.95  # most of what the same model leaves of the stamps as recorded, near those
 _FEWER = 0.8  # most of it that other stamps may leave with fewer effects, none that they look like
 _LEFT = 0.25  # most of it that other stamps may leave
 _DAMPED = 0.05  # of the damping without a shift
