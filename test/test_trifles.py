@@ -20,7 +20,7 @@ from dataclasses import replace
 
 from concealed_worlds import nominal, prepared_from
 from contact_estimation.diagnosis.conclude.trifles import without_unconfirmed_trifles
-from contact_estimation.diagnosis.fit.discrepancy import correlation_time
+from contact_estimation.diagnosis.fit.discrepancy import correlation_time, has_discrepancy, weighed
 from contact_estimation.diagnosis.fit.fitting import fit
 from contact_estimation.diagnosis.fit.selection import select
 from contact_estimation.diagnosis.observe.model import Model
@@ -71,6 +71,19 @@ def test_a_single_stroke_confirms_no_trifle(cubic: float, turns: bool, trifle: b
         [prepared], model.with_effect('cubic_stiffness', (cubic,)))
     assert best.cost < 1.1 * best.residual_count < base.cost
     assert (without_unconfirmed_trifles([prepared], base, best) is base) is trifle
+
+
+@pytest.mark.parametrize('cubic, trifle', [(4e5, True), (4e6, False)])
+def test_nor_does_one_in_which_something_else_is_missing(cubic: float, trifle: bool) -> None:
+    noise = NOISE * np.random.default_rng(3).standard_normal(len(T))
+    stray = 6.0 * NOISE * np.sin(1.1 * T) + noise
+    prepared, model = specimen(9e-3 * T / T[-1], cubic, stray)
+    lawful = model.with_effect('cubic_stiffness', (cubic,))
+    recordings = weighed([prepared], fit([prepared], lawful).model)
+    assert has_discrepancy(recordings)
+    base, best = fit(recordings, model), fit(recordings, lawful)
+    rest = without_unconfirmed_trifles(recordings, base, best)
+    assert (rest is base) is trifle and (rest is None) is not trifle
 
 
 @pytest.mark.parametrize('cubic, named', [(3e5, False), (7e5, False), (1e6, True)])

@@ -111,8 +111,9 @@ def decide(
 
     """
     recordings, base, best = selection.recordings, selection.base, selection.best
-    if best.model.effects and not has_discrepancy(recordings):
-        best = _significant(recordings, confirmed(base, best, recordings, whole))
+    if best.model.effects:
+        if not has_discrepancy(recordings):
+            best = _significant(recordings, confirmed(base, best, recordings, whole))
         rest = without_unconfirmed_trifles(recordings, base, best)
         if rest is not None:
             return decide(_carrying(selection, rest), whole, progress, False)

@@ -19,7 +19,7 @@ from __future__ import annotations
 from .shares import Shares
 from ..fit.applicable import is_single_stroke, least_worth_a_name
 from ..fit.criteria import EXPLAINED, OF_LITTLE, SURELY_MOST
-from ..fit.discrepancy import correlation_time, material, weighed
+from ..fit.discrepancy import correlation_time, has_discrepancy, material, weighed
 from ..fit.first_step import fit_without
 from ..fit.fitting import Fit
 from ..fit.zeros import ZEROS
@@ -86,7 +86,7 @@ def without_unconfirmed_trifles(recordings: Recordings, base: Fit, best: Fit) ->
     Parameters
     ----------
     recordings : sequence of PreparedRecording
-        Without a discrepancy.
+        Those with a discrepancy only matter as a single stroke.
     base, best : Fit
         Recalibrated, and with effects.
 
@@ -97,12 +97,17 @@ def without_unconfirmed_trifles(recordings: Recordings, base: Fit, best: Fit) ->
 
     """
     laws = [name for name in best.model.effects if name not in ZEROS]
-    times = [correlation_time(part) for one in recordings
-             for part in one.split(residuals(one, best.model))]
-    if not laws or max(times) < _CORRELATED and not is_single_stroke(recordings):
+    if not laws or not is_single_stroke(recordings) and not _is_correlated(recordings, best):
         return None
     least = least_worth_a_name(recordings)
     if not material(weighed(recordings, base.model), base.model, least):
         return base
     rest = fit_without(recordings, best.model, laws)
     return None if material(weighed(recordings, rest.model), rest.model, least) else rest
+
+
+def _is_correlated(recordings: Recordings, best: Fit) -> bool:
+    """Return whether neighbouring residuals, of the size of the noise, tell much the same."""
+    return not has_discrepancy(recordings) and max(
+        correlation_time(part) for one in recordings
+        for part in one.split(residuals(one, best.model))) >= _CORRELATED
