@@ -121,7 +121,8 @@ BEFORE = np.tile((100.0, 0.0), (4, 1))
 def candidate(name: str, share: float, flexible: bool = False) -> Candidate:
     """Make a candidate that predicts a share of every part with one size for all."""
     model = Model.of(MODEL).with_effect(name, (1.0,) * len(names_of(name)))
-    return Candidate(Fit(model, 1.0, np.zeros(1), 1), (1.0 - share) * BEFORE, None, flexible)
+    left = (1.0 - share) * BEFORE
+    return Candidate(Fit(model, 1.0, np.zeros(1), 1), left, left, None, flexible)
 
 
 @pytest.mark.parametrize('shares, named', [

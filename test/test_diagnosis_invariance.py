@@ -195,7 +195,7 @@ def test_a_law_that_predicts_too_little_alone_is_tried_beside_a_bias(needs_bias:
     model = Model.of(nominal()).with_effect('coulomb_friction', (1.0,))
 
     def candidate(share: float, found: Model) -> Candidate:
-        return Candidate(Fit(found, 0.0, np.zeros(4), 4), (1.0 - share) * before, None, False)
+        return Candidate(Fit(found, 0.0, np.zeros(4), 4), *2 * [(1.0 - share) * before], None, False)
 
     alone = candidate(0.25, model)
     beside = candidate(0.7, model.with_effect('force_bias', (1.0,)) if needs_bias else model)
@@ -210,7 +210,7 @@ def test_a_law_that_is_refused_beside_the_zeros_makes_room_for_the_next() -> Non
 
     def candidate(share: float, name: str, *values: float) -> Candidate:
         found = Fit(Model.of(nominal()).with_effect(name, values), 0.0, np.zeros(4), 4)
-        return Candidate(found, (1.0 - share) * before, None, False)
+        return Candidate(found, *2 * [(1.0 - share) * before], None, False)
 
     simple = candidate(0.84, 'cubic_stiffness', 1e7)
     best = candidate(0.87, 'fractional_relaxation', 30.0, 0.3)
@@ -221,6 +221,26 @@ def test_a_law_that_is_refused_beside_the_zeros_makes_room_for_the_next() -> Non
     assert taken is best
 
 
+@pytest.mark.parametrize('fitted, named', [(0.9, 'presliding_friction'), (0.5, 'bilinear_stiffness')])
+def test_a_law_that_fits_far_better_goes_before_one_that_predicts_little_better(
+    fitted: float, named: str
+) -> None:
+    parts = [part_of(str(k), np.arange(4) == k)._replace(noise=np.zeros(2)) for k in range(4)]
+    before = np.tile([100.0, 0.0], (4, 1))
+
+    def candidate(left_out: float, fitted: float, name: str, *values: float) -> Candidate:
+        found = Fit(Model.of(nominal()).with_effect(name, values), 0.0, np.zeros(4), 4)
+        return Candidate(found, (1.0 - left_out) * before, (1.0 - fitted) * before, None, False)
+
+    laws = [candidate(0.53, 0.53, 'bilinear_stiffness', 500.0, 0.002),
+            candidate(0.5, fitted, 'presliding_friction', 1.0, 1e4)]
+    assert laws[0].expected == pytest.approx(0.47 * 400.0)
+    assert laws[1].expected == pytest.approx(400.0 * (0.632 * 0.5 + 0.368 * (1.0 - fitted)), 1e-3)
+    zeros: Any = SimpleNamespace(parts=parts, names=(), beside=lambda one: one)
+    taken = first_that_predicts([], laws, zeros, before, before)
+    assert taken is not None and taken.name == named
+
+
 @pytest.mark.parametrize('attached, named', [(True, 'force_bias'), (False, 'contact_offset')])
 def test_of_offsets_alike_that_of_the_sensor_is_taken(attached: bool, named: str) -> None:
     parts = [part_of(str(k), np.arange(4) == k)._replace(noise=np.zeros(2)) for k in range(4)]
@@ -229,7 +249,7 @@ def test_of_offsets_alike_that_of_the_sensor_is_taken(attached: bool, named: str
     def candidate(share: float, name: str, *values: float) -> Candidate:
         model = Model.of(nominal(environment__unilateral=not attached)).with_effect(name, values)
         left = (1.0 - share) * before
-        return Candidate(Fit(model, float(left.sum()), np.zeros(4), 4), left, None, False)
+        return Candidate(Fit(model, float(left.sum()), np.zeros(4), 4), left, left, None, False)
 
     # A play with a centre is an offset too, and fits a little better.
     laws = [candidate(0.905, 'free_play', 1e-5, 1e-3, 1.0), candidate(0.9, 'contact_offset', 1e-3),
@@ -246,7 +266,7 @@ def test_no_law_is_taken_where_time_alone_predicts_far_better(of_time: float, na
 
     def candidate(share: float, name: str, *values: float, flexible: bool = False) -> Candidate:
         found = Fit(Model.of(nominal()).with_effect(name, values), 0.0, np.zeros(4), 4)
-        return Candidate(found, (1.0 - share) * before, None, flexible)
+        return Candidate(found, *2 * [(1.0 - share) * before], None, flexible)
 
     law = candidate(0.4, 'bilinear_stiffness', 500.0, 0.002)
     drift = candidate(of_time, 'stiffness_drift', 0.01, flexible=True)

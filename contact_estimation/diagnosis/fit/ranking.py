@@ -154,7 +154,7 @@ def _channel(recordings: Recordings, present: Fit, found: Fit) -> int | None:
 
 def _best(taken: Sequence[Candidate], before: float) -> Candidate | None:
     """Return the best of the channels' candidates; of curves the simplest that is adequate."""
-    best = min(taken, key=lambda one: one.total, default=None)
+    best = min(taken, key=lambda one: one.expected, default=None)
     return simplest_curve(taken, before) if best is not None and best.flexible else best
 
 

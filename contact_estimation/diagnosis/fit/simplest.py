@@ -83,10 +83,11 @@ def adequate(
             return []
     if winner is None:
         return []
-    most = winner.total + ADEQUATE * (float(before.sum()) - winner.total)
-    listed = sorted((one for one in laws if one.total <= most), key=lambda one: one.total)
-    simpler = [one for one in listed if one.size < winner.size]
-    first = min(simpler, key=lambda one: (one.size, one.total), default=winner)
+    best = min(laws, key=lambda one: one.expected)
+    most = best.expected + ADEQUATE * (float(before.sum()) - best.expected)
+    listed = sorted((one for one in laws if one.expected <= most), key=lambda one: one.expected)
+    simpler = [one for one in listed if one.size < best.size]
+    first = min(simpler, key=lambda one: (one.size, one.expected), default=best)
     first = _bias_instead(laws, first)
     first = _instead_of_series(laws, first, float(before.sum()))
     first = _simpler_beside_an_offset(recordings, laws, first, before, parts)

@@ -27,7 +27,7 @@ from typing import NamedTuple, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from .candidate import Candidate
+from .candidate import Candidate, fitted_errors
 from .criteria import is_sure_of_little, predicts_enough, SHARE
 from .discrepancy import material, weighed
 from .fitting import Fit, fit, fit_to_end
@@ -182,8 +182,8 @@ class Zeros(NamedTuple):
         present = one.found.model.without(one.name)
         model = beside(present, names).with_effect(one.name, values)
         found = fit_to_end(self.recordings, fit(self.recordings, model))
-        return one._replace(found=found, errors=left_out_errors(
-            self.recordings, found, self.parts, self.errors))
+        errors = left_out_errors(self.recordings, found, self.parts, self.errors)
+        return one._replace(found=found, errors=errors, fitted=fitted_errors(found, self.parts))
 
 
 def zeros_lacking(model: Model) -> tuple[str, ...]:
