@@ -244,6 +244,18 @@ def test_a_joint_that_does_not_ring_is_implausible() -> None:
     assert not model.with_effect('joint_flexibility', (1e-4, 0.94, 0.2)).plausible()
 
 
+@pytest.mark.parametrize('attached, stiffness, plausible', [
+    (True, 0.0, False), (True, 500.0, True), (False, 0.0, True)])
+def test_what_no_spring_presses_on_moves_unseen(
+    attached: bool, stiffness: float, plausible: bool
+) -> None:
+    wall = nominal(environment__unilateral=not attached)
+    moved = Model.of(wall).with_effect('moving_environment', (1e-3, 1.0, 0.0))
+    assert moved.at([stiffness, *moved.values[1:]]).plausible() is plausible
+    replaced = moved.with_effect('power_law_stiffness', (1.5, 1e4))
+    assert replaced.at([stiffness, *replaced.values[1:]]).is_plausible('moving_environment')
+
+
 def test_friction_that_rises_is_implausible() -> None:
     model = Model.of(nominal())
     assert model.with_effect('stribeck_friction', (1.0, 2.0, 0.01)).plausible()

@@ -38,6 +38,7 @@ Array = NDArray[np.float64]
 
 _NO_WALL = 1e-3  # N/m or N s/m: practically no spring, no damper, beside a nominal one of 1
 _LEAST_MAGNITUDE = 1e-150  # whose logarithm stands for that of a minimum of 0
+_OF_SPRING = ('wall_motion', 'clearance')  # families that show through K_e, or a law for it
 _LARGEST_LOGARITHM = 345.0  # e^345 = 1e150: beyond, products of such a value overflow
 
 
@@ -280,7 +281,13 @@ class Model:
         """Return whether the values of one effect are physically plausible together."""
         cls = EFFECTS[name]
         values = cls.Parameters(*self.values[self.place(name)])
+        if cls.family in _OF_SPRING and self._lost_its_spring():
+            return False
         return cls.plausible(values) and not cls.drives(values, self.stiffness, self.damping)
+
+    def _lost_its_spring(self) -> bool:
+        """Return whether an attached wall is fitted without K_e, nor a law in its place."""
+        return not self.nominal.environment.unilateral and bool(self.free[0] and self.at_end[0])
 
     def is_flexible(self, name: str, duration: float) -> bool:
         """Return whether an effect is a curve that follows any slow misfit of a recording [s]."""
