@@ -106,10 +106,10 @@ class Clocks:
         self._raw, self._recordings, self._base, self._hold = raw, recordings, base, hold
         self._delay = best.values[best.place(_DELAY).start] if _DELAY in best.effects else 0.0
         self._rest = best.without(_DELAY) if self._delay else best
-        caused = [name for name in best.effects if EFFECTS[name].family in _CAUSED]
-        self._lawful = best.without(*caused)
+        self._lawful = _without_caused(best)
         commanded = all(one.observed.reference is not None for one in recordings)
-        self._may_be_early = commanded and bool(caused or not best.effects)
+        caused = self._lawful.effects != best.effects
+        self._may_be_early = commanded and (caused or not best.effects)
         found = fit(recordings, best)
         self._explained = leaves_noise(found)
         self._misfit = _misfit(found)
@@ -141,10 +141,12 @@ class Clocks:
                 continue
             shifted, selection = select(self._shifted(tried))
             model = selection.best.model
-            nearer = self._refined(tried, model)  # the scan may have had other effects
-            for found in (fit(shifted, model), fit(self._prepared(nearer), model)):
-                if self._explains(found):
-                    return self._fitted(nearer, found.model)
+            # A memory may only make up for what an offset near the right one leaves.
+            for kept in dict.fromkeys((model, _with_nominal_wall(_without_caused(model)))):
+                nearer = self._refined(tried, kept)  # the scan may have had other effects
+                for found in (fit(shifted, kept), fit(self._prepared(nearer), kept)):
+                    if self._explains(found):
+                        return self._fitted(nearer, found.model)
         return None
 
     def _explains(self, found: Fit) -> bool:
@@ -204,8 +206,7 @@ class Clocks:
     def _left(self, offset: Offset, model: Model, prepared: Recordings = ()) -> float:
         """Return the misfit of effects that are not selected again."""
         prepared = prepared or self._prepared(offset)
-        nominal = Model.of(model.nominal).values  # what is late bends the damping, not the others
-        starts = [model.at([*nominal, *model.values[len(nominal):]])]
+        starts = [_with_nominal_wall(model)]  # what is late bends the damping, not the others
         if offset.seconds < 0.0 and len(model.effects) > 1:
             starts.append(model)
         return min(_misfit(fit(prepared, start, steps=8)) for start in starts)
@@ -231,6 +232,16 @@ def _least(offset: Offset, left: Callable[[Offset], float]) -> Offset:
     nearby = minimize_scalar(lambda share: left(offset.times(share)), method='bounded',
                              bounds=(0.7, 1.4), options={'maxiter': 8})
     return offset.times(float(nearby.x))
+
+
+def _without_caused(model: Model) -> Model:
+    """Return a model without the effects that early stamps look like."""
+    return model.without(*(name for name in model.effects if EFFECTS[name].family in _CAUSED))
+
+
+def _with_nominal_wall(model: Model) -> Model:
+    nominal = Model.of(model.nominal).values
+    return model.at([*nominal, *model.values[len(nominal):]])
 
 
 def _damping(model: Model) -> float:
