@@ -195,7 +195,8 @@ def test_a_law_that_predicts_too_little_alone_is_tried_beside_a_bias(needs_bias:
     model = Model.of(nominal()).with_effect('coulomb_friction', (1.0,))
 
     def candidate(share: float, found: Model) -> Candidate:
-        return Candidate(Fit(found, 0.0, np.zeros(4), 4), *2 * [(1.0 - share) * before], None, False)
+        left = (1.0 - share) * before
+        return Candidate(Fit(found, 0.0, np.zeros(4), 4), left, left, None, False)
 
     alone = candidate(0.25, model)
     beside = candidate(0.7, model.with_effect('force_bias', (1.0,)) if needs_bias else model)
@@ -210,7 +211,8 @@ def test_a_law_that_is_refused_beside_the_zeros_makes_room_for_the_next() -> Non
 
     def candidate(share: float, name: str, *values: float) -> Candidate:
         found = Fit(Model.of(nominal()).with_effect(name, values), 0.0, np.zeros(4), 4)
-        return Candidate(found, *2 * [(1.0 - share) * before], None, False)
+        left = (1.0 - share) * before
+        return Candidate(found, left, left, None, False)
 
     simple = candidate(0.84, 'cubic_stiffness', 1e7)
     best = candidate(0.87, 'fractional_relaxation', 30.0, 0.3)
@@ -221,7 +223,8 @@ def test_a_law_that_is_refused_beside_the_zeros_makes_room_for_the_next() -> Non
     assert taken is best
 
 
-@pytest.mark.parametrize('fitted, named', [(0.9, 'presliding_friction'), (0.5, 'bilinear_stiffness')])
+@pytest.mark.parametrize('fitted, named', [
+    (0.9, 'presliding_friction'), (0.5, 'bilinear_stiffness')])
 def test_a_law_that_fits_far_better_goes_before_one_that_predicts_little_better(
     fitted: float, named: str
 ) -> None:
@@ -266,7 +269,8 @@ def test_no_law_is_taken_where_time_alone_predicts_far_better(of_time: float, na
 
     def candidate(share: float, name: str, *values: float, flexible: bool = False) -> Candidate:
         found = Fit(Model.of(nominal()).with_effect(name, values), 0.0, np.zeros(4), 4)
-        return Candidate(found, *2 * [(1.0 - share) * before], None, flexible)
+        left = (1.0 - share) * before
+        return Candidate(found, left, left, None, flexible)
 
     law = candidate(0.4, 'bilinear_stiffness', 500.0, 0.002)
     drift = candidate(of_time, 'stiffness_drift', 0.01, flexible=True)

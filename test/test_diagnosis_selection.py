@@ -332,11 +332,12 @@ def test_laws_beside_zeros_are_taken_where_a_law_alone_leaves_what_is_predictabl
 
 
 def test_a_curve_has_curves_as_rivals_and_a_law_has_laws() -> None:
-    law, curve = (Candidate(with_cost(1.0, name), *2 * [np.array([[total, 0.0]])], None, flexible)
-                  for name, total, flexible in (('force_bias', 5.0, False),
-                                                ('force_gain', 5.1, True)))
-    left = np.array([[5.2, 0.0]])
-    other = Candidate(with_cost(1.0, 'impedance_mismatch'), left, left, None, True)
+    def candidate(name: str, total: float, flexible: bool) -> Candidate:
+        left = np.array([[total, 0.0]])
+        return Candidate(with_cost(1.0, name), left, left, None, flexible)
+
+    law, curve = candidate('force_bias', 5.0, False), candidate('force_gain', 5.1, True)
+    other = candidate('impedance_mismatch', 5.2, True)
     assert ranking_module._others([law, curve, other], curve, 100.0) == [law, other]
     assert ranking_module._others([law, curve, other], law, 100.0) == []
 
