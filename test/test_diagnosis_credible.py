@@ -35,6 +35,7 @@ from contact_estimation.diagnosis.observe.model import Model
 from contact_estimation.diagnosis.observe.prepared_recording import PreparedRecording
 from contact_estimation.diagnosis.observe.signals import Signals
 from contact_estimation.physics import EFFECTS
+from contact_estimation.plant.plant_parameters import PlantParameters
 import numpy as np
 from numpy.typing import NDArray
 import pytest
@@ -171,10 +172,14 @@ def test_an_effect_that_vanishes_is_none() -> None:
         assert is_credible([recording], found.model.with_effect(name, values)) is credible
 
 
-def test_a_zero_that_settles_is_no_candidate_where_a_specimen_is_loaded_once() -> None:
-    assert 'settling_bias' not in candidates_for(Model.of(SPRING), False, returns=False)
-    assert 'settling_bias' in candidates_for(Model.of(SPRING), False)
-    assert 'settling_bias' in candidates_for(Model.of(nominal()), True, returns=False)
+@pytest.mark.parametrize('name', ['settling_bias', 'force_drift', 'stiffness_drift'])
+@pytest.mark.parametrize('wall, with_robot', [(SPRING, False), (nominal(), False),
+                                              (nominal(), True)])
+def test_what_changes_with_time_is_no_candidate_where_a_wall_is_loaded_once(
+    name: str, wall: PlantParameters, with_robot: bool
+) -> None:
+    assert name not in candidates_for(Model.of(wall), with_robot, returns=False)
+    assert name in candidates_for(Model.of(wall), with_robot)
 
 
 @pytest.mark.parametrize('family', ['damping_law', 'inertia'])

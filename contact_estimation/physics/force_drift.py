@@ -40,6 +40,7 @@ class ForceDrift(ForceSensorEffect):
     name = 'force_drift'
     equation = 'F_measured = F_e + rate t'
     family = 'sensor_zero'
+    needs_return = True  # of one stroke and a hold, time tells what relaxes, too
     description = 'The zero of the force sensor drifts linearly with time.'
     Parameters = ForceDriftParameters
     either_sign = True

@@ -38,6 +38,7 @@ class StiffnessDrift(ContactEffect):
     name = 'stiffness_drift'
     equation = 'F_e = -(K_e (1 + rate t) d + B_e v)'
     family = 'wall_motion'
+    needs_return = True  # of one stroke and a hold, time tells what relaxes, too
     description = 'The stiffness of the wall increases or decreases linearly with time.'
     Parameters = StiffnessDriftParameters
     needs_spring = True

@@ -78,7 +78,7 @@ def candidates_for(
         and (wall.unilateral or not cls.needs_touch)
         and not (wall.unilateral and cls.needs_attachment)
         and (wall.unilateral or pressed or not cls.needs_penetration)
-        and (wall.unilateral or returns or not cls.needs_return)
+        and (returns or not cls.needs_return)
         and (wall.unilateral or wall.stiffness > 0.0 or not cls.needs_spring)
         and (speeds or wall.stiffness == 0.0 or not cls.needs_speeds)
         and (wall.unilateral or paces or cls.family != _OF_SPEED)
