@@ -15,8 +15,8 @@
 """
 Ranking of candidates by prediction, where no law is exact.
 
-The next effect is the one that best predicts parts of the recordings that it was not fitted on; of
-effects that predict alike, the simplest.
+The next effect is the one of the least expected error on parts of the recordings that it was not
+fitted on; of effects that are alike, the simplest. It must predict enough of these parts.
 """
 
 from __future__ import annotations
