@@ -132,6 +132,25 @@ def test_a_shift_that_takes_the_place_of_damping_is_none(
     assert tested.offset(lambda shifted: ([], of_shifted)) == (offset if found else None)
 
 
+@pytest.mark.parametrize('left, found', [(1.0, True), (90.0, False)])
+def test_an_offset_is_tried_without_the_memory_that_makes_up_for_an_inexact_one(
+    monkeypatch: pytest.MonkeyPatch, left: float, found: bool
+) -> None:
+    base, offset = Model.of(nominal()), Offset('joint_states', -LATE_S)
+    remembering = base.with_effect('viscoelastic_relaxation', (1000.0, 0.1))
+    misfits = {(): left, remembering.effects: 100.0}
+    monkeypatch.setattr(clocks, 'fit', lambda recordings, model: Fit(
+        model, 1000.0 + misfits[model.effects], np.ones(2), 1000))
+    monkeypatch.setattr(clocks, 'leaves_noise', lambda found: False)
+    monkeypatch.setattr(Clocks, '_tried', lambda self: [offset])
+    for name in ('_refined', '_fitted'):
+        monkeypatch.setattr(Clocks, name, lambda self, offset, model: offset)
+    monkeypatch.setattr(Clocks, '_prepared', lambda self, offset: [])
+    tested = Clocks([Recording('early.mcap', recorded())], [], base, remembering, 0)
+    of_shifted: Any = SimpleNamespace(best=Fit(remembering, 0.0, np.ones(2), 1000))
+    assert tested.offset(lambda shifted: ([], of_shifted)) == (offset if found else None)
+
+
 @pytest.mark.parametrize('scanned, found', [(90.0, True), (99.0, False)])
 def test_early_stamps_are_refined_only_where_they_leave_less_than_those_recorded(
     monkeypatch: pytest.MonkeyPatch, scanned: float, found: bool

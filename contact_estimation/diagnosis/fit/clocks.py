@@ -140,9 +140,9 @@ class Clocks:
             if abs(tried.seconds) < least:
                 continue
             shifted, selection = select(self._shifted(tried))
-            model = selection.best.model
+            model, lawful = selection.best.model, _without_caused(selection.best.model)
             # A memory may only make up for what an offset near the right one leaves.
-            for kept in dict.fromkeys((model, _with_nominal_wall(_without_caused(model)))):
+            for kept in (model, *([_with_nominal_wall(lawful)] if lawful != model else ())):
                 nearer = self._refined(tried, kept)  # the scan may have had other effects
                 for found in (fit(shifted, kept), fit(self._prepared(nearer), kept)):
                     if self._explains(found):
