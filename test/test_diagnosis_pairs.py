@@ -21,6 +21,7 @@ from functools import lru_cache
 from concealed_worlds import diagnosed, nominal, physics, prepared_from, recorded
 from contact_estimation.diagnosis.conclude.result import Diagnosis
 from contact_estimation.diagnosis.conclude.shares import Shares, shares_of
+from contact_estimation.diagnosis.fit import pairs
 from contact_estimation.diagnosis.fit.discrepancy import weighed
 from contact_estimation.diagnosis.fit.exact_laws import exact_laws, exact_pair
 from contact_estimation.diagnosis.fit.fitting import Fit, fit
@@ -73,8 +74,8 @@ def chosen(elastic: bool, loss: bool) -> tuple[str, ...]:
     parts = parts_of([recording], base)
     parts, before = evened(parts, left_out_errors([recording], base, parts))
     found = search([recording], base, lambda name: None)
-    pairs = pairs_that_predict([recording], base, found, parts, before, None)
-    return pairs[0].found.model.effects if pairs else ()
+    taken = pairs_that_predict([recording], base, found, parts, before, None)
+    return taken[0].found.model.effects if taken else ()
 
 
 def test_both_laws_are_named() -> None:
@@ -95,6 +96,13 @@ def test_memory_of_time_and_of_path_are_the_same_at_one_speed() -> None:
 
 def test_pair_is_taken_where_both_laws_are_missing() -> None:
     assert [EFFECTS[name].family for name in chosen(True, True)] == ['elastic_law', 'relaxation']
+
+
+def test_no_pair_is_taken_where_one_law_alone_fits_as_well(
+    monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(pairs, 'fitted_errors', lambda found, parts: np.zeros(1))
+    assert chosen(True, True) == ()
 
 
 @pytest.mark.parametrize('elastic, loss', [(True, False), (False, True)])

@@ -268,6 +268,21 @@ def test_little_is_named_only_if_it_surely_explains_most(
     assert trifles.is_trifle([], shares, name) is trifle
 
 
+@pytest.mark.parametrize('delay, much, trifle', [
+    (0.0009, set(), True), (0.0009, {1}, False), (0.0015, set(), False)])
+def test_a_little_delay_of_less_than_half_a_sample_is_that_of_steps(
+    monkeypatch: pytest.MonkeyPatch, delay: float, much: set[int], trifle: bool
+) -> None:
+    best = Fit(Model.of(SPRING).with_effect('command_delay', (delay,)), 100.0, np.zeros(1), 100)
+    monkeypatch.setattr(trifles, 'fit_without', lambda recordings, model, names: best)
+    monkeypatch.setattr(trifles, 'weighed', lambda recordings, model: [])
+    monkeypatch.setattr(trifles, 'material', lambda carried, model, least: much)
+    shares: Any = SimpleNamespace(
+        best=best, explained=0.9, sure=lambda of: 0.98, is_constant=lambda of: True)
+    recording: Any = SimpleNamespace(observed=SimpleNamespace(h=0.0025))
+    assert trifles.is_trifle([recording], shares, 'command_delay') is trifle
+
+
 @pytest.mark.parametrize('corrected, exact, worse', [
     (1.015, True, False), (1.015, False, True), (1.03, True, True), (0.9, False, False)])
 def test_names_down_to_the_noise_need_not_show_in_the_held_out_part(

@@ -81,6 +81,16 @@ def test_a_pause_of_all_topics_makes_two_parts() -> None:
     assert observe(parts[1].signals, touches.nominal()).t[0] == parts[1].signals.wrench_t[0] > 4.0
 
 
+@pytest.mark.parametrize('bend, parts', [(0.0, 1), (2.0, 2)])
+def test_a_brief_pause_divides_only_where_the_motion_bends(bend: float, parts: int) -> None:
+    t = 0.01 * np.arange(4000)
+    x = 1e-4 * (t + bend * np.maximum(t - 20.3, 0.0))
+    kept = (t < 20.0) | (t > 20.7)
+    noise = 1e-3 * np.random.default_rng(1).normal(size=len(t))
+    signals = signals_of(t[kept], -1e4 * x[kept] + noise[kept], x[kept])
+    assert len(continuous_parts(Recording('file', signals), attached(stiffness=1e4))) == parts
+
+
 def test_a_recording_without_a_pause_stays_as_it_is() -> None:
     s = touches.recorded()
     (part,) = continuous_parts(Recording('file', s), touches.nominal())

@@ -16,6 +16,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from .shares import Shares
 from ..fit.applicable import is_single_stroke, least_worth_a_name
 from ..fit.criteria import EXPLAINED, OF_LITTLE, SURELY_MOST
@@ -29,6 +31,7 @@ from ...physics import EFFECTS
 
 _TINY = 0.2  # of the discrepancy that is worth a name, below which a robot's steps show
 _SMALL = 0.5  # of the discrepancy that is worth a name where laws may be inexact
+_OF_STEPS = 0.5  # of a sample: the mean delay of a command that is held for one
 _CORRELATED = 8.0  # neighbouring residuals that tell as much as one: no white noise
 
 
@@ -38,7 +41,8 @@ def is_trifle(recordings: Recordings, shares: Shares, name: str) -> bool:
 
     With long recordings every imperfection of a rig is significant. One that is the same on all
     parts is a law however small if all names together leave little, or if it surely explains most.
-    Of a robot, whose controller works in steps, the latter alone counts, of less than others.
+    Of a robot, whose controller works in steps, the latter alone counts, of less than others. A
+    delay of less than half a sample is that of such steps.
 
     Parameters
     ----------
@@ -60,18 +64,27 @@ def is_trifle(recordings: Recordings, shares: Shares, name: str) -> bool:
     surely = shares.sure(name) >= SURELY_MOST or (
         not of_robot and shares.explained >= OF_LITTLE)
     lawful = explained and shares.is_constant(name)
-    if lawful and surely:
+    of_steps = _is_of_steps(recordings, best, name)
+    if lawful and surely and not of_steps:
         return False
     without = fit_without(recordings, best.model, (name,))
     carried = weighed(recordings, without.model)
     if not explained:
         return not material(carried, without.model)
-    if not surely and not material(carried, without.model, _TINY if of_robot else 1.0):
+    least = _TINY if of_robot and not of_steps else 1.0
+    if (of_steps or not surely) and not material(carried, without.model, least):
         return True
     if lawful:
         return False
     gain = without.cost - best.cost
     return gain <= best.residual_count and not material(carried, without.model, _SMALL)
+
+
+def _is_of_steps(recordings: Recordings, best: Fit, name: str) -> bool:
+    """Return whether a delay is shorter than the steps of a controller may cause."""
+    values = EFFECTS[name].Parameters(*best.model.values[best.model.place(name)])
+    delay = getattr(values, EFFECTS[name].sampled_delay, np.inf)
+    return bool(delay < _OF_STEPS * max((one.observed.h for one in recordings), default=0.0))
 
 
 def without_unconfirmed_trifles(recordings: Recordings, base: Fit, best: Fit) -> Fit | None:

@@ -27,7 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .applicable import candidates_in
-from .candidate import assess, Candidate
+from .candidate import assess, Candidate, fitted_errors
 from .criteria import ADEQUATE, predicts_enough, SHARE_OF_WHOLE
 from .discrepancy import noise_by_channel
 from .fitting import Fit
@@ -36,7 +36,7 @@ from .parts import Part
 from .search import search
 from .share import share_of
 from .zeros import ZEROS
-from ..observe.prepared_recording import Recordings
+from ..observe.prepared_recording import is_flexible, Recordings
 from ...physics import EFFECTS
 
 Array = NDArray[np.float64]
@@ -128,6 +128,9 @@ def pairs_that_predict(
     alone = (_alone(recordings, found, name, parts, before) for name in (law, loss))
     if any(errors - pair.total <= SHARE_OF_WHOLE * misfit for errors in alone):
         return []
+    if any(float(fitted_errors(one, parts).sum()) <= pair.expected for one in found
+           if not is_flexible(recordings, one.model, one.model.effects[-1])):
+        return []  # one law may be all, though parts of a single cycle do not confirm it
     others = [one for one in adequate if one is not pair and law in one.found.model.effects]
     return [pair, *sorted(others, key=lambda other: other.total)]
 

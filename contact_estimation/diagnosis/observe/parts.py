@@ -27,6 +27,8 @@ from ...plant.plant_parameters import PlantParameters
 Array = NDArray[np.float64]
 
 _GAP_S, _GAP_PERIODS = 0.5, 10.0  # without a sample of wrench or joints
+_BRIEF, _STRAIGHT = 0.02, 0.005  # of the duration, of the range: that tells as much as samples
+_OF_LINE = 3  # fewest samples on either side of it
 _OUTSIDE_PERIODS = 2.5  # between the ends of wrench and joints: else one outlasts the other
 _LEAST_KEPT = 0.8  # of the samples: else they are uneven, and there are no gaps
 _MOST_SAMPLES = {True: 30_000, False: 66_000}  # fitted as they are, with and without a robot
@@ -99,6 +101,9 @@ def spans_of(signals: Signals) -> list[tuple[float, float]]:
     """
     Find the stretches in which no topic pauses.
 
+    A pause of less than a fiftieth of the recording over which the topic goes straight on is none:
+    a straight line tells what happened.
+
     Parameters
     ----------
     signals : Signals
@@ -114,16 +119,29 @@ def spans_of(signals: Signals) -> list[tuple[float, float]]:
     begin, end = float(s.wrench_t[0]), float(s.wrench_t[-1])
     pace = pace_of(_period(s.wrench_t), end - begin)
     pauses: list[tuple[float, float]] = []
-    for stamps in (s.wrench_t, s.joint_t):
+    for stamps, values in ((s.wrench_t, s.force), (s.joint_t, s.position)):
         steps = np.diff(stamps)
         long = steps > max(_GAP_S * pace, _GAP_PERIODS * float(np.median(steps)))
-        pauses += zip(stamps[:-1][long].tolist(), stamps[1:][long].tolist())
+        pauses += [(float(stamps[k]), float(stamps[k + 1])) for k in np.flatnonzero(long)
+                   if steps[k] > _BRIEF * (end - begin) or not _goes_straight(stamps, values, k)]
     spans = []
     for pause, resume in sorted(pauses):
         if pause > begin:
             spans.append((begin, pause))
         begin = max(begin, resume)
     return [*spans, (begin, end)]
+
+
+def _goes_straight(t: Array, y: Array, last: int) -> bool:
+    """Return whether the lines through the samples before and after a pause are one line."""
+    pause, length = t[last], t[last + 1] - t[last]
+    first = min(int(np.searchsorted(t, pause - length)), last - _OF_LINE + 1)
+    stop = max(int(np.searchsorted(t, pause + 2.0 * length)), last + 1 + _OF_LINE)
+    if first < 0 or stop > len(t):
+        return False
+    ends = [np.polyval(np.polyfit(t[side] - pause, y[side], 1), (0.0, length))
+            for side in (slice(first, last + 1), slice(last + 1, stop))]
+    return float(np.max(np.abs(np.diff(ends, axis=0)))) <= _STRAIGHT * float(np.ptp(y))
 
 
 def _is_enough(part: Signals) -> bool:
