@@ -56,6 +56,12 @@ def test_a_play_needs_more_than_one_reversal() -> None:
     assert 'backlash' in candidates_in([prepared_from(recorded())[0]], model)
 
 
+@pytest.mark.parametrize('mass, found', [(0.0, True), (2.0, False)])
+def test_a_gear_may_have_play_unless_the_force_moves_a_mass(mass: float, found: bool) -> None:
+    gear = nominal(**{**ATTACHED, 'environment__inertia': mass})
+    assert ('backlash' in candidates_for(Model.of(gear), False)) is found
+
+
 def test_effect_is_not_added_twice() -> None:
     rubbing = MODEL.with_effect('coulomb_friction', (1.0,))
     assert 'coulomb_friction' not in candidates_for(rubbing, True)

@@ -167,3 +167,26 @@ def test_straight_lines_through_smooth_samples_have_the_areas_of_the_spline() ->
 def test_held_samples_come_half_a_sample_late() -> None:
     ramp = np.arange(50.0)
     np.testing.assert_allclose(held(ramp)[1:], ramp[1:] - 0.5)
+
+
+@pytest.mark.slow
+def test_play_of_a_gear_is_named() -> None:
+    gap, drag, spring = 0.002, 500.0, 400.0
+    t = np.arange(15 * 250) / 250.0
+    rng = np.random.default_rng(4)
+    tones, phases = rng.uniform(0.3, 2.0, 6), rng.uniform(0.0, 2.0 * np.pi, 6)
+    x = 0.004 * np.sin(2.0 * np.pi * np.outer(t, tones) + phases).sum(axis=1)
+    load, force = float(x[0]), np.zeros(len(t))
+    for k in range(1, len(t)):
+        pushed = min(max(load, x[k] - 0.5 * gap), x[k] + 0.5 * gap)
+        if pushed != load:
+            force[k] = -(spring * pushed + drag * (x[k] - x[k - 1]) * 250.0)
+        load = pushed
+    noise = rng.normal(size=(2, len(t)))
+    found = diagnosed(
+        Signals(t, force + 0.5 * noise[0], t, x + 2e-6 * noise[1], *NO_REFERENCE),
+        nominal(environment__stiffness=300.0, environment__damping=700.0,
+                environment__inertia=0.0, environment__unilateral=False))
+    assert (found.verdict, named(found)) == ('physics_missing', ['backlash'])
+    assert found.effects[0].parameters['gap'].value == pytest.approx(gap, rel=0.05)
+    assert found.damping.value == pytest.approx(drag, rel=0.02)

@@ -154,10 +154,13 @@ def test_a_delay_is_no_smaller_than_stamps_are_known(name: str) -> None:
         assert is_credible([recording], delayed) is credible
 
 
-@pytest.mark.parametrize('apart, credible', [(0.06, False), (0.07, True)])
-def test_two_tones_gain_a_period_on_one_another(apart: float, credible: bool) -> None:
+@pytest.mark.parametrize('slower, apart, credible', [
+    (0.5, 0.06, False), (0.5, 0.07, True), (0.21, 0.3, True), (0.19, 0.3, False)])
+def test_two_tones_have_periods_and_gain_one_on_one_another(
+    slower: float, apart: float, credible: bool
+) -> None:
     recording, found = prepared(specimen(TO_AND_FRO, 0.0))  # of 15 s
-    tones = (1e-3, 0.5, 0.0, 1e-3, 0.5 + apart, 0.0)
+    tones = (1e-3, slower, 0.0, 1e-3, slower + apart, 0.0)
     model = found.model.with_effect('beating_environment', tones)
     assert is_credible([recording], model) is credible
 

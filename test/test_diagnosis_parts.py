@@ -24,7 +24,12 @@ from typing import Any
 from concealed_worlds import diagnosed, named, nominal, prepared_from, recorded, touches
 from contact_estimation.diagnosis.conclude import conclusion, decision as decision_module, trifles
 from contact_estimation.diagnosis.conclude.alternatives import beside_zeros, in_family
-from contact_estimation.diagnosis.conclude.conclusion import _free_runs, _is_contradicted, _worse
+from contact_estimation.diagnosis.conclude.conclusion import (
+    _free_runs,
+    _is_contradicted,
+    _promises_more,
+    _worse,
+)
 from contact_estimation.diagnosis.conclude.decision import decide, Decision
 from contact_estimation.diagnosis.conclude.held_out import Part
 from contact_estimation.diagnosis.conclude.result import Errors
@@ -291,6 +296,17 @@ def test_names_down_to_the_noise_need_not_show_in_the_held_out_part(
     squares = np.array([[9.0, 9.0], [1.0, 1.0], [corrected**2, corrected**2]])
     part = Part('held out', squares, np.full(2, 100.0), 1e-12 * squares, np.full(2, 100.0))
     assert _worse([part], Model.of(SPRING).with_effect('cubic_stiffness', (2e6,)), exact) is worse
+
+
+@pytest.mark.parametrize('explained, corrected, noise, contradicted', [
+    (1.0, 0.9, 0.3, True), (0.7, 0.9, 0.3, False), (1.0, 0.7, 0.3, False),
+    (1.0, 0.98, 0.9, False)])  # where the noise hides the misfit, it hides the gain, too
+def test_held_out_data_contradict_names_that_show_little_of_what_they_explain(
+    explained: float, corrected: float, noise: float, contradicted: bool
+) -> None:
+    squares = 100.0 * np.array([[9.0], [1.0], [corrected**2]])
+    part = Part('held out', squares, np.array([100.0]), 1e-12 * squares, np.array([100.0]))
+    assert _promises_more(explained, [part], noise) is contradicted
 
 
 @pytest.mark.parametrize('force, motion, drifts, worse', [

@@ -79,7 +79,6 @@ class Backlash(ContactEffect):
     description = 'Play between the tool and the part that touches the wall.'
     Parameters = BacklashParameters
     lets_go = True
-    needs_touch = True
     resolved_length = 'gap'
 
     states = 1  # position of the tool within the play, x - y

@@ -30,6 +30,8 @@ from .random_strength import log_uniform, Strength
 from .scales import Scales
 from ..parameters.specification import optional_parameter, ParameterGroup
 
+_PERIODS = 3.0  # fewest of the slower tone
+
 
 @dataclass(frozen=True)
 class BeatingEnvironmentParameters(ParameterGroup):
@@ -81,9 +83,13 @@ class BeatingEnvironment(ContactEffect):
 
     @classmethod
     def is_resolved(cls, values: Any, duration: float) -> bool:
-        """Need a period, and one that the tones gain on one another (Rayleigh's criterion)."""
+        """
+        Need periods, and one that the tones gain on one another (Rayleigh's criterion).
+
+        Two tones of fewer than three periods are any curve of time.
+        """
         low, high = sorted((values.frequency, values.frequency_2))
-        return bool(min(low, high - low) * duration >= 1.0)
+        return bool(min(low / _PERIODS, high - low) * duration >= 1.0)
 
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:

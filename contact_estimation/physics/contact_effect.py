@@ -52,9 +52,6 @@ class ContactEffect(Effect):
     replaces_damping: ClassVar[bool] = False
     """Whether B_e is undefined with this effect."""
 
-    lets_go: ClassVar[bool] = False
-    """Whether the force may vanish during contact."""
-
     jumps: ClassVar[bool] = False
     """Whether the resistance depends on the rate alone and jumps where the motion reverses."""
 

@@ -75,6 +75,8 @@ class Effect(DrawnEffect):
         Whether it is a mass on a spring of its own: of its frequency one step tells little.
     clips_force : bool
         Whether the measured force is level where the effect acts, by which it is told.
+    lets_go : bool
+        Whether the force may vanish during contact.
     is_series : bool
         Whether the law is wider than others of its family, which are preferred to it.
     reached_force : str
@@ -120,6 +122,7 @@ class Effect(DrawnEffect):
     is_mass: ClassVar[bool] = False
     resonates: ClassVar[bool] = False
     clips_force: ClassVar[bool] = False
+    lets_go: ClassVar[bool] = False
     is_series: ClassVar[bool] = False
     reached_force: ClassVar[str] = ''
     reached_length: ClassVar[str] = ''

@@ -45,6 +45,8 @@ from ...physics import EFFECTS
 Array = NDArray[np.float64]
 
 # Ratios of errors on held-out data.
+_PROMISED, _KEPT = 0.8, 0.7  # shares: explained; of the held-out misfit left, against it
+_ABOVE_NOISE = 1.4  # times the noise: the held-out force, to show anything
 _CLEARLY_WORSE, _MUCH_WORSE, _FAR_WORSE, _THE_SAME = 1.05, 1.5, 3.0, 1.02
 _UNTOLD = 4.0  # cost of two standard deviations
 _HELD = 0.3  # deviation of a spring's force, in that of all the force, which holds a driven mass
@@ -184,6 +186,9 @@ def _tested(
     worse = bool(best.model.effects) and _worse(
         parts, best.model, not has_discrepancy(recordings),
         all(_drifts(one, best.model) for one in recordings))
+    if best.model.effects and decision.shares is not None:
+        noise = max(one.force_noise for one in recordings)
+        worse = worse or _promises_more(decision.shares.explained, parts, noise)
     return _Tested(decision, recordings, base, best, parts, free_runs, worse)
 
 
@@ -254,6 +259,23 @@ def _worse(parts: Sequence[Part], best: Model, exact: bool, drifts: bool = False
     if min(ratios) >= 1.0 or prod(ratios) >= 1.0 and max(ratios) > _FAR_WORSE:
         return True
     return not of_robot and force is not None and force > _CLEARLY_WORSE
+
+
+def _promises_more(explained: float, parts: Sequence[Part], noise: float) -> bool:
+    """
+    Return whether held-out data show little of what names are said to explain.
+
+    The share of a misfit is that beyond what is uncertain of it. Values of a wall that make
+    everything uncertain, such as a mass a hundred times that of the drive, explain nothing.
+    """
+    force, motion = errors_of(parts)
+    if explained < _PROMISED or force.corrected is None or force.recalibrated is None or (
+            force.recalibrated < _ABOVE_NOISE * noise):
+        return False
+    left = [(force.corrected**2 - noise**2) / (force.recalibrated**2 - noise**2)]
+    if motion.corrected is not None and motion.recalibrated:
+        left.append((motion.corrected / motion.recalibrated) ** 2)
+    return min(left) > _KEPT
 
 
 def _locate(

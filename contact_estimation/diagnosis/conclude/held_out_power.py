@@ -128,5 +128,5 @@ def releases_contact(recordings: Recordings, model: Model) -> bool:
         If so, what is left is the instant, within a sample, of each release.
 
     """
-    effects = [getattr(EFFECTS[name], 'lets_go', False) for name in model.effects]
+    effects = [EFFECTS[name].lets_go for name in model.effects]
     return any(effects) and all(recording.dropped is not None for recording in recordings)

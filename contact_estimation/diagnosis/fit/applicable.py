@@ -71,6 +71,7 @@ def candidates_for(
 
     """
     wall = model.nominal.environment
+    massless = wall.unilateral or wall.inertia == 0.0  # a force does not move what it lets go
     return [
         name for name, cls in EFFECTS.items()
         if name not in model.effects and name not in model.excluded
@@ -83,7 +84,7 @@ def candidates_for(
         and (speeds or wall.stiffness == 0.0 or not cls.needs_speeds)
         and (wall.unilateral or paces or cls.family != _OF_SPEED)
         and (with_robot or paces or cls.family != _OF_ACCELERATION)
-        and (plays or not getattr(cls, 'lets_go', False))
+        and (plays and massless or not cls.lets_go)
         and not (cls.base_parameter == 'inertia' and model.with_inertia)
     ]
 

@@ -223,7 +223,7 @@ def jacobian_of(recordings: Recordings, found: Fit) -> Array:
 
 def _jacobian(model: Model, function: Callable[[Array], Array], here: Array) -> Array:
     return differentiate_by(
-        model.coordinates, model.steps, function, here, most=model.ranges[1])
+        model.coordinates, model.steps, function, here, model.differences, model.ranges[1])
 
 
 def _fitted_on(

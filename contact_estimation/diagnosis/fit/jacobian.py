@@ -104,7 +104,7 @@ class SecantJacobian:
 
 def differentiate_by(
     values: Array, size: Array, function: Callable[[Array], Array], here: Array,
-    share: float = _STEP, most: Array | None = None,
+    share: float | Array = _STEP, most: Array | None = None,
 ) -> Array:
     """
     Differentiate a function of several values by forward differences.
@@ -119,7 +119,7 @@ def differentiate_by(
         Values to residuals.
     here : ndarray, shape (R,)
         Its result at `values`.
-    share : float
+    share : float or ndarray, shape (P,)
         Step, as a share of `size`.
     most : ndarray, shape (P,), optional
         Upper bounds of the values; steps that would exceed them go backwards.
@@ -131,10 +131,10 @@ def differentiate_by(
 
     """
     columns = np.empty((len(here), len(values)))
-    for k in range(len(values)):
-        moved, change = values.copy(), share
+    for k, change in enumerate(np.broadcast_to(share, values.shape).tolist()):
+        moved = values.copy()
         if most is not None and values[k] + change * size[k] > most[k]:
-            change = -share
+            change = -change
         moved[k] += change * size[k]
         columns[:, k] = (function(moved) - here) / change
     return columns

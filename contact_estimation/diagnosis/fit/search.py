@@ -178,7 +178,8 @@ def may_show(recordings: Recordings, model: Model, name: str) -> bool:
         exponential of which the motion covers a parabola alone, a bend that the motion does not
         pass, a surface far beyond the motion, a play within the noise of the positions, a
         resonance of fewer than eight samples a period or of less than a period, a delay of less
-        than a twentieth of a sample period, or two tones too near one another for the duration.
+        than a twentieth of a sample period, or two tones too near one another, or too slow, for
+        the duration.
 
     """
     values = EFFECTS[name].Parameters(*model.values[model.place(name)])

@@ -54,7 +54,8 @@ def standard_deviations(recordings: Recordings, found: Fit) -> Array:
     function = residual_function(recordings, model)
     values, size = model.coordinates, model.steps
     here = function(values)
-    jacobian = differentiate_by(values, size, function, here, most=model.ranges[1])
+    jacobian = differentiate_by(
+        values, size, function, here, model.differences, model.ranges[1])
     inverse = np.linalg.pinv(jacobian.T @ jacobian, rcond=1e-13)
     told = differentiate_by(values, size, lambda these: _free_values(model.with_free(these)),
                             _free_values(model), most=model.ranges[1])
