@@ -122,7 +122,7 @@ def spans_of(signals: Signals) -> list[tuple[float, float]]:
     for stamps, values in ((s.wrench_t, s.force), (s.joint_t, s.position)):
         steps = np.diff(stamps)
         long = steps > max(_GAP_S * pace, _GAP_PERIODS * float(np.median(steps)))
-        pauses += [(float(stamps[k]), float(stamps[k + 1])) for k in np.flatnonzero(long)
+        pauses += [(float(stamps[k]), float(stamps[k + 1])) for k in np.flatnonzero(long).tolist()
                    if steps[k] > _BRIEF * (end - begin) or not _goes_straight(stamps, values, k)]
     spans = []
     for pause, resume in sorted(pauses):
