@@ -181,7 +181,9 @@ def test_robot_on_arrays_moves_as_the_plant(name: str) -> None:
         robot.mass * a, driving + force, atol=PREDICTION.get(name, 1e-9))
 
 
-@pytest.mark.parametrize('name', [n for n in WALL if not EFFECTS[n].needs_touch])  # type: ignore
+# Where the tool turns, a play switches without end; test_attached_walls.py has one that is moved.
+@pytest.mark.parametrize('name', [
+    n for n in WALL if not EFFECTS[n].needs_touch and n != 'backlash'])  # type: ignore
 def test_attached_wall_obeys_the_law_at_all_times(name: str) -> None:
     t, x, v, a, force, _ = truths_of(name, environment__unilateral=False)
     got = law_of(name, unilateral=False).force(t, x, v, a)

@@ -83,7 +83,7 @@ def test_a_pause_of_all_topics_makes_two_parts() -> None:
 
 @pytest.mark.parametrize('bend, parts', [(0.0, 1), (2.0, 2)])
 def test_a_brief_pause_divides_only_where_the_motion_bends(bend: float, parts: int) -> None:
-    t = 0.01 * np.arange(4000)
+    t: Array = 0.01 * np.arange(4000.0)
     x = 1e-4 * (t + bend * np.maximum(t - 20.3, 0.0))
     kept = (t < 20.0) | (t > 20.7)
     noise = 1e-3 * np.random.default_rng(1).normal(size=len(t))
