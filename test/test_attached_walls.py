@@ -29,21 +29,18 @@ from scipy.interpolate import CubicSpline
 
 Array = NDArray[np.float64]
 
+# One or two of a family; test_diagnosis_names.py has a world of each effect, with a robot.
 WORLDS: dict[str, tuple[float, ...]] = {
     'coulomb_friction': (3.0,),
-    'stribeck_friction': (2.0, 5.0, 0.05),
     'presliding_friction': (6.0, 20000.0),
     'cubic_stiffness': (1e6,),
-    'exponential_stiffness': (2.0, 0.004),
     'quadratic_damping': (60.0,),
-    'asymmetric_damping': (10.0,),
     'viscoelastic_relaxation': (800.0, 0.1),
     'fractional_relaxation': (500.0, 0.35),
     'bouc_wen_hysteresis': (1500.0, 150.0, 40.0),
     'bilinear_stiffness': (1500.0, 0.004),
     'stiffness_drift': (0.01,),
     'force_lag': (0.003,),
-    'force_delay': (0.004,),
     'force_drift': (0.5,),
 }
 BOUND = 0.08
