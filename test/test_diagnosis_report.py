@@ -20,6 +20,7 @@ from dataclasses import replace
 import json
 from math import inf, nan
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 from contact_estimation.diagnosis.conclude.location import Location
@@ -28,6 +29,7 @@ from contact_estimation.diagnosis.report.corrected_model import model_file
 from contact_estimation.diagnosis.report.json_report import as_dict
 from contact_estimation.diagnosis.report.page.builder import as_html
 from contact_estimation.diagnosis.report.text_report import as_text
+from contact_estimation.diagnosis.report.wording import share_of
 from contact_estimation.estimation.parameters import EstimationParameters
 from contact_estimation.parameters.file import read_parameter_file
 from contact_estimation.parameters.values import build
@@ -254,3 +256,16 @@ def test_model_file_configures_plant_and_estimator(tmp_path: Path) -> None:
     assert plant.physics.coulomb_friction.F_c == pytest.approx(F_c, rel=1e-9)
     estimator = build(EstimationParameters, read_parameter_file(path, 'estimator_node'))
     assert estimator.physics.coulomb_friction.F_c == plant.physics.coulomb_friction.F_c
+
+
+@pytest.mark.parametrize('interval, words', [
+    ((-3.4, 1.1), 'predicts nothing certain of the misfit on parts left out, but it pulls: '),
+    ((0.02, 0.08),
+     'predicts 5.0 % (2.0 to 8.0 %) of the misfit on parts left out, but it pulls: ')])
+def test_share_of_what_a_mark_tells_is_given_only_if_it_is_certain(
+    interval: tuple[float, float], words: str
+) -> None:
+    effect: Any = SimpleNamespace(
+        share=0.05, share_interval=interval, share_in_form=None,
+        mark=SimpleNamespace(words='it pulls'))
+    assert share_of(effect) == words + 'something else is larger'
