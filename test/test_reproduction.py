@@ -21,7 +21,7 @@ from pathlib import Path
 
 from contact_estimation.commands.reproduce import main
 from contact_estimation.plant.world import Truth
-from contact_estimation.reproduction import table as table_module
+from contact_estimation.reproduction import figures as figures_module, table as table_module
 from contact_estimation.reproduction.case import BEST, bounds, Case, Errors, OnlineCase
 from contact_estimation.reproduction.paper import NOISE_VARIANCE, PAPER
 from contact_estimation.reproduction.simulation_cases import SIMULATION_CASES
@@ -111,6 +111,7 @@ def test_command_writes_table_and_figures(
     # The figures run all other cases.
     cases = [c for c in ALL_CASES if c.case == 'simulation_prbs' or not isinstance(c, OnlineCase)]
     monkeypatch.setattr(table_module, 'ALL_CASES', cases)
+    monkeypatch.setattr(figures_module, 'LONG_HOLD_S', 3.0)
     table, figures = tmp_path / 'table.json', tmp_path / 'figures'
     assert main(['--seeds', '1', '--json', str(table), '--output', str(figures)]) == 0
     assert len(json.loads(table.read_text())['cases']) == len(cases) == 9
