@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import re
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, Callable
 
 from contact_estimation.diagnosis.conclude.diagnose import diagnose
 from contact_estimation.diagnosis.conclude.result import Diagnosis
@@ -113,42 +113,43 @@ def test_a_force_that_is_held_between_samples_is_no_late_stamp(held: bool) -> No
     assert all(check.ok for check in found.checks)
 
 
-@pytest.mark.parametrize('damping, found', [(150.0, True), (0.0, False)])
-def test_a_shift_that_takes_the_place_of_damping_is_none(
-    monkeypatch: pytest.MonkeyPatch, damping: float, found: bool
-) -> None:
-    base = Model.of(nominal())
-    left, offset = base.at((4800.0, damping)), Offset('joint_states', LATE_S)
-    misfits = iter((100.0, 1.0, 1.0))  # as stamped, and shifted
+def is_told(
+    monkeypatch: pytest.MonkeyPatch, offset: Offset, best: Model, selected: Model,
+    misfit: Callable[[Model], float],
+) -> bool:
+    """Return whether an offset is told that is tried, by what models leave."""
     monkeypatch.setattr(clocks, 'fit', lambda recordings, model: Fit(
-        model, 1000.0 + next(misfits), np.ones(2), 1000))
+        model, 1000.0 + misfit(model), np.ones(2), 1000))
     monkeypatch.setattr(clocks, 'leaves_noise', lambda found: False)
     monkeypatch.setattr(Clocks, '_tried', lambda self: [offset])
     for name in ('_refined', '_fitted'):
         monkeypatch.setattr(Clocks, name, lambda self, offset, model: offset)
     monkeypatch.setattr(Clocks, '_prepared', lambda self, offset: [])
-    tested = Clocks([Recording('late.mcap', recorded())], [], base, base, 0)
-    of_shifted: Any = SimpleNamespace(best=Fit(left, 0.0, np.ones(2), 1000))
-    assert tested.offset(lambda shifted: ([], of_shifted)) == (offset if found else None)
+    tested = Clocks([Recording('file.mcap', recorded())], [], Model.of(nominal()), best, 0)
+    of_shifted: Any = SimpleNamespace(best=Fit(selected, 0.0, np.ones(2), 1000))
+    found = tested.offset(lambda shifted: ([], of_shifted))
+    assert found in (None, offset)
+    return found is not None
+
+
+@pytest.mark.parametrize('damping, found', [(150.0, True), (0.0, False)])
+def test_a_shift_that_takes_the_place_of_damping_is_none(
+    monkeypatch: pytest.MonkeyPatch, damping: float, found: bool
+) -> None:
+    base = Model.of(nominal())
+    misfits = iter((100.0, 1.0, 1.0))  # as stamped, and shifted
+    assert is_told(monkeypatch, Offset('joint_states', LATE_S), base, base.at((4800.0, damping)),
+                   lambda model: next(misfits)) is found
 
 
 @pytest.mark.parametrize('left, found', [(1.0, True), (90.0, False)])
 def test_an_offset_is_tried_without_the_memory_that_makes_up_for_an_inexact_one(
     monkeypatch: pytest.MonkeyPatch, left: float, found: bool
 ) -> None:
-    base, offset = Model.of(nominal()), Offset('joint_states', -LATE_S)
-    remembering = base.with_effect('viscoelastic_relaxation', (1000.0, 0.1))
+    remembering = Model.of(nominal()).with_effect('viscoelastic_relaxation', (1000.0, 0.1))
     misfits = {(): left, remembering.effects: 100.0}
-    monkeypatch.setattr(clocks, 'fit', lambda recordings, model: Fit(
-        model, 1000.0 + misfits[model.effects], np.ones(2), 1000))
-    monkeypatch.setattr(clocks, 'leaves_noise', lambda found: False)
-    monkeypatch.setattr(Clocks, '_tried', lambda self: [offset])
-    for name in ('_refined', '_fitted'):
-        monkeypatch.setattr(Clocks, name, lambda self, offset, model: offset)
-    monkeypatch.setattr(Clocks, '_prepared', lambda self, offset: [])
-    tested = Clocks([Recording('early.mcap', recorded())], [], base, remembering, 0)
-    of_shifted: Any = SimpleNamespace(best=Fit(remembering, 0.0, np.ones(2), 1000))
-    assert tested.offset(lambda shifted: ([], of_shifted)) == (offset if found else None)
+    assert is_told(monkeypatch, Offset('joint_states', -LATE_S), remembering, remembering,
+                   lambda model: misfits[model.effects]) is found
 
 
 @pytest.mark.parametrize('scanned, found', [(90.0, True), (99.0, False)])

@@ -30,6 +30,7 @@ from .location import locate, Location
 from .naming import advice, name_effects, Names
 from .result import Diagnosis, Errors, NamedEffect, pair_of, Remainder, Value
 from .shares import Shares
+from ..fit.criteria import explained_share
 from ..fit.discrepancy import has_discrepancy, least_material
 from ..fit.fitting import Fit, fit_at
 from ..fit.free_run import free_run
@@ -45,7 +46,7 @@ from ...physics import EFFECTS
 Array = NDArray[np.float64]
 
 # Ratios of errors on held-out data.
-_PROMISED, _KEPT = 0.8, 0.7  # shares: explained; of the held-out misfit left, against it
+_PROMISED, _SHOWN = 0.8, 0.3  # shares explained: of all parts, at least of the held-out ones
 _ABOVE_NOISE = 1.4  # times the noise: the held-out force, to show anything
 _CLEARLY_WORSE, _MUCH_WORSE, _FAR_WORSE, _THE_SAME = 1.05, 1.5, 3.0, 1.02
 _UNTOLD = 4.0  # cost of two standard deviations
@@ -183,12 +184,11 @@ def _tested(
     progress('held-out parts')
     models = (fitted.nominal, base.model, best.model)
     parts, free_runs = _held_out(recordings, whole, fitted.holdouts, models)
-    worse = bool(best.model.effects) and _worse(
-        parts, best.model, not has_discrepancy(recordings),
-        all(_drifts(one, best.model) for one in recordings))
-    if best.model.effects and decision.shares is not None:
-        noise = max(one.force_noise for one in recordings)
-        worse = worse or _promises_more(decision.shares.explained, parts, noise)
+    explained = 0.0 if decision.shares is None else decision.shares.explained
+    worse = bool(best.model.effects) and (
+        _worse(parts, best.model, not has_discrepancy(recordings),
+               all(_drifts(one, best.model) for one in recordings))
+        or _promises_more(explained, parts, max(one.force_noise for one in recordings)))
     return _Tested(decision, recordings, base, best, parts, free_runs, worse)
 
 
@@ -272,10 +272,10 @@ def _promises_more(explained: float, parts: Sequence[Part], noise: float) -> boo
     if explained < _PROMISED or force.corrected is None or force.recalibrated is None or (
             force.recalibrated < _ABOVE_NOISE * noise):
         return False
-    left = [(force.corrected**2 - noise**2) / (force.recalibrated**2 - noise**2)]
+    shown = [explained_share(force.recalibrated**2, force.corrected**2, noise**2)]
     if motion.corrected is not None and motion.recalibrated:
-        left.append((motion.corrected / motion.recalibrated) ** 2)
-    return min(left) > _KEPT
+        shown.append(explained_share(motion.recalibrated**2, motion.corrected**2, 0.0))
+    return max(shown) < _SHOWN
 
 
 def _locate(

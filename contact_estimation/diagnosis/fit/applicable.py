@@ -66,12 +66,12 @@ def candidates_for(
         In the order of the registry; effects of touching only for a unilateral wall, those of
         attachment only for an attached one, those of penetration also for an attached one that is
         only pressed, those of a return also for one that is moved to and fro, those of a spring
-        not for a drive, which has none, and those of the magnitude of the speed only where depth
-        does not tell it.
+        not for a drive, which has none, those of the magnitude of the speed only where depth does
+        not tell it, and those that let go not for an attached mass.
 
     """
     wall = model.nominal.environment
-    massless = wall.unilateral or wall.inertia == 0.0  # a force does not move what it lets go
+    may_let_go = wall.unilateral or wall.inertia == 0.0  # a force does not move what it lets go
     return [
         name for name, cls in EFFECTS.items()
         if name not in model.effects and name not in model.excluded
@@ -84,7 +84,7 @@ def candidates_for(
         and (speeds or wall.stiffness == 0.0 or not cls.needs_speeds)
         and (wall.unilateral or paces or cls.family != _OF_SPEED)
         and (with_robot or paces or cls.family != _OF_ACCELERATION)
-        and (plays and massless or not cls.lets_go)
+        and (plays and may_let_go or not cls.lets_go)
         and not (cls.base_parameter == 'inertia' and model.with_inertia)
     ]
 

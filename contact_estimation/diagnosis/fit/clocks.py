@@ -142,7 +142,7 @@ class Clocks:
             shifted, selection = select(self._shifted(tried))
             model, lawful = selection.best.model, _without_caused(selection.best.model)
             # A memory may only make up for what an offset near the right one leaves.
-            for kept in (model, *([_with_nominal_wall(lawful)] if lawful != model else ())):
+            for kept in (model,) if lawful == model else (model, _with_nominal_wall(lawful)):
                 nearer = self._refined(tried, kept)  # the scan may have had other effects
                 for found in (fit(shifted, kept), fit(self._prepared(nearer), kept)):
                     if self._explains(found):

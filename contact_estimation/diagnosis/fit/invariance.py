@@ -30,7 +30,7 @@ from scipy.optimize import least_squares
 
 from .discrepancy import CHANNELS
 from .fitting import Fit, residual_function, sum_of_squares
-from .jacobian import differentiate_by
+from .jacobian import differentiate_by, jacobian_at
 from .parts import Part
 from ..observe.model import Model
 from ..observe.prepared_recording import is_flexible, Recordings
@@ -142,7 +142,7 @@ def left_out_errors(
     """
     function = residual_function(recordings, found.model)
     here = function(found.model.coordinates)
-    jacobian = _jacobian(found.model, function, here)
+    jacobian = jacobian_at(found.model, function, here)
     names = found.model.effects
     lawful = not (names and is_flexible(recordings, found.model, names[-1]))
     squares = np.empty((len(parts), CHANNELS))
@@ -184,7 +184,7 @@ def errors_with_own_size(recordings: Recordings, found: Fit, parts: Sequence[Par
     function, place = residual_function(recordings, model), model.place(model.effects[-1]).start
     size = int(np.count_nonzero(model.free[:place]))
     (low, high), here = model.ranges, function(model.coordinates)
-    jacobian = _jacobian(model, function, here)
+    jacobian = jacobian_at(model, function, here)
     squares = np.empty((len(parts), CHANNELS))
     for k, part in enumerate(parts):
         values, _ = _fitted_on(~part.there, model, function, here, jacobian)
@@ -218,12 +218,7 @@ def jacobian_of(recordings: Recordings, found: Fit) -> Array:
 
     """
     function = residual_function(recordings, found.model)
-    return _jacobian(found.model, function, function(found.model.coordinates))
-
-
-def _jacobian(model: Model, function: Callable[[Array], Array], here: Array) -> Array:
-    return differentiate_by(
-        model.coordinates, model.steps, function, here, model.differences, model.ranges[1])
+    return jacobian_at(found.model, function, function(found.model.coordinates))
 
 
 def _fitted_on(

@@ -21,9 +21,15 @@ from typing import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from ..observe.model import Model, names_of
+from ...physics import EFFECTS
+
 Array = NDArray[np.float64]
 
 _STEP = 1e-4  # of forward differences, as a share of the typical change of a value
+# Where the force vanishes at an instant that depends on the value: a smaller step moves the
+# instant past a few samples, or none.
+_ACROSS = 0.1
 _PREDICTED = 0.2  # of a change of the residuals: what the Jacobian may miss and be kept
 
 
@@ -138,3 +144,28 @@ def differentiate_by(
         moved[k] += change * size[k]
         columns[:, k] = (function(moved) - here) / change
     return columns
+
+
+def jacobian_at(model: Model, function: Callable[[Array], Array], here: Array) -> Array:
+    """
+    Differentiate residuals by the free values of a model, with steps that show its switches.
+
+    Parameters
+    ----------
+    model : Model
+        The point.
+    function : callable
+        Coordinates to residuals.
+    here : ndarray, shape (R,)
+        Its result at the point.
+
+    Returns
+    -------
+    jacobian : ndarray, shape (R, F)
+        For a change of each value by its typical size.
+
+    """
+    lets_go = [EFFECTS[effect].lets_go for effect in model.effects for _ in names_of(effect)]
+    shares = np.where([False] * model.base_count + lets_go, _ACROSS, _STEP)[model.free]
+    return differentiate_by(
+        model.coordinates, model.steps, function, here, shares, model.ranges[1])

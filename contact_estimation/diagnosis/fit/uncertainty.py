@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from .discrepancy import correlation_time
 from .fitting import Fit, residual_function
-from .jacobian import differentiate_by
+from .jacobian import differentiate_by, jacobian_at
 from ..observe.model import Model
 from ..observe.prepared_recording import Recordings
 
@@ -54,8 +54,7 @@ def standard_deviations(recordings: Recordings, found: Fit) -> Array:
     function = residual_function(recordings, model)
     values, size = model.coordinates, model.steps
     here = function(values)
-    jacobian = differentiate_by(
-        values, size, function, here, model.differences, model.ranges[1])
+    jacobian = jacobian_at(model, function, here)
     inverse = np.linalg.pinv(jacobian.T @ jacobian, rcond=1e-13)
     told = differentiate_by(values, size, lambda these: _free_values(model.with_free(these)),
                             _free_values(model), most=model.ranges[1])

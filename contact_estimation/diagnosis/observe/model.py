@@ -39,7 +39,6 @@ Array = NDArray[np.float64]
 _NO_WALL = 1e-3  # N/m or N s/m: practically no spring, no damper, beside a nominal one of 1
 _LEAST_MAGNITUDE = 1e-150  # whose logarithm stands for that of a minimum of 0
 _OF_SPRING = ('wall_motion', 'clearance')  # families that show through K_e, or a law for it
-_SMALL, _ACROSS = 1e-4, 0.1  # steps of finite differences, as shares of a typical change
 _LARGEST_LOGARITHM = 345.0  # e^345 = 1e150: beyond, products of such a value overflow
 
 
@@ -237,18 +236,6 @@ class Model:
         names = [name in EFFECTS[effect].in_logarithm
                  for effect in self.effects for name in names_of(effect)]
         return np.array([False] * self.base_count + names)
-
-    @property
-    def differences(self) -> Array:
-        """
-        Step of a finite difference by each coordinate, as a share of `steps`.
-
-        A large one where the force vanishes at an instant that depends on the value: a small one
-        moves none of the samples from one side of the instants to the other, or a few.
-        """
-        jumps = [EFFECTS[effect].lets_go for effect in self.effects for _ in names_of(effect)]
-        shares = np.where([False] * self.base_count + jumps, _ACROSS, _SMALL)
-        return np.asarray(shares[self.free])
 
     @property
     def at_end(self) -> NDArray[np.bool_]:

@@ -99,9 +99,9 @@ def share_of(effect: NamedEffect) -> str:
     interval = (f' ({low:.{digits}f} to {high:.{digits}f} %)'
                 if isfinite(low) and isfinite(high) else '')
     sentence = f'predicts {share:.{digits}f} %{interval} of the misfit on parts left out'
-    if effect.mark is not None and not low > 0.0:
-        sentence = 'predicts nothing certain of the misfit on parts left out'
     if effect.mark is not None:
+        if not low > 0.0:
+            sentence = 'predicts nothing certain of the misfit on parts left out'
         return f'{sentence}, but {effect.mark.words}: something else is larger'
     if effect.share_in_form is None:
         return sentence
