@@ -22,6 +22,7 @@ from contact_estimation.diagnosis.observe.observer import (
     coast,
     innovations,
     innovations_of,
+    innovations_under,
     kalman_filter,
     run,
     run_velocity,
@@ -32,7 +33,7 @@ from numpy.typing import NDArray
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm, solve_discrete_are
-from scipy.signal import lsim
+from scipy.signal import lfilter, lsim
 
 Array = NDArray[np.float64]
 
@@ -94,6 +95,17 @@ def test_innovations_of_a_force_are_those_of_its_motion(
     expected = innovations(np.asarray(moved).ravel(), observer, CUTOFF, H)
     got = innovations_of(PUSH, system, observer, CUTOFF, H)
     np.testing.assert_allclose(got, expected, atol=1e-7 * np.max(np.abs(expected)))
+
+
+@EVERY
+def test_innovations_under_a_force_are_those_of_the_misfit_of_its_run(
+    M: float, B: float, K: float
+) -> None:
+    system, start, c = discretise(M, B, K, H), 0.02, np.array([1.0, -1.3, 0.47, -0.035])
+    position = start + 1e-3 * np.sin(7.0 * T)
+    expected = lfilter(system.denominator, c, position - run(system, PUSH, start, K))
+    got = innovations_under(PUSH, position, start, system, c, K)
+    np.testing.assert_allclose(got, expected, atol=1e-9 * np.max(np.abs(expected)))
 
 
 @EVERY

@@ -17,6 +17,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import chain
 from typing import Callable, Iterator, NamedTuple, Sequence
 
 import numpy as np
@@ -180,13 +181,15 @@ class Clocks:
 
         None if one that is scanned, or the best nearby, leaves more than so much of the misfit.
         """
-        scans = []
+        scans: dict[Model, list[tuple[float, float, Model]]] = {model: [] for model in models}
         for by in _SCANNED if sign > 0.0 else _SCANNED_EARLY:
             offset = Offset(topic, sign * by)
             prepared = self._prepared(offset)
-            scans += [(self._left(offset, model, prepared), by, model)
-                      for model in dict.fromkeys(models)]
-        least, by, model = min(scans, key=lambda scan: scan[:2])
+            for model, scan in scans.items():
+                scan.append((self._left(offset, model, prepared), by, model))
+            if all(map(_rises, scans.values())):
+                break  # away from the stamps that leave least
+        least, by, model = min(chain(*scans.values()), key=lambda one: one[:2])
         if least > scanned * self._misfit:
             return None
         if sign < 0.0 and least > _LESS * self._left(Offset(topic, 0.0), model):
@@ -225,6 +228,12 @@ class Clocks:
 
     def _shifted(self, offset: Offset) -> list[Recording]:
         return [replace(one, signals=offset.put_right(one.signals)) for one in self._raw]
+
+
+def _rises(scan: Sequence[tuple[float, float, Model]]) -> bool:
+    """Return whether the last two offsets of a scan each leave more than the one before."""
+    left = [one[0] for one in scan[-3:]]
+    return len(left) == 3 and left[0] < left[1] < left[2]
 
 
 def _least(offset: Offset, left: Callable[[Offset], float]) -> Offset:

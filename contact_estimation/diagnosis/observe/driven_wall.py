@@ -30,7 +30,14 @@ from scipy.signal import lfilter
 
 from .model import Model
 from .observed import Observed
-from .observer import coast, innovation_std, kalman_filter, run, run_velocity
+from .observer import (
+    coast,
+    innovation_std,
+    innovations_under,
+    kalman_filter,
+    run,
+    run_velocity,
+)
 from ...physics.numeric import SIGN_VELOCITY
 from ...physics.second_order import discretise
 from ...plant.between_samples import NOISE, smooth
@@ -88,19 +95,6 @@ class DrivenWall:
         if not isfinite(damping + stiffness):
             return self._damping, self._stiffness
         return max(damping, 0.0), max(stiffness, 0.0)
-
-    def at_measured(self) -> Array:
-        """
-        Predict the position with the effects at the measured motion, from rest.
-
-        Returns
-        -------
-        x : ndarray, shape (N,)
-            [m].
-
-        """
-        o = self._observed
-        return self._driven(self._push_of(self._at_measured, o.x, o.v, o.a))
 
     def free(self, rounds: int) -> Array:
         """
@@ -178,12 +172,16 @@ class DrivenWall:
 
         """
         o = self._observed
-        x = self.at_measured() if rounds == 1 else self.free(rounds)[0]
         if memory < np.inf:
-            denominator = np.poly([exp(-o.h / memory)] * 2)
+            denominator = np.asarray(np.poly([exp(-o.h / memory)] * 2), float)
         else:
             denominator = self._filter(widening * force_noise)[0]
-        return np.asarray(lfilter(self.system.denominator, denominator, o.raw_position - x))
+        if rounds > 1:
+            misfit = o.raw_position - self.free(rounds)[0]
+            return np.asarray(lfilter(self.system.denominator, denominator, misfit))
+        push = self._push_of(self._at_measured, o.x, o.v, o.a)
+        return innovations_under(
+            push, o.raw_position, float(o.x[0]), self.system, denominator, self._stiffness)
 
     def kalman_filter(
         self, force_noise: float, widening: float = 1.0, block: int = 1

@@ -176,6 +176,45 @@ def innovations_of(
     return np.asarray(lfilter(system.position, [1.0, -2.0 * pole, pole * pole], force))
 
 
+def innovations_under(
+    force: Array, position: Array, start: float, system: SecondOrder, denominator: Array,
+    stiffness: float,
+) -> Array:
+    """
+    Filter the misfit of a run from rest under a force, without running it.
+
+    The poles of the dynamics are zeros of the filter a / c, with a their denominator: what is left
+    is (a x - b f) / c, with b the numerator of the position.
+
+    Parameters
+    ----------
+    force : ndarray, shape (N,)
+        f [N], as of `run`.
+    position : ndarray, shape (N,)
+        Measured x [m].
+    start : float
+        Initial position of the run [m].
+    system : SecondOrder
+        The dynamics.
+    denominator : ndarray
+        c, such as of `kalman_filter`.
+    stiffness : float
+        K [N/m], as of `run`.
+
+    Returns
+    -------
+    innovations : ndarray, shape (N,)
+        [m].
+
+    """
+    x, f = position - start, force - stiffness * start
+    (_, a_1, a_2), (b_0, b_1, b_2) = system.denominator.tolist(), system.position.tolist()
+    left = x - b_0 * f
+    left[1:] += a_1 * x[:-1] - b_1 * f[:-1]
+    left[2:] += a_2 * x[:-2] - b_2 * f[:-2]
+    return np.asarray(lfilter([1.0], denominator, left))
+
+
 def kalman_filter(
     system: SecondOrder, force_noise: float, position_noise: float,
     weights: Sequence[float] = (1.0,),
