@@ -82,7 +82,7 @@ def is_trifle(recordings: Recordings, shares: Shares, name: str) -> bool:
 
 def _is_of_steps(recordings: Recordings, best: Fit, name: str) -> bool:
     """Return whether a delay is shorter than the steps of a controller may cause."""
-    values = EFFECTS[name].Parameters(*best.model.values[best.model.place(name)])
+    values = best.model.parameters_of(name)
     delay = getattr(values, EFFECTS[name].sampled_delay, np.inf)
     return bool(delay < _OF_STEPS * max((one.observed.h for one in recordings), default=0.0))
 

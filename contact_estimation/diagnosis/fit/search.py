@@ -182,7 +182,7 @@ def may_show(recordings: Recordings, model: Model, name: str) -> bool:
         the duration.
 
     """
-    values = EFFECTS[name].Parameters(*model.values[model.place(name)])
+    values = model.parameters_of(name)
     if EFFECTS[name].vanishes(values) or not _is_reached(recordings, model, name, values):
         return False
     return not EFFECTS[name].clips_force or _clips(recordings, model, values)

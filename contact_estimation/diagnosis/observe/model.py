@@ -161,6 +161,10 @@ class Model:
         """Return the place of an effect's parameters in `values`."""
         return _places(self.effects, self.base_count)[name]
 
+    def parameters_of(self, name: str) -> Any:
+        """Return the `Parameters` of an effect with their values."""
+        return EFFECTS[name].Parameters(*self.values[self.place(name)])
+
     def with_free(self, coordinates: Array) -> 'Model':
         """Return the model at other `coordinates`; values that are not free stay."""
         every = np.array(self.values)
@@ -280,7 +284,7 @@ class Model:
     def is_plausible(self, name: str) -> bool:
         """Return whether the values of one effect are physically plausible together."""
         cls = EFFECTS[name]
-        values = cls.Parameters(*self.values[self.place(name)])
+        values = self.parameters_of(name)
         if cls.family in _OF_SPRING and self._lost_its_spring():
             return False
         return cls.plausible(values) and not cls.drives(values, self.stiffness, self.damping)
@@ -291,8 +295,7 @@ class Model:
 
     def is_flexible(self, name: str, duration: float) -> bool:
         """Return whether an effect is a curve that follows any slow misfit of a recording [s]."""
-        cls = EFFECTS[name]
-        return cls.is_flexible(cls.Parameters(*self.values[self.place(name)]), duration)
+        return EFFECTS[name].is_flexible(self.parameters_of(name), duration)
 
     def laws(self) -> Laws:
         """Return the equations."""
