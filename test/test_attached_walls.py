@@ -17,6 +17,7 @@
 from __future__ import annotations
 
 from functools import lru_cache
+from math import exp
 
 from concealed_worlds import ATTACHED, attached, diagnosed, named, nominal, physics
 from contact_estimation.diagnosis.conclude.result import Diagnosis
@@ -185,3 +186,25 @@ def test_play_of_a_gear_is_named() -> None:
     assert (found.verdict, named(found)) == ('physics_missing', ['backlash'])
     assert found.effects[0].parameters['gap'].value == pytest.approx(gap, rel=0.05)
     assert found.damping.value == pytest.approx(drag, rel=0.02)
+
+
+@pytest.mark.slow
+def test_friction_of_a_recording_that_begins_in_the_midst_of_a_cycle_is_found() -> None:
+    F_c, sigma, damping, before = 20.0, 2e4, 400.0, 80
+    t = np.arange(1000 + before) / 50.0
+    x = 0.001 * np.sin(2.0 * np.pi * 0.8 * t)
+    friction = np.zeros(len(t))
+    for k, step in enumerate(np.diff(x).tolist(), start=1):
+        limit = np.copysign(F_c, step)
+        friction[k] = limit - (limit - friction[k - 1]) * exp(-sigma * abs(step) / F_c)
+    noise = np.random.default_rng(5).normal(size=(2, len(t)))
+    force = -friction - damping * 0.0016 * np.pi * np.cos(1.6 * np.pi * t) + 0.1 * noise[0]
+    begin = slice(before, None)
+    found = diagnosed(
+        Signals(t[begin] - t[before], force[begin], t[begin] - t[before],
+                (x + 1e-7 * noise[1])[begin], *NO_REFERENCE),
+        nominal(environment__stiffness=15000.0, environment__damping=1500.0,
+                environment__inertia=0.0, environment__unilateral=False))
+    assert named(found) == ['presliding_friction']
+    assert found.effects[0].share > 0.95
+    assert found.effects[0].parameters['F_c'].value == pytest.approx(F_c, rel=0.03)

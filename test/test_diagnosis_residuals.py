@@ -193,6 +193,23 @@ def test_start_of_an_attached_wall_is_not_used() -> None:
     assert use[(recording.observed.t > 0.51) & (recording.observed.t < 7.9)].all()
 
 
+@pytest.mark.parametrize('cycles, rest, unused', [
+    (20.0, 0.0, (9.9, 10.1)),  # begins loaded: its memory may be as long as a stroke
+    (20.0, 0.01, (0.49, 0.51)),  # begins unloaded
+    (2.0, 0.0, (0.49, 0.51)),  # a stroke is a quarter of the recording
+])
+def test_first_strokes_of_a_recording_that_begins_loaded_are_not_used(
+    cycles: float, rest: float, unused: tuple[float, float]
+) -> None:
+    t = np.arange(10001) / 100.0
+    x = 0.01 * np.cos(0.02 * np.pi * cycles * t)
+    signals = Signals(t, -1000.0 * (x - rest), t, x, np.empty(0), np.empty((4, 0)))
+    recording, model = prepared_from(signals, nominal(**{**ATTACHED, 'environment__inertia': 0.0}))
+    use = usable(model, recording.observed)
+    assert not use[t < unused[0]].any()
+    assert use[(t > unused[1]) & (t < 99.9)].all()
+
+
 def test_response_to_a_missing_force_is_the_motion_residual() -> None:
     true, model = prepared_from(recorded(**physics('robot_friction', 3.0)))
     residual = motion_residual(true, model)

@@ -123,7 +123,7 @@ class PreslidingFriction(ContactEffect):
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:
         """Spread the travel over which friction rises; z grows in proportion to both values."""
         F_c = 0.1 * scales.force
-        return [(F_c, F_c / (share * scales.depth)) for share in (0.001, 0.004, 0.015, 0.06)]
+        return [(F_c, F_c / (share * scales.depth)) for share in (0.001, 0.004, 0.015, 0.06, 0.25)]
 
     @classmethod
     def draw(cls, scales: Scales, rng: Generator) -> Strength:

@@ -33,6 +33,7 @@ _LEAST_CONTACT_S = 0.2
 _FEW = 3  # episodes, from which on a whole one can be spared
 _STILL = 0.3  # of the longest path of a block: less motion tells little
 _NEAR = 0.02  # of the range: such places are the same
+_FELT = 0.005  # of the range of the force
 _MOSTLY_LATE = 0.5  # of the path in the last block: such a test grows
 _THIRDS, _BLOCKS = 3, 5  # of a single episode or an attached wall; blocks of each
 _LATE = (3, 4, 2)  # those that may be held out, the best place first
@@ -119,8 +120,8 @@ def hold_out(model: Model, observed: Observed, choice: int = 1) -> HeldOut:
     Of one or two episodes the last, or an attached wall, each third spares a block of its last
     three fifths, a fifteenth of the whole: one block alone may lie where any model is right.
     Blocks are chosen, where possible, with motion and at depths that occur in the rest too. They
-    have the same duration or, where most of the motion comes late, as with growing amplitudes, the
-    same path.
+    have the same duration or, where most of the motion under a force comes late, as with growing
+    amplitudes, the same path.
 
     Parameters
     ----------
@@ -157,7 +158,9 @@ def _late_blocks(o: Observed, first: int, stop: int, choice: int) -> HeldOut:
     count = _THIRDS * _BLOCKS
     if stop - first < count:  # a contact of fewer samples than blocks
         first, stop = 0, len(o.t)
-    travel = np.concatenate(([0.0], np.cumsum(np.abs(np.diff(o.x[first:stop])))))
+    # A tool that has left tells nothing.
+    felt = np.abs(o.force[first + 1:stop]) > _FELT * o.force_range
+    travel = np.concatenate(([0.0], np.cumsum(felt * np.abs(np.diff(o.x[first:stop])))))
     block = (stop - first) // count
     edges = stop - block * np.arange(count, -1, -1)
     if travel[edges[-1 - _THIRDS] - first] < (1.0 - _MOSTLY_LATE) * travel[-1]:

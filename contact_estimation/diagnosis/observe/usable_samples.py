@@ -31,6 +31,9 @@ _DROP_S, _LEAST_DROPS = 0.5, 3
 _NEARLY_NONE, _BRIEF = 0.1, 3  # of the force around, samples
 _UNLOADED = 0.02  # of the greatest depth and force
 _FORGOTTEN = 12.0  # times 1 / omega_o: the observer has forgotten any initial state
+_LOADED = 0.2  # of the greatest force
+_SPARED = 0.125  # of the samples
+_CYCLE, _FORGETTING = 2, 4  # strokes
 _IMPACT_BEFORE, _IMPACT_AFTER = 2, 3  # unpredictable samples around touch-down
 
 
@@ -60,6 +63,8 @@ def usable(model: Model, observed: Observed) -> Flags:
     if not laws.contact.unilateral:
         if not _starts_unloaded(model, o):
             use &= ~o.start  # its initial state is unknown
+            if model.nominal.environment.inertia == 0.0 and _starts_loaded(o.force):
+                use[:_until_known(o.x)] = False
     else:
         inside = laws.touching(o)
         for first in np.flatnonzero(np.diff(inside.astype(int)) > 0).tolist():
@@ -74,6 +79,23 @@ def _starts_unloaded(model: Model, observed: Observed) -> bool:
         return False
     return all(abs(float(signal[0])) < _UNLOADED * float(np.max(np.abs(signal)))
                for signal in (o.x - wall.location, o.force))
+
+
+def _starts_loaded(force: Array) -> bool:
+    """Return whether a recording begins in the midst of a cycle."""
+    return abs(float(force[0])) > _LOADED * float(np.max(np.abs(force)))
+
+
+def _until_known(x: Array) -> int:
+    """
+    Return how many samples it takes to forget what came before a recording of many strokes.
+
+    Friction and hysteresis forget it within a few strokes over the whole range, whose length may
+    be that of their memory; 0 where a cycle would be much of the recording.
+    """
+    strokes = np.cumsum(np.abs(np.diff(x))) / np.ptp(x)
+    known = int(min(strokes[round(_SPARED * len(strokes))], _FORGETTING))
+    return int(np.searchsorted(strokes, known)) if known >= _CYCLE else 0
 
 
 def force_drops(observed: Observed, noise: float, touching: Flags) -> Flags | None:
