@@ -97,6 +97,17 @@ def test_short_touches_are_no_episodes() -> None:
     assert found == [(150, 200)]
 
 
+@pytest.mark.parametrize('samples, found', [(20, []), (35, [(1000, 1035)])])
+def test_short_touches_are_episodes_if_all_are_short(
+    samples: int, found: list[tuple[int, int]]
+) -> None:
+    x = np.full(8000, -0.01)
+    x[1000:1000 + samples] = 0.02
+    o = at(x)
+    brief = replace(o, t=0.1 * o.t, h=0.1 * o.h)  # 35 ms at 1 kHz, of 8 s
+    assert episodes(MODEL, brief) == found
+
+
 @pytest.mark.parametrize('depths', DEPTHS)
 def test_deepest_episode_is_never_held_out(depths: tuple[float, ...]) -> None:
     o = moved(depths)
@@ -182,7 +193,7 @@ def test_of_an_attached_wall_a_late_block_of_each_third_is_held_out() -> None:
 
 
 def test_recording_without_contact_is_refused() -> None:
-    with pytest.raises(RecordingError, match='free.mcap has no contact of 0.2 s.*location'):
+    with pytest.raises(RecordingError, match='free.mcap has no contact of 30 samples.*location'):
         require_contact(MODEL, moved((-0.001, -0.002)), 'free.mcap')
 
 

@@ -27,7 +27,7 @@ from .random_strength import Strength, Values
 from .scales import Scales
 from ..parameters.specification import optional_parameter, ParameterGroup
 
-_LEAST_POWER = 0.15
+_LEAST_POWER = 0.3
 
 
 @dataclass(frozen=True)

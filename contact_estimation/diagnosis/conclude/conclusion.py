@@ -291,8 +291,9 @@ def _remainder(shares: Shares | None, best: Fit, shown: PreparedRecording) -> Re
     """Describe what all names leave on parts left out; None if that is noise."""
     if shares is None or shares.left < _NOTHING:
         return None
-    location = locate(shown, best.model)
-    return Remainder(shares.left, location, _text(shares.left, location))
+    # A mark tells a name that predicts nothing: on parts left out it may do harm.
+    location, left = locate(shown, best.model), min(shares.left, 1.0)
+    return Remainder(left, location, _text(left, location))
 
 
 def _text(share: float, location: Location) -> str:

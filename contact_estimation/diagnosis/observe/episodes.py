@@ -29,7 +29,7 @@ from ...exceptions import RecordingError
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
-_LEAST_CONTACT_S = 0.2
+_LEAST_CONTACT_S, _LEAST_SAMPLES = 0.2, 30
 _FEW = 3  # episodes, from which on a whole one can be spared
 _STILL = 0.3  # of the longest path of a block: less motion tells little
 _NEAR = 0.02  # of the range: such places are the same
@@ -58,7 +58,7 @@ class HeldOut(NamedTuple):
 
 def episodes(model: Model, observed: Observed) -> list[tuple[int, int]]:
     """
-    Find the contacts; short ones are left out.
+    Find the contacts; short ones are left out, unless all are.
 
     Parameters
     ----------
@@ -80,8 +80,10 @@ def episodes(model: Model, observed: Observed) -> list[tuple[int, int]]:
     inside = law.contact(o.t, o.x, o.v).astype(int)
     edges = np.flatnonzero(np.diff(inside, prepend=0, append=0))
     pairs = list(zip(edges[::2].tolist(), edges[1::2].tolist()))
-    least = _LEAST_CONTACT_S * o.pace
-    return [pair for pair in pairs if (pair[1] - pair[0]) * o.h >= least]
+    least = _LEAST_CONTACT_S * o.pace / o.h
+    if not any(stop - first >= least for first, stop in pairs):
+        least = min(least, _LEAST_SAMPLES)  # a probe that touches briefly, sampled fast
+    return [(first, stop) for first, stop in pairs if stop - first >= least]
 
 
 def require_contact(model: Model, observed: Observed, name: str) -> None:
@@ -106,7 +108,7 @@ def require_contact(model: Model, observed: Observed, name: str) -> None:
     if model.nominal.environment.unilateral and not episodes(model, observed):
         location = model.nominal.environment.location
         raise RecordingError(
-            f'{name} has no contact of {_LEAST_CONTACT_S * observed.pace:g} s or more: expected x '
+            f'{name} has no contact of {_LEAST_SAMPLES} samples or more: expected x '
             f'beyond {location:g} m (environment.location), got at most '
             f'{np.max(observed.x):.6g} m; record a contact, or correct the location in the model'
         )
