@@ -82,6 +82,11 @@ class BeatingEnvironment(ContactEffect):
         return MovingEnvironment.is_flexible(tone, duration)
 
     @classmethod
+    def tones(cls, values: Any) -> tuple[float, ...]:
+        """Return both frequencies; see `Effect.tones`."""
+        return values.frequency, values.frequency_2
+
+    @classmethod
     def is_resolved(cls, values: Any, duration: float) -> bool:
         """
         Need periods, and one that the tones gain on one another (Rayleigh's criterion).

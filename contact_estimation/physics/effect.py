@@ -305,6 +305,11 @@ class Effect(DrawnEffect):
         return True
 
     @classmethod
+    def tones(cls, values: Any) -> tuple[float, ...]:
+        """Return the frequencies of a motion of its own [Hz]; parameters as `plausible`."""
+        return ()
+
+    @classmethod
     def is_resolved(cls, values: Any, duration: float) -> bool:
         """
         Return whether a recording is long enough to tell the parameters apart.

@@ -66,6 +66,11 @@ class MovingEnvironment(ContactEffect):
         return bool(values.frequency * duration < MANY_PERIODS)
 
     @classmethod
+    def tones(cls, values: Any) -> tuple[float, ...]:
+        """Return the frequency; see `Effect.tones`."""
+        return (values.frequency,)
+
+    @classmethod
     def is_resolved(cls, values: Any, duration: float) -> bool:
         """Need a period: what is slower is any curve."""
         return bool(values.frequency * duration >= 1.0)

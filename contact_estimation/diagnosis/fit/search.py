@@ -27,6 +27,7 @@ from .discrepancy import costs_by_channel, has_discrepancy
 from .first_step import derivatives, fit_without, steps
 from .fitting import cost_of, Fit, fit, fit_at, fit_to_end
 from .scales import measure_scales
+from ..observe.cycle import keeps_step
 from ..observe.model import Model, names_of
 from ..observe.prepared_recording import is_flexible, PreparedRecording, Recordings
 from ..observe.residuals import force_residual
@@ -178,8 +179,8 @@ def may_show(recordings: Recordings, model: Model, name: str) -> bool:
         exponential of which the motion covers a parabola alone, a bend that the motion does not
         pass, a surface far beyond the motion, a play within the noise of the positions, a
         resonance of fewer than eight samples a period or of less than a period, a delay of less
-        than a twentieth of a sample period, or two tones too near one another, or too slow, for
-        the duration.
+        than a twentieth of a sample period, two tones too near one another, or too slow, for the
+        duration, or a wall that moves in step with a cyclic test.
 
     """
     values = model.parameters_of(name)
@@ -231,7 +232,14 @@ def _is_reached(
                and delay >= _LATE * one.observed.h
                and cls.exceeds_calibration(values, float(np.max(np.abs(one.observed.force))))
                and cls.is_resolved(values, float(one.observed.t[-1]))
+               and not _keeps_step(one, cls.tones(values))
                for one in recordings)
+
+
+def _keeps_step(recording: PreparedRecording, tones: tuple[float, ...]) -> bool:
+    """Return whether a wall would move in step with a cyclic test, as what a law lacks does."""
+    o = recording.observed
+    return bool(tones) and keeps_step(tones, o.cycle, float(o.t[-1] - o.t[0]))
 
 
 def _depth(recording: PreparedRecording, model: Model) -> float:

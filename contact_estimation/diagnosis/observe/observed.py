@@ -24,6 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline
 
+from .cycle import cycle_frequency
 from .motion_error import lost_by_lines, motion_error, quantisation_step
 from .observer import OBSERVER_CUTOFF, run
 from .pace import pace_of
@@ -110,6 +111,11 @@ class Observed:
     def pace(self) -> float:
         """Factor on all times, see `pace_of`."""
         return pace_of(self.h, float(self.t[-1] - self.t[0]))
+
+    @cached_property
+    def cycle(self) -> float:
+        """Frequency of a cyclic motion [Hz], see `cycle_frequency`."""
+        return cycle_frequency(self.t, self.x)
 
     @property
     def start(self) -> Flags:

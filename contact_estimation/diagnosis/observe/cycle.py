@@ -1,0 +1,88 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The frequency of a cyclic test, of which every nonlinear contact shows harmonics."""
+
+from __future__ import annotations
+
+from math import pi
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize_scalar
+
+Array = NDArray[np.float64]
+
+_SAMPLES = 2000  # that tell it, at most
+_HARMONICS = 5
+_LEAST_CYCLES = 4
+_LEFT = 0.05  # of the variance of the motion, that no harmonic explains
+_EXACTLY = 0.15  # of the resolution of the recording, 1 / duration
+
+
+def cycle_frequency(t: Array, x: Array) -> float:
+    """
+    Measure the frequency at which a motion repeats itself.
+
+    Parameters
+    ----------
+    t, x : ndarray, shape (N,)
+        Time [s], evenly spaced, and position [m].
+
+    Returns
+    -------
+    frequency : float
+        Whose first five multiples explain the motion [Hz]; 0 if none does in four cycles or more.
+
+    """
+    step = -(-len(t) // _SAMPLES)
+    t, x = t[::step], x[::step] - np.mean(x[::step])
+    duration = float(t[-1] - t[0])
+    spectrum = np.abs(np.fft.rfft(x * np.hanning(len(x)))[1:])
+    peak = (1.0 + float(np.argmax(spectrum))) * (len(t) - 1.0) / len(t) / duration
+    variance = float(x @ x)
+    if peak * duration < _LEAST_CYCLES - 0.5 or not variance:
+        return 0.0
+
+    def left(frequency: float) -> float:
+        angles = 2.0 * pi * frequency * np.multiply.outer(np.arange(1, _HARMONICS + 1), t)
+        tones = np.vstack((np.ones(len(t)), np.cos(angles), np.sin(angles))).T
+        return float(np.sum((x - tones @ np.linalg.lstsq(tones, x, rcond=None)[0]) ** 2))
+
+    best = minimize_scalar(left, method='bounded', options={'xatol': 1e-3 / duration},
+                           bounds=(peak - 1.0 / duration, peak + 1.0 / duration))
+    return float(best.x) if best.fun < _LEFT * variance else 0.0
+
+
+def keeps_step(tones: tuple[float, ...], cycle: float, duration: float) -> bool:
+    """
+    Return whether all tones are multiples of the frequency of a cyclic test.
+
+    Parameters
+    ----------
+    tones : tuple of float
+        Frequencies [Hz].
+    cycle : float
+        Of `cycle_frequency` [Hz].
+    duration : float
+        Of the recording [s].
+
+    Returns
+    -------
+    keeps : bool
+        False without tones, or without cycles.
+
+    """
+    away = [abs(tone - max(1, round(tone / cycle)) * cycle) for tone in tones if cycle]
+    return bool(away) and max(away) * duration < _EXACTLY

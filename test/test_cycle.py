@@ -1,0 +1,63 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The frequency of a cyclic test, with which a wall does not move in step."""
+
+from __future__ import annotations
+
+from concealed_worlds import ATTACHED, nominal, prepared_from
+from contact_estimation.diagnosis.fit.search import may_show
+from contact_estimation.diagnosis.observe.cycle import cycle_frequency, keeps_step
+from contact_estimation.diagnosis.observe.signals import Signals
+import numpy as np
+import pytest
+from scipy.signal import sawtooth
+
+T = np.arange(6000) / 500.0
+
+
+@pytest.mark.parametrize('frequency', [0.4, 0.998, 3.17])
+def test_cycle_of_a_triangular_motion_is_found(frequency: float) -> None:
+    x = 0.003 * sawtooth(2.0 * np.pi * frequency * T + 0.7, 0.5) + 0.05
+    assert cycle_frequency(T, x) == pytest.approx(frequency, abs=2e-3)
+
+
+@pytest.mark.parametrize('x', [
+    np.sin(2.0 * np.pi * 0.2 * T),  # fewer than four cycles
+    np.sin(7.0 * T) + 0.5 * np.sin(11.3 * T),
+    np.cumsum(np.random.default_rng(2).normal(size=len(T))),
+    np.zeros(len(T)),
+], ids=['few', 'tones', 'random', 'rest'])
+def test_other_motions_have_none(x: np.ndarray) -> None:
+    assert cycle_frequency(T, x) == 0.0
+
+
+@pytest.mark.parametrize('tones, cycle, keeps', [
+    ((2.001,), 1.0, True), ((2.001, 3.0), 1.0, True), ((2.001, 2.6), 1.0, False),
+    ((2.05,), 1.0, False), ((0.3,), 1.0, False), ((2.0,), 0.0, False), ((), 1.0, False),
+])
+def test_multiples_of_the_cycle_keep_step(
+    tones: tuple[float, ...], cycle: float, keeps: bool
+) -> None:
+    assert keeps_step(tones, cycle, 12.0) is keeps
+
+
+@pytest.mark.parametrize('frequency, shown', [(1.0, False), (2.0, False), (1.37, True)])
+def test_a_wall_in_step_with_a_cyclic_test_is_none(frequency: float, shown: bool) -> None:
+    x = 0.003 * np.sin(2.0 * np.pi * T)
+    recording, model = prepared_from(
+        Signals(T, -5000.0 * x, T, x, np.empty(0), np.empty((4, 0))),
+        nominal(**{**ATTACHED, 'environment__inertia': 0.0}))
+    moving = model.with_effect('moving_environment', (1e-4, frequency, 0.0))
+    assert may_show([recording], moving, 'moving_environment') is shown
