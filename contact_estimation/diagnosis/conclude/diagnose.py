@@ -34,6 +34,7 @@ from ..fit.fitting import cost_of, Fit, fit
 from ..fit.free_run import free_run
 from ..fit.model_uncertainty import discounted
 from ..fit.reference_hold import ReferenceHold
+from ..fit.ripple import without_ripple
 from ..fit.same_effects import fitted_again, of_model, with_effects_kept
 from ..fit.search import Progress
 from ..fit.selection import select, Selection
@@ -260,6 +261,7 @@ def _selected(
 def _recalibrate(recordings: Recordings, model: Model) -> tuple[Recordings, Fit]:
     """Fit a model, then discount the model uncertainty there and fit it again."""
     rough = fit(recordings, model)
+    recordings = [without_ripple(one, rough.model) for one in recordings]
     recordings = [discounted(one, rough.model) for one in recordings]
     return recordings, fit(recordings, rough.model)
 

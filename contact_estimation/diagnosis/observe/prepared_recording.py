@@ -241,6 +241,26 @@ class PreparedRecording:
         noise = motion_noise(model, self.observed, self.force_noise, widening, self.block)
         return replace(self, widening=widening, motion_noise=noise, discount=None)
 
+    def in_blocks(self, block: int, model: Model) -> 'PreparedRecording':
+        """
+        Return the recording with other blocks.
+
+        Parameters
+        ----------
+        block : int
+            Samples averaged to one residual.
+        model : Model
+            With its wall.
+
+        Returns
+        -------
+        averaged : PreparedRecording
+            Without a discount.
+
+        """
+        noise = motion_noise(model, self.observed, self.force_noise, self.widening, block)
+        return replace(self, block=block, motion_noise=noise, discount=None)
+
     def whole(self, model: Model) -> 'PreparedRecording':
         """
         Return the recording with its held-out part among the samples that count.

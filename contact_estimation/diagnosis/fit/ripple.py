@@ -1,0 +1,61 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+Positions that ripple: an encoder whose error repeats with the angle.
+
+What no mass follows is then most of the misfit of single samples, coloured but with little power
+at low frequencies, and hides a friction that every longer mean of them shows.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..observe.model import Model
+from ..observe.prepared_recording import PreparedRecording
+from ..observe.residuals import residuals
+
+_FAR = 4.0  # times the noise: power of the residuals
+_MEAN_S, _BLOCK_S = 0.04, 0.1  # tells ripple, and averages it
+_WHITE = 0.3  # power of such a mean, in that of residuals that are all of one sign
+
+
+def without_ripple(recording: PreparedRecording, model: Model) -> PreparedRecording:
+    """
+    Average the innovations of a driven wall over longer blocks if its positions ripple.
+
+    Parameters
+    ----------
+    recording : PreparedRecording
+        Without a discrepancy.
+    model : Model
+        Recalibrated.
+
+    Returns
+    -------
+    recording : PreparedRecording
+        In blocks of a tenth of a second if means of residuals are nearly as independent as those
+        of white noise, though the model leaves far more than noise; else as it is.
+
+    """
+    one, size = recording, round(_MEAN_S * recording.observed.pace / recording.block_s)
+    if not one.driven_by_force(model) or size < 2:
+        return one
+    left = residuals(one, model, robust=False)[:one.block_count // size * size].reshape(-1, size)
+    left = left[one.motion.filled[:left.size].reshape(-1, size).all(axis=1)]
+    power = float(np.mean(left**2)) if len(left) else 0.0
+    if power < _FAR or float(np.mean(np.mean(left, axis=1) ** 2)) > _WHITE * power:
+        return one
+    return one.in_blocks(round(_BLOCK_S * one.observed.pace / one.observed.h), model)

@@ -1,0 +1,64 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""A drive whose encoder has an error that repeats with the angle."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+from concealed_worlds import diagnosed, named, nominal, prepared_from
+from contact_estimation.diagnosis.fit.fitting import fit
+from contact_estimation.diagnosis.fit.ripple import without_ripple
+from contact_estimation.diagnosis.observe.signals import Signals
+from contact_estimation.plant.plant_parameters import PlantParameters
+import numpy as np
+import pytest
+
+MASS, DRAG, DRY, RATE = 0.085, 0.05, 0.5, 500
+LINEAR = {'environment__stiffness': 0.0, 'environment__damping': 0.12,
+          'environment__inertia': 0.12, 'environment__unilateral': False}
+
+
+def model() -> PlantParameters:
+    """Give the linear model of the drive."""
+    return nominal(**LINEAR)
+
+
+@lru_cache(maxsize=None)
+def recorded(ripple: float) -> Signals:
+    """Record a drive with dry friction; the error of its encoder is a sawtooth."""
+    t = np.arange(24 * RATE) / RATE
+    v = 16.0 * np.sin(0.9 * t) + 10.0 * np.sin(2.3 * t + 1.0)
+    x = -16.0 / 0.9 * np.cos(0.9 * t) - 10.0 / 2.3 * np.cos(2.3 * t + 1.0)
+    a = 14.4 * np.cos(0.9 * t) + 23.0 * np.cos(2.3 * t + 1.0)
+    rng = np.random.default_rng(3)
+    push = MASS * a + DRAG * v + DRY * np.tanh(v / 4e-4)
+    force = -push + 0.3 * rng.normal(size=len(t))
+    return Signals(t, force, t, x + ripple * (2.0 * x % 1.0 - 0.5), np.empty(0), np.empty((4, 0)))
+
+
+@pytest.mark.parametrize('ripple, averaged', [(0.0, False), (0.02, True)])
+def test_only_ripple_is_averaged(ripple: float, averaged: bool) -> None:
+    recording, start = prepared_from(recorded(ripple), model())
+    block = without_ripple(recording, fit([recording], start).model).block
+    assert block == (RATE // 10 if averaged else recording.block)
+
+
+@pytest.mark.slow
+def test_friction_under_ripple_is_named() -> None:
+    found = diagnosed(recorded(0.02), model())
+    assert named(found) == ['coulomb_friction']
+    assert found.effects[0].parameters['F_c'].value == pytest.approx(DRY, rel=0.05)
+    assert found.damping.value == pytest.approx(DRAG, rel=0.1)
