@@ -14,10 +14,16 @@
 
 """Test the probabilities of names."""
 
-from contact_estimation.diagnosis.conclude.probability import DOUBTFUL, MOST, probabilities
+from contact_estimation.diagnosis.conclude.probability import (
+    DOUBTFUL,
+    MOST,
+    probabilities,
+    probability_of,
+)
 from contact_estimation.diagnosis.fit.share import Share
 
 import numpy as np
+import pytest
 
 
 def share_of(share: float, half_width: float) -> Share:
@@ -34,6 +40,12 @@ def test_a_law_that_leaves_only_noise_is_as_sure_as_any() -> None:
 def test_a_share_that_may_be_nought_is_doubtful() -> None:
     vague = share_of(0.1, 0.2)
     assert probabilities([vague], [vague], 0.0, True) == [DOUBTFUL]
+
+
+def test_a_law_down_to_the_noise_is_as_sure_as_its_share_where_that_is_vague() -> None:
+    shares = [share_of(0.9, 0.9 - low) for low in (0.125, 0.375, 0.5)]
+    given = [probabilities([one], [one], 0.0, True)[0] for one in shares]
+    assert given == pytest.approx([probability_of(0.125), probability_of(0.375), MOST])
 
 
 def test_a_trifle_beside_another_law_is_doubtful_though_it_leaves_only_noise() -> None:

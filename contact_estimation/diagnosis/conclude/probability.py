@@ -37,6 +37,7 @@ EVEN, SLOPE = 0.0, 3.4
 DOUBTFUL = 0.5
 """Probability of an effect that leaves only noise, but may predict nothing of parts left out."""
 
+_CERTAIN = 0.5  # lower end of a share, in it: less is wrong too often, though only noise is left
 _TRIFLE = 0.05  # share of the misfit that another law, if inexact, may leave to any name
 
 LEAST, MOST = 0.05, 0.97
@@ -59,7 +60,7 @@ def probabilities(
         Share that all effects together leave, >= 0.
     exact : bool
         Whether the effects leave only noise: no wrong law does that by chance, if its share is
-        above zero beyond doubt and no trifle.
+        above zero beyond doubt and no trifle, and its lower end at least half of it.
 
     Returns
     -------
@@ -69,8 +70,7 @@ def probabilities(
 
     """
     if exact:
-        return [DOUBTFUL if _is_doubtful(share, other) else MOST
-                for share, other in zip(shares, beside)]
+        return [_of_exact(share, other) for share, other in zip(shares, beside)]
     found, present = [], 1.0
     for share, other in zip(shares, beside):
         found.append(probability_of(max(
@@ -79,9 +79,12 @@ def probabilities(
     return found
 
 
-def _is_doubtful(share: Share, beside: Share) -> bool:
-    sure = max(share.interval[0], beside.interval[0]) > 0.0
-    return not sure or max(share.share, beside.share) < _TRIFLE
+def _of_exact(share: Share, beside: Share) -> float:
+    sure = max(share.interval[0], beside.interval[0])
+    if sure <= 0.0 or max(share.share, beside.share) < _TRIFLE:
+        return DOUBTFUL
+    certain = max(one.interval[0] / one.share for one in (share, beside) if one.share > 0.0)
+    return MOST if certain >= _CERTAIN else probability_of(sure)
 
 
 def probability_in_form(share: Share) -> float:
