@@ -198,6 +198,16 @@ def test_console_scripts_point_to_functions(setup_arguments: dict[str, Any]) -> 
         assert callable(getattr(import_module(module), function)), script
 
 
+def test_no_folder_is_tracked_that_does_not_belong() -> None:
+    if not (ROOT / '.git').exists():
+        pytest.skip('no git repository')
+    tracked = subprocess.run(
+        ['git', 'ls-files'], cwd=ROOT, check=True, capture_output=True, text=True).stdout
+    folders = {name.partition('/')[0] for name in tracked.splitlines() if '/' in name}
+    assert folders == {
+        '.ci', 'config', 'contact_estimation', 'doc', 'launch', 'resource', 'test'}
+
+
 def test_every_file_starts_with_the_copyright_header() -> None:
     header = Path(__file__).read_text().partition('\n\n')[0]
     assert header.startswith('# Copyright 2026 contact_estimation authors\n')
