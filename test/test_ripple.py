@@ -22,18 +22,12 @@ from concealed_worlds import diagnosed, named, nominal, prepared_from
 from contact_estimation.diagnosis.fit.fitting import fit
 from contact_estimation.diagnosis.fit.ripple import without_ripple
 from contact_estimation.diagnosis.observe.signals import Signals
-from contact_estimation.plant.plant_parameters import PlantParameters
 import numpy as np
 import pytest
 
 MASS, DRAG, DRY, RATE = 0.085, 0.05, 0.5, 500
-LINEAR = {'environment__stiffness': 0.0, 'environment__damping': 0.12,
-          'environment__inertia': 0.12, 'environment__unilateral': False}
-
-
-def model() -> PlantParameters:
-    """Give the linear model of the drive."""
-    return nominal(**LINEAR)
+LINEAR = nominal(environment__stiffness=0.0, environment__damping=0.12,
+                 environment__inertia=0.12, environment__unilateral=False)
 
 
 @lru_cache(maxsize=None)
@@ -51,14 +45,14 @@ def recorded(ripple: float) -> Signals:
 
 @pytest.mark.parametrize('ripple, averaged', [(0.0, False), (0.02, True)])
 def test_only_ripple_is_averaged(ripple: float, averaged: bool) -> None:
-    recording, start = prepared_from(recorded(ripple), model())
+    recording, start = prepared_from(recorded(ripple), LINEAR)
     block = without_ripple(recording, fit([recording], start).model).block
     assert block == (RATE // 10 if averaged else recording.block)
 
 
 @pytest.mark.slow
 def test_friction_under_ripple_is_named() -> None:
-    found = diagnosed(recorded(0.02), model())
+    found = diagnosed(recorded(0.02), LINEAR)
     assert named(found) == ['coulomb_friction']
     assert found.effects[0].parameters['F_c'].value == pytest.approx(DRY, rel=0.05)
     assert found.damping.value == pytest.approx(DRAG, rel=0.1)

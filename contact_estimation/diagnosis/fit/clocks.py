@@ -17,7 +17,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from itertools import chain
 from typing import Callable, Iterator, NamedTuple, Sequence
 
 import numpy as np
@@ -181,15 +180,16 @@ class Clocks:
 
         None if one that is scanned, or the best nearby, leaves more than so much of the misfit.
         """
-        scans: dict[Model, list[tuple[float, float, Model]]] = {model: [] for model in models}
+        scans: dict[Model, list[tuple[float, float]]] = {model: [] for model in models}
         for by in _SCANNED if sign > 0.0 else _SCANNED_EARLY:
             offset = Offset(topic, sign * by)
             prepared = self._prepared(offset)
             for model, scan in scans.items():
-                scan.append((self._left(offset, model, prepared), by, model))
+                scan.append((self._left(offset, model, prepared), by))
             if all(map(_rises, scans.values())):
                 break  # away from the stamps that leave least
-        least, by, model = min(chain(*scans.values()), key=lambda one: one[:2])
+        model = min(scans, key=lambda model: min(scans[model]))
+        least, by = min(scans[model])
         if least > scanned * self._misfit:
             return None
         if sign < 0.0 and least > _LESS * self._left(Offset(topic, 0.0), model):
@@ -230,9 +230,9 @@ class Clocks:
         return [replace(one, signals=offset.put_right(one.signals)) for one in self._raw]
 
 
-def _rises(scan: Sequence[tuple[float, float, Model]]) -> bool:
+def _rises(scan: Sequence[tuple[float, float]]) -> bool:
     """Return whether the last two offsets of a scan each leave more than the one before."""
-    left = [one[0] for one in scan[-3:]]
+    left = [left for left, _ in scan[-3:]]
     return len(left) == 3 and left[0] < left[1] < left[2]
 
 

@@ -23,6 +23,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..observe.channel import sum_blocks
 from ..observe.model import Model
 from ..observe.prepared_recording import PreparedRecording
 from ..observe.residuals import residuals
@@ -53,9 +54,10 @@ def without_ripple(recording: PreparedRecording, model: Model) -> PreparedRecord
     one, size = recording, round(_MEAN_S * recording.observed.pace / recording.block_s)
     if not one.driven_by_force(model) or size < 2:
         return one
-    left = residuals(one, model, robust=False)[:one.block_count // size * size].reshape(-1, size)
-    left = left[one.motion.filled[:left.size].reshape(-1, size).all(axis=1)]
-    power = float(np.mean(left**2)) if len(left) else 0.0
-    if power < _FAR or float(np.mean(np.mean(left, axis=1) ** 2)) > _WHITE * power:
+    left = residuals(one, model, robust=False)
+    full = sum_blocks(one.motion.filled.astype(float), size) == size
+    power = float(np.mean(sum_blocks(left**2, size)[full])) / size if full.any() else 0.0
+    if power < _FAR or float(np.mean(sum_blocks(left, size)[full] ** 2)) > (
+            _WHITE * power * size**2):
         return one
     return one.in_blocks(round(_BLOCK_S * one.observed.pace / one.observed.h), model)

@@ -115,7 +115,7 @@ class DrivenWall:
         x, v, a, restoring = o.x, o.v, o.a, self._at_measured
         for left in range(rounds if self._law.effects else 1, 0, -1):
             push = self._push_of(restoring, x, v, a)
-            before, x = x, self._driven(push)
+            before, x = x, run(self.system, push, float(o.x[0]), self._stiffness)
             v = run_velocity(self.system, push, float(o.x[0]), self._stiffness)
             if not np.isfinite(x).all():
                 break
@@ -143,9 +143,6 @@ class DrivenWall:
                 jumping[turns] = np.mean(effect.resistance(0.0, 0.0, rates, (), np), axis=0)
                 push = push - jumping
         return push - smooth(beyond)
-
-    def _driven(self, push: Array) -> Array:
-        return run(self.system, push, float(self._observed.x[0]), self._stiffness)
 
     def innovations(
         self, rounds: int, force_noise: float, memory: float = np.inf, widening: float = 1.0

@@ -19,7 +19,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import sqrt
-from typing import Sequence
+from typing import Any, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -211,9 +211,7 @@ class PreparedRecording:
 
     def with_force_between_samples(self, between: str, model: Model) -> 'PreparedRecording':
         """Return the recording with another course of the force between samples, `BETWEEN`."""
-        observed = replace(self.observed, between=between)
-        noise = motion_noise(model, observed, self.force_noise, self.widening, self.block)
-        return replace(self, observed=observed, motion_noise=noise, discount=None)
+        return self._filtered_again(model, observed=replace(self.observed, between=between))
 
     def with_reference_of(self, recording: Recording, model: Model) -> 'PreparedRecording':
         """Return the recording with the reference of another one of the same motion."""
@@ -238,8 +236,7 @@ class PreparedRecording:
             Without a discount.
 
         """
-        noise = motion_noise(model, self.observed, self.force_noise, widening, self.block)
-        return replace(self, widening=widening, motion_noise=noise, discount=None)
+        return self._filtered_again(model, widening=widening)
 
     def in_blocks(self, block: int, model: Model) -> 'PreparedRecording':
         """
@@ -258,8 +255,13 @@ class PreparedRecording:
             Without a discount.
 
         """
-        noise = motion_noise(model, self.observed, self.force_noise, self.widening, block)
-        return replace(self, block=block, motion_noise=noise, discount=None)
+        return self._filtered_again(model, block=block)
+
+    def _filtered_again(self, model: Model, **changes: Any) -> 'PreparedRecording':
+        """Return the recording with changes on which the noise of the innovations depends."""
+        one = replace(self, discount=None, **changes)
+        return replace(one, motion_noise=motion_noise(
+            model, one.observed, one.force_noise, one.widening, one.block))
 
     def whole(self, model: Model) -> 'PreparedRecording':
         """
