@@ -48,11 +48,13 @@ from contact_estimation.diagnosis.observe.episodes import episodes, hold_out, re
 from contact_estimation.diagnosis.observe.model import Model
 from contact_estimation.diagnosis.observe.observed import Observed
 from contact_estimation.diagnosis.observe.residuals import force_residual
+from contact_estimation.diagnosis.observe.signals import Signals
 from contact_estimation.exceptions import RecordingError
 from contact_estimation.reference.experiment import Experiment, Segment
 import numpy as np
 from numpy.typing import NDArray
 import pytest
+from scipy.ndimage import uniform_filter1d
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -328,3 +330,22 @@ def test_free_run_of_a_hysteresis_that_bends_within_micrometres_is_stable() -> N
     assert steps_a_sample(bends, recording.observed) > steps_a_sample(model, recording.observed)
     x = free_run(bends, recording.observed).position
     assert np.max(np.abs(x - recording.observed.x)) < 1e-3
+
+
+def test_what_shows_nothing_of_the_misfit_is_not_what_is_held_out() -> None:
+    t, seed = np.asarray(0.02 * np.arange(1000), np.float64), 1
+    # Where late blocks are held out first, one speed makes friction look like a damper.
+    first = [(4.0, 5.7), (10.6, 12.3), (17.2, 18.9)]
+    steady = np.any([(t > begin) & (t < end) for begin, end in first], axis=0)
+    speed = np.where(steady, 0.87, np.where((1.1 * t) % 1.0 < 0.5, 0.2, 1.0))
+    v = uniform_filter1d(speed * np.where((t // 3.3) % 2 == 0, -1.0, 1.0), 7)
+    x = 0.02 * np.cumsum(v)
+    friction = 0.4 * (1.0 + 0.25 * np.sin(9.0 * x)) * np.tanh(v / 0.01)
+    noise = 0.01 * np.random.default_rng(seed).standard_normal(len(t))
+    signals = Signals(t, -friction - 0.05 * v + noise, t, x, np.empty(0), np.empty((4, 0)))
+    found = diagnosed(signals, nominal(
+        environment__unilateral=False, environment__stiffness=0.0, environment__damping=0.4))
+    assert found.effects[0].family == 'friction'
+    before, after = found.force.recalibrated, found.force.corrected
+    assert before is not None and after is not None and after < 0.6 * before
+    assert found.holdouts[0].name.startswith('5.5 to')

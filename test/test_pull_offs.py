@@ -32,8 +32,12 @@ import pytest
 PULL, RANGE_N = 8.0, 70.0
 
 
-def pulled(size: float, swing: float = 0.0) -> Signals:
-    """Press a curved soft thing once at 1 mm/s, which holds on to the tool while it leaves."""
+def pulled(size: float, swing: float = 0.0, drawn_at: float = 0.0) -> Signals:
+    """
+    Press a curved soft thing once at 1 mm/s, which holds on to the tool while it leaves.
+
+    Half as hard it draws the tool in within 0.5 mm of a position.
+    """
     t = np.asarray(0.01 * np.arange(2400), np.float64)
     x = 1e-3 * np.interp(t, [0.0, 2.0, 10.0, 18.0, 24.0], [-4.0, -4.0, 4.0, -4.0, -4.0])
     generator = np.random.default_rng(1)
@@ -42,6 +46,7 @@ def pulled(size: float, swing: float = 0.0) -> Signals:
     leaving = (t > 10.0) & (x > -2e-3)
     pull = np.interp(x, [-2e-3, -1e-3, 2e-3, 4e-3], [0.0, 1.0, 0.3, 0.0])
     force += size * leaving * pull + swing * np.sin(6.0 * t)
+    force += 0.5 * size * ((t < 10.0) & (x > drawn_at) & (x < min(drawn_at + 5e-4, 0.0)))
     force += 0.05 * generator.standard_normal(len(t))
     return Signals(t, force, t, x + 1e-7 * generator.standard_normal(len(t)), np.empty(0),
                    np.empty((4, 0)))
@@ -65,6 +70,11 @@ def test_pull_at_the_end_of_the_contact_is_measured() -> None:
 @pytest.mark.parametrize('size, swing', [(0.0, 0.0), (0.5, 0.0), (0.0, PULL), (PULL, PULL)])
 def test_a_trifle_and_a_force_that_swings_are_no_pull(size: float, swing: float) -> None:
     assert not pulls_of(pulled(size, swing)).are_clear
+
+
+def test_a_wall_may_draw_the_tool_in_where_it_pulls_but_not_farther() -> None:
+    assert pulls_of(pulled(PULL, drawn_at=-0.9e-3)).are_clear
+    assert not pulls_of(pulled(PULL, drawn_at=-2.5e-3)).are_clear
 
 
 def test_pulls_of_several_contacts_must_be_alike() -> None:

@@ -45,6 +45,7 @@ from ..observe.observed import observe
 from ..observe.parts import continuous_parts
 from ..observe.prepared_recording import prepare, PreparedRecording, Recordings
 from ..observe.reference_rates import with_reference_rates
+from ..observe.residuals import force_residual
 from ..observe.signals import Recording
 from ...exceptions import ModelFileError, ParameterRangeError
 from ...physics import effects_that_are_on
@@ -54,6 +55,7 @@ from ...plant.plant_parameters import PlantParameters
 _DIVERGED = 1e3  # times the range of the motion
 _SHARPER = 0.7  # of the cost: less may show that the law is exact
 _UNCHANGED = 0.02  # of the misfit: best model after smoothing again
+_SHOWN = 0.6  # of the error on what is fitted: less on the held-out part tells nothing of a name
 
 
 def diagnose(
@@ -109,10 +111,10 @@ def diagnose(
     given = _Given(nominal, fitted, held_out, examined.checks, seed, progress)
     if held_out:
         return _diagnosed(given, hold=0)[0]
-    diagnosis, shows_in_fit = _diagnosed(given, hold=1)
-    if diagnosis.verdict != 'unexplained' or shows_in_fit:
+    diagnosis, shows_alike = _diagnosed(given, hold=1)
+    if diagnosis.verdict != 'unexplained' or diagnosis.effects or shows_alike:
         return diagnosis
-    other, _ = _diagnosed(given, hold=2)  # what is missing shows in the part held out alone
+    other, _ = _diagnosed(given, hold=2)
     return other if other.effects else diagnosis
 
 
@@ -135,8 +137,9 @@ def _diagnosed(given: _Given, hold: int) -> tuple[Diagnosis, bool]:
     -------
     diagnosis : Diagnosis
         The result.
-    shows_in_fit : bool
-        Whether the recalibrated model leaves more than noise of what it is fitted on.
+    shows_alike : bool
+        Whether the recalibrated model leaves more than noise of what it is fitted on, and of what
+        is held out about as much: else this can neither confirm nor contradict a name.
 
     """
     nominal, progress = given.nominal, given.progress
@@ -166,12 +169,21 @@ def _diagnosed(given: _Given, hold: int) -> tuple[Diagnosis, bool]:
                        holds_reference=found.holds_reference)
 
     diagnosis = concluded(selection)
-    shows = bool(selection.best.model.effects) or has_discrepancy(selection.recordings)
+    shows = ((bool(selection.best.model.effects) or has_discrepancy(selection.recordings))
+             and _shows_there(selection, diagnosis))
     if _refuted(selection, diagnosis):
         by_prediction = concluded(
             select(selection.recordings, selection.base, progress, by_likelihood=False))
         return by_prediction if by_prediction.effects else diagnosis, shows
     return diagnosis, shows
+
+
+def _shows_there(selection: Selection, diagnosis: Diagnosis) -> bool:
+    """Return whether the held-out part shows a fair share of the misfit of what is fitted."""
+    there = diagnosis.force.recalibrated
+    fitted = np.concatenate([force_residual(one, selection.base.model)[one.force.use]
+                             for one in selection.recordings])
+    return there is None or there > _SHOWN * float(np.sqrt(np.mean(fitted**2)))
 
 
 def _refuted(selection: Selection, diagnosis: Diagnosis) -> bool:

@@ -167,6 +167,8 @@ def _sizes(recording: PreparedRecording, model: Model) -> list[float]:
         rest = float(np.median(before[:len(before) // 2]))
         top = int(np.argmax(leaving))
         pull = float(leaving[top]) - rest
-        swings = float(np.max(before)) - rest, rest - float(np.min(leaving[top:]))
+        # Nearer than where it lets go, a wall may also draw the tool in.
+        farther = before[o.x[begin:first] < o.x[deepest + top]]
+        swings = float(np.max(farther, initial=rest)) - rest, rest - float(np.min(leaving[top:]))
         sizes.append(pull if max(swings) < _ELSEWHERE * pull else 0.0)
     return sizes
