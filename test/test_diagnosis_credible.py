@@ -146,7 +146,8 @@ def test_a_surface_is_not_far_beyond_the_motion(offset: float, credible: bool) -
     assert is_credible([recording], offset_first)
 
 
-@pytest.mark.parametrize('name', ['force_delay', 'command_delay'])
+@pytest.mark.parametrize(
+    'name', ['force_delay', 'command_delay', 'force_lag', 'actuator_lag'])
 def test_a_delay_is_no_smaller_than_stamps_are_known(name: str) -> None:
     recording, model = prepared_from(recorded())
     for share, credible in ((0.04, False), (0.06, True)):

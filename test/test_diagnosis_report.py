@@ -29,7 +29,7 @@ from contact_estimation.diagnosis.report.corrected_model import model_file
 from contact_estimation.diagnosis.report.json_report import as_dict
 from contact_estimation.diagnosis.report.page.builder import as_html
 from contact_estimation.diagnosis.report.text_report import as_text
-from contact_estimation.diagnosis.report.wording import share_of
+from contact_estimation.diagnosis.report.wording import headline, share_of
 from contact_estimation.estimation.parameters import EstimationParameters
 from contact_estimation.parameters.file import read_parameter_file
 from contact_estimation.parameters.values import build
@@ -202,6 +202,16 @@ def test_a_trifle_beyond_the_noise_is_told_where_nothing_is_named(
     assert (text in as_html(unnamed, 'a.mcap')) is told
     assert ('to within the sensor noise' in as_text(unnamed)) is (
         verdict == 'consistent' and not told)
+
+
+def test_headline_lists_the_values_that_recalibration_changes() -> None:
+    d = diagnosed('friction')
+    model = d.nominal
+    to = replace(d, verdict='recalibrate', effects=[],
+                 recalibrated=model.at((2.0 * model.stiffness, *model.values[1:])))
+    assert headline(to) == (
+        'The simulation has the right physics with wrong values: K_e is '
+        f'{2.0 * model.stiffness:.5g} N/m instead of {model.stiffness:.5g} N/m')
 
 
 def test_what_the_position_does_not_resolve_is_no_trifle() -> None:

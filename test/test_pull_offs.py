@@ -77,6 +77,17 @@ def test_a_wall_may_draw_the_tool_in_where_it_pulls_but_not_farther() -> None:
     assert not pulls_of(pulled(PULL, drawn_at=-2.5e-3)).are_clear
 
 
+@pytest.mark.parametrize('size, clear', [(PULL, True), (0.0, False)])
+def test_a_recording_may_begin_in_contact(size: float, clear: bool) -> None:
+    whole = pulled(size)
+    late = whole.wrench_t > 5.0
+    t, x = whole.wrench_t[late], whole.position[late]
+    pulls = pulls_of(Signals(t, whole.force[late], t, x, np.empty(0), np.empty((4, 0))))
+    assert pulls.are_clear is clear
+    if clear:
+        assert pulls.sizes == pytest.approx([PULL], rel=0.05)
+
+
 def test_pulls_of_several_contacts_must_be_alike() -> None:
     sizes = np.array([4.0, 5.0, 6.0])
     assert PullOffs(sizes, 1.0).are_clear
@@ -106,6 +117,7 @@ def test_a_pull_after_each_contact_tells_an_adhesion_and_nothing_else() -> None:
 def test_adhesion_is_named_beside_something_larger() -> None:
     found = diagnosed(pulled(PULL), SOFT)
     adhesion = found.effects[named(found).index('adhesion')]
-    assert adhesion.mark is not None
+    assert adhesion.mark is not None and 'dmt_adhesion' in (
+        adhesion.name, *adhesion.indistinguishable_from)
     assert 'but the wall pulls by 7.9' in as_text(found).replace('\n', ' ')
     assert 'adhesion' not in named(diagnosed(pulled(0.0), SOFT))

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from concealed_worlds import nominal, prepared_from
+from concealed_worlds import diagnosed, nominal, prepared_from
 from contact_estimation.diagnosis.conclude.trifles import without_unconfirmed_trifles
 from contact_estimation.diagnosis.fit.discrepancy import correlation_time, has_discrepancy, weighed
 from contact_estimation.diagnosis.fit.fitting import fit
@@ -27,6 +27,7 @@ from contact_estimation.diagnosis.observe.model import Model
 from contact_estimation.diagnosis.observe.prepared_recording import PreparedRecording
 from contact_estimation.diagnosis.observe.residuals import residuals
 from contact_estimation.diagnosis.observe.signals import Signals
+from contact_estimation.diagnosis.report.text_report import as_text
 import numpy as np
 from numpy.typing import NDArray
 import pytest
@@ -96,3 +97,15 @@ def test_a_single_stroke_with_a_rest_needs_more_than_a_trifle_too(
     base = fit([prepared], model)
     assert base.cost > 100.0 * base.residual_count
     assert (select([prepared], base).best.model.effects == ('cubic_stiffness',)) is named
+
+
+def test_what_is_too_little_for_a_name_in_a_single_stroke_is_not_unexplained_either() -> None:
+    ramp = 9e-3 * T / T[-1]
+    noise = NOISE * np.random.default_rng(3).standard_normal(len(T))
+    stray = 6.0 * NOISE * np.sin(1.1 * T) + noise
+    for cubic, verdict in ((8e5, 'recalibrate'), (1e6, 'physics_missing')):
+        force = -(STIFFNESS * ramp + cubic * ramp**3) + stray
+        found = diagnosed(Signals(T, force, T, ramp, np.empty(0), np.empty((4, 0))), SPRING)
+        assert found.verdict == verdict
+        told = 'too little for a name in a single stroke' in as_text(found)
+        assert told is (verdict == 'recalibrate')

@@ -46,6 +46,7 @@ class ActuatorLag(RobotEffect):
     family = 'timing'
     description = 'The drives deliver the control force with a lag.'
     Parameters = ActuatorLagParameters
+    sampled_delay = 'tau'
 
     def __init__(self, values: ActuatorLagParameters) -> None:
         super().__init__(values)

@@ -91,7 +91,8 @@ class Effect(DrawnEffect):
     sampled_frequency : str
         Parameter that is a frequency which the samples have to resolve; '' if there is none.
     sampled_delay : str
-        Parameter that is a delay, to be a fair share of a sample period; '' if there is none.
+        Parameter that is a delay or a lag, to be a fair share of a sample period; '' if there is
+        none.
     least_share : float
         Least share of the misfit that it must predict where it is flexible, see `is_flexible`.
 

@@ -47,6 +47,7 @@ class ForceLag(ForceSensorEffect):
     Parameters = ForceLagParameters
 
     memory = True
+    sampled_delay = 'tau'
 
     def __init__(self, values: ForceLagParameters) -> None:
         super().__init__(values)

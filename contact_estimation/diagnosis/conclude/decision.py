@@ -26,6 +26,7 @@ from .apparent_mass import is_resonance
 from .held_out_power import confirmed, held_out_powers, largest, MOST_POWER
 from .shares import Shares, shares_of
 from .trifles import is_trifle, without_unconfirmed_trifles
+from ..fit.applicable import least_worth_a_name
 from ..fit.criteria import (
     enough,
     EXPLAINED,
@@ -149,7 +150,7 @@ def decide(
     progress('structure of the residuals')
     recordings = _plain(recordings, base.model)
     carried, _ = weigh(recordings, fit(recordings, best.model))
-    if not material(carried, base.model):
+    if not material(carried, base.model, least_worth_a_name(recordings)):
         usual = max(1.0, best.cost / best.residual_count)
         powers = held_out_powers(whole, best.model, trifles=False)
         late = largest(powers) > MOST_POWER * usual

@@ -31,8 +31,9 @@ from ..fit.criteria import enough, noise_scale, PRICE
 from ..fit.discrepancy import has_discrepancy
 from ..fit.fitting import Fit, fit
 from ..fit.model_uncertainty import discounted
-from ..fit.search import search_family
+from ..fit.search import search, search_family
 from ..fit.selection import Selection
+from ..fit.zeros import beside, zeros_lacking
 from ..observe.model import Model, names_of
 from ..observe.prepared_recording import PreparedRecording, Recordings
 from ...parameters.specification import specifications
@@ -42,6 +43,7 @@ Array = NDArray[np.float64]
 
 _NEAREST, _MOST_RIVALS = 4, 2
 _LIKELIER = 8.0  # cost that a further parameter must take away: by BIC
+_OF_ZEROS = 0.5  # least share of the misfit that a zero takes away alone, for rivals beside it
 _NEAR = 3.0  # times the best cost: other rivals are out of the question
 
 
@@ -106,8 +108,10 @@ def name_effects(
     for name in sorted(best.model.effects, key=lambda name: -shares.of[name].share):
         dropped = fit(recordings, best.model.without(name), steps=8)
         rivals = _rivals(selection, name, recordings)
-        alike = _alike(best, name, rivals, recordings, generator)
         cls, share = EFFECTS[name], shares.of[name]
+        # A mark tells the family alone.
+        alike = ([rival for rival in rivals if not _is_other(rival, cls.family)][:_MOST_RIVALS]
+                 if name == told else _alike(best, name, rivals, recordings, generator))
         # Where no law is exact, no experiment tells those of a family: it would be like none.
         others = alike if exact else [rival for rival in alike if _is_other(rival, cls.family)]
         rival_models.update({rival.model.effects[-1]: rival.model for rival in others})
@@ -138,10 +142,46 @@ def _rivals(selection: Selection, name: str, recordings: Recordings) -> list[Fit
     fits = [fit(recordings, rival.model, steps=8) for rival in nearest]
     if has_discrepancy(recordings):
         known = {found.model.effects[-1] for found in fits}
-        family = search_family(recordings, selection.best.model, name, lambda name: None)
+        family = search_family(recordings, selection.best.model, name, _quietly)
         fits += [found for found in family if found.model.effects[-1] not in known]
-    return sorted((found for found in fits if found.model.plausible()),
-                  key=lambda found: found.cost)
+        fits += beside_zeros(selection, name, recordings)
+    fits.sort(key=lambda found: found.cost, reverse=True)
+    best_of = {found.model.effects[-1]: found for found in fits if found.model.plausible()}
+    return sorted(best_of.values(), key=lambda found: found.cost)
+
+
+def beside_zeros(selection: Selection, name: str, recordings: Recordings) -> list[Fit]:
+    """
+    Fit the laws that may stand in the place of an effect beside zeros that a model lacks.
+
+    A memory forgets a zero; a law without one must not be worse for that.
+
+    Parameters
+    ----------
+    selection : Selection
+        With the model, and with what a zero explains alone.
+    name : str
+        Of the effect.
+    recordings : sequence of PreparedRecording
+        As fitted.
+
+    Returns
+    -------
+    fits : list of Fit
+        Best first; none unless a zero alone explains half of the misfit.
+
+    """
+    rest = selection.best.model.without(name)
+    zeros = [zero for zero in zeros_lacking(rest)
+             if zero != name and selection.evidence.get(zero, 0.0) >= _OF_ZEROS]
+    if not zeros:
+        return []
+    level = fit(recordings, beside(rest, zeros))
+    return search(recordings, level, _quietly)[:_NEAREST]
+
+
+def _quietly(name: str) -> None:
+    """Report no progress."""
 
 
 def _alike(

@@ -42,7 +42,7 @@ def is_trifle(recordings: Recordings, shares: Shares, name: str) -> bool:
     With long recordings every imperfection of a rig is significant. One that is the same on all
     parts is a law however small if all names together leave little, or if it surely explains most.
     Of a robot, whose controller works in steps, the latter alone counts, of less than others. A
-    delay of less than half a sample is that of such steps.
+    delay or a lag of less than half a sample is that of such steps, or of clocks.
 
     Parameters
     ----------
@@ -81,7 +81,7 @@ def is_trifle(recordings: Recordings, shares: Shares, name: str) -> bool:
 
 
 def _is_of_steps(recordings: Recordings, best: Fit, name: str) -> bool:
-    """Return whether a delay is shorter than the steps of a controller may cause."""
+    """Return whether a delay or a lag is shorter than steps of a controller may cause."""
     values = best.model.parameters_of(name)
     delay = getattr(values, EFFECTS[name].sampled_delay, np.inf)
     return bool(delay < _OF_STEPS * max((one.observed.h for one in recordings), default=0.0))

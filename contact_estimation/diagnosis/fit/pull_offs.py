@@ -161,10 +161,13 @@ def _sizes(recording: PreparedRecording, model: Model) -> list[float]:
     sizes = []
     for (first, stop), begin, end in zip(found, [0, *middles], [*middles, len(force)]):
         deepest = first + int(np.argmax(o.x[first:stop]))
-        before, leaving = force[begin:first], force[deepest:end]
-        if len(before) < 3 * _SMOOTHED or end - stop < _SMOOTHED:
+        before, leaving, after = force[begin:first], force[deepest:end], force[stop:end]
+        if max(len(before), len(after)) < 3 * _SMOOTHED or len(after) < _SMOOTHED:
             continue
-        rest = float(np.median(before[:len(before) // 2]))
+        # A recording may begin in contact.
+        free = before[:len(before) // 2] if len(before) >= 3 * _SMOOTHED else (
+            after[len(after) // 2:])
+        rest = float(np.median(free))
         top = int(np.argmax(leaving))
         pull = float(leaving[top]) - rest
         # Nearer than where it lets go, a wall may also draw the tool in.

@@ -24,6 +24,7 @@ from typing import Sequence
 from ..conclude.dependence import Dependence
 from ..conclude.location import Location
 from ..conclude.result import Diagnosis, NamedEffect
+from ..fit.applicable import is_single_stroke, least_worth_a_name
 from ..fit.discrepancy import least_material
 from ...physics import EFFECTS
 
@@ -59,12 +60,7 @@ def headline(diagnosis: Diagnosis) -> str:
         return 'The simulation explains the recording' + (
             '' if trifle(d) else ' to within the sensor noise')
     if d.verdict == 'recalibrate':
-        old, new = d.nominal, d.recalibrated
-        return (
-            f'The simulation has the right physics with wrong values: K_e is '
-            f'{new.stiffness:.5g} N/m instead of {old.stiffness:.5g} N/m, B_e is '
-            f'{new.damping:.4g} N s/m instead of {old.damping:.4g} N s/m'
-        )
+        return f'The simulation has the right physics with wrong values: {_recalibrated(d)}'
     if d.refused:
         wrong = ' and '.join(check.name.replace('_', ' ') for check in d.checks if check.fatal)
         return f'The recording must be put right first: {wrong}'
@@ -75,6 +71,18 @@ def headline(diagnosis: Diagnosis) -> str:
     unknown = 'physics that no effect of the library explains'
     return f'The simulation lacks {names}; most of the mismatch is {unknown}' if names else (
         f'The simulation lacks {unknown}')
+
+
+def _recalibrated(diagnosis: Diagnosis) -> str:
+    """List the values of the wall that recalibration changes."""
+    names = ('K_e', 'N/m'), ('B_e', 'N s/m'), ('M_e', 'kg')
+    old, new = diagnosis.nominal, diagnosis.recalibrated
+    values = [(f'{before:.5g}', f'{after:.5g}')
+              for before, after in zip(old.values, new.values[:old.base_count])]
+    changed = any(before != after for before, after in values)
+    return ', '.join(f'{name} is {after} {unit} instead of {before} {unit}'
+                     for (name, unit), (before, after) in zip(names, values)
+                     if before != after or not changed)
 
 
 def share_of(effect: NamedEffect) -> str:
@@ -158,7 +166,9 @@ def trifle(diagnosis: Diagnosis) -> str:
     left = sqrt(error**2 - d.noise_floor**2)
     shown = max(d.recordings, key=lambda one: one.observed.force_range)
     percent = 100.0 * left / shown.observed.force_range
-    reason = ('too little for a name' if left < least_material(shown)
+    least = least_material(shown) * least_worth_a_name(d.recordings)
+    stroke = ' in a single stroke' if is_single_stroke(d.recordings) else ''
+    reason = (f'too little for a name{stroke}' if left < least
               else 'the position does not resolve it')
     return (f'Beside the noise it leaves {left:.2g} N (rms, held out), {percent:.2g} % of the '
             f'range of the force: {reason}')
