@@ -16,11 +16,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import Sequence
+
 import numpy as np
 
-from .check import Finding, Test
+from .check import Check, Finding, Test
 from .evidence import Evidence
 
+_LISTED = 6
 _FAR = 1.5  # times the depth: more than physics of the surface explain
 
 
@@ -56,6 +60,34 @@ def find(evidence: Evidence) -> Finding:
         return Finding(False, f'{text}, expected there; set the location to about '
                               f'{onset.position:.4g} m')
     return Finding(True, text)
+
+
+def with_places(checks: Sequence[Check], places: Sequence[float]) -> list[Check]:
+    """
+    Replace the result of this check by what the contacts have shown.
+
+    Parameters
+    ----------
+    checks : sequence of Check
+        Of the recordings.
+    places : sequence of float
+        Where the surface of each contact is [m].
+
+    Returns
+    -------
+    checks : list of Check
+        That of the location failed; nothing is refused, since each contact is moved to the surface
+        of the model.
+
+    """
+    listed = ', '.join(f'{place:.4g}' for place in places[:_LISTED])
+    listed += ' ...' if len(places) > _LISTED else ''
+    text = (f'the surface is at x = {listed} m in {len(places)} contacts, expected at one place: '
+            'the object was moved or is touched somewhere else; each contact is moved to '
+            'environment.location before it is diagnosed; touch one place, or keep the object '
+            'fixed')
+    return [replace(one, ok=False, text=text) if one.name == 'wall_location' else one
+            for one in checks]
 
 
 TEST = Test(find, after=('clock_offset', 'force_sign', 'position_sign', 'length_unit',

@@ -27,6 +27,7 @@ from .result import Diagnosis
 from ..checks import examine
 from ..checks.check import Check
 from ..checks.clock_offset import with_offset
+from ..checks.wall_location import with_places
 from ..fit.clocks import Clocks, Offset
 from ..fit.criteria import penalty, SHARE, THRESHOLD
 from ..fit.discrepancy import has_discrepancy
@@ -38,6 +39,7 @@ from ..fit.ripple import without_ripple
 from ..fit.same_effects import fitted_again, of_model, with_effects_kept
 from ..fit.search import Progress
 from ..fit.selection import select, Selection
+from ..fit.surfaces import on_one_surface, surfaces_of
 from ..observe.held_reference import with_held_reference
 from ..observe.held_samples import without_held_samples
 from ..observe.model import Model
@@ -55,6 +57,7 @@ from ...plant.plant_parameters import PlantParameters
 _DIVERGED = 1e3  # times the range of the motion
 _SHARPER = 0.7  # of the cost: less may show that the law is exact
 _UNCHANGED = 0.02  # of the misfit: best model after smoothing again
+_BETTER = 0.7  # of the held-out force error: surfaces that are apart explain more than names do
 _SHOWN = 0.6  # of the error on what is fitted: less on the held-out part tells nothing of a name
 
 
@@ -109,13 +112,14 @@ def diagnose(
     fitted = [part for one in fitted for part in continuous_parts(one, model)]
     held_out = [part for one in held_out for part in continuous_parts(one, model)]
     given = _Given(nominal, fitted, held_out, examined.checks, seed, progress)
-    if held_out:
-        return _diagnosed(given, hold=0)[0]
-    diagnosis, shows_alike = _diagnosed(given, hold=1)
-    if diagnosis.verdict != 'unexplained' or diagnosis.effects or shows_alike:
+    diagnosis = _with_the_best_held_out(given)
+    if diagnosis.verdict in ('consistent', 'recalibrate') or not model.environment.unilateral:
         return diagnosis
-    other, _ = _diagnosed(given, hold=2)
-    return other if other.effects else diagnosis
+    moved = _on_one_surface(given)
+    if moved is None:
+        return diagnosis
+    other = _with_the_best_held_out(moved)
+    return other if _predicts_better(other, diagnosis) else diagnosis
 
 
 class _Given(NamedTuple):
@@ -127,6 +131,43 @@ class _Given(NamedTuple):
     checks: list[Check]
     seed: int
     progress: Progress
+
+
+def _with_the_best_held_out(given: _Given) -> Diagnosis:
+    """Diagnose; hold out other parts where the first do not show what is missing."""
+    if given.held_out:
+        return _diagnosed(given, hold=0)[0]
+    diagnosis, shows_alike = _diagnosed(given, hold=1)
+    if diagnosis.verdict != 'unexplained' or diagnosis.effects or shows_alike:
+        return diagnosis
+    other, _ = _diagnosed(given, hold=2)
+    return other if other.effects else diagnosis
+
+
+def _on_one_surface(given: _Given) -> _Given | None:
+    """Move the contacts to the surface of the model; None unless each has one of its own."""
+    every, location = [*given.fitted, *given.held_out], given.nominal.nominal.environment.location
+    surfaces = surfaces_of([prepare(one, given.nominal, hold=0) for one in every])
+    if not surfaces.are_apart:
+        return None
+    moved = []
+    for number, one in enumerate(every):
+        of_it = [k for k, contact in enumerate(surfaces.contacts) if contact.recording == number]
+        moved.append(replace(one, signals=on_one_surface(
+            one.signals, [surfaces.contacts[k] for k in of_it],
+            [float(surfaces.fitted[k]) for k in of_it], location)))
+    count = len(given.fitted)
+    return given._replace(fitted=moved[:count], held_out=moved[count:],
+                          checks=with_places(given.checks, surfaces.fitted.tolist()))
+
+
+def _predicts_better(moved: Diagnosis, diagnosis: Diagnosis) -> bool:
+    """Return whether the contacts on one surface tell more than those as recorded."""
+    if not diagnosis.effects:
+        return True
+    there, here = moved.force.corrected, diagnosis.force.corrected
+    return (moved.verdict != 'unexplained' and there is not None and here is not None
+            and there < _BETTER * here)
 
 
 def _diagnosed(given: _Given, hold: int) -> tuple[Diagnosis, bool]:

@@ -93,11 +93,16 @@ def search(
         near.append(fit_at(recordings, start))
     started = [fit(recordings, one.model, steps=4) for one in nearest(recordings, near)]
     started.sort(key=lambda found: found.cost + penalty(found.model))
-    fits = [fit(recordings, found.model, steps=8) for found in started[:_FOLLOWED]]
+    law = min((found.cost for found in started if not _is_curve(recordings, found)), default=0.0)
+    fits, rest = list[Fit](), started[_FOLLOWED:]
+    for found in started[:_FOLLOWED]:  # a curve that does not lead the laws is not taken
+        if found.cost > law and _is_curve(recordings, found):
+            rest.append(found)
+        else:
+            fits.append(fit(recordings, found.model, steps=8))
     fits.sort(key=lambda found: found.cost)
     fits[:_TO_END] = [fit_to_end(recordings, found) for found in fits[:_TO_END]]
-    fits = [found for found in fits + started[_FOLLOWED:]
-            if is_credible(recordings, found.model)]
+    fits = [found for found in fits + rest if is_credible(recordings, found.model)]
     scale = noise_scale(min(fits, key=lambda found: found.cost)) if fits else 1.0
     return sorted(fits, key=lambda found: found.cost + scale * penalty(found.model))
 
@@ -107,6 +112,10 @@ def _starts(model: Model, name: str, scales: Scales) -> list[Model]:
     starts = [model.with_effect(name, values) for values in EFFECTS[name].starts(scales)]
     same_force = starts if EFFECTS[name].rescales_wall else []
     return [*(start.with_rescaled_wall() for start in same_force), *starts]
+
+
+def _is_curve(recordings: Recordings, found: Fit) -> bool:
+    return is_flexible(recordings, found.model, found.model.effects[-1])
 
 
 def search_family(
