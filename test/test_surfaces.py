@@ -89,6 +89,13 @@ def test_contacts_of_one_place_are_not_apart(changes: dict[str, Any]) -> None:
     assert not surfaces(recorded(**changes)).are_apart
 
 
+def test_a_cable_that_pushes_in_free_flight_is_no_surface() -> None:
+    s = recorded()
+    pushing = (s.wrench_t > 2.8) & (s.wrench_t < 3.1)
+    pushed = surfaces(s._replace(force=s.force - 8.0 * pushing))
+    assert len(pushed.fitted) == 3 and not pushed.are_apart
+
+
 def test_an_object_that_is_moved_is_told_and_its_wall_found() -> None:
     found = of_moved()
     assert found.verdict == 'recalibrate' and not found.effects

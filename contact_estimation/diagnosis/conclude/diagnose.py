@@ -113,7 +113,7 @@ def diagnose(
     held_out = [part for one in held_out for part in continuous_parts(one, model)]
     given = _Given(nominal, fitted, held_out, examined.checks, seed, progress)
     diagnosis = _with_the_best_held_out(given)
-    if diagnosis.verdict in ('consistent', 'recalibrate') or not model.environment.unilateral:
+    if not model.environment.unilateral or _is_enough(diagnosis):
         return diagnosis
     moved = _on_one_surface(given)
     if moved is None:
@@ -159,6 +159,15 @@ def _on_one_surface(given: _Given) -> _Given | None:
     count = len(given.fitted)
     return given._replace(fitted=moved[:count], held_out=moved[count:],
                           checks=with_places(given.checks, surfaces.fitted.tolist()))
+
+
+def _is_enough(diagnosis: Diagnosis) -> bool:
+    """Return whether no surfaces of the contacts could predict the held-out force better."""
+    if diagnosis.verdict in ('consistent', 'recalibrate'):
+        return True
+    error = diagnosis.force.corrected
+    return bool(diagnosis.effects) and (
+        error is not None and _BETTER * error < diagnosis.noise_floor)
 
 
 def _predicts_better(moved: Diagnosis, diagnosis: Diagnosis) -> bool:

@@ -33,7 +33,7 @@ from ...reference.quintic import quintic
 Array = NDArray[np.float64]
 
 _LEAST_CONTACT_S, _LEAST_SAMPLES = 0.1, 20
-_FELT, _NOISE = 0.01, 5.0  # of the range of the force; standard deviations
+_FELT, _FIRM, _NOISE = 0.01, 0.15, 5.0  # of the range of the force; standard deviations
 _RESOLVED = 3.0  # times the path within which a contact begins
 _ALIKE, _EXPLAINED = 0.3, 0.5  # of the range of the places; share of the misfit
 
@@ -217,4 +217,7 @@ def _contacts(recording: PreparedRecording) -> list[tuple[int, int]]:
             joined[-1] = joined[-1][0], stop
         else:
             joined.append((first, stop))
-    return [pair for pair in joined if pair[0] > 0 and pair[1] - pair[0] >= least]
+    # What a cable or a mount pushes in free flight is no contact.
+    firm = _FIRM * o.force_range
+    return [(first, stop) for first, stop in joined if first > 0 and stop - first >= least
+            and float(np.max(-o.force[first:stop])) > firm]
