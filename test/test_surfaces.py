@@ -123,6 +123,16 @@ def test_recordings_of_different_places_are_diagnosed_together() -> None:
     assert 'in 6 contacts' in ' '.join(one.text for one in found.checks if not one.ok)
 
 
+def test_objects_of_different_stiffness_are_told() -> None:
+    parts = [Recording(str(K_e), recorded(environment__stiffness=K_e)) for K_e in (5e3, 8e3)]
+    found = diagnose(parts, nominal())
+    assert found.verdict == 'unexplained' and not found.effects
+    springs = surfaces_of([prepared_from(one.signals)[0] for one in parts]).springs
+    assert springs == pytest.approx(3 * [5e3] + 3 * [8e3], rel=0.05)
+    assert found.next_experiment.startswith(
+        f'Each contact fits a spring and a damper of its own, with K_e = {springs[0]:.4g}, ')
+
+
 def test_position_and_reference_are_moved_alike_and_only_away_from_the_surface() -> None:
     s = moved(APART)
     found = surfaces(s)

@@ -22,6 +22,7 @@ from typing import NamedTuple, Sequence
 import numpy as np
 
 from .conclusion import conclude, Fitted
+from .naming import diagnose_apart
 from .refusal import refuse
 from .result import Diagnosis
 from ..checks import examine
@@ -39,7 +40,7 @@ from ..fit.ripple import without_ripple
 from ..fit.same_effects import fitted_again, of_model, with_effects_kept
 from ..fit.search import Progress
 from ..fit.selection import select, Selection
-from ..fit.surfaces import on_one_surface, surfaces_of
+from ..fit.surfaces import on_one_surface, Surfaces, surfaces_of
 from ..observe.held_reference import with_held_reference
 from ..observe.held_samples import without_held_samples
 from ..observe.model import Model
@@ -115,11 +116,13 @@ def diagnose(
     diagnosis = _with_the_best_held_out(given)
     if not model.environment.unilateral or _is_enough(diagnosis):
         return diagnosis
-    moved = _on_one_surface(given)
-    if moved is None:
-        return diagnosis
-    other = _with_the_best_held_out(moved)
-    return other if _predicts_better(other, diagnosis) else diagnosis
+    surfaces = surfaces_of([prepare(one, nominal, hold=0) for one in (*fitted, *held_out)])
+    if surfaces.are_apart:
+        moved = _with_the_best_held_out(_on_one_surface(given, surfaces))
+        diagnosis = moved if _predicts_better(moved, diagnosis) else diagnosis
+    if surfaces.are_of_several and diagnosis.verdict == 'unexplained' and not diagnosis.effects:
+        return replace(diagnosis, next_experiment=diagnose_apart(surfaces.springs))
+    return diagnosis
 
 
 class _Given(NamedTuple):
@@ -144,14 +147,10 @@ def _with_the_best_held_out(given: _Given) -> Diagnosis:
     return other if other.effects else diagnosis
 
 
-def _on_one_surface(given: _Given) -> _Given | None:
-    """Move the contacts to the surface of the model; None unless each has one of its own."""
-    every, location = [*given.fitted, *given.held_out], given.nominal.nominal.environment.location
-    surfaces = surfaces_of([prepare(one, given.nominal, hold=0) for one in every])
-    if not surfaces.are_apart:
-        return None
-    moved = []
-    for number, one in enumerate(every):
+def _on_one_surface(given: _Given, surfaces: Surfaces) -> _Given:
+    """Move the contacts to the surface of the model."""
+    moved, location = [], given.nominal.nominal.environment.location
+    for number, one in enumerate((*given.fitted, *given.held_out)):
         of_it = [k for k, contact in enumerate(surfaces.contacts) if contact.recording == number]
         moved.append(replace(one, signals=on_one_surface(
             one.signals, [surfaces.contacts[k] for k in of_it],

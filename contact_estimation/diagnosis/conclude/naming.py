@@ -42,6 +42,7 @@ from ...physics import EFFECTS
 Array = NDArray[np.float64]
 
 _NEAREST, _MOST_RIVALS = 4, 2
+_LISTED = 8  # contacts
 _LIKELIER = 8.0  # cost that a further parameter must take away: by BIC
 _OF_ZEROS = 0.5  # least share of the misfit that a zero takes away alone, for rivals beside it
 _NEAR = 3.0  # times the best cost: other rivals are out of the question
@@ -263,6 +264,28 @@ def advice(
         return (f'{what_is_explained(names)} Repeat the same {again}: how the residuals scale '
                 'shows what is missing.')
     return ''
+
+
+def diagnose_apart(springs: Array) -> str:
+    """
+    Recommend what to run where each contact fits a wall of its own.
+
+    Parameters
+    ----------
+    springs : ndarray, shape (C,)
+        K_e of each contact [N/m].
+
+    Returns
+    -------
+    advice : str
+        Two sentences.
+
+    """
+    listed = ', '.join(f'{spring:.4g}' for spring in springs[:_LISTED])
+    listed += ' ...' if len(springs) > _LISTED else ''
+    return (f'Each contact fits a spring and a damper of its own, with K_e = {listed} N/m. '
+            'Diagnose contacts of one object at one place together, and each object or place by '
+            'itself.')
 
 
 def what_is_explained(names: Sequence[NamedEffect]) -> str:

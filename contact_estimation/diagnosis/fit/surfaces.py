@@ -35,6 +35,7 @@ Array = NDArray[np.float64]
 _LEAST_CONTACT_S, _LEAST_SAMPLES = 0.1, 20
 _FELT, _FIRM, _NOISE = 0.01, 0.15, 5.0  # of the range of the force; standard deviations
 _RESOLVED = 3.0  # times the path within which a contact begins
+_OTHER, _FULLY = 0.15, 0.8  # difference of K_e, in the usual one; share of the misfit
 _ALIKE, _EXPLAINED = 0.3, 0.5  # of the range of the places; share of the misfit
 
 
@@ -64,6 +65,10 @@ class Surfaces(NamedTuple):
         K_e [N/m] and B_e [N s/m] of all contacts.
     explained : float
         Share of the squared misfit of one surface for all contacts.
+    springs : ndarray, shape (C,)
+        K_e of each contact alone [N/m].
+    explained_by_springs : float
+        Share of what is left then that they explain, each with a damping and a mass of its own.
 
     """
 
@@ -74,6 +79,16 @@ class Surfaces(NamedTuple):
     stiffness: float
     damping: float
     explained: float
+    springs: Array
+    explained_by_springs: float
+
+    @property
+    def are_of_several(self) -> bool:
+        """Whether the stiffness differs between contacts, which explains what is missing."""
+        if len(self.springs) < 2 or float(np.min(self.springs)) <= 0.0:
+            return False
+        return bool(np.ptp(self.springs) > _OTHER * np.median(self.springs)
+                    and self.explained_by_springs > _FULLY)
 
     @property
     def are_apart(self) -> bool:
@@ -105,7 +120,8 @@ def surfaces_of(recordings: Recordings) -> Surfaces:
     found = [(number, *contact) for number, one in enumerate(recordings)
              for contact in _contacts(one)]
     if len(found) < 2:
-        return Surfaces((), np.empty(0), np.empty(0), 0.0, 0.0, 0.0, 0.0)
+        nothing = np.empty(0)
+        return Surfaces((), nothing, nothing, 0.0, 0.0, 0.0, 0.0, nothing, 0.0)
     contacts, touched, blurs, columns, forces, numbers = [], [], [], [], [], []
     for k, (number, first, stop) in enumerate(found):
         o = recordings[number].observed
@@ -117,13 +133,17 @@ def surfaces_of(recordings: Recordings) -> Surfaces:
         forces.append(-o.force[first:stop])
         numbers.append(np.full(stop - first, k))
     motion, force = np.vstack(columns), np.concatenate(forces)
-    own = np.equal.outer(np.concatenate(numbers), np.arange(len(found))).astype(float)
+    own = np.equal.outer(np.concatenate(numbers), np.arange(len(found)))
     _, alike = _fitted(motion, np.ones((len(force), 1)), force)
-    values, apart = _fitted(motion, own, force)
+    values, apart = _fitted(motion, own.astype(float), force)
+    each = [_fitted(motion[there], np.ones((int(there.sum()), 1)), force[there])
+            for there in own.T]
     stiffness = float(values[0])
     places = -values[3:] / stiffness if stiffness else np.zeros(len(found))
     return Surfaces(tuple(contacts), places, np.array(touched), float(np.median(blurs)), stiffness,
-                    float(values[1]), 1.0 - apart / max(alike, 1e-300))
+                    float(values[1]), 1.0 - apart / max(alike, 1e-300),
+                    np.array([alone[0] for alone, _ in each]),
+                    1.0 - sum(left for _, left in each) / max(apart, 1e-300))
 
 
 def on_one_surface(
