@@ -219,7 +219,8 @@ def test_the_search_finds_how_fast_a_zero_settles() -> None:
 def test_one_step_may_be_of_all_that_a_law_is_linear_in() -> None:
     recording, found = prepared(specimen(TO_AND_FRO, 4.0 * np.exp(-T / 2.3) - 3.1))
     start = found.model.with_effect('settling_bias', (0.02, 2.3, 0.0))
-    cost, there, _ = steps([recording], [start])[0]
+    step = steps([recording], [start])[0]
+    cost, there = step.cost, step.model
     change, _, bias = there.values[there.place('settling_bias')]
     assert (-change, -bias) == pytest.approx((4.0, -3.1), rel=0.02)
     assert cost < 1.1 * fit([recording], start).cost

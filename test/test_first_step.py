@@ -17,7 +17,7 @@
 from __future__ import annotations
 
 from concealed_worlds import physics, prepared_from, recorded
-from contact_estimation.diagnosis.fit.first_step import Step, steps
+from contact_estimation.diagnosis.fit.first_step import steps
 from contact_estimation.diagnosis.fit.fitting import fit
 from contact_estimation.diagnosis.fit.jacobian import differentiate_by, SecantJacobian
 from contact_estimation.diagnosis.observe.model import Model
@@ -35,8 +35,8 @@ AT = np.linspace(0.0, 2.0, 40)
 
 
 def step_from(recording: PreparedRecording, start: Model) -> tuple[float, Model]:
-    cost, model, _ = steps([recording], [start])[0]
-    return cost, model
+    step = steps([recording], [start])[0]
+    return step.cost, step.model
 
 
 @pytest.mark.slow
@@ -80,9 +80,19 @@ def test_a_start_that_promises_less_than_another_reaches_is_left() -> None:
               for speed in (1e-4, 1e-3, 0.01, 0.1, 1.0)]
     alone = [steps([recording], [start])[0] for start in starts]
     taken = steps([recording], starts)
-    assert taken[0] == min(alone, key=lambda step: step.cost)
-    left = [step for step in taken if step == Step(step.cost, step.start, step.start)]
-    assert left and all(step.cost >= taken[0].cost for step in left)
+    assert taken[0].model == min(alone, key=lambda step: step.cost).model
+    left = [step for step in taken if step.residuals is None]
+    assert left and all(step.model == step.start and step.cost >= taken[0].cost for step in left)
+
+
+def test_residuals_of_a_step_are_those_of_its_model() -> None:
+    recording, model = prepared_from(recorded(**physics('stribeck_friction', 3.0, 6.0, 0.01)))
+    step = steps([recording], [model.with_effect('stribeck_friction', (1.0, 2.0, 0.02))])[0]
+    assert step.residuals is not None
+    np.testing.assert_allclose(step.residuals, residuals(recording, step.model), atol=1e-9)
+    assert step.cost == pytest.approx(float(np.sum(step.residuals**2)))
+    again = fit([recording], step.model, known=step.residuals)
+    assert again.model == fit([recording], step.model).model
 
 
 def test_forward_differences_step_back_from_an_upper_bound() -> None:

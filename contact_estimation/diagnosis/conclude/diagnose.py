@@ -50,6 +50,7 @@ from ..observe.prepared_recording import prepare, PreparedRecording, Recordings
 from ..observe.reference_rates import with_reference_rates
 from ..observe.residuals import force_residual
 from ..observe.signals import Recording
+from ..observe.usable_samples import held_at_rest
 from ...exceptions import ModelFileError, ParameterRangeError
 from ...physics import effects_that_are_on
 from ...plant.between_samples import BETWEEN
@@ -114,7 +115,9 @@ def diagnose(
     held_out = [part for one in held_out for part in continuous_parts(one, model)]
     given = _Given(nominal, fitted, held_out, examined.checks, seed, progress)
     diagnosis = _with_the_best_held_out(given)
-    if not model.environment.unilateral or _is_enough(diagnosis):
+    if not model.environment.unilateral:
+        return _without_rests(given, diagnosis)
+    if _is_enough(diagnosis):
         return diagnosis
     surfaces = surfaces_of([prepare(one, nominal, hold=0) for one in (*fitted, *held_out)])
     if surfaces.are_apart:
@@ -145,6 +148,20 @@ def _with_the_best_held_out(given: _Given) -> Diagnosis:
         return diagnosis
     other, _ = _diagnosed(given, hold=2)
     return other if other.effects else diagnosis
+
+
+def _without_rests(given: _Given, diagnosis: Diagnosis) -> Diagnosis:
+    """Diagnose without the rests of a drive where they hide what is missing while it moves."""
+    if diagnosis.verdict != 'unexplained' or all(
+            held_at_rest(given.nominal, observe(one.signals, given.nominal.nominal)) is None
+            for one in given.fitted):
+        return diagnosis
+    moving = given._replace(
+        fitted=[replace(one, rests_count=False) for one in given.fitted],
+        held_out=[replace(one, rests_count=False) for one in given.held_out])
+    other = _with_the_best_held_out(moving)
+    more = other.verdict == 'physics_missing' or other.effects and not diagnosis.effects
+    return replace(other, rests_left_out=True) if more else diagnosis
 
 
 def _on_one_surface(given: _Given, surfaces: Surfaces) -> _Given:
@@ -398,7 +415,7 @@ def _smoothed_with(
         largest = _DIVERGED * np.max(np.abs(o.x))
         if not np.isfinite(carried).all() or np.max(np.abs(carried)) > largest:
             return None
-        better = observe(signals, model.nominal, carried, o.between)
+        better = replace(observe(signals, model.nominal, carried, o.between), held=o.held)
         if better.cutoff > o.cutoff:
             return None
         again.append(PreparedRecording.of(one.name, better, model, one.held_out))

@@ -222,6 +222,8 @@ class Diagnosis:
         For wrong use; if a fatal one failed, nothing was fitted and there are no recordings.
     holds_reference : bool
         Whether the robot holds its reference between setpoints instead of interpolating it.
+    rests_left_out : bool
+        Whether the stretches were left out in which a drive is held at rest.
 
     """
 
@@ -249,6 +251,7 @@ class Diagnosis:
     free_runs: dict[str, Array] = field(repr=False)
     checks: list[Check] = field(default_factory=list)
     holds_reference: bool = False
+    rests_left_out: bool = False
 
     @property
     def refused(self) -> bool:

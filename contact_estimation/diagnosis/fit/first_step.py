@@ -47,12 +47,15 @@ class Step(NamedTuple):
         After the step.
     start : Model
         Before it.
+    residuals : ndarray, shape (R,), or None
+        At `model`, large ones bent, without a long memory; None if it was not evaluated.
 
     """
 
     cost: float
     model: Model
     start: Model
+    residuals: Array | None
 
 
 def derivatives(recordings: Recordings, model: Model) -> Array:
@@ -104,7 +107,7 @@ def steps(
     taken: list[Step] = []
     for start in near:
         if taken and start.foretold > min(step.cost for step in taken):
-            taken.append(Step(start.foretold, start.model, start.model))
+            taken.append(Step(start.foretold, start.model, start.model, None))
         else:
             taken.append(start.step())
     return sorted(taken, key=lambda step: step.cost)
@@ -180,13 +183,12 @@ class _Start:
 
         """
         best = self._tried(self._every)
-        if self._shapes.any() and self._foretold(~self._shapes) < best[0]:
-            best = min(best, self._tried(~self._shapes), key=_first)
-        at_start = self._cost_here, self._values
-        if best[0] >= at_start[0]:
-            best = min(at_start, self._tried(self._every, _SHORT), self._tried(self._wall),
-                       key=_first)
-        return Step(best[0], self.model.with_free(best[1]), self.model)
+        if self._shapes.any() and self._foretold(~self._shapes) < best.cost:
+            best = min(best, self._tried(~self._shapes), key=_cost_of)
+        if best.cost >= self._cost_here:
+            best = min(self._at(self._values, self._here), self._tried(self._every, _SHORT),
+                       self._tried(self._wall), key=_cost_of)
+        return best
 
     def _differentiated(self, others: Array | None) -> Array:
         """Return the derivatives, shape (R, P), for a change by the typical size."""
@@ -208,28 +210,36 @@ class _Start:
     def _foretold(self, free: Flags) -> float:
         return self._cost(self._here + self._columns @ self._change(free))
 
-    def _tried(self, free: Flags, share: float = 1.0) -> tuple[float, Array]:
+    def _tried(self, free: Flags, share: float = 1.0) -> Step:
         model = self.model
         change = self._change(free) * model.steps
         if not np.any(free & self._shapes):  # then the law is linear in those of the logarithms
             factors = _of_newest(model) & model.logarithmic[model.free] & ~self._shapes
             change[factors] = np.log1p(np.maximum(change[factors], _LEAST_CHANGE))
         there = np.clip(self._values + share * change, *model.ranges)
-        return self._cost(self._residuals(there)), there
+        return self._at(there, self._residuals(there))
+
+    def _at(self, values: Array, straight: Array) -> Step:
+        """Return the step to values of which the residuals are known, large ones not bent."""
+        bent = self._bent(straight)
+        return Step(sum_of_squares(bent), self.model.with_free(values), self.model, bent)
 
     def _cost(self, straight: Array) -> float:
-        """Return the cost of residuals of which large ones are not bent yet."""
-        cost, begin = 0.0, 0
+        return sum_of_squares(self._bent(straight))
+
+    def _bent(self, straight: Array) -> Array:
+        """Bend large residuals."""
+        parts, begin = [], 0
         for one in self._recordings:
             stop = begin + len(one.channels(self.model)) * one.block_count
             part = straight[begin:stop]
-            cost += sum_of_squares(huber(part) if bends(one, self.model) else part)
+            parts.append(huber(part) if bends(one, self.model) else part)
             begin = stop
-        return cost
+        return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
 
-def _first(result: tuple[float, Array]) -> float:
-    return result[0]
+def _cost_of(step: Step) -> float:
+    return step.cost
 
 
 def _shapes(model: Model) -> Flags:

@@ -95,7 +95,10 @@ def residual_function(
     return stacked_residuals
 
 
-def fit(recordings: Recordings, model: Model, steps: int = 25, briefly: bool = False) -> Fit:
+def fit(
+    recordings: Recordings, model: Model, steps: int = 25, briefly: bool = False,
+    known: Array | None = None,
+) -> Fit:
     """
     Search from the model's own values.
 
@@ -109,6 +112,8 @@ def fit(recordings: Recordings, model: Model, steps: int = 25, briefly: bool = F
         Most steps of the search; with few of them it also ends at a thousandth of the cost.
     briefly : bool
         As for `residuals`.
+    known : ndarray, shape (R,), optional
+        Residuals at the start, where they are known.
 
     Returns
     -------
@@ -120,6 +125,8 @@ def fit(recordings: Recordings, model: Model, steps: int = 25, briefly: bool = F
     secant = SecantJacobian(
         residual_function(recordings, model, briefly=briefly), size, high)
     start, cost, brief = np.clip(model.coordinates, low + 1e-9 * size, high), np.inf, steps < 10
+    if known is not None and np.array_equal(start, model.coordinates):
+        secant.know(start, known)
     with np.errstate(all='ignore'):  # costs may overflow far from the optimum
         while True:
             secant.renew()
@@ -156,7 +163,7 @@ def fit_to_end(recordings: Recordings, found: Fit) -> Fit:
     for _ in range(_MOST_SEARCHES):
         if found.ended:
             break
-        before, found = found.cost, fit(recordings, found.model)
+        before, found = found.cost, fit(recordings, found.model, known=found.residuals)
         if found.cost > _SLOWLY * before:
             break
     return found

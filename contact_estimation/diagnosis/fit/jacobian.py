@@ -70,6 +70,10 @@ class SecantJacobian:
         self._at: tuple[Array, Array, Array] | None = None  # point, residuals, J by the size
         self.updated = False
 
+    def know(self, values: Array, residuals: Array) -> None:
+        """Take the residuals, shape (R,), at values, shape (P,), as evaluated."""
+        self._last = values.copy(), residuals
+
     def residuals(self, values: Array) -> Array:
         """Evaluate the residuals, shape (R,), at values, shape (P,)."""
         if self._last is None or not np.array_equal(self._last[0], values):

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from .applicable import candidates_in
 from .criteria import noise_scale, penalty
 from .discrepancy import costs_by_channel, has_discrepancy
-from .first_step import derivatives, fit_without, steps
+from .first_step import derivatives, fit_without, Step, steps
 from .fitting import cost_of, Fit, fit, fit_at, fit_to_end
 from .scales import measure_scales
 from ..observe.cycle import keeps_step
@@ -89,9 +89,9 @@ def search(
             starts[0].free.sum() - len(names_of(name)) == base.model.free.sum())
         start = _best_start(recordings, starts, others if small else None)
         if EFFECTS[name].resonates and not scales.driven:
-            start = fit(recordings, start, steps=4).model
-        near.append(fit_at(recordings, start))
-    started = [fit(recordings, one.model, steps=4) for one in nearest(recordings, near)]
+            start = _fit_on(recordings, start, 4)
+        near.append(start)
+    started = [_fit_on(recordings, one, 4) for one in nearest(recordings, near)]
     started.sort(key=lambda found: found.cost + penalty(found.model))
     law = min((found.cost for found in started if not _is_curve(recordings, found)), default=0.0)
     fits, rest = list[Fit](), started[_FOLLOWED:]
@@ -99,7 +99,7 @@ def search(
         if found.cost > law and _is_curve(recordings, found):
             rest.append(found)
         else:
-            fits.append(fit(recordings, found.model, steps=8))
+            fits.append(_fit_on(recordings, found, 8))
     fits.sort(key=lambda found: found.cost)
     fits[:_TO_END] = [fit_to_end(recordings, found) for found in fits[:_TO_END]]
     fits = [found for found in fits + rest if is_credible(recordings, found.model)]
@@ -112,6 +112,10 @@ def _starts(model: Model, name: str, scales: Scales) -> list[Model]:
     starts = [model.with_effect(name, values) for values in EFFECTS[name].starts(scales)]
     same_force = starts if EFFECTS[name].rescales_wall else []
     return [*(start.with_rescaled_wall() for start in same_force), *starts]
+
+
+def _fit_on(recordings: Recordings, found: Fit, steps: int) -> Fit:
+    return fit(recordings, found.model, steps, known=found.residuals)
 
 
 def _is_curve(recordings: Recordings, found: Fit) -> bool:
@@ -307,9 +311,18 @@ def nearest(recordings: Recordings, near: Sequence[Fit]) -> list[Fit]:
 
 def _best_start(
     recordings: Recordings, starts: Sequence[Model], others: Array | None
-) -> Model:
+) -> Fit:
     """Return the best model one step from the starts; parameters as `steps`."""
     taken = steps(recordings, starts, others)
+    near, residuals = taken[0].model, taken[0].residuals
+    if residuals is not None and not any(one.driven_by_force(near) for one in recordings):
+        count = sum(one.residual_count for one in recordings)
+        return Fit(near, taken[0].cost, residuals, count, False)
+    return fit_at(recordings, _likeliest(recordings, starts, taken))
+
+
+def _likeliest(recordings: Recordings, starts: Sequence[Model], taken: Sequence[Step]) -> Model:
+    """Return the best model of starts and steps of walls that a force drives."""
     near = taken[0].model
     if not all(recording.driven_by_force(near) for recording in recordings):
         return near

@@ -87,6 +87,8 @@ class Observed:
     command_error : ndarray, shape (N,), or None
         Error of the robot's control force by straight lines between the samples of a reference
         that is slower than the wrenches [N]; None for one that is not.
+    held : ndarray of bool, shape (N,), or None
+        Where a drive is held at rest, which does not count; None if that counts too.
 
     """
 
@@ -106,6 +108,7 @@ class Observed:
     sampled: Flags | None = None
     motion_error: Array | None = None
     command_error: Array | None = None
+    held: Flags | None = None
 
     @cached_property
     def pace(self) -> float:

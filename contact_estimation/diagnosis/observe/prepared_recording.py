@@ -32,7 +32,7 @@ from .model import Model
 from .noise import force_error, force_noise, innovation_error, motion_noise
 from .observed import observe, Observed, reference_on_grid
 from .signals import Recording
-from .usable_samples import default_block, force_drops, usable
+from .usable_samples import default_block, force_drops, held_at_rest, usable
 from ...physics.second_order import SecondOrder
 
 Array = NDArray[np.float64]
@@ -350,6 +350,8 @@ def prepare(recording: Recording, model: Model, hold: int) -> PreparedRecording:
 
     """
     observed = observe(recording.signals, model.nominal)
+    if not recording.rests_count:
+        observed = replace(observed, held=held_at_rest(model, observed))
     require_contact(model, observed, recording.name)
     held_out = hold_out(model, observed, hold) if hold else None
     return PreparedRecording.of(recording.name, observed, model, held_out)

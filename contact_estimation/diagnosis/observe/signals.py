@@ -71,6 +71,8 @@ class Recording:
         By how much a stamp lay before that of an earlier message, at most [s].
     damage : str
         What of the file could not be read; '' if all was.
+    rests_count : bool
+        Whether the stretches count in which a drive is held at rest.
 
     """
 
@@ -78,6 +80,7 @@ class Recording:
     signals: Signals
     stamps_back_s: float = 0.0
     damage: str = ''
+    rests_count: bool = True
 
 
 def signals_of(recorded: RecordedSignals) -> Signals:

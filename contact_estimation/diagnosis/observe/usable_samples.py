@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import maximum_filter1d
+from scipy.ndimage import maximum_filter1d, minimum_filter1d, uniform_filter1d
 
 from .model import Model
 from .observed import Observed
@@ -34,6 +34,9 @@ _FORGOTTEN = 12.0  # times 1 / omega_o: the observer has forgotten any initial s
 _LOADED = 0.2  # of the greatest force
 _SPARED = 0.125  # of the samples
 _CYCLE, _FORGETTING = 2, 4  # strokes
+_SLOW, _FASTEST = 0.02, 0.99  # of the speed that so many samples do not exceed
+_LONG, _SMOOTHED, _MOST_AT_REST = 0.02, 0.005, 0.7  # of the samples
+_HELD = 0.1  # of the range of the force
 _IMPACT_BEFORE, _IMPACT_AFTER = 2, 3  # unpredictable samples around touch-down
 
 
@@ -65,6 +68,7 @@ def usable(model: Model, observed: Observed) -> Flags:
             use &= ~o.start  # its initial state is unknown
             if model.nominal.environment.inertia == 0.0 and _starts_loaded(o.force):
                 use[:_until_known(o.x)] = False
+        use &= True if o.held is None else ~o.held
     else:
         inside = laws.touching(o)
         for first in np.flatnonzero(np.diff(inside.astype(int)) > 0).tolist():
@@ -96,6 +100,39 @@ def _until_known(x: Array) -> int:
     strokes = np.cumsum(np.abs(np.diff(x))) / np.ptp(x)
     known = int(min(strokes[round(_SPARED * len(strokes))], _FORGETTING))
     return int(np.searchsorted(strokes, known)) if known >= _CYCLE else 0
+
+
+def held_at_rest(model: Model, observed: Observed) -> Flags | None:
+    """
+    Find the stretches in which a drive without a spring is held, by forces that differ.
+
+    What holds it follows the force, so that no law of the motion predicts that.
+
+    Parameters
+    ----------
+    model : Model
+        Nominal.
+    observed : Observed
+        The recording.
+
+    Returns
+    -------
+    held : ndarray of bool, shape (N,), or None
+        None if there is no such stretch, or little else.
+
+    """
+    o, wall = observed, model.nominal.environment
+    if o.reference is not None or wall.unilateral or wall.stiffness != 0.0:
+        return None
+    rests = np.zeros(len(o.t), bool)
+    slow = np.abs(o.v) < _SLOW * np.quantile(np.abs(o.v), _FASTEST)
+    for first, stop in stretches(slow):
+        rests[first:stop] = slow[first] and stop - first > _LONG * len(slow)
+    span = max(1, round(_SMOOTHED * len(slow)))
+    inside = minimum_filter1d(rests, 2 * span + 1)
+    force = uniform_filter1d(o.force, span)[inside]
+    differ = len(force) and np.ptp(force) > _HELD * o.force_range
+    return rests if differ and np.mean(rests) < _MOST_AT_REST else None
 
 
 def force_drops(observed: Observed, noise: float, touching: Flags) -> Flags | None:

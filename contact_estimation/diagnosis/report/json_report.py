@@ -59,7 +59,7 @@ def as_dict(diagnosis: Diagnosis, experiment_file: str | None = None) -> dict[st
             'holdouts': [{'name': part.name, **_errors(part.force, part.motion)}
                          for part in d.holdouts],
             'force_between_samples': d.between_samples,
-            'reference_held': d.holds_reference,
+            'reference_held': d.holds_reference, 'rests_left_out': d.rests_left_out,
             'left_over_noise': d.residual_power,
             'left_predictable': d.predictable,
         },

@@ -57,7 +57,7 @@ def as_text(diagnosis: Diagnosis) -> str:
     if d.refused:
         return '\n\n'.join('\n'.join(lines) for lines in (failed, _verdict(d)))
     sections = [failed, _verdict(d), *(_effect(effect) for effect in d.effects), _remainder(d),
-                _parameters(d), _held_out(d), _location(d), _between_samples(d)]
+                _parameters(d), _held_out(d), _location(d), _how_it_was_read(d)]
     if d.next_experiment:
         sections.append([f'Next experiment: {d.next_experiment}'])
     return '\n\n'.join('\n'.join(lines) for lines in sections if lines)
@@ -171,11 +171,14 @@ def _location(d: Diagnosis) -> list[str]:
     return lines
 
 
-def _between_samples(d: Diagnosis) -> list[str]:
+def _how_it_was_read(d: Diagnosis) -> list[str]:
+    lines = []
+    if d.rests_left_out:
+        lines.append('Where the drive stands still was left out: friction holds any force there.')
     if d.between_samples in _BETWEEN:
-        return [f'Between its samples the force is {_BETWEEN[d.between_samples]}; straight '
-                'lines explain less.']
-    if d.holds_reference:
-        return ['The robot holds its reference between setpoints; straight lines explain its '
-                'motion less.']
-    return []
+        lines.append(f'Between its samples the force is {_BETWEEN[d.between_samples]}; straight '
+                     'lines explain less.')
+    elif d.holds_reference:
+        lines.append('The robot holds its reference between setpoints; straight lines explain '
+                     'its motion less.')
+    return lines
