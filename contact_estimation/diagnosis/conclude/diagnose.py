@@ -115,17 +115,10 @@ def diagnose(
     held_out = [part for one in held_out for part in continuous_parts(one, model)]
     given = _Given(nominal, fitted, held_out, examined.checks, seed, progress)
     diagnosis = _with_the_best_held_out(given)
-    if not model.environment.unilateral:
-        return _without_rests(given, diagnosis)
-    if _is_enough(diagnosis):
+    if diagnosis.refused:
         return diagnosis
-    surfaces = surfaces_of([prepare(one, nominal, hold=0) for one in (*fitted, *held_out)])
-    if surfaces.are_apart:
-        moved = _with_the_best_held_out(_on_one_surface(given, surfaces))
-        diagnosis = moved if _predicts_better(moved, diagnosis) else diagnosis
-    if surfaces.are_of_several and diagnosis.verdict == 'unexplained' and not diagnosis.effects:
-        return replace(diagnosis, next_experiment=diagnose_apart(surfaces.springs))
-    return diagnosis
+    look_again = _at_the_surfaces if model.environment.unilateral else _without_rests
+    return look_again(given, diagnosis)
 
 
 class _Given(NamedTuple):
@@ -164,6 +157,20 @@ def _without_rests(given: _Given, diagnosis: Diagnosis) -> Diagnosis:
     return replace(other, rests_left_out=True) if more else diagnosis
 
 
+def _at_the_surfaces(given: _Given, diagnosis: Diagnosis) -> Diagnosis:
+    """Diagnose with a surface for each contact, where that predicts better."""
+    if _is_enough(diagnosis):
+        return diagnosis
+    every = *given.fitted, *given.held_out
+    surfaces = surfaces_of([prepare(one, given.nominal, hold=0) for one in every])
+    if surfaces.are_apart:
+        moved = _with_the_best_held_out(_on_one_surface(given, surfaces))
+        diagnosis = moved if _predicts_better(moved, diagnosis) else diagnosis
+    if surfaces.are_of_several and diagnosis.verdict == 'unexplained' and not diagnosis.effects:
+        return replace(diagnosis, next_experiment=diagnose_apart(surfaces.springs))
+    return diagnosis
+
+
 def _on_one_surface(given: _Given, surfaces: Surfaces) -> _Given:
     """Move the contacts to the surface of the model."""
     moved, location = [], given.nominal.nominal.environment.location
@@ -188,8 +195,8 @@ def _is_enough(diagnosis: Diagnosis) -> bool:
 
 def _predicts_better(moved: Diagnosis, diagnosis: Diagnosis) -> bool:
     """Return whether the contacts on one surface tell more than those as recorded."""
-    if not diagnosis.effects:
-        return True
+    if moved.refused or not diagnosis.effects:
+        return not moved.refused
     there, here = moved.force.corrected, diagnosis.force.corrected
     return (moved.verdict != 'unexplained' and there is not None and here is not None
             and there < _BETTER * here)
