@@ -161,8 +161,9 @@ def _at_the_surfaces(given: _Given, diagnosis: Diagnosis) -> Diagnosis:
     """Diagnose with a surface for each contact, where that predicts better."""
     if _is_enough(diagnosis):
         return diagnosis
-    every = *given.fitted, *given.held_out
-    surfaces = surfaces_of([prepare(one, given.nominal, hold=0) for one in every])
+    every = [*given.fitted, *given.held_out]
+    surfaces = surfaces_of(diagnosis.recordings if len(every) == 1 else [
+        prepare(one, given.nominal, hold=0) for one in every])
     if surfaces.are_apart:
         moved = _with_the_best_held_out(_on_one_surface(given, surfaces))
         diagnosis = moved if _predicts_better(moved, diagnosis) else diagnosis
