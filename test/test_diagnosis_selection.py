@@ -45,7 +45,7 @@ from contact_estimation.diagnosis.fit.scales import measure_scales
 from contact_estimation.diagnosis.fit.search import is_credible, nearest, search
 from contact_estimation.diagnosis.fit.selection import select, Selection, weigh
 from contact_estimation.diagnosis.observe.model import Model, names_of
-from contact_estimation.diagnosis.observe.prepared_recording import PreparedRecording
+from contact_estimation.diagnosis.observe.prepared_recording import PreparedRecording, Recordings
 from contact_estimation.diagnosis.observe.residuals import residuals
 from contact_estimation.diagnosis.observe.signals import Signals
 import numpy as np
@@ -202,6 +202,23 @@ def test_search_finds_the_depth_of_a_second_spring(K_2: float, depth: float) -> 
     recording, base = prepared(*physics('bilinear_stiffness', K_2, depth).items())
     (found,) = search([recording], base, lambda name: None, ['bilinear_stiffness'])
     assert found.model.values[2:] == pytest.approx((K_2, depth), rel=0.05)
+
+
+@pytest.mark.parametrize('names, curve_ends', [
+    (['stiffness_drift'], True), (['stiffness_drift', 'coulomb_friction'], False)])
+def test_curves_are_fitted_to_the_end_where_no_law_leads_them(
+    monkeypatch: pytest.MonkeyPatch, names: list[str], curve_ends: bool
+) -> None:
+    recording, model = prepared_from(recorded(**physics('coulomb_friction', 2.0)))
+    base, ended = fit([recording], model), list[str]()
+
+    def to_end(recordings: Recordings, found: Fit) -> Fit:
+        ended.append(found.model.effects[-1])
+        return found
+
+    monkeypatch.setattr(search_module, 'fit_to_end', to_end)
+    search([recording], base, lambda name: None, names)
+    assert ('stiffness_drift' in ended) is curve_ends
 
 
 def test_implausible_values_are_not_found(monkeypatch: pytest.MonkeyPatch) -> None:

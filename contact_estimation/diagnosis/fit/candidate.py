@@ -24,9 +24,9 @@ from numpy.typing import NDArray
 from .fitting import Fit, fit_to_end
 from .invariance import left_out_errors
 from .parts import Part
-from .search import is_credible
+from .search import is_credible, is_curve
 from ..observe.model import names_of
-from ..observe.prepared_recording import is_flexible, Recordings
+from ..observe.prepared_recording import Recordings
 
 Array = NDArray[np.float64]
 
@@ -113,8 +113,7 @@ def assess(
     """
     fits = [fit_to_end(recordings, one._replace(ended=False)) for one in found]
     return [Candidate(one, left_out_errors(recordings, one, parts, before),
-                      fitted_errors(one, parts), channel,
-                      is_flexible(recordings, one.model, one.model.effects[-1]))
+                      fitted_errors(one, parts), channel, is_curve(recordings, one))
             for one in fits if is_credible(recordings, one.model)]
 
 

@@ -21,9 +21,9 @@ from typing import Sequence
 from .criteria import ADEQUATE, enough, LEFT, noise_scale, penalty
 from .first_step import fit_without
 from .fitting import cost_of, Fit, fit, fit_to_end
-from .search import is_credible, Progress, search
+from .search import is_credible, is_curve, Progress, search
 from .simplest import FLEXIBLE_LEAD
-from ..observe.prepared_recording import is_flexible, Recordings
+from ..observe.prepared_recording import Recordings
 
 _EXCHANGE_GAIN = 10.0  # cost, in that of the noise
 _ASSESSED = 12  # candidates that may be exact
@@ -105,7 +105,7 @@ def exact_pair(
         return []
     fits = [fit_to_end(recordings, fit(recordings, one.model)) for _, one in nearest]
     laws = [one for one in fits
-            if not is_flexible(recordings, one.model, one.model.effects[-1])]
+            if not is_curve(recordings, one)]
     best = min(laws, key=lambda one: one.cost + penalty(one.model), default=None)
     if best is None or best.cost > most:
         return []
@@ -178,7 +178,7 @@ def laws_before_curves(
     def charged(one: Fit) -> float:
         lead = FLEXIBLE_LEAD * max(present - one.cost, 0.0)
         return (one.cost + scale * penalty(one.model)
-                + lead * is_flexible(recordings, one.model, one.model.effects[-1]))
+                + lead * is_curve(recordings, one))
 
     return sorted(fits, key=charged)
 

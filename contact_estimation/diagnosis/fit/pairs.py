@@ -33,10 +33,10 @@ from .discrepancy import noise_by_channel
 from .fitting import Fit
 from .invariance import left_out_errors
 from .parts import Part
-from .search import search
+from .search import is_curve, search
 from .share import share_of
 from .zeros import ZEROS
-from ..observe.prepared_recording import is_flexible, Recordings
+from ..observe.prepared_recording import Recordings
 from ...physics import EFFECTS
 
 Array = NDArray[np.float64]
@@ -129,7 +129,7 @@ def pairs_that_predict(
     if any(errors - pair.total <= SHARE_OF_WHOLE * misfit for errors in alone):
         return []
     if any(float(fitted_errors(one, parts).sum()) <= pair.expected for one in found
-           if not is_flexible(recordings, one.model, one.model.effects[-1])):
+           if not is_curve(recordings, one)):
         return []  # one law may be all, though parts of a single cycle do not confirm it
     others = [one for one in adequate if one is not pair and law in one.found.model.effects]
     return [pair, *sorted(others, key=lambda other: other.total)]

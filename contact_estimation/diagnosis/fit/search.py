@@ -93,10 +93,10 @@ def search(
         near.append(start)
     started = [_fit_on(recordings, one, 4) for one in nearest(recordings, near)]
     started.sort(key=lambda found: found.cost + penalty(found.model))
-    law = min((found.cost for found in started if not _is_curve(recordings, found)), default=0.0)
+    law = min((found.cost for found in started if not is_curve(recordings, found)), default=np.inf)
     fits, rest = list[Fit](), started[_FOLLOWED:]
     for found in started[:_FOLLOWED]:  # a curve that does not lead the laws is not taken
-        if found.cost > law and _is_curve(recordings, found):
+        if found.cost > law and is_curve(recordings, found):
             rest.append(found)
         else:
             fits.append(_fit_on(recordings, found, 8))
@@ -118,7 +118,23 @@ def _fit_on(recordings: Recordings, found: Fit, steps: int) -> Fit:
     return fit(recordings, found.model, steps, known=found.residuals)
 
 
-def _is_curve(recordings: Recordings, found: Fit) -> bool:
+def is_curve(recordings: Recordings, found: Fit) -> bool:
+    """
+    Return whether the last effect of a fit is a curve that follows any slow misfit.
+
+    Parameters
+    ----------
+    recordings : sequence of PreparedRecording
+        As fitted.
+    found : Fit
+        With effects.
+
+    Returns
+    -------
+    curve : bool
+        As of `is_flexible`.
+
+    """
     return is_flexible(recordings, found.model, found.model.effects[-1])
 
 

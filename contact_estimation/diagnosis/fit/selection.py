@@ -42,11 +42,11 @@ from .flexible import predictable_share
 from .marks import law_by_mark, Mark
 from .ranking import rank_by_prediction, Ranking
 from .revision import as_shown, narrowest, without_trifles
-from .search import Progress, search
+from .search import is_curve, Progress, search
 from .simplest import FLEXIBLE_LEAD
 from .zeros import beside, ZEROS, zeros_lacking
 from ..observe.model import Model
-from ..observe.prepared_recording import is_flexible, Recordings
+from ..observe.prepared_recording import Recordings
 from ...physics import EFFECTS
 
 MOST_EFFECTS = 3
@@ -233,7 +233,7 @@ def _of_parts(
 ) -> Ranking:
     """Rank candidates by prediction; a law beside the zeros goes before a curve."""
     ranking = _ranked(carried, present, base, found)
-    if not ranking.found or not _is_curve(recordings, ranking.found[0]):
+    if not ranking.found or not is_curve(recordings, ranking.found[0]):
         return ranking
     return ranking._replace(found=_law_instead(carried, present, base, ranking.found, progress))
 
@@ -271,10 +271,6 @@ def _beside_zeros(
     return laws if laws and laws[0].cost < _SHARPER * exact[0].cost else exact
 
 
-def _is_curve(recordings: Recordings, found: Fit) -> bool:
-    return is_flexible(recordings, found.model, found.model.effects[-1])
-
-
 def _law_instead(
     recordings: Recordings, present: Fit, base: Fit, ranked: list[Fit], progress: Progress
 ) -> list[Fit]:
@@ -286,7 +282,7 @@ def _law_instead(
     found = search(recordings, level, progress)
     laws = _ranked(recordings, level, base, found).found
     most = ranked[0].cost + FLEXIBLE_LEAD * (present.cost - ranked[0].cost)
-    if laws and laws[0].cost <= most and not _is_curve(recordings, laws[0]):
+    if laws and laws[0].cost <= most and not is_curve(recordings, laws[0]):
         return laws
     return ranked
 
