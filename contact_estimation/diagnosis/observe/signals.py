@@ -150,5 +150,6 @@ def check_signals(signals: Signals) -> None:
         if float(np.ptp(values)) == 0.0:
             raise RecordingError(
                 f'{name} is constant at {values[0]:g}, expected a signal that changes; check '
-                'topic, axis and joint'
+                'topic, axis and joint; under a constant load record the measured force, not the '
+                'command, and the loading'
             )
