@@ -22,13 +22,11 @@ from typing import NamedTuple, Sequence
 import numpy as np
 
 from .conclusion import conclude, Fitted
-from .naming import diagnose_apart
 from .refusal import refuse
 from .result import Diagnosis
+from .second_look import at_the_surfaces, Given, without_rests
 from ..checks import examine
-from ..checks.check import Check
 from ..checks.clock_offset import with_offset
-from ..checks.wall_location import with_places
 from ..fit.clocks import Clocks, Offset
 from ..fit.criteria import penalty, SHARE, THRESHOLD
 from ..fit.discrepancy import has_discrepancy
@@ -40,7 +38,6 @@ from ..fit.ripple import without_ripple
 from ..fit.same_effects import fitted_again, of_model, with_effects_kept
 from ..fit.search import Progress
 from ..fit.selection import select, Selection
-from ..fit.surfaces import on_one_surface, Surfaces, surfaces_of
 from ..observe.held_reference import with_held_reference
 from ..observe.held_samples import without_held_samples
 from ..observe.model import Model
@@ -50,7 +47,6 @@ from ..observe.prepared_recording import prepare, PreparedRecording, Recordings
 from ..observe.reference_rates import with_reference_rates
 from ..observe.residuals import force_residual
 from ..observe.signals import Recording
-from ..observe.usable_samples import held_at_rest
 from ...exceptions import ModelFileError, ParameterRangeError
 from ...physics import effects_that_are_on
 from ...plant.between_samples import BETWEEN
@@ -59,7 +55,6 @@ from ...plant.plant_parameters import PlantParameters
 _DIVERGED = 1e3  # times the range of the motion
 _SHARPER = 0.7  # of the cost: less may show that the law is exact
 _UNCHANGED = 0.02  # of the misfit: best model after smoothing again
-_BETTER = 0.7  # of the held-out force error: surfaces that are apart explain more than names do
 _SHOWN = 0.6  # of the error on what is fitted: less on the held-out part tells nothing of a name
 
 
@@ -113,26 +108,15 @@ def diagnose(
                         for every in (fitted, held_out))
     fitted = [part for one in fitted for part in continuous_parts(one, model)]
     held_out = [part for one in held_out for part in continuous_parts(one, model)]
-    given = _Given(nominal, fitted, held_out, examined.checks, seed, progress)
+    given = Given(nominal, fitted, held_out, examined.checks, seed, progress)
     diagnosis = _with_the_best_held_out(given)
     if diagnosis.refused:
         return diagnosis
-    look_again = _at_the_surfaces if model.environment.unilateral else _without_rests
-    return look_again(given, diagnosis)
+    look_again = at_the_surfaces if model.environment.unilateral else without_rests
+    return look_again(given, diagnosis, _with_the_best_held_out)
 
 
-class _Given(NamedTuple):
-    """What is diagnosed, after all checks."""
-
-    nominal: Model
-    fitted: Sequence[Recording]
-    held_out: Sequence[Recording]
-    checks: list[Check]
-    seed: int
-    progress: Progress
-
-
-def _with_the_best_held_out(given: _Given) -> Diagnosis:
+def _with_the_best_held_out(given: Given) -> Diagnosis:
     """Diagnose; hold out other parts where the first do not show what is missing."""
     if given.held_out:
         return _diagnosed(given, hold=0)[0]
@@ -143,67 +127,7 @@ def _with_the_best_held_out(given: _Given) -> Diagnosis:
     return other if other.effects else diagnosis
 
 
-def _without_rests(given: _Given, diagnosis: Diagnosis) -> Diagnosis:
-    """Diagnose without the rests of a drive where they hide what is missing while it moves."""
-    if diagnosis.verdict != 'unexplained' or all(
-            held_at_rest(given.nominal, observe(one.signals, given.nominal.nominal)) is None
-            for one in given.fitted):
-        return diagnosis
-    moving = given._replace(
-        fitted=[replace(one, rests_count=False) for one in given.fitted],
-        held_out=[replace(one, rests_count=False) for one in given.held_out])
-    other = _with_the_best_held_out(moving)
-    more = other.verdict == 'physics_missing' or other.effects and not diagnosis.effects
-    return replace(other, rests_left_out=True) if more else diagnosis
-
-
-def _at_the_surfaces(given: _Given, diagnosis: Diagnosis) -> Diagnosis:
-    """Diagnose with a surface for each contact, where that predicts better."""
-    if _is_enough(diagnosis):
-        return diagnosis
-    every = [*given.fitted, *given.held_out]
-    surfaces = surfaces_of(diagnosis.recordings if len(every) == 1 else [
-        prepare(one, given.nominal, hold=0) for one in every])
-    if surfaces.are_apart:
-        moved = _with_the_best_held_out(_on_one_surface(given, surfaces))
-        diagnosis = moved if _predicts_better(moved, diagnosis) else diagnosis
-    if surfaces.are_of_several and diagnosis.verdict == 'unexplained' and not diagnosis.effects:
-        return replace(diagnosis, next_experiment=diagnose_apart(surfaces.springs))
-    return diagnosis
-
-
-def _on_one_surface(given: _Given, surfaces: Surfaces) -> _Given:
-    """Move the contacts to the surface of the model."""
-    moved, location = [], given.nominal.nominal.environment.location
-    for number, one in enumerate((*given.fitted, *given.held_out)):
-        of_it = [k for k, contact in enumerate(surfaces.contacts) if contact.recording == number]
-        moved.append(replace(one, signals=on_one_surface(
-            one.signals, [surfaces.contacts[k] for k in of_it],
-            [float(surfaces.fitted[k]) for k in of_it], location)))
-    count = len(given.fitted)
-    return given._replace(fitted=moved[:count], held_out=moved[count:],
-                          checks=with_places(given.checks, surfaces.fitted.tolist()))
-
-
-def _is_enough(diagnosis: Diagnosis) -> bool:
-    """Return whether no surfaces of the contacts could predict the held-out force better."""
-    if diagnosis.verdict in ('consistent', 'recalibrate'):
-        return True
-    error = diagnosis.force.corrected
-    return bool(diagnosis.effects) and (
-        error is not None and _BETTER * error < diagnosis.noise_floor)
-
-
-def _predicts_better(moved: Diagnosis, diagnosis: Diagnosis) -> bool:
-    """Return whether the contacts on one surface tell more than those as recorded."""
-    if moved.refused or not diagnosis.effects:
-        return not moved.refused
-    there, here = moved.force.corrected, diagnosis.force.corrected
-    return (moved.verdict != 'unexplained' and there is not None and here is not None
-            and there < _BETTER * here)
-
-
-def _diagnosed(given: _Given, hold: int) -> tuple[Diagnosis, bool]:
+def _diagnosed(given: Given, hold: int) -> tuple[Diagnosis, bool]:
     """
     Diagnose with a certain part held out.
 
