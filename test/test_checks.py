@@ -22,6 +22,7 @@ from typing import Any, Callable, Mapping
 from concealed_worlds import ATTACHED, attached, nominal, physics, recorded
 from contact_estimation.diagnosis.checks import check, CHECKS, clock_offset, examine
 from contact_estimation.diagnosis.checks.check import Check
+from contact_estimation.diagnosis.checks.evidence import Evidence
 from contact_estimation.diagnosis.checks.measures import bend_of, Lag, Line, STRAIGHT
 from contact_estimation.diagnosis.checks.spikes import spikes
 from contact_estimation.diagnosis.conclude.diagnose import diagnose
@@ -282,26 +283,37 @@ def test_physics_fails_no_check(name: str, values: tuple[float, ...]) -> None:
     assert not failed(recorded(**physics(name, *values)), nominal())
 
 
-@pytest.mark.parametrize('shifted, unshifted, pulls, ok', [
-    (0.995, 0.948, False, False),  # clocks 50 ms apart
-    (0.959, 0.951, False, True),  # hysteresis, whose force is ahead of the motion
-    (0.995, 0.948, True, True),  # adhesion likewise
+@pytest.mark.parametrize('shifted, unshifted, pulls, apart, ok', [
+    (0.995, 0.948, False, -0.05, False),  # clocks 50 ms apart
+    (0.959, 0.951, False, -0.05, True),  # hysteresis, whose force is ahead of the motion
+    (0.995, 0.948, True, -0.05, True),  # adhesion likewise
+    (0.995, 0.948, False, -0.004, True),  # what yields peaks with the motion
 ])
 def test_hysteresis_or_adhesion_is_no_offset_of_the_clocks(
-    shifted: float, unshifted: float, pulls: bool, ok: bool
+    shifted: float, unshifted: float, pulls: bool, apart: float, ok: bool
 ) -> None:
     overlap = SimpleNamespace(enough=True, spans={}, seconds=9.0)
     evidence: Any = SimpleNamespace(
         overlap=overlap, model=nominal(), period=0.002, lag=Lag(-0.05, shifted, unshifted),
-        with_reference=False, pulls=pulls)
+        with_reference=False, pulls=pulls, peaks_apart=lambda longest: apart)
     assert clock_offset.find(evidence).ok is ok
+
+
+@pytest.mark.parametrize('late', [-0.05, 0.08])
+def test_the_peaks_of_force_and_depth_are_apart_by_the_offset_of_the_clocks(late: float) -> None:
+    signals = recorded()
+    shifted = signals._replace(wrench_t=signals.wrench_t + late)
+    there = Evidence(signals, nominal()).peaks_apart(abs(late))
+    apart = Evidence(shifted, nominal()).peaks_apart(abs(late))
+    assert apart - there == pytest.approx(late, abs=0.005)
 
 
 def test_a_damped_contact_is_ahead_of_its_spring_but_not_of_what_the_robot_felt() -> None:
     overlap = SimpleNamespace(enough=True, spans={}, seconds=9.0)
     found: Any = SimpleNamespace(
         overlap=overlap, model=nominal(), period=0.002, lag=Lag(-0.08, 0.95, 0.8),
-        with_reference=True, of_robot=Line(0.97, 0.98), pulls=False)
+        with_reference=True, of_robot=Line(0.97, 0.98), pulls=False,
+        peaks_apart=lambda longest: -0.08)
     assert clock_offset.find(found).ok
     found.of_robot = Line(0.7, 0.75)  # the robot felt the force at another time
     assert not clock_offset.find(found).ok

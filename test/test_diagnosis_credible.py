@@ -16,14 +16,11 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import Any
-
 from concealed_worlds import diagnosed, named, nominal, physics, prepared_from, recorded
-from contact_estimation.diagnosis.conclude import conclusion as conclusion_module
+from contact_estimation.diagnosis.conclude import naming as naming_module
 from contact_estimation.diagnosis.conclude.apparent_mass import is_resonance
 from contact_estimation.diagnosis.conclude.conclusion import _nominal_where_unknown
-from contact_estimation.diagnosis.conclude.naming import _other_families, name_effects, Names
+from contact_estimation.diagnosis.conclude.rivals import other_families
 from contact_estimation.diagnosis.conclude.shares import Shares
 from contact_estimation.diagnosis.fit.applicable import candidates_for, candidates_in
 from contact_estimation.diagnosis.fit.first_step import steps
@@ -308,8 +305,8 @@ def test_only_other_families_take_a_part_of_a_probability() -> None:
     rivals = [fit_at([recording], found.model.with_effect(name, values)) for name, values in (
         ('power_law_stiffness', (1.5, 2e4)), ('stribeck_friction', (1.0, 1.0, 0.01)),
         ('coulomb_friction', (1.0,)))]
-    assert _other_families('elastic_law', rivals) == {'friction'}
-    assert _other_families('friction', rivals[1:]) == set()
+    assert other_families('elastic_law', rivals) == {'friction'}
+    assert other_families('friction', rivals[1:]) == set()
 
 
 @pytest.mark.parametrize(('probability', 'names', 'verdict'), [
@@ -317,11 +314,10 @@ def test_only_other_families_take_a_part_of_a_probability() -> None:
 def test_a_name_that_is_unlikely_is_not_given(
     monkeypatch: pytest.MonkeyPatch, probability: float, names: list[str], verdict: str,
 ) -> None:
-    def doubted(*args: Any) -> Names:
-        effects, rivals = name_effects(*args)
-        return Names([replace(one, probability=probability) for one in effects], rivals)
+    def doubted(shares: Shares, exact: bool) -> dict[str, float]:
+        return dict.fromkeys(shares.of, probability)
 
-    monkeypatch.setattr(conclusion_module, 'name_effects', doubted)
+    monkeypatch.setattr(naming_module, '_probabilities', doubted)
     diagnosis = diagnosed(recorded(**physics('coulomb_friction', 3.0)))
     assert (named(diagnosis), diagnosis.verdict) == (names, verdict)
 

@@ -20,6 +20,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
+from contact_estimation.diagnosis.fit.share import Share
 from contact_estimation.diagnosis.report.figures import (
     COLOURS,
     plot_comparison,
@@ -164,6 +165,17 @@ def test_bands_of_parts_are_the_interval_and_two_standard_deviations() -> None:
     F_c = effect.parameters['F_c']
     assert (bounds.y0, bounds.y1) == pytest.approx((F_c.value - 2 * F_c.std,
                                                     F_c.value + 2 * F_c.std))
+
+
+def test_of_a_law_beside_zeros_the_share_of_what_they_leave_is_shown() -> None:
+    (effect,) = diagnosed('friction').effects
+    parts = np.linspace(0.5, 0.7, len(effect.parts))
+    beside = Share(0.6, (0.5, 0.7), parts)
+    shares, _ = plot_parts(replace(effect, share=1e-4, beside_zeros=beside)).axes
+    heights = [bar.get_height() for bar in shares.containers[0]]
+    np.testing.assert_allclose(heights, 100.0 * parts)
+    assert line(shares, 'all parts').get_ydata() == [60.0] * 2
+    assert shares.get_ylabel() == 'share beside zeros [%]'
 
 
 def test_share_of_a_part_with_hardly_any_misfit_does_not_dwarf_the_others() -> None:

@@ -25,6 +25,7 @@ from typing import Any
 
 from contact_estimation.diagnosis.conclude.location import Location
 from contact_estimation.diagnosis.conclude.result import Errors, Remainder, Value
+from contact_estimation.diagnosis.fit.share import Share
 from contact_estimation.diagnosis.report.corrected_model import model_file
 from contact_estimation.diagnosis.report.json_report import as_dict
 from contact_estimation.diagnosis.report.page.builder import as_html
@@ -77,8 +78,9 @@ def test_corrected_is_recalibrated_where_nothing_is_missing(name: str) -> None:
 def test_effects_have_the_keys_of_their_schema() -> None:
     (effect,) = as_dict(diagnosed('friction'))['effects']
     assert set(effect) == {'name', 'family', 'port', 'probability', 'equation', 'share',
-                           'share_interval', 'parts', 'parameters', 'indistinguishable_from',
-                           'location'}
+                           'share_interval', 'share_beside_zeros', 'parts', 'parameters',
+                           'indistinguishable_from', 'location'}
+    assert effect['share_beside_zeros'] is None  # there are no zeros
     assert all(set(part) == {'name', 'share', 'parameters'} for part in effect['parts'])
     assert set(effect['parameters']) == {'F_c'}
     assert set(effect['parameters']['F_c']) == {'value', 'std', 'unit'}
@@ -237,6 +239,16 @@ def test_small_shares_have_a_decimal() -> None:
     assert '  predicts 1.2 % (0.4 to 2.0 %) of the misfit' in as_text(replace(d, effects=[small]))
 
 
+def test_a_law_beside_zeros_has_its_share_of_what_they_leave() -> None:
+    d = diagnosed('friction')
+    beside = Share(0.64, (0.55, 0.73), np.array([0.6, 0.7]))
+    small = replace(d.effects[0], share=4e-5, share_interval=(3e-5, 5e-5), beside_zeros=beside)
+    text = as_text(replace(d, effects=[small]))
+    assert ('  predicts below 0.1 % of the misfit on parts left out, 64 % (55 to 73 %) of what '
+            'the zeros leave\n') in text
+    assert as_dict(replace(d, effects=[small]))['effects'][0]['share_beside_zeros'] == 0.64
+
+
 def test_unexplained_mismatch_beside_names_is_most_of_it() -> None:
     d = replace(diagnosed('friction'), verdict='unexplained')
     text = as_text(d)
@@ -276,6 +288,6 @@ def test_share_of_what_a_mark_tells_is_given_only_if_it_is_certain(
     interval: tuple[float, float], words: str
 ) -> None:
     effect: Any = SimpleNamespace(
-        share=0.05, share_interval=interval, share_in_form=None,
+        share=0.05, share_interval=interval, share_in_form=None, beside_zeros=None,
         mark=SimpleNamespace(words='it pulls'))
     assert share_of(effect) == words + 'something else is larger'

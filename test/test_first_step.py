@@ -16,8 +16,8 @@
 
 from __future__ import annotations
 
-from concealed_worlds import physics, prepared_from, recorded
-from contact_estimation.diagnosis.fit.first_step import steps
+from concealed_worlds import nominal, physics, prepared_from, recorded
+from contact_estimation.diagnosis.fit.first_step import steps, straight_at
 from contact_estimation.diagnosis.fit.fitting import fit
 from contact_estimation.diagnosis.fit.jacobian import differentiate_by, SecantJacobian
 from contact_estimation.diagnosis.observe.model import Model
@@ -83,6 +83,28 @@ def test_a_start_that_promises_less_than_another_reaches_is_left() -> None:
     assert taken[0].model == min(alone, key=lambda step: step.cost).model
     left = [step for step in taken if step.residuals is None]
     assert left and all(step.model == step.start and step.cost >= taken[0].cost for step in left)
+
+
+def test_of_starts_near_a_known_model_those_are_differentiated_whose_law_fits_in_size() -> None:
+    recording, model = prepared_from(recorded(**physics('presliding_friction', 3.0, 9000.0)))
+    base = fit([recording], model).model
+    starts = [base.with_effect('presliding_friction', (0.05, 0.05 * rate))
+              for rate in (30.0, 300.0, 3000.0, 30000.0, 3e6)]  # of which 3000 is the true one
+    before = straight_at([recording], base)
+    taken = steps([recording], starts, before)
+    assert len(taken) == 3 and taken[0].start == starts[2]
+    with_all = steps([recording], starts)
+    assert taken[0].cost == pytest.approx(with_all[0].cost, rel=0.05)
+    few = steps([recording], starts[:2], before)
+    assert {step.start for step in few} == set(starts[:2])
+
+
+def test_straight_residuals_of_an_attached_spring_and_damper_are_linear_in_both() -> None:
+    recording, model = prepared_from(recorded(), nominal(environment__unilateral=False))
+    here, columns = straight_at([recording], model)
+    stiffer = model.at((1.2 * model.stiffness, 0.9 * model.damping))
+    expected = here + columns @ ((stiffer.coordinates - model.coordinates) / model.steps)
+    np.testing.assert_allclose(straight_at([recording], stiffer).here, expected, atol=1e-3)
 
 
 def test_residuals_of_a_step_are_those_of_its_model() -> None:

@@ -28,7 +28,7 @@ from contact_estimation.diagnosis.conclude.candidates import (
     Reach,
     scaling_test,
 )
-from contact_estimation.diagnosis.conclude.naming import advice
+from contact_estimation.diagnosis.conclude.naming import advice, listed
 from contact_estimation.diagnosis.conclude.next_experiment import (
     _pressed,
     choose,
@@ -241,3 +241,9 @@ def test_a_proposal_for_a_contact_of_micrometres_is_not_approached_from_millimet
     small = Reach(7e-6, 7e-6, 6e-7, 1.0, 3e-6, 2e-6)
     for candidate in candidates(small):
         assert candidate.experiment.duration < 60.0
+
+
+@pytest.mark.parametrize('names, words', [
+    (['a'], 'a'), (['a', 'b'], 'a and b'), (['a', 'b', 'c'], 'a, b and c')])
+def test_names_are_listed_in_words(names: list[str], words: str) -> None:
+    assert listed(names) == words

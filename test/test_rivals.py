@@ -17,7 +17,7 @@
 from __future__ import annotations
 
 from concealed_worlds import nominal, prepared_from
-from contact_estimation.diagnosis.conclude.naming import beside_zeros
+from contact_estimation.diagnosis.conclude.rivals import beside_zeros
 from contact_estimation.diagnosis.fit.fitting import fit
 from contact_estimation.diagnosis.fit.selection import Selection
 from contact_estimation.diagnosis.observe.signals import Signals

@@ -60,6 +60,8 @@ class Effect(DrawnEffect):
     needs_return : bool
         Whether a specimen that is loaded once, and not unloaded, may as well relax or follow an
         elastic law.
+    breaks_away : bool
+        Whether such a specimen shows the effect all the same where it sticks before it slides.
     needs_speeds : bool
         Whether the effect is an elastic law where the depth tells the speed.
     needs_spring : bool
@@ -116,6 +118,7 @@ class Effect(DrawnEffect):
     needs_penetration: ClassVar[bool] = False
     accumulates: ClassVar[bool] = False
     needs_return: ClassVar[bool] = False
+    breaks_away: ClassVar[bool] = False
     needs_speeds: ClassVar[bool] = False
     needs_spring: ClassVar[bool] = False
     needs_robot: ClassVar[bool] = False

@@ -25,6 +25,7 @@ from ...physics import EFFECTS
 _EARLY_S, _LATE_S = 0.03, 0.15  # no sensor is ahead of the motion, or later than that
 _LEAST_SAMPLES = 3.0
 _CORRELATED, _BETTER = 0.85, 0.005  # correlation at the best shift, and its gain
+_AT_PEAK = 0.5  # of the shift: by which the peaks may be apart from it
 _LEFT = 0.5  # most of the variance that a shift leaves: dissipation is ahead of the motion too
 
 
@@ -60,7 +61,10 @@ def find(evidence: Evidence) -> Finding:
     # What is held back as it leaves is ahead as well; a robot would have felt that.
     held = evidence.pulls and not evidence.with_reference
     long = abs(lag.seconds) > _LEAST_SAMPLES * evidence.period
-    if (off and explains and not felt and not held and long
+    # What yields is ahead of its spring, but peaks with it.
+    apart = evidence.peaks_apart(abs(lag.seconds)) - lag.seconds if off else 0.0
+    shifted = off and abs(apart) < _AT_PEAK * abs(lag.seconds)
+    if (shifted and explains and not felt and not held and long
             and lag.correlation > max(_CORRELATED, lag.unshifted + _BETTER)):
         return Finding(False, f'{text}, expected {-1e3 * _EARLY_S:.0f} to {1e3 * _LATE_S:.0f} ms: '
                               'the clocks of wrench and joint_states differ; synchronise them')

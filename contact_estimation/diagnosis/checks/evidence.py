@@ -41,6 +41,7 @@ _CONTACT = 0.03  # of the range of the force: more is a contact
 _PULL = 0.1  # of the same: more is no noise of free flight
 _CLEAR = 8.0  # standard deviations of the smoothed noise
 _LONGEST_LAG = 0.25  # of the recording
+_NEAR_PEAK = 0.02  # of the range, below the peak
 _LONGEST_AHEAD_S = 0.4
 _LEAST_COMMON = 0.5  # of the shorter topic
 _PLACES, _LEAST_THERE = 20, 2  # bins of the position, and samples of either way in one
@@ -284,6 +285,31 @@ class Evidence:
         unshifted = (values[lags == 0][0], line_through(one.smooth.x, force).correlation)
         return Lag(float(lags[best] * self.period), float(values[best]),
                    float(np.max(np.abs(unshifted))))
+
+    def peaks_apart(self, longest: float) -> float:
+        """
+        Return by how much the force peaks after the deepest contact.
+
+        Parameters
+        ----------
+        longest : float
+            Time around that contact in which the peak of its force is [s].
+
+        Returns
+        -------
+        apart : float
+            From where the one first is near its peak to where the other is [s].
+
+        """
+        one = self._longest
+        force, wall, deepest = -one.smooth.force, one.wall_force, int(np.argmax(one.wall_force))
+        away = np.flatnonzero(wall <= 0.0)
+        around = round(longest / one.period)
+        first = max(int(np.max(away[away < deepest], initial=-1)) + 1 - around, 0)
+        stop = int(np.min(away[away > deepest], initial=len(wall))) + around
+        late, deep = (int(np.argmax(signal >= np.max(signal) - _NEAR_PEAK * np.ptp(signal)))
+                      for signal in (force[first:stop], wall[first:stop]))
+        return (late - deep) * one.period
 
     @cached_property
     def ahead_of_reference(self) -> Early:

@@ -30,6 +30,7 @@ from .location import locate, Location
 from .naming import advice, name_effects, Names
 from .result import Diagnosis, Errors, NamedEffect, pair_of, Remainder, Value
 from .shares import Shares
+from ..fit.applicable import has_paces
 from ..fit.criteria import explained_share
 from ..fit.discrepancy import has_discrepancy, least_material
 from ..fit.fitting import Fit, fit_at
@@ -51,7 +52,7 @@ _ABOVE_NOISE = 1.4  # times the noise: the held-out force, to show anything
 _CLEARLY_WORSE, _MUCH_WORSE, _FAR_WORSE, _THE_SAME = 1.05, 1.5, 3.0, 1.02
 _UNTOLD = 4.0  # cost of two standard deviations
 _HELD = 0.3  # deviation of a spring's force, in that of all the force, which holds a driven mass
-_UNLIKELY = 0.3  # probability below which a name is none; surely one of three families has more
+_DAMPED = 0.5  # deviation of the force of the damper, in that of all the force
 _NOTHING = 0.01  # of the misfit: a remainder that is not worth a word
 
 MODELS = ('nominal', 'recalibrated', 'corrected')
@@ -105,7 +106,7 @@ def conclude(fitted: Fitted, seed: int, progress: Progress) -> Diagnosis:
              for one in fitted.selection.recordings]
     tested = _decided(fitted, whole, progress)
     names = _named(tested, whole, generator)
-    while unlikely := [one.name for one in names.effects if one.probability < _UNLIKELY]:
+    while unlikely := names.unlikely:
         rest = decide_on_rest(
             tested.decision.selection, tested.decision.best.model, unlikely, whole, progress)
         tested = _tested(fitted, whole, rest, progress)
@@ -130,7 +131,8 @@ def conclude(fitted: Fitted, seed: int, progress: Progress) -> Diagnosis:
         noise_floor=float(np.mean([one.force_noise for one in recordings])),
         force=force, motion=motion, improvement=improvement, holdouts=by_part(parts),
         next_experiment=advice(
-            names.effects, names.rivals, verdict, models[0].nominal.environment.unilateral),
+            names.effects, names.rivals, verdict, models[0].nominal.environment.unilateral,
+            _may_rub(recordings, best.model)),
         rivals=names.rivals,
         evidence=selection.evidence, residual_power=best.cost / best.residual_count,
         predictable=decision.predictable,
@@ -276,6 +278,14 @@ def _promises_more(explained: float, parts: Sequence[Part], noise: float) -> boo
     if motion.corrected is not None and motion.recalibrated:
         shown.append(explained_share(motion.recalibrated**2, motion.corrected**2, 0.0))
     return max(shown) < _SHOWN
+
+
+def _may_rub(recordings: Recordings, best: Model) -> bool:
+    """Return whether a damping that makes up much of the force may be dry friction."""
+    if best.nominal.environment.unilateral or has_paces(recordings):
+        return False
+    return any(best.damping * float(np.std(one.observed.v)) > _DAMPED * float(
+        np.std(one.observed.force)) for one in recordings)
 
 
 def _locate(

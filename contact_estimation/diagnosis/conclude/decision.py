@@ -102,8 +102,9 @@ def decide(
     progress : callable
         Called with a description of each stage.
     again : bool
-        Whether to select once more without a law whose size differs between the parts, if no
-        other is left: a curve that fits best may stand before a law that fits nearly as well.
+        Whether to select once more without a law whose size differs between the parts, or is
+        none that is possible, if no other is left: a curve that fits best may stand before a law
+        that fits nearly as well.
 
     Returns
     -------
@@ -182,7 +183,8 @@ def _without_doubtful(
         both = decide(selection._replace(best=best, pair=pair), whole, progress, False)
         if laws <= _laws(both.best.model) and not both.unexplained:
             return both
-    differing = {name for name in laws if not shares.agrees(name)}
+    differing = {name for name in laws
+                 if not best.model.is_plausible(name) or not shares.agrees(name)}
     if left or not differing or not again:
         return fewer
     other = decide_without(selection, differing, whole, progress)

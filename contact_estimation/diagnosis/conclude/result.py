@@ -25,6 +25,7 @@ from .dependence import Dependence
 from .location import Location
 from ..checks.check import Check
 from ..fit.marks import Mark
+from ..fit.share import Share
 from ..observe.model import Model
 from ..observe.prepared_recording import Recordings
 
@@ -100,6 +101,8 @@ class NamedEffect:
         that it explains with a size of its own in each part.
     mark : Mark or None
         What tells an effect that predicts little, such as the force at reversals of the motion.
+    beside_zeros : Share or None
+        Of a law beside named zeros of sensor and surface: its share of what these leave.
 
     """
 
@@ -116,6 +119,7 @@ class NamedEffect:
     location: Location
     share_in_form: float | None = None
     mark: Mark | None = None
+    beside_zeros: Share | None = None
 
 
 @dataclass(frozen=True)

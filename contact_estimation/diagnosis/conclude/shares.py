@@ -16,7 +16,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Mapping, NamedTuple, Sequence
 
@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from .result import EffectOnPart
 from ..fit.discrepancy import weighed
 from ..fit.first_step import fit_without
-from ..fit.fitting import Fit, fit
+from ..fit.fitting import cost_of, Fit, fit
 from ..fit.invariance import (
     channel_by_gain,
     errors_with_own_size,
@@ -37,7 +37,7 @@ from ..fit.invariance import (
 )
 from ..fit.parts import above_noise, evened, noise_of, Part, parts_of
 from ..fit.share import Share, share_of
-from ..fit.zeros import with_zeros
+from ..fit.zeros import is_zero, without_laws
 from ..observe.model import Model, names_of
 from ..observe.prepared_recording import is_flexible, Recordings
 from ...physics import EFFECTS
@@ -45,6 +45,7 @@ from ...physics import EFFECTS
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
+_LEFT = 0.5  # of the cost, by the zeros: more hides no law
 _SPREAD = 1.0  # median deviation of a magnitude between parts, over its median
 _CONSTANT = 0.2  # the same, of a law that is told by the likelihood
 _INFORMED = 0.1  # least information on a magnitude, in that of the part that tells most
@@ -77,6 +78,9 @@ class Shares:
         laws of a pair, what both predict.
     in_form : dict of str to Share
         Of the effect that holds in form alone: what it explains with its size free on each part.
+    beside_zeros : Shares or None
+        Shares of the laws in what the recalibrated model with the named zeros leaves; None without
+        zeros or laws, or where they leave more than half. A sensor that is not tared hides no law.
 
     """
 
@@ -89,6 +93,7 @@ class Shares:
     of_channel: dict[str, Share]
     beside: dict[str, Share]
     in_form: dict[str, Share]
+    beside_zeros: 'Shares | None' = None
 
     @property
     def explained(self) -> float:
@@ -143,12 +148,23 @@ class Shares:
         return sizes, self.best.model.values[place] - neutral
 
     def sure(self, name: str) -> float:
-        """Return the lower end of the share of an effect, or of that beside the others."""
-        return max(self.of_channel[name].interval[0], self.beside[name].interval[0])
+        """Return the largest lower end of the shares of an effect, see `most`."""
+        return max(share.interval[0] for share in self._judged(name))
 
     def most(self, name: str) -> float:
-        """Return the share of an effect, or that beside the others if it is larger."""
-        return max(self.of_channel[name].share, self.beside[name].share)
+        """Return the largest share of an effect: its own, beside the others, or beside zeros."""
+        return max(share.share for share in self._judged(name))
+
+    def of_rest(self, name: str) -> Share | None:
+        """Return the share of a law in what the zeros leave; None without zeros."""
+        rest = self.beside_zeros
+        return rest.of[name] if rest is not None and name in rest.of else None
+
+    def _judged(self, name: str) -> list[Share]:
+        judged, rest = [self.of_channel[name], self.beside[name]], self.beside_zeros
+        if rest is not None and name in rest.of:
+            judged += [rest.of_channel[name], rest.beside[name]]
+        return judged
 
     def error_without(self, names: Sequence[str]) -> float:
         """Return the sum of the squared errors on parts left out, without some effects."""
@@ -208,16 +224,35 @@ def shares_of(
         Those of the effects add up to `explained`.
 
     """
+    found = _shares_of(recordings, base, best, in_form, pair)
+    zeros = tuple(name for name in best.effects if is_zero(name))
+    laws = tuple(name for name in best.effects if name not in zeros)
+    if not zeros or not laws:
+        return found
+    bare = without_laws(recordings, best)
+    if bare.cost > _LEFT * cost_of(recordings, base):
+        return found
+    both = pair if set(pair) <= set(laws) else ()
+    rest = _shares_of(recordings, bare.model, best.in_order((*zeros, *laws)), in_form, both)
+    return replace(found, beside_zeros=rest)
+
+
+def _shares_of(
+    recordings: Recordings, base: Model, best: Model, in_form: str, pair: Sequence[str]
+) -> Shares:
+    """Compute the shares of the effects that a base model, with zeros or without, lacks."""
+    names = best.effects[len(base.effects):]
     carried = weighed(recordings, base)
     first = fit(carried, base)
-    zeroed = with_zeros(base, best)  # the parts are those on which the effects were taken
-    parts = parts_of(carried, first if zeroed is base else fit(carried, zeroed))
+    # The parts are those on which the effects were taken.
+    zeroed = without_laws(carried, best) if any(map(is_zero, names)) else first
+    parts = parts_of(carried, zeroed)
     parts, base_errors = evened(parts, left_out_errors(carried, first, parts))
     errors = base_errors
     model, found, shares, of_channel = base, first, dict[str, Share](), dict[str, Share]()
     channels, by_channel = dict[str, int | None](), judged_by_channel(carried, base)
     steps = dict[str, _Step]()
-    for name in best.effects:
+    for name in names:
         model = model.with_effect(name, best.values[best.place(name)])
         start = best if model.effects == best.effects else model
         found = fit(carried, start)
@@ -227,12 +262,12 @@ def shares_of(
                           else None)
         shares[name] = share_of(before, errors, parts, base_errors)
         of_channel[name] = share_of(before, errors, parts, base_errors, channels[name])
-    beside = {best.effects[-1]: of_channel[best.effects[-1]]}
-    for name in best.effects[:-1]:
+    beside = {names[-1]: of_channel[names[-1]]}
+    for name in names[:-1]:
         without = left_out_errors(
             carried, fit_without(carried, best, (name,)), parts, base_errors)
         beside[name] = share_of(without, errors, parts, base_errors, channels[name])
-    together = pair or _only_together(best.effects, shares, channels)
+    together = pair or _only_together(names, shares, channels)
     if together:
         outset, both = steps[together[0]].before, steps[together[1]].after
         gains = _gains_of_pair(carried, parts, steps[together[0]], steps[together[1]])

@@ -26,17 +26,22 @@ from ...physics import EFFECTS
 _ORDER, _UNTOLD = 4, 0.2  # of a polynomial in x; share of the variance of |v| that it leaves
 _STROKES, _MANY_STROKES = 1.5, 3.0  # more than one; more than one and a return
 _LITTLE, _MOST = 0.05, 0.5  # of the range of motion and of force, on the way back
+_HELD = 0.05  # of the range of motion, before what sticks breaks away
 _THERE_AND_BACK = 2.5  # one contact, with little to and fro
 _OF_STROKE = 1.7  # times the least misfit worth a name: 1 % of the range of the force
 _OF_SPEED, _OF_ACCELERATION = 'damping_law', 'inertia'  # families
+_LOSSES = ('friction', 'hysteresis')  # families
 _MOVES, _FASTEST = 0.2, 0.9  # of the speed that so many samples do not exceed
-_ONE_SPEED, _NEARLY_ALL = 0.1, 0.9  # deviation from it, and share of the moving samples within
+_OF_A_STROKE = 0.1  # over which a speed is averaged
+# Deviation from the usual speed, and share of the samples, or of the means, of which a quarter may
+# be of turns, that are within.
+_ONE, _ABOUT_ONE = (0.1, 0.9), (0.2, 0.75)
 _SLACK = 0.02  # of the range, by which a pressed wall may be pulled
 
 
 def candidates_for(
     model: Model, with_robot: bool, pressed: bool = False, returns: bool = True,
-    speeds: bool = True, paces: bool = True, plays: bool = True,
+    speeds: bool = True, paces: bool = True, plays: bool = True, breaks: bool = False,
 ) -> list[str]:
     """
     List the effects that may be added.
@@ -60,6 +65,9 @@ def candidates_for(
         Whether the motion reverses more than once, or the force vanishes in contact: else a wall
         that stays where it was pressed lets go as a play does.
 
+    breaks : bool
+        Whether it sticks before it slides.
+
     Returns
     -------
     names : list of str
@@ -79,7 +87,7 @@ def candidates_for(
         and (wall.unilateral or not cls.needs_touch)
         and not (wall.unilateral and cls.needs_attachment)
         and (wall.unilateral or pressed or not cls.needs_penetration)
-        and (returns or not cls.needs_return)
+        and (returns or breaks and cls.breaks_away or not cls.needs_return)
         and (wall.unilateral or wall.stiffness > 0.0 or not cls.needs_spring)
         and (speeds or wall.stiffness == 0.0 or not cls.needs_speeds)
         and (wall.unilateral or paces or cls.family != _OF_SPEED)
@@ -111,7 +119,7 @@ def is_pressed(recordings: Recordings, model: Model) -> bool:
                for one in recordings)
 
 
-def candidates_in(recordings: Recordings, model: Model) -> list[str]:
+def candidates_in(recordings: Recordings, model: Model, returns: bool = False) -> list[str]:
     """
     List the effects that recordings may show.
 
@@ -121,6 +129,8 @@ def candidates_in(recordings: Recordings, model: Model) -> list[str]:
         To be fitted.
     model : Model
         Its effects are no candidates.
+    returns : bool
+        Whether to add those that a motion there and back would show.
 
     Returns
     -------
@@ -130,8 +140,52 @@ def candidates_in(recordings: Recordings, model: Model) -> list[str]:
     """
     return candidates_for(
         model, any(one.observed.reference is not None for one in recordings),
-        is_pressed(recordings, model), any(map(_returns, recordings)),
-        any(map(_has_speeds, recordings)), _has_paces(recordings), any(map(_plays, recordings)))
+        is_pressed(recordings, model), returns or any(map(_returns, recordings)),
+        any(map(_has_speeds, recordings)), has_paces(recordings), any(map(_plays, recordings)),
+        all(map(_breaks_away, recordings)))
+
+
+def told_by_a_return(recordings: Recordings, model: Model) -> list[str]:
+    """
+    List the losses that look like elastic laws and zeros until the motion returns.
+
+    Parameters
+    ----------
+    recordings : sequence of PreparedRecording
+        As fitted.
+    model : Model
+        Its effects are no candidates.
+
+    Returns
+    -------
+    names : list of str
+        None if the motion returns.
+
+    """
+    known = candidates_in(recordings, model)
+    return [name for name in candidates_in(recordings, model, returns=True)
+            if name not in known and EFFECTS[name].family in _LOSSES]
+
+
+def tells_time_from_path(recordings: Recordings) -> bool:
+    """
+    Return whether recordings tell a memory of time from one of the path.
+
+    At one speed both are the same: s' = K_1 v - s / tau and z' = sigma v (1 - z / F_c sgn v) with
+    F_c = sigma tau abs(v).
+
+    Parameters
+    ----------
+    recordings : sequence of PreparedRecording
+        Fitted together.
+
+    Returns
+    -------
+    tells : bool
+        Whether the motion has several speeds, on average over a tenth of a stroke, or rests.
+
+    """
+    return not _is_one(_mean_speeds(recordings), _ABOUT_ONE)
 
 
 def is_single_stroke(recordings: Recordings) -> bool:
@@ -179,6 +233,14 @@ def _returns(recording: PreparedRecording) -> bool:
     return _strokes(recording) > _STROKES or _is_unloaded(recording)
 
 
+def _breaks_away(recording: PreparedRecording) -> bool:
+    """Return whether half of the force is reached before the motion has hardly begun."""
+    x, force = map(recording.blocks, (recording.observed.x, recording.observed.force))
+    held = np.abs(x - x[0]) < _HELD * np.ptp(x)
+    end = int(np.argmin(held)) if not held.all() else 0
+    return bool(np.ptp(force[:end]) > _MOST * np.ptp(force)) if end else False
+
+
 def _is_unloaded(recording: PreparedRecording) -> bool:
     """Return whether the force returns with the motion, though that may return a little alone."""
     x, force = map(recording.blocks, (recording.observed.x, recording.observed.force))
@@ -213,9 +275,46 @@ def _has_speeds(recording: PreparedRecording) -> bool:
     return float(np.var(left)) > _UNTOLD * float(np.var(speed))
 
 
-def _has_paces(recordings: Recordings) -> bool:
-    """Return whether recordings move at several speeds, beside resting."""
+def _mean_speed(recording: PreparedRecording) -> NDArray[np.float64]:
+    """Return the speed over each tenth of a stroke that has the mean speed [m/s]."""
+    o = recording.observed
+    stroke = float(np.ptp(o.x)) / max(float(np.mean(np.abs(o.v))), 1e-300)
+    count = max(round(_OF_A_STROKE * stroke / o.h), 1)
+    x = o.x[:len(o.x) // count * count + 1:count]
+    return np.asarray(np.abs(np.diff(x)) / (count * o.h))
+
+
+def has_paces(recordings: Recordings) -> bool:
+    """
+    Return whether recordings move at several speeds, beside resting.
+
+    Parameters
+    ----------
+    recordings : sequence of PreparedRecording
+        Fitted together.
+
+    Returns
+    -------
+    several : bool
+        False if dry friction and damping are the same there.
+
+    """
     speed = np.concatenate([np.abs(one.observed.v[one.use]) for one in recordings])
-    moving = speed[speed > _MOVES * float(np.quantile(speed, _FASTEST))]
-    usual = float(np.median(moving))
-    return float(np.mean(np.abs(moving - usual) < _ONE_SPEED * usual)) < _NEARLY_ALL
+    # The speed of samples may be little but noise, that over tenths of a stroke blurs short ones.
+    return not (_is_one(_moving(speed), _ONE) or _is_one(
+        _moving(_mean_speeds(recordings)), _ABOUT_ONE))
+
+
+def _moving(speed: NDArray[np.float64]) -> NDArray[np.float64]:
+    return speed[speed > _MOVES * float(np.quantile(speed, _FASTEST))]
+
+
+def _is_one(speed: NDArray[np.float64], nearly: tuple[float, float]) -> bool:
+    """Return whether most speeds are nearly the usual one."""
+    deviation, most = nearly
+    usual = float(np.median(speed))
+    return float(np.mean(np.abs(speed - usual) < deviation * usual)) >= most
+
+
+def _mean_speeds(recordings: Recordings) -> NDArray[np.float64]:
+    return np.concatenate([_mean_speed(one) for one in recordings])

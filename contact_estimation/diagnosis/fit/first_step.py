@@ -16,7 +16,8 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple, Sequence
+from functools import cached_property
+from typing import Callable, NamedTuple, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +33,8 @@ Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 _SHORT = 0.3  # of a step that is too long
+_DIFFERENTIATED = 3  # starts, of many near a known model
+_OF_GAPS = 'clearance'  # family: a gap twice as wide is no force twice as large
 _LEAST_CHANGE = -0.99  # relative, of a value that a law is linear in and that is above 0
 
 
@@ -58,9 +61,26 @@ class Step(NamedTuple):
     residuals: Array | None
 
 
-def derivatives(recordings: Recordings, model: Model) -> Array:
+class Straight(NamedTuple):
     """
-    Differentiate the residuals of a model, neither bent nor with a long memory.
+    Residuals of a model and their derivatives, neither bent nor with a long memory.
+
+    Attributes
+    ----------
+    here : ndarray, shape (R,)
+        Residuals.
+    columns : ndarray, shape (R, P)
+        Derivatives by each coordinate, for a change by its typical size.
+
+    """
+
+    here: Array
+    columns: Array
+
+
+def straight_at(recordings: Recordings, model: Model) -> Straight:
+    """
+    Differentiate the residuals of a model.
 
     Parameters
     ----------
@@ -71,17 +91,23 @@ def derivatives(recordings: Recordings, model: Model) -> Array:
 
     Returns
     -------
-    columns : ndarray, shape (R, P)
-        By each coordinate, for a change by its typical size.
+    straight : Straight
+        At its values.
 
     """
-    straight = residual_function(recordings, model, robust=False, briefly=True)
-    start = model.coordinates
-    return differentiate_by(start, model.steps, straight, straight(start), most=model.ranges[1])
+    straight, start = _straight(recordings, model), model.coordinates
+    here = straight(start)
+    return Straight(here, differentiate_by(start, model.steps, straight, here,
+                                           most=model.ranges[1]))
+
+
+def _straight(recordings: Recordings, model: Model) -> Callable[[Array], Array]:
+    """Return the residuals as a function of the coordinates; bent, steps would be too short."""
+    return residual_function(recordings, model, robust=False, briefly=True)
 
 
 def steps(
-    recordings: Recordings, starts: Sequence[Model], others: Array | None = None
+    recordings: Recordings, starts: Sequence[Model], before: Straight | None = None
 ) -> list[Step]:
     """
     Take one Gauss-Newton step, exact in linear parameters, from each start that may be the best.
@@ -92,18 +118,21 @@ def steps(
         Fitted together.
     starts : sequence of Model
         With the same effects.
-    others : ndarray, shape (R, P'), optional
-        Known derivatives by the coordinates before those of the newest law.
+    before : Straight, optional
+        Of the model without the newest law, near which all starts are.
 
     Returns
     -------
     steps : list of Step
         Best first. A start whose derivatives foretell more than the cost of the best is left
-        where it is, at the cost that they foretell.
+        where it is, at the cost that they foretell. Of many near a known model, of a law that has
+        a size and a shape, only those are differentiated that leave least in the best size.
 
     """
-    near = sorted((_Start(recordings, model, others) for model in starts),
-                  key=lambda start: start.foretold)
+    made = [_Start(recordings, model, before) for model in starts]
+    if before is not None and len(made) > _DIFFERENTIATED and made[0].has_size_and_shape:
+        made = sorted(made, key=lambda start: start.in_size)[:_DIFFERENTIATED]
+    near = sorted(made, key=lambda start: start.foretold)
     taken: list[Step] = []
     for start in near:
         if taken and start.foretold > min(step.cost for step in taken):
@@ -146,27 +175,60 @@ class _Start:
     ----------
     model : Model
         The start.
+    in_size : float
+        Cost with the best multiple of the newest law beside the best other values, were the
+        residuals linear.
     foretold : float
         Cost after a step, were the residuals linear.
 
     """
 
-    def __init__(self, recordings: Recordings, model: Model, others: Array | None) -> None:
-        self.model, self._recordings = model, recordings
-        # Bent residuals would make the step too short.
-        self._residuals = residual_function(recordings, model, robust=False, briefly=True)
+    def __init__(self, recordings: Recordings, model: Model, before: Straight | None) -> None:
+        self.model, self._recordings, self._before = model, recordings, before
+        self._residuals = _straight(recordings, model)
         low, high = model.ranges
         self._values = np.clip(model.coordinates, low, high)
         self._here = self._residuals(self._values)
-        self._columns = self._differentiated(others)
-        # Of the triangular factor any columns give the same step as of all rows.
-        stacked = np.column_stack((self._columns, -self._here))
-        self._factor = np.asarray(np.linalg.qr(stacked, mode='r'))
         self._shapes = _shapes(model)
         self._every = np.ones(len(self._values), bool)
         self._wall = np.arange(len(self._values)) < np.count_nonzero(model.free[:2])
         self._cost_here = self._cost(self._here)
-        self.foretold = min(self._foretold(self._every), self._cost_here)
+
+    @property
+    def has_size_and_shape(self) -> bool:
+        """Whether the newest law is linear in some of its values and shaped by others."""
+        of_gap = EFFECTS[self.model.effects[-1]].family == _OF_GAPS
+        return bool(self._shapes.any()) and not of_gap
+
+    @cached_property
+    def in_size(self) -> float:
+        """Return the cost with the best size; see the attributes."""
+        assert self._before is not None
+        here, columns = self._before
+        every = np.column_stack((columns, self._here - here))
+        return self._cost(here - every @ np.linalg.lstsq(every, here, rcond=1e-10)[0])
+
+    @cached_property
+    def foretold(self) -> float:
+        """Return the cost after a step; see the attributes."""
+        return min(self._foretold(self._every), self._cost_here)
+
+    @cached_property
+    def _columns(self) -> Array:
+        """Return the derivatives, shape (R, P), for a change by the typical size."""
+        before = self._before
+        known = 0 if before is None else before.columns.shape[1]
+        first = self._values[:known]
+        own = differentiate_by(
+            self._values[known:], self.model.steps[known:],
+            lambda own: self._residuals(np.concatenate([first, own])), self._here,
+            most=self.model.ranges[1][known:])
+        return own if before is None else np.hstack([before.columns, own])
+
+    @cached_property
+    def _factor(self) -> Array:
+        """Return the triangular factor, of which any columns give the same step as of all rows."""
+        return np.asarray(np.linalg.qr(np.column_stack((self._columns, -self._here)), mode='r'))
 
     def step(self) -> Step:
         """
@@ -189,16 +251,6 @@ class _Start:
             best = min(self._at(self._values, self._here), self._tried(self._every, _SHORT),
                        self._tried(self._wall), key=_cost_of)
         return best
-
-    def _differentiated(self, others: Array | None) -> Array:
-        """Return the derivatives, shape (R, P), for a change by the typical size."""
-        known, model = 0 if others is None else others.shape[1], self.model
-        before = self._values[:known]
-        own = differentiate_by(
-            self._values[known:], model.steps[known:],
-            lambda own: self._residuals(np.concatenate([before, own])), self._here,
-            most=model.ranges[1][known:])
-        return own if others is None else np.hstack([others, own])
 
     def _change(self, free: Flags) -> Array:
         """Return the step, shape (P,), in typical sizes, of the coordinates that are free."""

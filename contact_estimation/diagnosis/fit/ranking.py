@@ -30,7 +30,7 @@ from .applicable import is_single_stroke, least_worth_a_name
 from .candidate import assess, Candidate
 from .criteria import ADEQUATE, is_sure_of_little, OF_LITTLE, predicts_enough, SHARE
 from .discrepancy import CHANNELS, costs_by_channel, material, noise_by_channel
-from .fitting import Fit, fit
+from .fitting import Fit
 from .form import law_in_form
 from .invariance import channel_by_gain, judged_by_channel, left_out_errors, ROBOT
 from .marks import Mark
@@ -38,8 +38,7 @@ from .pairs import pairs_that_predict
 from .parts import counts_of, evened, parts_of
 from .share import share_of
 from .simplest import adequate, simplest_curve
-from .zeros import is_zero, resembles_zero, with_zeros, ZEROS, Zeros
-from ..observe.model import Model
+from .zeros import is_zero, resembles_zero, without_laws, ZEROS, Zeros
 from ..observe.prepared_recording import Recordings
 
 Array = NDArray[np.float64]
@@ -76,7 +75,7 @@ class Ranking(NamedTuple):
 
 
 def rank_by_prediction(
-    recordings: Recordings, present: Fit, base: Model, found: Sequence[Fit]
+    recordings: Recordings, present: Fit, found: Sequence[Fit]
 ) -> Ranking:
     """
     Rank candidates by their prediction of parts left out.
@@ -90,8 +89,6 @@ def rank_by_prediction(
         With a discrepancy.
     present : Fit
         Without the candidates.
-    base : Model
-        Recalibrated, without effects.
     found : sequence of Fit
         Candidates.
 
@@ -106,7 +103,7 @@ def rank_by_prediction(
         channels = [_channel(recordings, present, one) for one in found]
         groups = {channel: [one for one, its in zip(found, channels) if its == channel]
                   for channel in (*range(CHANNELS), None)}
-    first = fit(recordings, with_zeros(base, present.model)) if present.model.effects else present
+    first = without_laws(recordings, present.model) if present.model.effects else present
     parts = parts_of(recordings, first)
     parts, whole = evened(parts, left_out_errors(recordings, first, parts))
     counts = counts_of(parts, len(present.residuals))
@@ -118,7 +115,7 @@ def rank_by_prediction(
     before = left_out_errors(recordings, present, parts) if present.model.effects else whole
     assessed, taken = list[Candidate](), list[Candidate]()
     if any(promising.values()):
-        zeros = Zeros.of(recordings, base, present, parts, before, whole)
+        zeros = Zeros.of(recordings, present, parts, before, whole)
         for channel, group in promising.items():
             candidates = assess(recordings, group, parts, before, channel)
             if _is_little(recordings, present, channel):

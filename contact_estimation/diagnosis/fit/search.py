@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from .applicable import candidates_in
 from .criteria import noise_scale, penalty
 from .discrepancy import costs_by_channel, has_discrepancy
-from .first_step import derivatives, fit_without, Step, steps
+from .first_step import fit_without, Step, steps, Straight, straight_at
 from .fitting import cost_of, Fit, fit, fit_at, fit_to_end
 from .scales import measure_scales
 from ..observe.cycle import keeps_step
@@ -81,13 +81,13 @@ def search(
     scales = measure_scales(recordings, base)
     near: list[Fit] = []
     # Starts are small: the derivatives by all other parameters stay nearly as they are.
-    others = None if scales.driven else derivatives(recordings, base.model)
+    before = None if scales.driven else straight_at(recordings, base.model)
     for name in candidates_in(recordings, base.model) if names is None else names:
         progress(name)
         starts = _starts(base.model, name, scales)
         small = starts[0].base_values == base.model.base_values and (
             starts[0].free.sum() - len(names_of(name)) == base.model.free.sum())
-        start = _best_start(recordings, starts, others if small else None)
+        start = _best_start(recordings, starts, before if small else None)
         if EFFECTS[name].resonates and not scales.driven:
             start = _fit_on(recordings, start, 4)
         near.append(start)
@@ -326,10 +326,10 @@ def nearest(recordings: Recordings, near: Sequence[Fit]) -> list[Fit]:
 
 
 def _best_start(
-    recordings: Recordings, starts: Sequence[Model], others: Array | None
+    recordings: Recordings, starts: Sequence[Model], before: Straight | None
 ) -> Fit:
     """Return the best model one step from the starts; parameters as `steps`."""
-    taken = steps(recordings, starts, others)
+    taken = steps(recordings, starts, before)
     near, residuals = taken[0].model, taken[0].residuals
     if residuals is not None and not any(one.driven_by_force(near) for one in recordings):
         count = sum(one.residual_count for one in recordings)

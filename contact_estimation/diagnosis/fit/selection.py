@@ -130,7 +130,7 @@ def select(
         ranking = Ranking([])
         if not exact and not leaves_noise(best):
             progress('parts left out')
-            ranking = _of_parts(recordings, carried, present, base, found, progress)
+            ranking = _of_parts(recordings, carried, present, found, progress)
             if by_likelihood and not ranking.found:
                 exact = exact_pair(recordings, best, found, progress)
         if exact and enough(best, exact[0]):
@@ -228,25 +228,25 @@ def _exact(
 
 
 def _of_parts(
-    recordings: Recordings, carried: Recordings, present: Fit, base: Fit, found: Sequence[Fit],
+    recordings: Recordings, carried: Recordings, present: Fit, found: Sequence[Fit],
     progress: Progress,
 ) -> Ranking:
     """Rank candidates by prediction; a law beside the zeros goes before a curve."""
-    ranking = _ranked(carried, present, base, found)
+    ranking = _ranked(carried, present, found)
     if not ranking.found or not is_curve(recordings, ranking.found[0]):
         return ranking
-    return ranking._replace(found=_law_instead(carried, present, base, ranking.found, progress))
+    return ranking._replace(found=_law_instead(carried, present, ranking.found, progress))
 
 
 def _ranked(
-    recordings: Recordings, present: Fit, base: Fit, found: Sequence[Fit]
+    recordings: Recordings, present: Fit, found: Sequence[Fit]
 ) -> Ranking:
     """Rank the candidates of other families by prediction, else tell one by its mark."""
     ranking = Ranking([])
     if has_discrepancy(recordings):
         families = {EFFECTS[name].family for name in present.model.effects}
         others = [one for one in found if EFFECTS[one.model.effects[-1]].family not in families]
-        ranking = rank_by_prediction(recordings, present, base.model, others)
+        ranking = rank_by_prediction(recordings, present, others)
     if ranking.found:
         return ranking
     told = law_by_mark(recordings, present, found)
@@ -272,7 +272,7 @@ def _beside_zeros(
 
 
 def _law_instead(
-    recordings: Recordings, present: Fit, base: Fit, ranked: list[Fit], progress: Progress
+    recordings: Recordings, present: Fit, ranked: list[Fit], progress: Progress
 ) -> list[Fit]:
     """Rank laws beside the zeros that the model lacks; one that fits nearly as well goes first."""
     lacking = zeros_lacking(present.model)
@@ -280,7 +280,7 @@ def _law_instead(
         return ranked
     level = fit(recordings, beside(present.model, lacking))
     found = search(recordings, level, progress)
-    laws = _ranked(recordings, level, base, found).found
+    laws = _ranked(recordings, level, found).found
     most = ranked[0].cost + FLEXIBLE_LEAD * (present.cost - ranked[0].cost)
     if laws and laws[0].cost <= most and not is_curve(recordings, laws[0]):
         return laws

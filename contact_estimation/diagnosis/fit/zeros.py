@@ -30,6 +30,7 @@ from numpy.typing import NDArray
 from .candidate import Candidate, fitted_errors
 from .criteria import is_sure_of_little, predicts_enough, SHARE
 from .discrepancy import material, weighed
+from .first_step import fit_without
 from .fitting import Fit, fit, fit_to_end
 from .invariance import left_out_errors
 from .parts import Part
@@ -74,8 +75,8 @@ class Zeros(NamedTuple):
 
     @classmethod
     def of(
-        cls, recordings: Recordings, base: Model, present: Fit, parts: Sequence[Part],
-        before: Array, whole: Array,
+        cls, recordings: Recordings, present: Fit, parts: Sequence[Part], before: Array,
+        whole: Array,
     ) -> 'Zeros':
         """
         Fit the zeros beside the present model.
@@ -84,8 +85,6 @@ class Zeros(NamedTuple):
         ----------
         recordings : sequence of PreparedRecording
             With a discrepancy.
-        base : Model
-            Recalibrated, without effects.
         present : Fit
             The model that a further effect is searched for.
         parts : sequence of Part
@@ -106,7 +105,8 @@ class Zeros(NamedTuple):
         found = fit(recordings, beside(present.model, names))
         errors = left_out_errors(recordings, found, parts, before)
         if present.model.effects:
-            bare = fit(recordings, beside(with_zeros(base, present.model), names))
+            level = without_laws(recordings, present.model)
+            bare = fit(recordings, beside(level.model, names))
             whole = left_out_errors(recordings, bare, parts, whole)
         else:
             whole = errors
@@ -213,27 +213,25 @@ def beside(model: Model, zeros: Sequence[str]) -> Model:
     return model
 
 
-def with_zeros(base: Model, present: Model) -> Model:
+def without_laws(recordings: Recordings, present: Model) -> Fit:
     """
-    Add the zeros of a model to another: what is large beside them is no trifle.
+    Fit a model with its zeros alone: what is large beside them is no trifle.
 
     Parameters
     ----------
-    base : Model
-        Without effects.
+    recordings : sequence of PreparedRecording
+        Fitted together.
     present : Model
-        With named zeros or without.
+        With named zeros and laws.
 
     Returns
     -------
-    model : Model
-        The base with these zeros.
+    found : Fit
+        Of the recalibrated model with these zeros.
 
     """
-    for name in present.effects:
-        if is_zero(name):
-            base = base.with_effect(name, present.values[present.place(name)])
-    return base
+    return fit_without(recordings, present, [name for name in present.effects
+                                             if not is_zero(name)])
 
 
 def is_zero(name: str) -> bool:

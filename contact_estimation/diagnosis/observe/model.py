@@ -157,6 +157,11 @@ class Model:
         effects = tuple(effect for effect in self.effects if effect not in names)
         return replace(self, effects=effects, values=values)
 
+    def in_order(self, effects: tuple[str, ...]) -> 'Model':
+        """Return the model with its effects in another order."""
+        values = [value for name in effects for value in self.values[self.place(name)]]
+        return replace(self, effects=effects, values=(*self.base_values, *values))
+
     def place(self, name: str) -> slice:
         """Return the place of an effect's parameters in `values`."""
         return _places(self.effects, self.base_count)[name]

@@ -82,6 +82,7 @@ def _effect(effect: NamedEffect) -> dict[str, Any]:
         'name': effect.name, 'family': effect.family, 'port': effect.port,
         'probability': effect.probability, 'equation': effect.equation,
         'share': effect.share, 'share_interval': list(effect.share_interval),
+        'share_beside_zeros': None if effect.beside_zeros is None else effect.beside_zeros.share,
         'parts': [{'name': part.name, 'share': part.share, 'parameters': part.parameters}
                   for part in effect.parts],
         'parameters': {name: {**_value(value), 'unit': value.unit}

@@ -42,9 +42,9 @@ def plot_parts(effect: NamedEffect) -> Any:
     Returns
     -------
     figure : matplotlib.figure.Figure
-        Two axes: the share on each part when left out, with that of all parts and its interval;
-        the first parameter fitted on each part alone, with that of all parts and two standard
-        deviations.
+        Two axes: the share on each part when left out, with that of all parts and its interval,
+        of what the zeros leave if some are named; the first parameter fitted on each part alone,
+        with that of all parts and two standard deviations.
 
     """
     figure, (above, below) = new_figure(_SIZE, 2, sharex=True)
@@ -61,16 +61,20 @@ def plot_parts(effect: NamedEffect) -> Any:
 
 
 def _plot_shares(axis: Any, effect: NamedEffect) -> None:
+    every, interval = effect.share, effect.share_interval
     shares = [100.0 * part.share for part in effect.parts]
-    low, high = (100.0 * value for value in effect.share_interval)
+    if effect.beside_zeros is not None:
+        every, interval = effect.beside_zeros.share, effect.beside_zeros.interval
+        shares = [100.0 * float(share) for share in effect.beside_zeros.parts]
+    low, high = (100.0 * value for value in interval)
     if isfinite(low) and isfinite(high):
         axis.axhspan(low, high, color=BLUE, alpha=0.18, linewidth=0, zorder=3,
                      label='95 % interval')
     axis.bar(range(len(shares)), shares, width=0.6, color=MUTED, label='each part')
-    axis.axhline(100.0 * effect.share, color=BLUE, linewidth=1.2, label='all parts')
+    axis.axhline(100.0 * every, color=BLUE, linewidth=1.2, label='all parts')
     axis.axhline(0.0, color=INK, linewidth=0.6)
     axis.set_ylim(_limits([*shares, 0.0, 100.0]))
-    axis.set(ylabel='share [%]')
+    axis.set(ylabel='share [%]' if effect.beside_zeros is None else 'share beside zeros [%]')
     axis.set_title(effect.name)
 
 

@@ -30,6 +30,7 @@ from .wording import (
     tested_dependences,
     trifle,
 )
+from ..conclude.naming import listed
 from ..conclude.result import Diagnosis, Errors, NamedEffect, Value
 
 _MODELS = ('nominal', 'recalibrated', 'corrected')
@@ -90,7 +91,7 @@ def _effect(effect: NamedEffect) -> list[str]:
         lines.append(f'  fitted on each of {len(effect.parts)} parts alone: {_ranges(effect)}')
     lines.append(f'  visible {place_of(effect.location)}')
     if effect.indistinguishable_from:
-        names = ' and '.join(effect.indistinguishable_from)
+        names = listed(effect.indistinguishable_from)
         lines.append(f'  this recording cannot distinguish it from {names}')
     return lines
 

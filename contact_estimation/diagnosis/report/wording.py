@@ -37,6 +37,7 @@ _PHASES = {
 }
 _TWICE = 2.0  # the variance of the noise
 _MOST_INTERVALS = 4
+_LEAST_PERCENT = 0.1
 _MOST_QUANTITIES = 4
 
 
@@ -101,20 +102,29 @@ def share_of(effect: NamedEffect) -> str:
         a single part has no interval.
 
     """
-    low, high = (100.0 * value for value in effect.share_interval)
-    share = 100.0 * effect.share
-    digits = 0 if share >= 10.0 else 1
-    interval = (f' ({low:.{digits}f} to {high:.{digits}f} %)'
-                if isfinite(low) and isfinite(high) else '')
-    sentence = f'predicts {share:.{digits}f} %{interval} of the misfit on parts left out'
+    share = _percent(effect.share, effect.share_interval)
+    sentence = f'predicts {share} of the misfit on parts left out'
+    if effect.beside_zeros is not None:
+        rest = _percent(effect.beside_zeros.share, effect.beside_zeros.interval)
+        sentence += f', {rest} of what the zeros leave'
     if effect.mark is not None:
-        if not low > 0.0:
+        if not effect.share_interval[0] > 0.0:
             sentence = 'predicts nothing certain of the misfit on parts left out'
         return f'{sentence}, but {effect.mark.words}: something else is larger'
     if effect.share_in_form is None:
         return sentence
     return (f'{sentence}, but explains {100.0 * effect.share_in_form:.0f} % with a size of its '
             'own in each part: the size depends on something else, such as speed, depth or time')
+
+
+def _percent(share: float, interval: tuple[float, float]) -> str:
+    """Return a share and its interval, such as '81 % (74 to 86 %)'."""
+    share, low, high = (100.0 * value for value in (share, *interval))
+    digits = 0 if share >= 10.0 else 1
+    text = f'{share:.{digits}f} %' if abs(share) >= _LEAST_PERCENT else f'below {_LEAST_PERCENT} %'
+    if abs(share) < _LEAST_PERCENT or not (isfinite(low) and isfinite(high)):
+        return text
+    return f'{text} ({low:.{digits}f} to {high:.{digits}f} %)'
 
 
 def remainder(diagnosis: Diagnosis) -> str:
