@@ -39,7 +39,7 @@ from contact_estimation.diagnosis.fit.criteria import SHARE
 from contact_estimation.diagnosis.fit.fitting import Fit, fit
 from contact_estimation.diagnosis.fit.parts import counts_of, evened, Part as FitPart, parts_of
 from contact_estimation.diagnosis.fit.ranking import _is_little, _promising
-from contact_estimation.diagnosis.fit.revision import as_shown
+from contact_estimation.diagnosis.fit.revision import _of_family, as_shown
 from contact_estimation.diagnosis.fit.search import may_show
 from contact_estimation.diagnosis.fit.selection import Selection, weigh
 from contact_estimation.diagnosis.observe.model import Model
@@ -368,3 +368,13 @@ def test_a_law_bent_out_of_sight_makes_room_for_one_of_its_family() -> None:
     shown = as_shown([recording], parabola, lambda name: None)
     (name,) = shown.model.effects
     assert EFFECTS[name].family == 'elastic_law' and name != 'exponential_stiffness'
+
+
+def test_of_a_family_the_law_that_predicts_best_takes_that_place() -> None:
+    recordings, base, best = specimen_of_two_laws()
+    cubic = fit(recordings, best.model.without('coulomb_friction'))
+    curve = fit(recordings, base.model.with_effect('polynomial_stiffness', (0.0, 2e6)))
+    wild = curve._replace(cost=0.0, model=curve.model.at(
+        [*curve.model.base_values, 40.0 * curve.model.values[-2] + 4e5, -1e9]))
+    assert _of_family(recordings, best, [wild, cubic]) is cubic
+    assert _of_family(recordings, best, []) is best

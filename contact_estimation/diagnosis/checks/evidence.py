@@ -302,13 +302,13 @@ class Evidence:
 
         """
         one = self._longest
-        force, wall, deepest = -one.smooth.force, one.wall_force, int(np.argmax(one.wall_force))
-        away = np.flatnonzero(wall <= 0.0)
+        force, x, deepest = -one.smooth.force, one.smooth.x, int(np.argmax(one.smooth.x))
+        away = np.flatnonzero(one.wall_force <= 0.0)
         around = round(longest / one.period)
         first = max(int(np.max(away[away < deepest], initial=-1)) + 1 - around, 0)
-        stop = int(np.min(away[away > deepest], initial=len(wall))) + around
+        stop = int(np.min(away[away > deepest], initial=len(x))) + around
         late, deep = (int(np.argmax(signal >= np.max(signal) - _NEAR_PEAK * np.ptp(signal)))
-                      for signal in (force[first:stop], wall[first:stop]))
+                      for signal in (force[first:stop], x[first:stop]))
         return (late - deep) * one.period
 
     @cached_property

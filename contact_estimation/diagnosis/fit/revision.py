@@ -16,12 +16,16 @@
 
 from __future__ import annotations
 
+from typing import Sequence
+
 from .applicable import candidates_in
 from .criteria import SHARE
-from .discrepancy import noise_by_channel
+from .discrepancy import has_discrepancy, noise_by_channel
 from .exact_laws import BEYOND_DOUBT
 from .first_step import fit_without
 from .fitting import Fit
+from .invariance import left_out_errors
+from .parts import parts_of
 from .search import may_show, Progress, search, search_family
 from .zeros import ZEROS
 from ..observe.prepared_recording import Recordings
@@ -79,8 +83,16 @@ def as_shown(recordings: Recordings, best: Fit, progress: Progress) -> Fit:
     for name in best.model.effects:
         if may_show(recordings, best.model, name):
             continue
-        best = next(iter(search_family(recordings, best.model, name, progress)), best)
+        best = _of_family(recordings, best, search_family(recordings, best.model, name, progress))
     return best
+
+
+def _of_family(recordings: Recordings, best: Fit, laws: Sequence[Fit]) -> Fit:
+    """Return the law that predicts parts left out best; `best` if there is none."""
+    if len(laws) < 2 or not has_discrepancy(recordings):
+        return next(iter(laws), best)
+    parts = parts_of(recordings, best)
+    return min(laws, key=lambda one: float(left_out_errors(recordings, one, parts).sum()))
 
 
 def without_trifles(recordings: Recordings, best: Fit) -> Fit:
