@@ -112,7 +112,7 @@ def test_bad_arguments_are_errors_on_one_line(
 
 def test_table_has_a_row_for_each_record_and_counts_classes() -> None:
     effect = {'name': 'coulomb_friction', 'share': 0.81, 'share_interval': [0.74, 0.86]}
-    alone = {**effect, 'share_interval': [None, None]}
+    alone = {**effect, 'share_interval': [None, None], 'share_beside_zeros': 0.64}
     text = as_markdown([
         Row('a', 'x|y', 'physics_missing', [effect], 'right alone', 0.2, 0.05, '', 12.3),
         Row('b', '', 'unexplained', [alone], '', None, None, '', 1.0),
@@ -122,7 +122,8 @@ def test_table_has_a_row_for_each_record_and_counts_classes() -> None:
     assert len({line.replace('\\|', '').count('|') for line in lines[:5]}) == 1
     assert lines[2] == ('| a | x\\|y | physics missing | `coulomb_friction` 81 % (74 to 86 %) | '
                         'right alone | 20 → 5 % | 12 |')
-    assert lines[3] == '| b |  | unexplained | `coulomb_friction` 81 % | - | - | 1 |'
+    assert lines[3] == ('| b |  | unexplained | `coulomb_friction` 81 %, 64 % of what the zeros '
+                        'leave | - | - | 1 |')
     assert '| no contact | failed |' in lines[4]
     assert lines[6:] == ['3 records, 2 with a known truth: right alone 1 (50 %), failed 1 (50 %).',
                          'Processor time: 14 s.']

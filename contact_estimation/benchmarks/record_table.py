@@ -97,7 +97,9 @@ def _name(effect: Mapping[str, Any]) -> str:
     digits = 0 if share >= 10.0 else 1
     interval = '' if None in ends else (
         f' ({100.0 * ends[0]:.{digits}f} to {100.0 * ends[1]:.{digits}f} %)')
-    return f'`{effect["name"]}` {share:.{digits}f} %{interval}'
+    of_rest = effect.get('share_beside_zeros')
+    beside = '' if of_rest is None else f', {100.0 * of_rest:.0f} % of what the zeros leave'
+    return f'`{effect["name"]}` {share:.{digits}f} %{interval}{beside}'
 
 
 def _errors(row: Row) -> str:
