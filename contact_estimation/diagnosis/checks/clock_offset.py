@@ -62,8 +62,8 @@ def find(evidence: Evidence) -> Finding:
     held = evidence.pulls and not evidence.with_reference
     long = abs(lag.seconds) > _LEAST_SAMPLES * evidence.period
     # What yields is ahead of its spring, but peaks with it.
-    apart = evidence.peaks_apart(abs(lag.seconds)) - lag.seconds if off else 0.0
-    shifted = off and abs(apart) < _AT_PEAK * abs(lag.seconds)
+    shifted = off and _AT_PEAK * abs(lag.seconds) > abs(
+        evidence.peaks_apart(abs(lag.seconds)) - lag.seconds)
     if (shifted and explains and not felt and not held and long
             and lag.correlation > max(_CORRELATED, lag.unshifted + _BETTER)):
         return Finding(False, f'{text}, expected {-1e3 * _EARLY_S:.0f} to {1e3 * _LATE_S:.0f} ms: '

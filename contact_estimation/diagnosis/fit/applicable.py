@@ -162,6 +162,8 @@ def told_by_a_return(recordings: Recordings, model: Model) -> list[str]:
         None if the motion returns.
 
     """
+    if any(map(_returns, recordings)):
+        return []
     known = candidates_in(recordings, model)
     return [name for name in candidates_in(recordings, model, returns=True)
             if name not in known and EFFECTS[name].family in _LOSSES]

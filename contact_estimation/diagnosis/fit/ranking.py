@@ -115,7 +115,7 @@ def rank_by_prediction(
     before = left_out_errors(recordings, present, parts) if present.model.effects else whole
     assessed, taken = list[Candidate](), list[Candidate]()
     if any(promising.values()):
-        zeros = Zeros.of(recordings, present, parts, before, whole)
+        zeros = Zeros.of(recordings, present, first, parts, before, whole)
         for channel, group in promising.items():
             candidates = assess(recordings, group, parts, before, channel)
             if _is_little(recordings, present, channel):

@@ -315,7 +315,7 @@ def nearest(recordings: Recordings, near: Sequence[Fit]) -> list[Fit]:
     costs = np.array([costs_by_channel(recordings, one) for one in near])
     order = np.argsort(costs.sum(axis=1) + price, kind='stable').tolist()
     names = [one.model.effects[-1] for one in near]
-    curves = [is_flexible(recordings, one.model, name) for one, name in zip(near, names)]
+    curves = [is_curve(recordings, one) for one in near]
     laws_first = sorted(order, key=lambda k: curves[k])
     of_family = {EFFECTS[names[k]].family: k for k in reversed(laws_first)}
     kept = {*order[:_STARTED], *of_family.values()}

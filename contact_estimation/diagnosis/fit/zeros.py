@@ -75,8 +75,8 @@ class Zeros(NamedTuple):
 
     @classmethod
     def of(
-        cls, recordings: Recordings, present: Fit, parts: Sequence[Part], before: Array,
-        whole: Array,
+        cls, recordings: Recordings, present: Fit, level: Fit, parts: Sequence[Part],
+        before: Array, whole: Array,
     ) -> 'Zeros':
         """
         Fit the zeros beside the present model.
@@ -87,6 +87,8 @@ class Zeros(NamedTuple):
             With a discrepancy.
         present : Fit
             The model that a further effect is searched for.
+        level : Fit
+            The recalibrated model with the zeros of that one, see `without_laws`.
         parts : sequence of Part
             Left out in turn.
         before, whole : ndarray, shape (parts, CHANNELS)
@@ -105,7 +107,6 @@ class Zeros(NamedTuple):
         found = fit(recordings, beside(present.model, names))
         errors = left_out_errors(recordings, found, parts, before)
         if present.model.effects:
-            level = without_laws(recordings, present.model)
             bare = fit(recordings, beside(level.model, names))
             whole = left_out_errors(recordings, bare, parts, whole)
         else:

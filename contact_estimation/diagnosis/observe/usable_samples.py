@@ -68,7 +68,8 @@ def usable(model: Model, observed: Observed) -> Flags:
             use &= ~o.start  # its initial state is unknown
             if model.nominal.environment.inertia == 0.0 and _starts_loaded(o.force):
                 use[:_until_known(o.x)] = False
-        use &= True if o.held is None else ~o.held
+        if o.held is not None:
+            use &= ~o.held
     else:
         inside = laws.touching(o)
         for first in np.flatnonzero(np.diff(inside.astype(int)) > 0).tolist():
