@@ -202,3 +202,22 @@ def test_a_wobble_that_the_force_of_a_damper_lacks_is_no_speed() -> None:
     loud, quiet = wobbling(5000.0), wobbling(1.0)
     assert np.std((loud.v - speed)[MIDDLE]) < 0.1 * np.std((quiet.v - speed)[MIDDLE])
     assert loud.position_noise == pytest.approx(4e-5 / np.sqrt(2.0), rel=0.1)
+
+
+def pulled(damping: float) -> Observed:
+    """Observe a metal that yields at one speed, with positions rounded to six samples' way."""
+    t = np.asarray(0.1 * np.arange(3000), np.float64)
+    force = -150.0 * np.tanh(t / 5.0) - 0.1 * t
+    force += 0.2 * np.random.default_rng(12).standard_normal(len(t))
+    x = np.round(1.5e-5 * t, 5)
+    signals = Signals(t, np.asarray(force), t, x, np.empty(0), np.empty((4, 0)))
+    return observe(signals, nominal(
+        environment__stiffness=3e4, environment__damping=damping, environment__unilateral=False))
+
+
+def test_a_steady_speed_is_resolved_where_its_noise_would_hide_every_misfit() -> None:
+    resolved, unresolved = pulled(1e7), pulled(1.0)
+    assert resolved.v[100:-100] == pytest.approx(1.5e-5, rel=0.05)
+    assert resolved.motion_error is not None and unresolved.motion_error is not None
+    assert np.median(resolved.motion_error[1]) < 0.05 * 1.5e-5
+    assert np.median(unresolved.motion_error[1]) > 0.2 * 1.5e-5

@@ -160,6 +160,7 @@ def test_updated_derivatives_meet_the_last_change() -> None:
     before = secant.jacobian(first)
     changed = secant.residuals(second) - secant.residuals(first)
     after = secant.jacobian(second)
+    secant.residuals(np.array([1.8, 0.8]))  # a step by the updated derivatives
     assert secant.updated and not np.allclose(before @ (second - first), changed, rtol=1e-3)
     np.testing.assert_allclose(after @ (second - first), changed, rtol=1e-9, atol=1e-12)
 
@@ -170,8 +171,38 @@ def test_derivatives_that_fail_to_predict_are_differenced_anew() -> None:
     secant.jacobian(np.array([1.6, 1.0]))
     far = np.array([0.1, 8.0])
     columns = secant.jacobian(far)
+    secant.residuals(0.9 * far)
     assert not secant.updated
     np.testing.assert_allclose(columns[:, 0], np.exp(-8.0 * AT), atol=1e-6)
     secant.renew()
     secant.jacobian(far)
+    secant.residuals(0.9 * far)
     assert not secant.updated
+
+
+@pytest.mark.parametrize('ends', [{'evaluations': 1}, {'gain': 0.9}])
+def test_after_its_last_step_a_search_differences_nothing(ends: dict[str, float]) -> None:
+    function = Counted()
+    secant = SecantJacobian(function, SIZE, MOST)
+    first, last = np.array([1.6, 1.0]), np.array([1.7, 4.0])
+    secant.residuals(first)
+    secant.renew(**ends)
+    secant.jacobian(first)
+    secant.residuals(last)
+    count = function.count
+    secant.jacobian(last)
+    assert function.count == count
+    assert not secant.updated  # the last step was by differenced derivatives
+
+
+def test_a_search_that_goes_on_differences_where_updates_fail() -> None:
+    function = Counted()
+    secant = SecantJacobian(function, SIZE, MOST)
+    first, next_one = np.array([1.6, 1.0]), np.array([1.7, 4.0])
+    secant.residuals(first)
+    secant.renew(evaluations=2)
+    secant.jacobian(first)
+    secant.residuals(next_one)
+    count = function.count
+    secant.jacobian(next_one)
+    assert function.count == count + len(SIZE)

@@ -23,7 +23,7 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from .criteria import leaves_noise
-from .fitting import Fit, fit
+from .fitting import Fit, fit, fit_at
 from .model_uncertainty import discounted
 from .selection import Selection
 from ..observe.model import Model
@@ -113,6 +113,7 @@ class Clocks:
         found = fit(recordings, best)
         self._explained = leaves_noise(found)
         self._misfit = _misfit(found)
+        self._nearby: dict[tuple[Model, str], Model] = {}  # as fitted to the last offset tried
 
     def offset(self, select: Select) -> Offset | None:
         """
@@ -182,12 +183,12 @@ class Clocks:
         """
         scans: dict[Model, list[tuple[float, float]]] = {model: [] for model in models}
         for by in _SCANNED if sign > 0.0 else _SCANNED_EARLY:
+            # A scan that rises leads away from the stamps that leave least.
+            going_on = [model for model, scan in scans.items() if not _rises(scan)]
             offset = Offset(topic, sign * by)
-            prepared = self._prepared(offset)
-            for model, scan in scans.items():
-                scan.append((self._left(offset, model, prepared), by))
-            if all(map(_rises, scans.values())):
-                break  # away from the stamps that leave least
+            prepared = self._prepared(offset) if going_on else ()
+            for model in going_on:
+                scans[model].append((self._left(offset, model, prepared), by))
         model = min(scans, key=lambda model: min(scans[model]))
         least, by = min(scans[model])
         if least > scanned * self._misfit:
@@ -212,7 +213,12 @@ class Clocks:
         starts = [_with_nominal_wall(model)]  # what is late bends the damping, not the others
         if offset.seconds < 0.0 and len(model.effects) > 1:
             starts.append(model)
-        return min(_misfit(fit(prepared, start, steps=8)) for start in starts)
+        if (model, offset.topic) in self._nearby:
+            starts.append(self._nearby[model, offset.topic])
+        near = min((fit_at(prepared, start) for start in starts), key=lambda one: one.cost)
+        found = fit(prepared, near.model, steps=8, known=near.residuals)
+        self._nearby[model, offset.topic] = found.model
+        return _misfit(found)
 
     def _prepared(self, offset: Offset) -> Recordings:
         return [self._discounted_as(before, prepare(one, self._base, hold=self._hold))

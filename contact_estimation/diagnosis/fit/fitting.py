@@ -121,21 +121,32 @@ def fit(
         The best found.
 
     """
+    # Several stages of a diagnosis start from the same model.
+    return recordings[0].fits.of(
+        (tuple(recordings[1:]), model, steps, briefly),
+        lambda: _searched(recordings, model, steps, briefly, known))
+
+
+def _searched(
+    recordings: Recordings, model: Model, steps: int, briefly: bool, known: Array | None
+) -> Fit:
     (low, high), size = model.ranges, model.steps
     secant = SecantJacobian(
         residual_function(recordings, model, briefly=briefly), size, high)
     start, cost, brief = np.clip(model.coordinates, low + 1e-9 * size, high), np.inf, steps < 10
+    least = _BRIEFLY if brief else _TO_END
     if known is not None and np.array_equal(start, model.coordinates):
         secant.know(start, known)
     with np.errstate(all='ignore'):  # costs may overflow far from the optimum
         while True:
-            secant.renew()
+            secant.residuals(start)
+            secant.renew(steps - 1, least)
             found = least_squares(
                 secant.residuals, start, secant.jacobian, bounds=(low, high), x_scale=size,
-                max_nfev=steps, xtol=1e-6, gtol=1e-12, ftol=_BRIEFLY if brief else _TO_END)
+                max_nfev=steps, xtol=1e-6, gtol=1e-12, ftol=least)
             steps -= found.nfev - 1
             # Updated derivatives may end the search where differenced ones see a way further.
-            if brief or not secant.updated or steps < 2 or found.cost > (1.0 - _TO_END) * cost:
+            if brief or not secant.updated or steps < 2 or found.cost > (1.0 - least) * cost:
                 break
             start, cost = found.x, found.cost
     there = model.with_free(np.where(found.x - low < _AT_BOUND * size, low, found.x))

@@ -58,7 +58,7 @@ class SecantJacobian:
     Attributes
     ----------
     updated : bool
-        Whether the last Jacobian is one of an update.
+        Whether the Jacobian of the last step is one of an update.
 
     """
 
@@ -68,7 +68,8 @@ class SecantJacobian:
         self._function, self._size, self._most, self._share = function, size, most, share
         self._last: tuple[Array, Array] | None = None  # point and residuals evaluated last
         self._at: tuple[Array, Array, Array] | None = None  # point, residuals, J by the size
-        self.updated = False
+        self._left, self._gain = np.inf, -np.inf  # evaluations and gain at which the search ends
+        self.updated = self._is_updated = False
 
     def know(self, values: Array, residuals: Array) -> None:
         """Take the residuals, shape (R,), at values, shape (P,), as evaluated."""
@@ -78,22 +79,35 @@ class SecantJacobian:
         """Evaluate the residuals, shape (R,), at values, shape (P,)."""
         if self._last is None or not np.array_equal(self._last[0], values):
             self._last = values.copy(), self._function(values)
+            self._left, self.updated = self._left - 1, self._is_updated
         return self._last[1]
 
     def jacobian(self, values: Array) -> Array:
         """Return the derivatives, shape (R, P), at values, shape (P,)."""
         here = self.residuals(values)
         columns = self._from_last_point(values, here)
-        self.updated = columns is not None
+        self._is_updated = columns is not None
         if columns is None:
             columns = differentiate_by(
                 values, self._size, self._function, here, self._share, self._most)
         self._at = values.copy(), here, columns
         return columns / self._size
 
-    def renew(self) -> None:
-        """Difference the next Jacobian."""
-        self._at = None
+    def renew(self, evaluations: float = np.inf, gain: float = -np.inf) -> None:
+        """
+        Difference the next Jacobian.
+
+        Parameters
+        ----------
+        evaluations : float
+            The search ends after so many further ones; by default it does not.
+        gain : float
+            The search ends after a step that lowers the cost by less than this share of it; by
+            default it does not. After its last step it asks for a Jacobian that it does not use.
+
+        """
+        self._at, self._is_updated = None, False
+        self._left, self._gain = evaluations, gain
 
     def _from_last_point(self, values: Array, here: Array) -> Array | None:
         """Update the Jacobian of the last point; None if it does not predict the residuals."""
@@ -106,7 +120,9 @@ class SecantJacobian:
             return columns
         changed = here - residuals
         missed = changed - columns @ change
-        if missed @ missed > _PREDICTED ** 2 * (changed @ changed):
+        predicted = missed @ missed <= _PREDICTED ** 2 * (changed @ changed)
+        gained_little = here @ here > (1.0 - self._gain) * (residuals @ residuals)
+        if not (predicted or gained_little or self._left < 1):
             return None
         updated: Array = columns + np.outer(missed / length, change)
         return updated

@@ -156,7 +156,8 @@ def select(
         return Selection(recordings, base, as_shown(recordings, best, progress), rivals, evidence)
     carried, best = weigh(recordings, best)
     best = as_shown(carried, without_trifles(carried, best), progress)
-    in_form, marked = (_now(name, best.model) for name in (in_form, marked))
+    in_form, marked, *now = (_now(name, best.model) for name in (in_form, marked, *pair))
+    pair = tuple(now) if all(now) else ()
     return Selection(carried, fit(carried, base.model), best, rivals, evidence, in_form, pair,
                      marked, mark)
 
@@ -308,6 +309,12 @@ def weigh(recordings: Recordings, found: Fit) -> tuple[Recordings, Fit]:
     """
     if leaves_noise(found):
         return recordings, found
+    # The last selection weighs what it began with, if it takes nothing.
+    return recordings[0].fits.of(
+        (weigh, *recordings[1:], found.model), lambda: _refitted(recordings, found))
+
+
+def _refitted(recordings: Recordings, found: Fit) -> tuple[Recordings, Fit]:
     for _ in range(2):  # the first fit is dominated by the channel with the least noise
         recordings = weighed(recordings, found.model)
         found = fit(recordings, found.model)

@@ -35,6 +35,7 @@ from .smoothing import (
     slower_by_force,
     smooth,
     smooth_enough,
+    STEADY_CUTOFFS_HZ,
     white_noise_std,
 )
 from ...physics.robot_law import RobotLaw
@@ -250,6 +251,8 @@ def observe(
         if slower is not None and slower < cutoff:
             left, cutoff = smooth(position, weight, slower * h), slower
             noise = max(noise, float(np.std((position - left)[sampled])))
+        elif slower is not None:  # a steady speed needs less bandwidth than its force
+            left, cutoff = smooth_enough(position, weight, h, noise, pace, STEADY_CUTOFFS_HZ)
     x, v, a = differentiate(carried + left, h)
     x.flags.writeable = v.flags.writeable = False  # the states of a law along them are kept
     # A straight line over a dropped sample cuts the bend, and innovations would ring from it.

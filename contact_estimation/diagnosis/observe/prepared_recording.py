@@ -80,6 +80,8 @@ class PreparedRecording:
         time or position [N], [m]; None where they are negligible.
     walls, robots : Latest
         What the latest models expect at the wall, and the innovations without one.
+    fits : Latest
+        The latest fits to this recording and others, see `fit`.
 
     """
 
@@ -101,6 +103,7 @@ class PreparedRecording:
     motion_error: Array | None = None
     walls: Latest = field(default_factory=Latest, init=False, repr=False)
     robots: Latest = field(default_factory=Latest, init=False, repr=False)
+    fits: Latest = field(default_factory=Latest, init=False, repr=False)
 
     @classmethod
     def of(

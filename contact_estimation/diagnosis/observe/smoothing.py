@@ -17,7 +17,7 @@
 from __future__ import annotations
 
 from math import pi, sqrt
-from typing import NamedTuple
+from typing import NamedTuple, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +27,9 @@ from scipy.signal import welch
 Array = NDArray[np.float64]
 
 CUTOFFS_HZ = (6.0, 9.0, 13.0, 20.0, 30.0, 45.0, 70.0, 110.0, 180.0)  # at a pace of 1
+STEADY_CUTOFFS_HZ = (0.3, 0.45, 0.7, 1.0, 1.5, 2.2, 3.2, 4.5, *CUTOFFS_HZ)
+"""Those of a motion at nearly constant speed too."""
+
 _THIRD_DIFFERENCE = (-1.0, 3.0, -3.0, 1.0)
 _LEAST_NOISE = 1e-4  # of the range of a force
 _FELT = 10.0  # times the noise of the force
@@ -142,7 +145,8 @@ def least_noise(force: Array) -> float:
 
 
 def smooth_enough(
-    signal: Array, weight: Array, h: float, noise: float, pace: float = 1.0
+    signal: Array, weight: Array, h: float, noise: float, pace: float = 1.0,
+    cutoffs: Sequence[float] = CUTOFFS_HZ,
 ) -> tuple[Array, float]:
     """
     Smooth with the lowest cut-off whose residual is only noise.
@@ -157,18 +161,20 @@ def smooth_enough(
         Standard deviation of the white noise of `signal`.
     pace : float
         Of the recording, see `pace_of`.
+    cutoffs : sequence of float
+        At a pace of 1, rising [Hz].
 
     Returns
     -------
     smoothed : ndarray, shape (N,)
         Without phase shift.
     cutoff : float
-        Chosen from `CUTOFFS_HZ` over the pace [Hz].
+        Chosen from `cutoffs` over the pace [Hz].
 
     """
     measured = weight > 0.5
     smoothed, cutoff = signal, 0.4 / h
-    for cutoff in (at_pace_1 / pace for at_pace_1 in CUTOFFS_HZ):
+    for cutoff in (at_pace_1 / pace for at_pace_1 in cutoffs):
         if cutoff * h > 0.3:
             break
         smoothed = smooth(signal, weight, cutoff * h)
