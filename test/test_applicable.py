@@ -17,13 +17,14 @@
 from __future__ import annotations
 
 from concealed_worlds import ATTACHED, nominal, prepared_from, recorded
+from contact_estimation.diagnosis.conclude.diagnose import diagnose
 from contact_estimation.diagnosis.fit.applicable import (
     candidates_for,
     candidates_in,
     is_single_stroke,
 )
 from contact_estimation.diagnosis.observe.model import Model
-from contact_estimation.diagnosis.observe.signals import Signals
+from contact_estimation.diagnosis.observe.signals import Recording, Signals
 from contact_estimation.physics import EFFECTS
 import numpy as np
 import pytest
@@ -100,3 +101,21 @@ def test_hysteresis_needs_a_motion_or_a_force_that_returns(
     recording, model = prepared_from(signals, nominal(**ATTACHED))
     assert ('bouc_wen_hysteresis' in candidates_in([recording], model)) is returns
     assert is_single_stroke([recording]) is not returns
+
+
+@pytest.mark.parametrize('stiffness, found', [(0.0, True), (50.0, True), (2000.0, False)])
+def test_one_cycle_shows_an_asymmetric_damper_but_no_asymmetry_of_a_spring(
+    stiffness: float, found: bool
+) -> None:
+    t = np.arange(0.0, 12.0, 0.01)
+    x, v = 0.05 * np.sin(6.0 * t), 0.3 * np.cos(6.0 * t)
+    noise = np.random.default_rng(8).normal(0.0, 0.5, len(t))
+    force = noise - stiffness * x - 200.0 * v - 80.0 * np.abs(v)
+    signals = Signals(t, force, t, x, t[:0], np.empty((4, 0)))
+    damper = nominal(environment__unilateral=False, environment__stiffness=stiffness,
+                     environment__damping=220.0)
+    recording, model = prepared_from(signals, damper)
+    assert ('asymmetric_damping' in candidates_in([recording], model)) is found
+    if found:
+        names = [one.name for one in diagnose(Recording('dyno.mcap', signals), damper).effects]
+        assert names == ['asymmetric_damping']

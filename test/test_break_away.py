@@ -16,6 +16,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import lru_cache
 
 from concealed_worlds import nominal, prepared_from
@@ -111,6 +112,18 @@ def test_one_speed_without_a_rest_tells_no_memory_of_time_from_one_of_the_path(
         'rests': np.clip(2.0 * np.abs((T / 5.0) % 2.0 - 1.0), 0.5, 1.5),
     }[kind]
     recording, _ = prepared_from(signals(T, 0.05 * np.asarray(x), -K_E * x), joint())
+    assert tells_time_from_path([recording]) is tells
+
+
+@pytest.mark.parametrize('inexact, repeats, tells', [
+    (True, True, False), (True, False, True), (False, True, True)])
+def test_a_cycle_that_repeats_tells_no_memory_of_time_where_no_law_is_exact(
+    inexact: bool, repeats: bool, tells: bool
+) -> None:
+    x = 0.05 * np.sin(T) * (1.0 if repeats else T / 30.0)
+    recording, _ = prepared_from(signals(T, x, -K_E * x), joint())
+    if inexact:
+        recording = replace(recording, force_discrepancy=1.0)
     assert tells_time_from_path([recording]) is tells
 
 

@@ -36,6 +36,7 @@ _OF_A_STROKE = 0.1  # over which a speed is averaged
 # Deviation from the usual speed, and share of the samples, or of the means, of which a quarter may
 # be of turns, that are within.
 _ONE, _ABOUT_ONE = (0.1, 0.9), (0.2, 0.75)
+_MOSTLY = 2.0  # times the force of the spring
 _SLACK = 0.02  # of the range, by which a pressed wall may be pulled
 
 
@@ -57,7 +58,8 @@ def candidates_for(
     returns : bool
         Whether it is moved to and fro.
     speeds : bool
-        Whether its depth does not tell its speed, but for the direction.
+        Whether its depth does not tell its speed, but for the direction, or it is a damper or a
+        drive.
     paces : bool
         Whether it moves at several speeds: at one a damping is no other than a hysteresis, and
         no mass is accelerated but at the turns.
@@ -89,7 +91,7 @@ def candidates_for(
         and (wall.unilateral or pressed or not cls.needs_penetration)
         and (returns or breaks and cls.breaks_away or not cls.needs_return)
         and (wall.unilateral or wall.stiffness > 0.0 or not cls.needs_spring)
-        and (speeds or wall.stiffness == 0.0 or not cls.needs_speeds)
+        and (speeds or not cls.needs_speeds)
         and (wall.unilateral or paces or cls.family != _OF_SPEED)
         and (with_robot or paces or cls.family != _OF_ACCELERATION)
         and (plays and may_let_go or not cls.lets_go)
@@ -141,8 +143,32 @@ def candidates_in(recordings: Recordings, model: Model, returns: bool = False) -
     return candidates_for(
         model, any(one.observed.reference is not None for one in recordings),
         is_pressed(recordings, model), returns or any(map(_returns, recordings)),
-        any(map(_has_speeds, recordings)), has_paces(recordings), any(map(_plays, recordings)),
-        all(map(_breaks_away, recordings)))
+        any(map(_has_speeds, recordings)) or is_damper(recordings, model), has_paces(recordings),
+        any(map(_plays, recordings)), all(map(_breaks_away, recordings)))
+
+
+def is_damper(recordings: Recordings, model: Model) -> bool:
+    """
+    Return whether an attached environment resists by damping far more than by a spring, if any.
+
+    Parameters
+    ----------
+    recordings : sequence of PreparedRecording
+        Fitted together.
+    model : Model
+        Its nominal values count.
+
+    Returns
+    -------
+    damper : bool
+        If so, what depends on the direction is a law of the damper rather than of the spring, even
+        if the depth tells the speed, as in cycles of one frequency and amplitude.
+
+    """
+    wall = model.nominal.environment
+    return not wall.unilateral and all(
+        wall.damping * float(np.std(one.observed.v)) >= _MOSTLY * abs(wall.stiffness) * float(
+            np.std(one.observed.x)) for one in recordings)
 
 
 def told_by_a_return(recordings: Recordings, model: Model) -> list[str]:
@@ -174,7 +200,8 @@ def tells_time_from_path(recordings: Recordings) -> bool:
     Return whether recordings tell a memory of time from one of the path.
 
     At one speed both are the same: s' = K_1 v - s / tau and z' = sigma v (1 - z / F_c sgn v) with
-    F_c = sigma tau abs(v).
+    F_c = sigma tau abs(v). A motion that repeats one cycle traces one loop, which either may trace
+    where no law is exact.
 
     Parameters
     ----------
@@ -184,10 +211,12 @@ def tells_time_from_path(recordings: Recordings) -> bool:
     Returns
     -------
     tells : bool
-        Whether the motion has several speeds, on average over a tenth of a stroke, or rests.
+        Whether the motion has several speeds, on average over a tenth of a stroke, or rests, and
+        does not repeat itself alone.
 
     """
-    return not _is_one(_mean_speeds(recordings), _ABOUT_ONE)
+    repeats = all(one.observed.cycle and one.carries_discrepancy for one in recordings)
+    return not (repeats or _is_one(_mean_speeds(recordings), _ABOUT_ONE))
 
 
 def is_single_stroke(recordings: Recordings) -> bool:

@@ -31,6 +31,7 @@ STEADY_CUTOFFS_HZ = (0.3, 0.45, 0.7, 1.0, 1.5, 2.2, 3.2, 4.5, *CUTOFFS_HZ)
 """Those of a motion at nearly constant speed too."""
 
 _THIRD_DIFFERENCE = (-1.0, 3.0, -3.0, 1.0)
+_SLOWEST = 0.003  # cycles per sample: below, the equations of `smooth` are nearly singular
 _LEAST_NOISE = 1e-4  # of the range of a force
 _FELT = 10.0  # times the noise of the force
 
@@ -175,6 +176,8 @@ def smooth_enough(
     measured = weight > 0.5
     smoothed, cutoff = signal, 0.4 / h
     for cutoff in (at_pace_1 / pace for at_pace_1 in cutoffs):
+        if cutoff * h < _SLOWEST:
+            continue
         if cutoff * h > 0.3:
             break
         smoothed = smooth(signal, weight, cutoff * h)
