@@ -72,8 +72,8 @@ def test_attached_wall_has_no_effects_of_touching_and_one_inertia() -> None:
     names = set(candidates_for(Model.of(nominal(**ATTACHED)), False))
     drive = Model.of(nominal(**{**ATTACHED, 'environment__stiffness': 0.0}))
     assert names - set(candidates_for(drive, False)) == {
-        'beating_environment', 'bouc_wen_hysteresis', 'contact_offset', 'free_play',
-        'moving_environment', 'stiffness_drift'}
+        'beating_environment', 'bouc_wen_hysteresis', 'contact_offset', 'fractional_relaxation',
+        'free_play', 'moving_environment', 'stiffness_drift', 'viscoelastic_relaxation'}
     assert 'environment_inertia' not in names
     assert not any(EFFECTS[name].needs_touch for name in names)
     assert {'cubic_stiffness', 'force_bias'} <= names

@@ -323,7 +323,7 @@ def test_a_better_force_does_not_make_up_for_a_much_worse_motion_unless_that_dri
 
 
 @pytest.mark.parametrize('stiffness, away, told', [
-    (0.0, 2.0, False), (0.0, 0.5, True), (1000.0, 2.0, True)])
+    (0.0, 2.0, False), (0.0, 0.5, True), (1000.0, 2.0, True), (-1000.0, 2.0, False)])
 def test_a_free_run_that_drifts_away_tells_nothing(
     monkeypatch: pytest.MonkeyPatch, stiffness: float, away: float, told: bool
 ) -> None:

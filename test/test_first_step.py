@@ -160,7 +160,6 @@ def test_updated_derivatives_meet_the_last_change() -> None:
     before = secant.jacobian(first)
     changed = secant.residuals(second) - secant.residuals(first)
     after = secant.jacobian(second)
-    secant.residuals(np.array([1.8, 0.8]))  # a step by the updated derivatives
     assert secant.updated and not np.allclose(before @ (second - first), changed, rtol=1e-3)
     np.testing.assert_allclose(after @ (second - first), changed, rtol=1e-9, atol=1e-12)
 
@@ -171,12 +170,10 @@ def test_derivatives_that_fail_to_predict_are_differenced_anew() -> None:
     secant.jacobian(np.array([1.6, 1.0]))
     far = np.array([0.1, 8.0])
     columns = secant.jacobian(far)
-    secant.residuals(0.9 * far)
     assert not secant.updated
     np.testing.assert_allclose(columns[:, 0], np.exp(-8.0 * AT), atol=1e-6)
     secant.renew()
     secant.jacobian(far)
-    secant.residuals(0.9 * far)
     assert not secant.updated
 
 
@@ -192,7 +189,6 @@ def test_after_its_last_step_a_search_differences_nothing(ends: dict[str, float]
     count = function.count
     secant.jacobian(last)
     assert function.count == count
-    assert not secant.updated  # the last step was by differenced derivatives
 
 
 def test_a_search_that_goes_on_differences_where_updates_fail() -> None:

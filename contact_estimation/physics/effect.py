@@ -65,7 +65,7 @@ class Effect(DrawnEffect):
     needs_speeds : bool
         Whether the effect is an elastic law where the depth tells the speed.
     needs_spring : bool
-        Whether the effect is without one a constant force, or nothing at all.
+        Whether the effect is without one a constant force, another effect, or nothing at all.
     needs_robot : bool
         Whether the motion of a robot tells the effect: without one, the parameters of the wall
         make up for it.

@@ -162,6 +162,7 @@ class FractionalRelaxation(ContactEffect):
     family = 'relaxation'
     description = 'The force relaxes over all time scales, by a power of time (springpot).'
     Parameters = FractionalRelaxationParameters
+    needs_spring = True  # what moves freely hangs on nothing that relaxes
 
     states = _BRANCHES + 3
     weights = ('C', 'alpha')

@@ -50,6 +50,7 @@ class ViscoelasticRelaxation(ContactEffect):
     family = 'relaxation'
     description = 'The force relaxes while the depth is held (Maxwell branch).'
     Parameters = ViscoelasticRelaxationParameters
+    needs_spring = True  # what moves freely hangs on nothing that relaxes
 
     states = 1
 

@@ -236,7 +236,7 @@ def _nominal_where_unknown(nominal: Model, recordings: Recordings, best: Fit) ->
 def _drifts(recording: PreparedRecording, model: Model) -> bool:
     """Return whether a force drives a mass that no spring holds: its free run integrates twice."""
     o = recording.observed
-    held = abs(model.stiffness) * float(np.std(o.x)) > _HELD * float(np.std(o.force))
+    held = model.stiffness * float(np.std(o.x)) > _HELD * float(np.std(o.force))
     return o.driven_by_force(model.nominal) and not held
 
 

@@ -145,8 +145,8 @@ def _searched(
                 secant.residuals, start, secant.jacobian, bounds=(low, high), x_scale=size,
                 max_nfev=steps, xtol=1e-6, gtol=1e-12, ftol=least)
             steps -= found.nfev - 1
-            # Updated derivatives may end the search where differenced ones see a way further.
-            if brief or not secant.updated or steps < 2 or found.cost > (1.0 - least) * cost:
+            # A fresh start, with differenced derivatives and long steps, may see a way further.
+            if brief or steps < 2 or found.cost > (1.0 - least) * cost:
                 break
             start, cost = found.x, found.cost
     there = model.with_free(np.where(found.x - low < _AT_BOUND * size, low, found.x))

@@ -58,7 +58,7 @@ class SecantJacobian:
     Attributes
     ----------
     updated : bool
-        Whether the Jacobian of the last step is one of an update.
+        Whether the last Jacobian is one of an update.
 
     """
 
@@ -69,7 +69,7 @@ class SecantJacobian:
         self._last: tuple[Array, Array] | None = None  # point and residuals evaluated last
         self._at: tuple[Array, Array, Array] | None = None  # point, residuals, J by the size
         self._left, self._gain = np.inf, -np.inf  # evaluations and gain at which the search ends
-        self.updated = self._is_updated = False
+        self.updated = False
 
     def know(self, values: Array, residuals: Array) -> None:
         """Take the residuals, shape (R,), at values, shape (P,), as evaluated."""
@@ -79,14 +79,14 @@ class SecantJacobian:
         """Evaluate the residuals, shape (R,), at values, shape (P,)."""
         if self._last is None or not np.array_equal(self._last[0], values):
             self._last = values.copy(), self._function(values)
-            self._left, self.updated = self._left - 1, self._is_updated
+            self._left -= 1
         return self._last[1]
 
     def jacobian(self, values: Array) -> Array:
         """Return the derivatives, shape (R, P), at values, shape (P,)."""
         here = self.residuals(values)
         columns = self._from_last_point(values, here)
-        self._is_updated = columns is not None
+        self.updated = columns is not None
         if columns is None:
             columns = differentiate_by(
                 values, self._size, self._function, here, self._share, self._most)
@@ -106,7 +106,7 @@ class SecantJacobian:
             default it does not. After its last step it asks for a Jacobian that it does not use.
 
         """
-        self._at, self._is_updated = None, False
+        self._at = None
         self._left, self._gain = evaluations, gain
 
     def _from_last_point(self, values: Array, here: Array) -> Array | None:
