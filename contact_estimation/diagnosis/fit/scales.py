@@ -113,15 +113,18 @@ def _beat(t: Array, r: Array, frequencies: Array) -> Tones:
     angles = 2.0 * np.pi * t[:, None] * frequencies
     columns = np.column_stack([np.cos(angles), np.sin(angles), np.ones(len(t))])
     gram, push, count = columns.T @ columns, columns.T @ r, len(frequencies)
-    best, gain = np.zeros(0, int), 0.0
-    for one, other in combinations(range(count), 2):
-        chosen = np.array([one, other, one + count, other + count, 2 * count])
-        # Two tones of one frequency are one: the rest of their difference would be huge.
-        weights = np.linalg.lstsq(gram[np.ix_(chosen, chosen)], push[chosen], rcond=_ALIKE)[0]
-        explained = float(2.0 * weights @ push[chosen]
-                          - weights @ gram[np.ix_(chosen, chosen)] @ weights)
-        if explained > gain:
-            best, gain, found = chosen, explained, weights
-    if not len(best):
+    pairs = np.array(list(combinations(range(count), 2)), int).reshape(-1, 2)
+    chosen = np.column_stack([pairs, pairs + count, np.full(len(pairs), 2 * count)])
+    grams, pushes = gram[chosen[:, :, None], chosen[:, None, :]], push[chosen]
+    # Two tones of one frequency are one: the rest of their difference would be huge.
+    inverses = np.linalg.pinv(grams, rcond=_ALIKE, hermitian=True)
+    weights = np.einsum('kij,kj->ki', inverses, pushes)
+    explained = np.einsum('ki,ki->k', weights, 2.0 * pushes - np.einsum(
+        'kij,kj->ki', grams, weights))
+    if not np.any(explained > 0.0):
         return ()
-    return tuple((float(frequencies[best[k]]), complex(found[k], -found[k + 2])) for k in (0, 1))
+    best = int(np.argmax(explained))
+    tones = frequencies[pairs[best]].tolist()
+    cosines, sines = weights[best, :2].tolist(), weights[best, 2:4].tolist()
+    return tuple((tone, complex(cosine, -sine))
+                 for tone, cosine, sine in zip(tones, cosines, sines))
