@@ -51,7 +51,6 @@ class ViscousFlow(ContactEffect):
     family = 'relaxation'
     description = 'The wall flows while it is pressed, and does not recover (dashpot in series).'
     Parameters = ViscousFlowParameters
-    needs_spring = True  # what moves freely hangs on nothing that relaxes
     needs_touch = True
     accumulates = True
     least_share = 0.7  # it looks like a wall that softens, too

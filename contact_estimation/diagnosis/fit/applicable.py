@@ -143,32 +143,8 @@ def candidates_in(recordings: Recordings, model: Model, returns: bool = False) -
     return candidates_for(
         model, any(one.observed.reference is not None for one in recordings),
         is_pressed(recordings, model), returns or any(map(_returns, recordings)),
-        any(map(_has_speeds, recordings)) or is_damper(recordings, model), has_paces(recordings),
-        any(map(_plays, recordings)), all(map(_breaks_away, recordings)))
-
-
-def is_damper(recordings: Recordings, model: Model) -> bool:
-    """
-    Return whether an attached environment resists by damping far more than by a spring, if any.
-
-    Parameters
-    ----------
-    recordings : sequence of PreparedRecording
-        Fitted together.
-    model : Model
-        Its nominal values count.
-
-    Returns
-    -------
-    damper : bool
-        If so, what depends on the direction is a law of the damper rather than of the spring, even
-        if the depth tells the speed, as in cycles of one frequency and amplitude.
-
-    """
-    wall = model.nominal.environment
-    return not wall.unilateral and all(
-        wall.damping * float(np.std(one.observed.v)) >= _MOSTLY * abs(wall.stiffness) * float(
-            np.std(one.observed.x)) for one in recordings)
+        any(map(_has_speeds, recordings)) or all(_damps(one, model) for one in recordings),
+        has_paces(recordings), any(map(_plays, recordings)), all(map(_breaks_away, recordings)))
 
 
 def told_by_a_return(recordings: Recordings, model: Model) -> list[str]:
@@ -215,7 +191,7 @@ def tells_time_from_path(recordings: Recordings) -> bool:
         does not repeat itself alone.
 
     """
-    repeats = all(one.observed.cycle and one.carries_discrepancy for one in recordings)
+    repeats = all(one.carries_discrepancy and one.observed.cycle for one in recordings)
     return not (repeats or _is_one(_mean_speeds(recordings), _ABOUT_ONE))
 
 
@@ -304,6 +280,17 @@ def _has_speeds(recording: PreparedRecording) -> bool:
     columns = np.vander((x - np.mean(x)) / max(float(np.std(x)), 1e-300), _ORDER + 1)
     left = speed - columns @ np.linalg.lstsq(columns, speed, rcond=None)[0]
     return float(np.var(left)) > _UNTOLD * float(np.var(speed))
+
+
+def _damps(recording: PreparedRecording, model: Model) -> bool:
+    """
+    Return whether an attached environment resists by damping far more than by a spring, if any.
+
+    What depends on the direction is then a law of the damper, even if the depth tells the speed.
+    """
+    wall, o = model.nominal.environment, recording.observed
+    damper, spring = wall.damping * np.std(o.v), abs(wall.stiffness) * np.std(o.x)
+    return not wall.unilateral and bool(damper >= _MOSTLY * spring)
 
 
 def _mean_speed(recording: PreparedRecording) -> NDArray[np.float64]:

@@ -185,8 +185,10 @@ class Clocks:
         for by in _SCANNED if sign > 0.0 else _SCANNED_EARLY:
             # A scan that rises leads away from the stamps that leave least.
             going_on = [model for model, scan in scans.items() if not _rises(scan)]
+            if not going_on:
+                break
             offset = Offset(topic, sign * by)
-            prepared = self._prepared(offset) if going_on else ()
+            prepared = self._prepared(offset)
             for model in going_on:
                 scans[model].append((self._left(offset, model, prepared), by))
         model = min(scans, key=lambda model: min(scans[model]))

@@ -139,7 +139,7 @@ def _searched(
         secant.know(start, known)
     with np.errstate(all='ignore'):  # costs may overflow far from the optimum
         while True:
-            secant.residuals(start)
+            secant.residuals(start)  # the first of the steps, and known from the second search on
             secant.renew(steps - 1, least)
             found = least_squares(
                 secant.residuals, start, secant.jacobian, bounds=(low, high), x_scale=size,
