@@ -86,8 +86,8 @@ def test_along_the_normal_it_is_the_force_that_the_estimator_fits() -> None:
     along = [NORMAL @ pose(tuple(q), 'sensor')[:3, :3] @ f for (_, q, *_), f in zip(rows, forces)]
     known = Compensation([ToolInertia(ToolInertia.Parameters(mass=MASS))], 4800.0, 0.3)
     fitted = []
-    for stamp_ns, x, v, force in (i.contact for i in instants()):
-        fitted.append(-known.take(stamp_ns, x, v, force, -force).rest)
+    for contact in (i.contact for i in instants()):
+        fitted.append(-known.take(contact, 0.0, -contact.force).rest)
     np.testing.assert_allclose(along[2:], fitted[2:], atol=5e-3)
 
 

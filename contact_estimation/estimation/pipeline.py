@@ -115,7 +115,7 @@ class EstimationPipeline:
 
     def _compensate(self) -> None:
         p = self.parameters
-        compensation = Compensation(
+        self._compensation = compensation = Compensation(
             effects_that_are_on(p.physics), p.environment.initial_stiffness, p.contact.force_noise
         )
         self._conditioner.compensation = compensation if compensation.acts else None
@@ -134,7 +134,7 @@ class EstimationPipeline:
 
     def _take_location(self, location: float, std: float) -> None:
         """Use the surface that the first touch has shown, from the next sample on."""
-        self._conditioner.location = location
+        self._conditioner.location = self._compensation.nominal(location)
         self._conditioner.configure(  # its filters hold rows of an unknown depth
             self.parameters.conditioning, self.parameters.sample_rate, self.estimator.relation)
         self._supervised.take_location(std)
@@ -278,7 +278,8 @@ class EstimationPipeline:
         touch_down = self.touch_down
         if touch_down.watches or not touching:
             reason = touch_down.take(
-                sample, dt, touching, sample[1] - conditioner.location - moved, conditioner.bias,
+                sample, dt, touching, sample[1] - conditioner.location - moved,
+                conditioner.pressing,
                 conditioner.location_margin, variance)
         else:
             reason = touch_down.text
@@ -302,6 +303,8 @@ class EstimationPipeline:
         location = conditioner.location + supervised.shift + moved + shift
         if touch_down.found is not None:
             self._take_location(*touch_down.found)
+        if touching and row is None and conditioner.hindrance:
+            reason = conditioner.hindrance
         if withheld:
             K_std = B_std = nan
             status, reason = _FREE if status is _FREE else _FROZEN, withheld

@@ -33,6 +33,7 @@ _FREE, _ESTIMATING, _FROZEN = (
     EstimateStatus.FREE, EstimateStatus.ESTIMATING, EstimateStatus.FROZEN)
 _WAITING = 'waiting for consecutive samples'
 _NOT_PREDICTED = 'predicted force within the noise'
+_ROW_NOT_FINITE = 'sample left out: force or motion is not finite'
 _NOT_FINITE = 'estimate was not finite; reset to the initial values'
 _NEW_CONTACT_S = 0.05  # out of contact, after which a contact is a new one
 Parameters = tuple[float, float, float, float, float, float]
@@ -150,6 +151,9 @@ class SupervisedEstimator:
         """
         if row is None:
             return self._keep(dt, touching)
+        total = row[0] + row[1] + row[2] + row[3] + row[4]
+        if total - total != 0.0:  # not finite: in no sum, and in no filter of the estimator
+            return self._keep(dt, touching)[0], _FROZEN, _ROW_NOT_FINITE
         supervision = self._supervision
         self._kept = None
         if self._free_s:

@@ -29,27 +29,21 @@ from __future__ import annotations
 from collections import deque
 import math
 from math import nan
-from typing import Any, Callable, NamedTuple, Sequence
+from typing import Any, Sequence
 
-from .contact_law import ContactLaw
 from .effect import Effect
 from .force_sensor_effect import ForceSensorEffect
+from .known_wall import KnownWall, Memory, Motion, NOT_FINITE, WAITING, WallTerms
 from ..signals.compensated_sample import CompensatedSample
+from ..signals.contact_sample import ContactSample
 
-_STEPS = 4  # integration steps of internal states per sample
-_NEAR = 1e-7  # step of the difference quotient of phi_K [m]
 _CLIPPED = 4.0  # standard deviations below the range of a sensor, beyond which it may clip
-State = tuple[float, ...]
-Memory = Callable[[float, float, float], float]  # time, time step, value -> value
+_REGULAR = 0.5, 1.5  # sample periods between samples over which motion is differentiated
+_AVERAGED = 100  # samples over which the sample period is averaged
+_LONGEST = 40.0  # sample periods that a gap counts in the average; bursts of stamps are shorter
 
-
-class _Past(NamedTuple):
-    """Motion at a sample, and its known quantities without inertia."""
-
-    depth: float
-    velocity: float
-    contact: float
-    known: CompensatedSample
+IRREGULAR = 'stamps too irregular for the acceleration that physics needs'
+CLIPPED = 'the force is at the end of the range of the sensor'
 
 
 class Compensation:
@@ -57,7 +51,8 @@ class Compensation:
     Evaluates known effects sample by sample.
 
     With an effect that replaces K_e, K_hat stays at the first guess; with one that replaces B_e,
-    B_hat is 0. Effects of the robot have no influence.
+    B_hat is 0. Effects of the robot have no influence. Effects of the sensor act from the first
+    sample on, those of the wall as soon as its surface is known.
 
     Parameters
     ----------
@@ -73,46 +68,42 @@ class Compensation:
     def __init__(
         self, effects: Sequence[Effect], initial_stiffness: float, force_noise: float
     ) -> None:
-        # The law is linear in K_e: its column is the law with K_e = 1 less the law with K_e = 0.
-        self._law, self._unit = (
-            ContactLaw(K, 0.0, 0.0, 0.0, True, effects) for K in (0.0, 1.0)
-        )
-        wall, self._sensor = self._law.effects, _sensors(effects)
-        self._placeholder = (
-            initial_stiffness if any(e.replaces_stiffness for e in wall) else 0.0
-        )
+        self._sensor = _sensors(effects)
+        lagging = [effect for effect in self._sensor if effect.memory]
+        self._wall = KnownWall(
+            effects, initial_stiffness, (lambda: _memory(lagging)) if lagging else None)
         self._tool = sum(effect.added_mass for effect in self._sensor)
-        self._moves = self._law.inertia > 0.0 or self._tool > 0.0
+        self._late = _memory(lagging)
+        self._moves = self._wall.inertia > 0.0 or self._tool > 0.0
         self._range = min((e.limit for e in self._sensor), default=math.inf)
         self._range -= _CLIPPED * force_noise
-        lagging = [effect for effect in self._sensor if effect.memory]
-        self._memories = [_memory(lagging) for _ in range(7)] if lagging else []
-        self._states: State = (0.0,) * self._law.states
-        self._first_ns: int | None = None
-        self._t = self._depth = 0.0
-        self._past: deque[_Past] = deque(maxlen=3)
+        self._first_ns = 0
+        self._last: Motion | None = None
+        self._speed = self._before = nan  # between the last two samples; measured at the one before
+        self._period, self._count = 0.0, 0  # mean sample period [s], and of how many
+        self._forces: deque[float] = deque(maxlen=3)
 
     @property
     def acts(self) -> bool:
         """Whether there is anything to compensate."""
-        return bool(self._law.effects or self._sensor)
+        return self._wall.acts or bool(self._sensor)
 
-    def take(
-        self, stamp_ns: int, depth: float, velocity: float, force: float, pressing: float
-    ) -> CompensatedSample:
+    def nominal(self, surface: float) -> float:
+        """Return x_e nominal of a wall first met at some place; see `KnownWall.nominal`."""
+        return self._wall.nominal(surface)
+
+    def take(self, sample: ContactSample, location: float, pressing: float) -> CompensatedSample:
         """
         Process one sample.
 
         Parameters
         ----------
-        stamp_ns : int
-            Stamp, later than the previous one [ns].
-        depth : float
-            x less the nominal x_e [m].
-        velocity : float
-            Measured rate of x [m/s], NaN where not measured.
-        force, pressing : float
-            Measured F_e; -F_e less the tare [N].
+        sample : ContactSample
+            Stamped after the last one.
+        location : float
+            x_e nominal [m]; NaN: not known yet.
+        pressing : float
+            -F_e less the tare [N].
 
         Returns
         -------
@@ -120,97 +111,65 @@ class Compensation:
             Quantities of the relation.
 
         """
-        if self._first_ns is None:
-            self._first_ns, self._depth = stamp_ns, depth
-        t = (stamp_ns - self._first_ns) * 1e-9
-        dt = t - self._t
-        v = velocity
-        if v != v:  # a smoothed rate would be delayed, and with it the reversal of friction
-            v = (depth - self._depth) / dt if dt > 0.0 else 0.0
-        self._follow(t, depth, v)
-        known = self._at_wall(t, depth, velocity, v)
-        self._t, self._depth = t, depth
-        c = 1.0 if known.depth > 0.0 and known.usable else 0.0
-        wall, tool = self._inertial_forces(dt, depth, velocity, c) if self._moves else (0.0, 0.0)
-        if self._memories:
-            known, wall, tool = self._late(t, dt, c, known, wall, tool)
+        now, regular = self._motion(sample)
+        terms = self._wall.take(now, location)
+        tool = self._late(now.t, now.dt, self._tool * now.acceleration)
+        hindrance = '' if regular or not self._moves else IRREGULAR
+        if not abs(sample[3]) < self._range:
+            hindrance = CLIPPED
+        measured = pressing
         for effect in reversed(self._sensor):
-            pressing = -effect.undo(t, -pressing)
-        known = known._replace(
-            pressing=pressing - tool, rest=pressing - known.rest,
-            usable=known.usable and abs(force) < self._range,
-        )
-        return self._averaged(known, wall + tool) if self._moves else known
+            pressing = -effect.undo(now.t, -pressing)
+        if pressing - pressing != 0.0:  # not finite
+            pressing, hindrance = measured, NOT_FINITE
+        self._forces.append(pressing)
+        if not self._moves:
+            depth, R, _, travel, v, column, slope, hindered = terms[-1]
+            return CompensatedSample(
+                depth, pressing, pressing - R, travel, v, column, slope, hindered or hindrance)
+        return self._averaged(terms, pressing - tool, tool, hindrance)
 
-    def _follow(self, t: float, depth: float, velocity: float) -> None:
-        """Integrate the internal states along a straight line from the last sample."""
-        law = self._law
-        if not law.states:
-            return
-        dt = t - self._t
+    def _motion(self, sample: ContactSample) -> tuple[Motion, bool]:
+        """Return the motion, and whether its acceleration is known."""
+        stamp_ns, x, velocity, _ = sample
+        if velocity - velocity != 0.0:
+            velocity = nan
+        last = self._last
+        if last is None:
+            self._first_ns = stamp_ns
+            now = Motion(0.0, 0.0, x, velocity, 0.0 if velocity != velocity else velocity, 0.0, 0.0)
+            self._last = now
+            return now, False
+        t = (stamp_ns - self._first_ns) * 1e-9
+        dt = t - last.t
+        periods = self._periods(dt)
+        least, most = _REGULAR
+        speed = (x - last.x) / dt if periods > least else nan  # else it is noise alone
+        rate = velocity
+        if rate != rate:  # a smoothed rate would be delayed, and with it the reversal of friction
+            rate = speed if speed == speed else last.rate
+        a, both = 0.0, dt + last.dt
+        regular = least < periods < most and least < last.periods < most
+        if regular:
+            rise = velocity - self._before
+            a = rise / both if rise == rise else 2.0 * (speed - self._speed) / both
+        self._before = last.velocity
+        self._speed = speed
+        self._last = now = Motion(t, dt, x, velocity, rate, a, periods)
+        return now, regular
+
+    def _periods(self, dt: float) -> float:
+        """Return the number of mean sample periods in a time."""
         if dt <= 0.0:
-            self._states = law.settle(t, depth, velocity, self._states)
-            return
-        h, x = dt / _STEPS, self._depth
-        v = (depth - x) / dt
-        for k in range(_STEPS):
-            now = self._t + k * h
-            rates = law.rates(now, x, v, self._states)
-            middle = tuple([s + 0.5 * h * r for s, r in zip(self._states, rates)])
-            rates = law.rates(now + 0.5 * h, x + 0.5 * h * v, v, middle)
-            x += h * v
-            moved = tuple([s + h * r for s, r in zip(self._states, rates)])
-            self._states = law.settle(now + h, x, v, moved)
+            return 0.0
+        mean = self._period or dt
+        self._count = min(self._count + 1, _AVERAGED)
+        self._period = mean + (min(dt, _LONGEST * mean) - mean) / self._count
+        return dt / self._period
 
-    def _at_wall(self, t: float, x: float, velocity: float, v: float) -> CompensatedSample:
-        """Evaluate the wall without sensor and inertia; `rest` is R here."""
-        law, states = self._law, self._states
-        d, rate, engaged = law.penetration(t, x, v, states, math)
-        R = law.resistance(t, x, v, states, math)
-        column, slope = d, 1.0
-        if self._placeholder:
-            R -= self._placeholder * d
-        elif law.bends_stiffness:
-            column = self._column(t, x, v)
-            slope = (self._column(t, x + _NEAR, v) - self._column(t, x - _NEAR, v)) / (2.0 * _NEAR)
-        measured = rate if velocity == velocity else nan
-        travel = law.travel(t, x, states, math)
-        return CompensatedSample(d, 0.0, R, travel, measured, column, slope, bool(engaged))
-
-    def _column(self, t: float, x: float, v: float) -> float:
-        unit, law, states = self._unit, self._law, self._states
-        return float(unit.resistance(t, x, v, states, math)
-                     - law.resistance(t, x, v, states, math))
-
-    def _late(
-        self, t: float, dt: float, c: float, known: CompensatedSample, wall: float, tool: float
-    ) -> tuple[CompensatedSample, float, float]:
-        """Pass all columns through the lag and delay of the sensor."""
-        depth, _, R, travel, v, column, slope, _ = known
-        columns = (c * R, c * travel, c * v if v == v else 0.0, c * column, c * slope, wall, tool)
-        R, travel, rate, column, slope, wall, tool = (
-            memory(t, dt, value) for memory, value in zip(self._memories, columns)
-        )
-        v = rate if v == v else v
-        return CompensatedSample(depth, 0.0, R, travel, v, column, slope, True), wall, tool
-
-    def _inertial_forces(
-        self, dt: float, depth: float, velocity: float, contact: float
-    ) -> tuple[float, float]:
-        """Return M_e a and mass a of the previous sample, from central differences."""
-        past = self._past
-        past.append(_Past(depth, velocity, contact, _NOTHING))
-        if len(past) < 3 or dt <= 0.0:
-            return 0.0, 0.0
-        first, middle, last = past
-        rise = last.velocity - first.velocity
-        if rise == rise:
-            a = rise / (2.0 * dt)
-        else:
-            a = (last.depth - 2.0 * middle.depth + first.depth) / dt**2
-        return middle.contact * self._law.inertia * a, self._tool * a
-
-    def _averaged(self, known: CompensatedSample, inertial_force: float) -> CompensatedSample:
+    def _averaged(
+        self, terms: Sequence[WallTerms], pressing: float, tool: float, hindrance: str
+    ) -> CompensatedSample:
         """
         Average the last three samples with the weights of eq. (31).
 
@@ -218,19 +177,16 @@ class Compensation:
         against it nor as noisy as an acceleration at the newest sample.
 
         """
-        past = self._past
-        past[-1] = past[-1]._replace(known=known)
-        first, middle, last = (past[k].known for k in (0, len(past) // 2, -1))
-        rest, travel, v, column, slope = (
-            0.25 * (a + b + b + c) for a, b, c in zip(first[2:7], middle[2:7], last[2:7])
+        first, middle, last = (terms[k] for k in (0, len(terms) // 2, -1))
+        f_0, f_1, f_2 = (self._forces[k] for k in (0, len(self._forces) // 2, -1))
+        R, _, travel, v, column, slope = (
+            0.25 * (a + b + b + c) for a, b, c in zip(first[1:7], middle[1:7], last[1:7])
         )
-        usable = first.usable and middle.usable and last.usable and len(past) == 3
-        return CompensatedSample(
-            known.depth, known.pressing, rest - inertial_force, travel, v, column, slope, usable
-        )
-
-
-_NOTHING = CompensatedSample(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, False)
+        rest = 0.25 * (f_0 + f_1 + f_1 + f_2) - R - last.inertial_force - tool
+        hindrance = last.hindrance or hindrance or middle.hindrance or first.hindrance
+        if not hindrance and len(terms) < 3:
+            hindrance = WAITING
+        return CompensatedSample(last.depth, pressing, rest, travel, v, column, slope, hindrance)
 
 
 def _sensors(effects: Sequence[Effect]) -> list[Any]:

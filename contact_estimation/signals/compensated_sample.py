@@ -18,6 +18,8 @@ from __future__ import annotations
 
 from typing import NamedTuple, Protocol
 
+from .contact_sample import ContactSample
+
 
 class CompensatedSample(NamedTuple):
     """
@@ -26,7 +28,7 @@ class CompensatedSample(NamedTuple):
     Attributes
     ----------
     depth : float
-        Penetration of the surface at its known position [m].
+        Penetration of the surface at its known position [m], NaN where that is not known.
     pressing : float
         -F_e without what the sensor adds [N]: decides contact.
     rest : float
@@ -37,8 +39,8 @@ class CompensatedSample(NamedTuple):
         That rate [m/s], NaN where not measured.
     stiffness_column, constant_column : float
         phi_K [m], and its slope over the depth.
-    usable : bool
-        Whether the relation holds.
+    hindrance : str
+        Why the relation does not hold; '' where it does.
 
     """
 
@@ -49,32 +51,28 @@ class CompensatedSample(NamedTuple):
     velocity: float
     stiffness_column: float
     constant_column: float
-    usable: bool
+    hindrance: str
 
 
 class SampleCompensation(Protocol):
     """Anything that compensates known physics sample by sample."""
 
-    def take(
-        self, stamp_ns: int, depth: float, velocity: float, force: float, pressing: float
-    ) -> CompensatedSample:
+    def take(self, sample: ContactSample, location: float, pressing: float) -> CompensatedSample:
         """
         Compensate one sample.
 
         Parameters
         ----------
-        stamp_ns : int
-            Stamp, after the last one [ns].
-        depth : float
-            x less the nominal x_e [m].
-        velocity : float
-            Measured rate of x [m/s], NaN where not measured.
-        force, pressing : float
-            F_e as measured; -F_e less the bias [N].
+        sample : ContactSample
+            Stamped after the last one.
+        location : float
+            x_e nominal [m]; NaN: not known yet.
+        pressing : float
+            -F_e less the bias [N].
 
         Returns
         -------
         sample : CompensatedSample
-            The terms that are left.
+            The terms that are left, finite but for `depth` where the location is not known.
 
         """

@@ -79,6 +79,10 @@ class Conditioner:
         x_e [m], and how far outside it contact is possible [m].
     compensation : SampleCompensation or None
         Of the known physics.
+    pressing : float
+        -F_e of the last sample without bias and what the sensor adds [N].
+    hindrance : str
+        Why known physics allow no row of the last sample; '' where they do.
 
     """
 
@@ -89,7 +93,7 @@ class Conditioner:
         self.detector = ContactDetector(contact)
         self.bias = self.location = self.location_margin = self.sample_period_s = 0.0
         self.compensation: SampleCompensation | None = None
-        self.missing = 0
+        self.missing, self.pressing, self.hindrance = 0, 0.0, ''
         self.gate = OutlierGate(parameters.outlier_threshold, parameters.outlier_samples)
         self.configure(parameters, sample_rate, relation)
 
@@ -202,16 +206,17 @@ class Conditioner:
         self._last_position = position
         delta, pressing, known, shift = position - self.location, self.bias - force, None, 0.0
         if self.compensation is not None:
-            known = self.compensation.take(stamp_ns, delta, measured, force, pressing)
+            known = self.compensation.take(sample, self.location, pressing)
             shift, delta, pressing = delta - known.depth, known.depth, known.pressing
+        self.pressing, self.hindrance = pressing, known.hindrance if known else ''
         detector = self.detector
         inside = not delta <= -self.location_margin  # anywhere while x_e is unknown
         # A contact that goes on needs no detection.
         touching = (detector.contact and inside and pressing - detector.level > detector.off
                     or detector.touches(dt, pressing, inside))
         variance = detector.noise_variance
-        if not touching or known is not None and not known.usable:
-            self._leave(pressing, inside)
+        if not touching or self.hindrance:
+            self._leave(pressing, touching or inside and self.location == self.location)
             return dt, velocity, touching, variance, None, NO_GAIN, shift
         if self._free:
             self._free.clear()
@@ -232,7 +237,7 @@ class Conditioner:
 
     def _leave(self, pressing: float, inside: bool) -> None:
         """Keep the force of free flight, for a tare."""
-        if not inside or self.location != self.location:  # NaN: free unless in contact
+        if not inside:  # where x_e is unknown, free unless in contact
             self._free.append(pressing)
         self._rows.leave()
         self.gate.leave()

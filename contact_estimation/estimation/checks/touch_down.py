@@ -84,7 +84,7 @@ class TouchDown:
         self._settled = True
 
     def take(
-        self, sample: ContactSample, dt: float, touching: bool, depth: float, bias: float,
+        self, sample: ContactSample, dt: float, touching: bool, depth: float, pressing: float,
         margin: float, noise_variance: float,
     ) -> str:
         """
@@ -96,8 +96,8 @@ class TouchDown:
             The next one.
         dt, touching, depth : float, bool, float
             Time since the sample before [s], whether in contact, x - x_e [m] (NaN where unknown).
-        bias, margin : float
-            Force bias [N], and how far from its location the surface may be [m].
+        pressing, margin : float
+            Pressing force of the wall [N], and how far from its location the surface may be [m].
         noise_variance : float
             Of the force [N^2].
 
@@ -112,12 +112,12 @@ class TouchDown:
             if self._settled:
                 self.watches = False
                 return self.text
-            return self._touch(sample, dt, depth, bias, margin, noise_variance)
+            return self._touch(sample, dt, depth, pressing, margin, noise_variance)
         self.watches = True
         watched = self.text or self._rise
         self._leave(dt)
         if not depth <= 0.0:
-            self._approach.append(_point(sample, bias, dt))
+            self._approach.append(_point(sample, pressing, dt))
         elif not watched:
             self._approach.clear()
         return self.text
@@ -131,7 +131,7 @@ class TouchDown:
             self._rise, self._rise_s = [], 0.0
 
     def _touch(
-        self, sample: ContactSample, dt: float, depth: float, bias: float, margin: float,
+        self, sample: ContactSample, dt: float, depth: float, pressing: float, margin: float,
         noise_variance: float,
     ) -> str:
         """Return why the estimate of a sample in contact not yet judged is withheld."""
@@ -139,16 +139,16 @@ class TouchDown:
             self._settled = depth == depth
             self.text = '' if self._settled else _NEVER_FREE
             return self.text
-        _, x, velocity, force = sample
+        _, x, velocity, _ = sample
         if not self._rise:
             travel = abs(velocity) * dt * _DETECTION_SAMPLES if velocity == velocity else 0.0
             margin = max(margin, _LEAST_MARGIN) + travel
             if depth <= margin:
                 self._settled, self.text = True, ''
                 return ''
-        self._rise.append(_point(sample, bias, dt))
+        self._rise.append(_point(sample, pressing, dt))
         self._rise_s += dt
-        risen = bias - force > _CLEAR * sqrt(noise_variance) and len(self._rise) >= _LEAST
+        risen = pressing > _CLEAR * sqrt(noise_variance) and len(self._rise) >= _LEAST
         if risen or self._rise_s > _LONGEST_S:
             self._judge(x, depth, max(margin, _LEAST_MARGIN), sqrt(noise_variance))
         # The depth of the sample that completes the rise is not known yet.
@@ -174,8 +174,8 @@ class TouchDown:
         ) if far else ''
 
 
-def _point(sample: ContactSample, bias: float, dt: float) -> tuple[float, ...]:
-    return sample[1], bias - sample[3], sample[2], dt
+def _point(sample: ContactSample, pressing: float, dt: float) -> tuple[float, ...]:
+    return sample[1], pressing, sample[2], dt
 
 
 def surface_of(approach: Array, rise: Array, noise: float) -> tuple[float, float]:

@@ -1,0 +1,269 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+The known physics of a wall whose surface may not be known yet.
+
+Until it is, nothing of the wall acts and its states rest. The motion of the meantime is kept, and
+followed from the last sample outside on as soon as the surface is known, so that a contact in
+progress has the states that it would have had.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+import math
+from math import nan
+from typing import Callable, NamedTuple, Sequence
+
+from .contact_law import ContactLaw
+from .effect import Effect
+
+_STEPS = 4  # integration steps of internal states per sample
+_MOST_STEPS = 400  # over a gap: bounds the time that one sample may take
+_NEAR = 1e-7  # step of the difference quotient of phi_K [m]
+_KEPT = 1000  # samples of motion while the surface is not known
+State = tuple[float, ...]
+Memory = Callable[[float, float, float], float]  # time, time step, value -> value
+
+WAITING = 'waiting for consecutive samples'
+NOT_LOCATED = 'waiting for the surface, beyond which known physics of the wall act'
+NOT_FINITE = 'known physics give no finite force here; check the parameters of physics'
+IN_PLAY = 'the tool moves within its play'
+
+
+class Motion(NamedTuple):
+    """
+    Motion at a sample.
+
+    Attributes
+    ----------
+    t, dt : float
+        Time, and that since the sample before [s]; 0 at the first.
+    x, velocity, rate : float
+        Position [m], its measured rate (NaN where there is none), and one that is never NaN [m/s].
+    acceleration : float
+        Of the sample before [m/s^2]; 0 where it is not known.
+    periods : float
+        Sample periods since the sample before.
+
+    """
+
+    t: float
+    dt: float
+    x: float
+    velocity: float
+    rate: float
+    acceleration: float
+    periods: float
+
+
+class WallTerms(NamedTuple):
+    """
+    What a wall adds to the relation of a sample.
+
+    Attributes
+    ----------
+    depth, force, inertial_force : float
+        Penetration [m], and known force without inertia, and of the inertia, [N].
+    travel, velocity, stiffness_column, constant_column : float
+        As of `CompensatedSample`.
+    hindrance : str
+        Why the relation does not hold; '' where it does.
+
+    """
+
+    depth: float
+    force: float
+    inertial_force: float
+    travel: float
+    velocity: float
+    stiffness_column: float
+    constant_column: float
+    hindrance: str
+
+
+class KnownWall:
+    """
+    Evaluates known physics of a wall sample by sample, as the force sensor passes them on.
+
+    Parameters
+    ----------
+    effects : sequence of Effect
+        Those of other ports have no influence.
+    initial_stiffness : float
+        First guess of K_e [N/m], kept where an effect replaces K_e.
+    memory : callable or None
+        Makes a filter like the force sensor's for one signal; None: the sensor has no memory.
+
+    """
+
+    def __init__(
+        self, effects: Sequence[Effect], initial_stiffness: float,
+        memory: Callable[[], Memory] | None,
+    ) -> None:
+        # The law is linear in K_e: its column is the law with K_e = 1 less the law with K_e = 0.
+        self._law, self._unit = (
+            ContactLaw(K, 0.0, 0.0, 0.0, True, effects) for K in (0.0, 1.0)
+        )
+        self.acts, self.inertia = bool(self._law.effects), self._law.inertia
+        replaced = any(effect.replaces_stiffness for effect in self._law.effects)
+        self._placeholder = initial_stiffness if replaced else 0.0
+        self._memory = memory
+        remembers = self._law.states or memory is not None
+        self._kept: deque[Motion] = deque(maxlen=_KEPT if remembers else 3)
+        self._rest()
+
+    def _rest(self) -> None:
+        """Return to a wall that was never touched."""
+        self._states: State = (0.0,) * self._law.states
+        self._last: Motion | None = None
+        self._touched = 0.0  # 1 where the last sample was in contact
+        self._memories = [self._memory() for _ in range(6)] if self._memory else []
+        self._terms: deque[WallTerms] = deque(maxlen=3)
+
+    def take(self, now: Motion, location: float) -> Sequence[WallTerms]:
+        """
+        Process one sample.
+
+        Parameters
+        ----------
+        now : Motion
+            Of the sample.
+        location : float
+            x_e nominal [m]; NaN: not known.
+
+        Returns
+        -------
+        terms : sequence of WallTerms
+            Of the last three samples at most, this one the last.
+
+        """
+        if location != location:
+            if self._last is not None:
+                self._rest()
+            self._kept.append(now)
+            return (_NOT_LOCATED,)
+        if self._kept:
+            for earlier in self._since_outside(location):
+                self._terms.append(self._next(earlier, location))
+            self._kept.clear()
+        self._terms.append(self._next(now, location))
+        return self._terms
+
+    def _since_outside(self, location: float) -> list[Motion]:
+        """Return the motion kept, from the last samples outside the wall on."""
+        kept, rest = list(self._kept), (0.0,) * self._law.states
+        for k in range(len(kept) - 1, -1, -1):
+            t, _, x, _, v, *_ = kept[k]
+            if self._law.penetration(t, x - location, v, rest, math)[0] <= 0.0:
+                return kept[max(k - 2, 0):]
+        return kept
+
+    def nominal(self, surface: float) -> float:
+        """
+        Return x_e nominal of a wall that was first met elsewhere, where an effect displaces it.
+
+        Parameters
+        ----------
+        surface : float
+            Where the wall was met while its location was not known [m].
+
+        Returns
+        -------
+        location : float
+            x_e [m].
+
+        """
+        if not self._kept:
+            return surface
+        outside = (moved.t for moved in reversed(self._kept) if moved.x <= surface)
+        t, rest = next(outside, self._kept[0].t), (0.0,) * self._law.states
+        return surface + float(self._law.penetration(t, 0.0, 0.0, rest, math)[0])
+
+    def _next(self, now: Motion, location: float) -> WallTerms:
+        """Evaluate one sample; nothing that is not finite is kept."""
+        depth = now.x - location
+        try:
+            self._follow(now, location)
+            terms = self._at_surface(now, depth)
+            total = (terms.depth + terms.force + terms.travel + terms.stiffness_column
+                     + terms.constant_column + sum(self._states))
+        except ArithmeticError:
+            total = nan
+        if total - total != 0.0:  # inf - inf is NaN
+            self._rest()
+            terms = _NOT_LOCATED._replace(depth=depth, hindrance=NOT_FINITE)
+        inertial = self._touched * self.inertia * now.acceleration
+        self._touched = 1.0 if terms.depth > 0.0 and not terms.hindrance else 0.0
+        self._last = now
+        if self._memories:
+            return self._late(now, terms, inertial)
+        return terms._replace(inertial_force=inertial) if self.inertia else terms
+
+    def _follow(self, now: Motion, location: float) -> None:
+        """Integrate the internal states along a straight line from the last sample."""
+        law, last = self._law, self._last
+        if not law.states:
+            return
+        t, dt, x, _, v, _, periods = now
+        if last is None or dt <= 0.0:
+            self._states = law.settle(t, x - location, v, self._states)
+            return
+        steps = _STEPS
+        if periods > 1.5:
+            steps = int(min(math.ceil(periods) * _STEPS, _MOST_STEPS))
+        h, x, t = dt / steps, last.x - location, last.t
+        v = (now.x - last.x) / dt
+        for k in range(steps):
+            rates = law.rates(t + k * h, x, v, self._states)
+            middle = tuple([s + 0.5 * h * r for s, r in zip(self._states, rates)])
+            rates = law.rates(t + (k + 0.5) * h, x + 0.5 * h * v, v, middle)
+            x += h * v
+            moved = tuple([s + h * r for s, r in zip(self._states, rates)])
+            self._states = law.settle(t + (k + 1) * h, x, v, moved)
+
+    def _at_surface(self, now: Motion, x: float) -> WallTerms:
+        """Evaluate the wall without sensor and inertia."""
+        law, states, t, v = self._law, self._states, now.t, now.rate
+        d, rate, engaged = law.penetration(t, x, v, states, math)
+        R = law.resistance(t, x, v, states, math)
+        column, slope = d, 1.0
+        if self._placeholder:
+            R -= self._placeholder * d
+        elif law.bends_stiffness:
+            column = self._column(t, x, v)
+            slope = (self._column(t, x + _NEAR, v) - self._column(t, x - _NEAR, v)) / (2.0 * _NEAR)
+        measured = rate if now.velocity == now.velocity else nan
+        travel = law.travel(t, x, states, math)
+        return WallTerms(d, R, 0.0, travel, measured, column, slope, '' if engaged else IN_PLAY)
+
+    def _column(self, t: float, x: float, v: float) -> float:
+        unit, law, states = self._unit, self._law, self._states
+        return float(unit.resistance(t, x, v, states, math)
+                     - law.resistance(t, x, v, states, math))
+
+    def _late(self, now: Motion, terms: WallTerms, inertial: float) -> WallTerms:
+        """Pass all terms through the lag and delay of the sensor."""
+        depth, R, _, travel, v, column, slope, hindrance = terms
+        c = self._touched
+        values = (c * R, inertial, c * travel, c * v if v == v else 0.0, c * column, c * slope)
+        R, inertial, travel, rate, column, slope = (
+            memory(now.t, now.dt, value) for memory, value in zip(self._memories, values)
+        )
+        return WallTerms(depth, R, inertial, travel, rate if v == v else v, column, slope,
+                         '' if hindrance is IN_PLAY else hindrance)
+
+
+_NOT_LOCATED = WallTerms(nan, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, NOT_LOCATED)
