@@ -30,6 +30,7 @@ from ..estimators.estimator import OnlineEstimator
 from ..estimators.excitation_monitor import ExcitationMonitor
 from ..physics import effects_that_are_on
 from ..physics.compensation import Compensation
+from ..physics.known_wall import IN_PLAY
 from ..reference.setpoints import Reference
 from ..signals.conditioning import Conditioner
 from ..signals.contact_sample import ContactSample
@@ -276,11 +277,12 @@ class EstimationPipeline:
         conditioner, supervised = self._conditioner, self._supervised
         dt, v, touching, variance, row, gain, moved = conditioner.take(sample)
         touch_down = self.touch_down
+        if conditioner.hindrance is IN_PLAY:  # its end is met inside the wall
+            touch_down.trust()
         if touch_down.watches or not touching:
             reason = touch_down.take(
                 sample, dt, touching, sample[1] - conditioner.location - moved,
-                conditioner.pressing,
-                conditioner.location_margin, variance)
+                conditioner.pressing, conditioner.location_margin, variance)
         else:
             reason = touch_down.text
         withheld = self.invalid or reason

@@ -125,9 +125,9 @@ class Compensation:
         self._forces.append(pressing)
         if not self._moves:
             depth, R, _, travel, v, column, slope, hindered = terms[-1]
-            return CompensatedSample(
-                depth, pressing, pressing - R, travel, v, column, slope, hindered or hindrance)
-        return self._averaged(terms, pressing - tool, tool, hindrance)
+            return CompensatedSample(depth, pressing + self._wall.free_force, pressing - R, travel,
+                                     v, column, slope, hindered or hindrance)
+        return self._averaged(terms, pressing + self._wall.free_force - tool, tool, hindrance)
 
     def _motion(self, sample: ContactSample) -> tuple[Motion, bool]:
         """Return the motion, and whether its acceleration is known."""

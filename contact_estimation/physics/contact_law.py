@@ -155,10 +155,14 @@ class ContactLaw:
 
     def _touch(self, t: Any, d: Any, v: Any, engaged: Any, states: Any, m: Any) -> Touch:
         contact = (d > 0.0) & engaged if self.unilateral else engaged
+        return Touch(contact, self._resistance(t, d, v, states, m), self.tail(d, v, states, m))
+
+    def tail(self, d: Any, v: Any, states: Any, m: Any) -> Any:
+        """Return F_e out of contact [N]; parameters as `penetration`, at the wall."""
         free: Any = 0.0
         for effect, place in self._tails:
             free = free + effect.tail(d, v, states[place], m)
-        return Touch(contact, self._resistance(t, d, v, states, m), free)
+        return free
 
     def _resistance(self, t: Any, d: Any, v: Any, states: Any, m: Any) -> Any:
         deflection = d

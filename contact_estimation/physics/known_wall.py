@@ -33,6 +33,8 @@ from .effect import Effect
 _STEPS = 4  # integration steps of internal states per sample
 _MOST_STEPS = 400  # over a gap: bounds the time that one sample may take
 _NEAR = 1e-7  # step of the difference quotient of phi_K [m]
+_FAR = 1.0  # out of reach of any wall [m]
+_APPROACH = 50  # samples outside the wall, in which a play is taken up
 _KEPT = 1000  # samples of motion while the surface is not known
 State = tuple[float, ...]
 Memory = Callable[[float, float, float], float]  # time, time step, value -> value
@@ -107,6 +109,15 @@ class KnownWall:
     memory : callable or None
         Makes a filter like the force sensor's for one signal; None: the sensor has no memory.
 
+    Attributes
+    ----------
+    acts : bool
+        Whether there are known physics of the wall.
+    inertia : float
+        M_e [kg].
+    free_force : float
+        F_e far from the wall, as of a weight [N].
+
     """
 
     def __init__(
@@ -118,6 +129,7 @@ class KnownWall:
             ContactLaw(K, 0.0, 0.0, 0.0, True, effects) for K in (0.0, 1.0)
         )
         self.acts, self.inertia = bool(self._law.effects), self._law.inertia
+        self.free_force = float(self._law.tail(-_FAR, 0.0, (0.0,) * self._law.states, math))
         replaced = any(effect.replaces_stiffness for effect in self._law.effects)
         self._placeholder = initial_stiffness if replaced else 0.0
         self._memory = memory
@@ -163,12 +175,12 @@ class KnownWall:
         return self._terms
 
     def _since_outside(self, location: float) -> list[Motion]:
-        """Return the motion kept, from the last samples outside the wall on."""
+        """Return the motion kept, from the approach to the wall on."""
         kept, rest = list(self._kept), (0.0,) * self._law.states
         for k in range(len(kept) - 1, -1, -1):
             t, _, x, _, v, *_ = kept[k]
             if self._law.penetration(t, x - location, v, rest, math)[0] <= 0.0:
-                return kept[max(k - 2, 0):]
+                return kept[max(k - _APPROACH, 0):]
         return kept
 
     def nominal(self, surface: float) -> float:
@@ -186,11 +198,16 @@ class KnownWall:
             x_e [m].
 
         """
-        if not self._kept:
+        touched = [k for k, moved in enumerate(self._kept) if moved.x <= surface]
+        if not touched:
             return surface
-        outside = (moved.t for moved in reversed(self._kept) if moved.x <= surface)
-        t, rest = next(outside, self._kept[0].t), (0.0,) * self._law.states
-        return surface + float(self._law.penetration(t, 0.0, 0.0, rest, math)[0])
+        kept = list(self._kept)[max(touched[-1] - _APPROACH, 0):touched[-1] + 1]
+        for moved in kept:
+            self._follow(moved, surface)
+            self._last = moved
+        d, *_ = self._law.penetration(kept[-1].t, 0.0, 0.0, self._states, math)
+        self._rest()
+        return surface + d if d - d == 0.0 else surface
 
     def _next(self, now: Motion, location: float) -> WallTerms:
         """Evaluate one sample; nothing that is not finite is kept."""

@@ -30,7 +30,7 @@ class CompensatedSample(NamedTuple):
     depth : float
         Penetration of the surface at its known position [m], NaN where that is not known.
     pressing : float
-        -F_e without what the sensor adds [N]: decides contact.
+        -F_e without what the sensor adds, and a weight [N]: decides contact.
     rest : float
         The same less the known force of the environment [N]: what K_e and B_e explain.
     travel : float

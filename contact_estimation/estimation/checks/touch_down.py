@@ -81,7 +81,7 @@ class TouchDown:
     def trust(self) -> None:
         """Accept the location from now on, as after a change of it, also in contact."""
         self.text, self.found, self._rise = '', None, []
-        self._settled = True
+        self._settled, self._free_s = True, 0.0
 
     def take(
         self, sample: ContactSample, dt: float, touching: bool, depth: float, pressing: float,
