@@ -84,7 +84,7 @@ def test_along_the_normal_it_is_the_force_that_the_estimator_fits() -> None:
     at_tip = (R.T @ (pose(START)[:3, 3] - p)).tolist()  # the estimator accelerates the tip
     forces = published(rows, {**WITH_INERTIA, 'tool.centre': at_tip})[:, :3]
     along = [NORMAL @ pose(tuple(q), 'sensor')[:3, :3] @ f for (_, q, *_), f in zip(rows, forces)]
-    known = Compensation([ToolInertia(ToolInertia.Parameters(mass=MASS))], 4800.0, 0.3)
+    known = Compensation([ToolInertia(ToolInertia.Parameters(mass=MASS))], 4800.0, 0.3, 1.0 / STEP)
     fitted = []
     for contact in (i.contact for i in instants()):
         fitted.append(-known.take(contact, 0.0, -contact.force).rest)

@@ -87,6 +87,17 @@ def test_csv_has_one_row_per_sample_with_exact_numbers(
         assert status == estimate.status.value
 
 
+def test_nothing_estimated_has_a_reason(
+    recording: Path, tmp_path: Path, command: Command
+) -> None:
+    limited = tmp_path / 'limited.yaml'
+    limited.write_text('estimator_node:\n  ros__parameters:\n'
+                       '    physics: {force_saturation: {limit: 3.0}}\n')
+    done = command(recording, '--params', limited)
+    assert done.code == 1
+    assert 'could be used (' in done.err and 'end of the range of the sensor' in done.err
+
+
 def test_json_has_the_documented_keys(
     recording: Path, tmp_path: Path, command: Command
 ) -> None:

@@ -16,6 +16,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from math import isfinite
 import sys
 from typing import Any, Sequence
@@ -45,6 +46,8 @@ class Replayed:
         Their number.
     statuses : set of EstimateStatus
         That occurred on any axis.
+    reasons : Counter of str
+        For which samples in contact, on any axis, changed no estimate.
 
     """
 
@@ -53,12 +56,16 @@ class Replayed:
         self.last: AxesEstimates = ()
         self.samples = 0
         self.statuses: set[EstimateStatus] = set()
+        self.reasons: Counter[str] = Counter()
 
     def add(self, estimates: Sequence[AxesEstimates]) -> None:
         """Add the estimates of consecutive samples."""
         self.first, self.last = self.first or estimates[0], estimates[-1]
         self.samples += len(estimates)
         self.statuses.update([own.status for axes in estimates for own in axes])
+        if EstimateStatus.ESTIMATING not in self.statuses:  # they are asked for only then
+            self.reasons.update([own.reason or 'no reason given' for axes in estimates
+                                 for own in axes if own.status is EstimateStatus.FROZEN])
 
 
 def refuse_empty(recording: str, replay: RecordingReplay, replayed: Replayed) -> None:
@@ -149,7 +156,9 @@ def _nothing_estimated(recording: str, replay: RecordingReplay, replayed: Replay
     if replayed.statuses == {EstimateStatus.FREE}:
         return (f'no contact seen in {recording}: '
                 f'{cause or replay.session.checks.why_no_contact(axis)}')
-    return f'nothing could be estimated in {recording}: {cause or replayed.last[0].reason}'
+    held = '; '.join(f'{count}: {reason}' for reason, count in replayed.reasons.most_common(3))
+    return (f'nothing could be estimated in {recording}: '
+            f'{cause or f"no sample in contact could be used ({held})"}')
 
 
 def _warnings_of(replay: RecordingReplay) -> list[dict[str, str]]:

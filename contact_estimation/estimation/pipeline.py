@@ -117,9 +117,10 @@ class EstimationPipeline:
     def _compensate(self) -> None:
         p = self.parameters
         self._compensation = compensation = Compensation(
-            effects_that_are_on(p.physics), p.environment.initial_stiffness, p.contact.force_noise
-        )
+            effects_that_are_on(p.physics), p.environment.initial_stiffness,
+            p.contact.force_noise, p.sample_rate)
         self._conditioner.compensation = compensation if compensation.acts else None
+        self.touch_down.known_forces = compensation.forces if compensation.acts else None
 
     def _set_location(self) -> None:
         self._conditioner.location = self.parameters.environment.location

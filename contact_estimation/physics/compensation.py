@@ -39,6 +39,7 @@ from ..signals.contact_sample import ContactSample
 
 _CLIPPED = 4.0  # standard deviations below the range of a sensor, beyond which it may clip
 _REGULAR = 0.5, 1.5  # sample periods between samples over which motion is differentiated
+_NOMINAL = 10  # samples that the nominal sample period counts as
 _AVERAGED = 100  # samples over which the sample period is averaged
 _LONGEST = 40.0  # sample periods that a gap counts in the average; bursts of stamps are shorter
 
@@ -62,11 +63,14 @@ class Compensation:
         First guess of K_e [N/m].
     force_noise : float
         Standard deviation of the force noise [N].
+    sample_rate : float
+        Nominal [Hz], until the stamps have shown theirs.
 
     """
 
     def __init__(
-        self, effects: Sequence[Effect], initial_stiffness: float, force_noise: float
+        self, effects: Sequence[Effect], initial_stiffness: float, force_noise: float,
+        sample_rate: float,
     ) -> None:
         self._sensor = _sensors(effects)
         lagging = [effect for effect in self._sensor if effect.memory]
@@ -80,7 +84,7 @@ class Compensation:
         self._first_ns = 0
         self._last: Motion | None = None
         self._speed = self._before = nan  # between the last two samples; measured at the one before
-        self._period, self._count = 0.0, 0  # mean sample period [s], and of how many
+        self._period, self._count = 1.0 / sample_rate, _NOMINAL  # mean period [s], and of how many
         self._forces: deque[float] = deque(maxlen=3)
 
     @property
@@ -91,6 +95,10 @@ class Compensation:
     def nominal(self, surface: float) -> float:
         """Return x_e nominal of a wall first met at some place; see `KnownWall.nominal`."""
         return self._wall.nominal(surface)
+
+    def forces(self, surface: float, count: int) -> list[float]:
+        """Return the known force of a wall first met at some place; see `KnownWall.forces`."""
+        return self._wall.forces(surface, count) if self._wall.acts else [0.0] * count
 
     def take(self, sample: ContactSample, location: float, pressing: float) -> CompensatedSample:
         """
@@ -153,6 +161,8 @@ class Compensation:
         if regular:
             rise = velocity - self._before
             a = rise / both if rise == rise else 2.0 * (speed - self._speed) / both
+            if a - a != 0.0:  # not finite
+                a, regular = 0.0, False
         self._before = last.velocity
         self._speed = speed
         self._last = now = Motion(t, dt, x, velocity, rate, a, periods)
@@ -162,7 +172,7 @@ class Compensation:
         """Return the number of mean sample periods in a time."""
         if dt <= 0.0:
             return 0.0
-        mean = self._period or dt
+        mean = self._period
         self._count = min(self._count + 1, _AVERAGED)
         self._period = mean + (min(dt, _LONGEST * mean) - mean) / self._count
         return dt / self._period
@@ -178,7 +188,8 @@ class Compensation:
 
         """
         first, middle, last = (terms[k] for k in (0, len(terms) // 2, -1))
-        f_0, f_1, f_2 = (self._forces[k] for k in (0, len(self._forces) // 2, -1))
+        forces = self._forces
+        f_0, f_1, f_2 = (forces[k] for k in (0, len(forces) // 2, -1))
         R, _, travel, v, column, slope = (
             0.25 * (a + b + b + c) for a, b, c in zip(first[1:7], middle[1:7], last[1:7])
         )

@@ -133,8 +133,7 @@ class KnownWall:
         replaced = any(effect.replaces_stiffness for effect in self._law.effects)
         self._placeholder = initial_stiffness if replaced else 0.0
         self._memory = memory
-        remembers = self._law.states or memory is not None
-        self._kept: deque[Motion] = deque(maxlen=_KEPT if remembers else 3)
+        self._kept: deque[Motion] = deque(maxlen=_KEPT if self.acts or memory else 3)
         self._rest()
 
     def _rest(self) -> None:
@@ -169,10 +168,13 @@ class KnownWall:
             return (_NOT_LOCATED,)
         if self._kept:
             for earlier in self._since_outside(location):
-                self._terms.append(self._next(earlier, location))
+                self._append(self._next(earlier, location))
             self._kept.clear()
-        self._terms.append(self._next(now, location))
+        self._append(self._next(now, location))
         return self._terms
+
+    def _append(self, terms: WallTerms) -> None:
+        self._terms.append(terms)  # to those after a rest, if `_next` was one
 
     def _since_outside(self, location: float) -> list[Motion]:
         """Return the motion kept, from the approach to the wall on."""
@@ -182,6 +184,29 @@ class KnownWall:
             if self._law.penetration(t, x - location, v, rest, math)[0] <= 0.0:
                 return kept[max(k - _APPROACH, 0):]
         return kept
+
+    def forces(self, surface: float, count: int) -> list[float]:
+        """
+        Return the known force of a wall on the last samples, had it been first met at some place.
+
+        Parameters
+        ----------
+        surface : float
+            Where the wall is met, while its location is not known [m].
+        count : int
+            Number of samples.
+
+        Returns
+        -------
+        forces : list of float
+            What adds to its spring and damper [N], with that of its inertia.
+
+        """
+        location, kept = self.nominal(surface), list(self._kept)
+        terms = [self._next(moved, location) for moved in kept[-count - _APPROACH:]][-count:]
+        gates = [1.0 if self._memories or own.depth > 0.0 else 0.0 for own in terms]
+        self._rest()
+        return [own.inertial_force + gate * own.force for own, gate in zip(terms, gates)]
 
     def nominal(self, surface: float) -> float:
         """

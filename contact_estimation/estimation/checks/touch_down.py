@@ -18,6 +18,8 @@ from __future__ import annotations
 
 from collections import deque
 from math import hypot, inf, sqrt
+from operator import itemgetter
+from typing import Callable, Sequence
 
 import numpy as np
 
@@ -29,9 +31,12 @@ _LONGEST_S = 0.25  # of the rise of the force that is looked at
 _CLEAR = 20.0  # standard deviations of the noise: the force has risen enough
 _LEAST = 10  # samples
 _APPROACH = 50  # samples before the contact
+_BETWEEN = 17  # places tried between the samples next to the best
 _OF_DEPTH = 0.5  # a soft wall is felt only deep inside, but its force grows from x_e on
 _LEAST_MARGIN = 1e-3  # [m]
 _DETECTION_SAMPLES = 4.0
+
+KnownForces = Callable[[float, int], Sequence[float]]
 
 LOCATING = 'locating the surface'
 _NEVER_FREE = (
@@ -57,12 +62,16 @@ class TouchDown:
         The surface found where its location was unknown, and its standard deviation [m].
     taken : bool
         Whether the location is that of a surface found.
+    known_forces : callable or None
+        From a surface not known before, and a number of samples, to the force of known physics on
+        the last of them [N].
     watches : bool
         False in a contact that has been judged: its further samples need not be followed.
 
     """
 
     def __init__(self) -> None:
+        self.known_forces: KnownForces | None = None
         self.reset()
 
     def reset(self) -> None:
@@ -157,8 +166,13 @@ class TouchDown:
 
     def _judge(self, x: float, depth: float, margin: float, noise: float) -> None:
         """Say where the force began to rise."""
-        approach = np.array(self._approach).reshape(-1, 4)
-        surface, std = surface_of(approach, np.array(self._rise), noise)
+        approach, rise = np.array(self._approach).reshape(-1, 4), np.array(self._rise)
+        surface, std = surface_of(approach, rise, noise)
+        if depth != depth and self.known_forces is not None:
+            known = np.array(self.known_forces(surface, len(approach) + len(rise)))
+            approach[:, 1] -= known[:len(approach)]
+            rise[:, 1] -= known[len(approach):]
+            surface, std = surface_of(approach, rise, noise)
         self._rise, self._rise_s, self._settled = [], 0.0, True
         if depth != depth:
             self.found, self.text, self.taken = (surface, std), '', True
@@ -182,8 +196,8 @@ def surface_of(approach: Array, rise: Array, noise: float) -> tuple[float, float
     """
     Return where the force of a touch-down began to rise.
 
-    The wall K (x - x_e) + B v acts beyond x_e alone; the x_e among the positions passed that
-    leaves the least residual is chosen, refined by its K and B.
+    The wall K (x - x_e) + B v acts beyond x_e alone; the x_e that leaves the least residual is
+    chosen, among the positions passed and then between them.
 
     Parameters
     ----------
@@ -204,9 +218,22 @@ def surface_of(approach: Array, rise: Array, noise: float) -> tuple[float, float
         v = np.gradient(x, np.cumsum(np.maximum(dt, 1e-9)))
     force = force - (np.mean(approach[:len(approach) // 2, 1]) if len(approach) > 1 else 0.0)
     last = float(rise[min(_LEAST // 2, len(rise) - 1), 0])  # later, too little would remain
-    tried = np.unique(x[(x >= min(x[0], last)) & (x <= last)])
-    best, least, K_best = float(rise[0, 0]), inf, inf
-    for place in (*tried, *_lines(rise)):
+    passed = np.unique(x[(x >= min(x[0], last)) & (x <= last)])
+    first = _least_residual([float(rise[0, 0]), *passed, *_lines(rise)], x, force, v)
+    k = int(np.searchsorted(passed, first[0]))
+    near = passed[max(k - 1, 0):k + 2]
+    between = np.linspace(near[0], near[-1], _BETWEEN) if len(near) > 1 else near
+    best, K_best, _ = min(first, _least_residual(between, x, force, v), key=itemgetter(2))
+    step = float(np.median(np.abs(np.diff(rise[:_LEAST, 0]))))  # in one sample
+    return best, hypot(step, noise / K_best)
+
+
+def _least_residual(
+    places: Sequence[float] | Array, x: Array, force: Array, v: Array
+) -> tuple[float, float, float]:
+    """Return the place from which a wall explains the force best, its K, and the residual."""
+    best = float(places[0]), inf, inf
+    for place in places:
         inside = (x > place).astype(float)
         table = np.column_stack([inside * (x - place), inside * v])
         scale = np.sqrt(np.mean(table**2, 0)) + 1e-15
@@ -217,10 +244,9 @@ def surface_of(approach: Array, rise: Array, noise: float) -> tuple[float, float
         if theta[1] < 0.0:
             theta = np.array([table[:, 0] @ force / max(table[:, 0] @ table[:, 0], 1e-300), 0.0])
         left = float(np.sum((force - table @ theta)**2))
-        if left < least:
-            best, least, K_best = float(place), left, float(theta[0])
-    passed = float(np.median(np.abs(np.diff(rise[:_LEAST, 0]))))  # in one sample
-    return best, hypot(passed, noise / K_best)
+        if left < best[2]:
+            best = float(place), float(theta[0]), left
+    return best
 
 
 def _lines(rise: Array) -> list[float]:

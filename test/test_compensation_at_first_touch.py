@@ -1,0 +1,192 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Known extra physics of a wall whose surface is taken at the first touch."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from math import isfinite, isnan, nan, sin
+
+from contact_estimation.estimation.parameters import EstimationParameters
+from contact_estimation.estimation.pipeline import EstimationPipeline
+from contact_estimation.estimators.estimate import EstimateStatus
+from contact_estimation.parameters.values import build
+from contact_estimation.physics import EFFECTS
+from contact_estimation.physics.compensation import Compensation, IRREGULAR
+from contact_estimation.physics.known_wall import NOT_FINITE, NOT_LOCATED
+from contact_estimation.plant.open_loop import run_open_loop
+from contact_estimation.plant.plant_parameters import PlantParameters
+from contact_estimation.reference.quintic import quintic
+from contact_estimation.signals.compensated_sample import CompensatedSample
+from contact_estimation.signals.contact_sample import ContactSample
+from effect_examples import example, switched_on
+import numpy as np
+import pytest
+from world_reference import B_e, K_e
+
+GUESS = 4000.0
+CYCLE_S = 0.7
+SINES = ((1e-3, 12.0), (1e-3, 20.0), (5e-4, 33.0), (3e-4, 50.0))
+FELT = [name for name, cls in EFFECTS.items() if cls.port != 'robot']
+WITHOUT_STIFFNESS = {'power_law_stiffness'}
+WITHOUT_DAMPING = {'hunt_crossley_damping', 'power_law_damping'}
+BOUNDS = {'backlash': (6.0, 6.0), 'power_law_damping': (5.0, 4.0)}
+"""Percent of K_e and B_e where 4 and 4 are not kept: 0.1 mm of the surface are 3 % of K_e here."""
+
+
+def physics_of(name: str) -> dict[str, float]:
+    """Switch an effect on such that it is felt and something is left to learn from."""
+    felt = {'force_saturation': {'physics.force_saturation.limit': 60.0}}
+    return felt.get(name) or switched_on(name)
+
+
+def command(t: float) -> tuple[float, float, float, float]:
+    """Press twice for 0.3 s, with sines on top."""
+    s = t % CYCLE_S
+    x, v, a = quintic(-0.006, 0.012, 0.25, min(s, 0.25))
+    if s > 0.45:
+        x, v, a = quintic(0.012, -0.006, 0.2, min(s - 0.45, 0.2))
+    for amplitude, w in SINES:
+        x += amplitude * np.sin(w * t)
+        v += amplitude * w * np.cos(w * t)
+        a -= amplitude * w * w * np.sin(w * t)
+    return float(x), float(v), float(a), 0.0
+
+
+@lru_cache(maxsize=None)
+def recorded(name: str) -> tuple[list[ContactSample], list[int]]:
+    """Record two contacts, and the last sample of each."""
+    plant = build(PlantParameters, {
+        **physics_of(name), 'sensors.force_noise': 0.3, 'sensors.position_noise': 1e-6,
+        'integration_rate': 1000.0})
+    truths, recording = run_open_loop(plant, command, -0.006, 2.0 * CYCLE_S)
+    half = len(truths) // 2
+    touching = [k for k, truth in enumerate(truths) if truth.force < -5.0]  # above a weight
+    ends = [max(k for k in touching if (k < half) == first) for first in (True, False)]
+    return list(recording), ends
+
+
+def parameters_of(name: str, **estimation: object) -> EstimationParameters:
+    """Tell an estimator of an effect and of no location."""
+    return build(EstimationParameters, {
+        'environment.initial_stiffness': GUESS, 'environment.location': nan,
+        'estimator': 'kalman', **physics_of(name), **estimation})
+
+
+def compensation(*names: str) -> Compensation:
+    """Compensate effects of their usual sizes."""
+    return Compensation([example(name) for name in names], GUESS, 0.3, 500.0)
+
+
+def compensated(
+    known: Compensation, samples: list[ContactSample], location: float
+) -> list[CompensatedSample]:
+    """Pass samples through a compensation."""
+    return [known.take(sample, location, -sample.force) for sample in samples]
+
+
+def still(stamps_ns: list[int]) -> list[ContactSample]:
+    """Return samples of a robot at rest, with noise of its positions alone."""
+    noise = 1e-6 * np.random.default_rng(3).standard_normal(len(stamps_ns))
+    return [ContactSample(t, x, nan, 0.0) for t, x in zip(stamps_ns, (noise - 0.01).tolist())]
+
+
+@pytest.mark.parametrize('measured', [True, False], ids=['rates measured', 'positions alone'])
+@pytest.mark.parametrize('name', FELT)
+def test_first_contact_beside_a_known_effect_gives_the_wall(name: str, measured: bool) -> None:
+    samples, ends = recorded(name)
+    if not measured:
+        samples = [s._replace(velocity=nan) for s in samples]
+    estimates = EstimationPipeline(parameters_of(name)).process(samples)
+    for end in ends:
+        found = estimates[end]
+        K, B = BOUNDS.get(name, (4.0, 4.0))
+        expected = GUESS if name in WITHOUT_STIFFNESS else K_e
+        assert found.stiffness == pytest.approx(expected, rel=0.01 * K)
+        expected = 0.0 if name in WITHOUT_DAMPING else B_e
+        assert found.damping == pytest.approx(expected, rel=0.01 * B, abs=0.04 * B_e)
+    first = next(k for k, e in enumerate(estimates) if e.status is EstimateStatus.ESTIMATING)
+    assert first < ends[0] - 50
+    for estimate in estimates[first:]:
+        assert isfinite(estimate.stiffness_std) and isfinite(estimate.location)
+
+
+@pytest.mark.parametrize('name', [
+    'viscous_flow', 'plastic_set', 'backlash', 'environment_inertia', 'force_lag', 'force_creep'])
+def test_contact_in_progress_is_as_if_its_surface_had_always_been_known(name: str) -> None:
+    samples, _ = recorded(name)
+    touched = next(k for k, s in enumerate(samples) if s.force < -10.0) + 15
+    late, always = compensation(name), compensation(name)
+    compensated(late, samples[:touched], nan)
+    compensated(always, samples[:touched], 0.0)
+    found = compensated(late, samples[touched:touched + 50], 0.0)
+    expected = compensated(always, samples[touched:touched + 50], 0.0)
+    np.testing.assert_allclose(
+        [now[:-1] for now in found], [now[:-1] for now in expected], rtol=1e-9, atol=1e-12)
+
+
+def test_sensor_acts_before_the_surface_is_known_and_the_wall_does_not() -> None:
+    samples = [ContactSample(2_000_000 * k, 0.01 * sin(0.04 * k), nan, 0.0) for k in range(200)]
+    known = compensated(compensation('tool_inertia', 'viscous_flow'), samples, nan)[3:]
+    assert {now.hindrance for now in known} == {NOT_LOCATED}
+    pressing = np.array([now.pressing for now in known])
+    t = 0.04 * np.arange(2, 199)  # of the sample before
+    mass = example('tool_inertia').added_mass
+    np.testing.assert_allclose(pressing, mass * 0.01 * 20.0**2 * np.sin(t), atol=0.01)
+
+
+@pytest.mark.parametrize('name', FELT)
+def test_everything_but_the_depth_is_finite_before_the_surface_is_known(name: str) -> None:
+    samples = still([2_000_000 * k for k in range(60)])
+    for now in compensated(compensation(name), samples, nan):
+        assert isnan(now.depth) and isfinite(now.pressing) and isfinite(now.rest)
+        assert np.isfinite([now.travel, now.stiffness_column, now.constant_column]).all()
+
+
+@pytest.mark.parametrize('steps_ns', [
+    [2_000_000] * 50 + [1] + [2_000_000] * 50, [1] + [2_000_000] * 50,
+    [2_000_000] * 50 + [3_000_000_000] + [2_000_000] * 50, ([2_000] * 7 + [16_000_000]) * 20,
+], ids=['twice', 'twice at first', 'gap', 'bursts'])
+@pytest.mark.parametrize('name', ['tool_inertia', 'environment_inertia', 'coulomb_friction'])
+def test_irregular_stamps_make_no_force_of_the_noise_of_positions(
+    steps_ns: list[int], name: str
+) -> None:
+    samples = still([0, *np.cumsum(steps_ns).tolist()])
+    regular = compensated(
+        compensation(name), still([2_000_000 * k for k in range(len(samples))]), -0.011)
+    found = compensated(compensation(name), samples, -0.011)
+    for column in ('pressing', 'rest'):
+        bound = 1.5 * max(abs(getattr(now, column)) for now in regular) + 0.1
+        usable = [abs(getattr(now, column)) for now in found if not now.hindrance]
+        assert max(usable, default=0.0) < bound
+        assert max(abs(now.pressing) for now in found) < bound + 10.0
+
+
+def test_samples_whose_stamps_allow_no_acceleration_say_so() -> None:
+    stamps = np.cumsum([2_000_000] * 20 + [2_000] + [2_000_000] * 20).tolist()
+    known = compensated(compensation('environment_inertia'), still(stamps), -0.011)
+    said = [k for k, now in enumerate(known) if now.hindrance == IRREGULAR]
+    assert said[-2:] == [20, 21]
+    assert all(not now.hindrance for now in known[25:])
+
+
+def test_a_sample_without_a_finite_force_is_left_out_and_forgotten() -> None:
+    samples = still([2_000_000 * k for k in range(40)])
+    samples[20] = samples[20]._replace(position=1e300)
+    known = compensated(compensation('power_law_stiffness', 'force_lag'), samples, -0.011)
+    assert known[20].hindrance == NOT_FINITE
+    assert all(not now.hindrance for k, now in enumerate(known) if k != 20)
+    for now in known:
+        assert np.isfinite([now.rest, now.travel, now.stiffness_column]).all()
