@@ -83,7 +83,8 @@ class Compensation:
         self._range -= _CLIPPED * force_noise
         self._first_ns = 0
         self._last: Motion | None = None
-        self._speed = self._before = nan  # between the last two samples; measured at the one before
+        self._speed = nan  # between the last two samples [m/s]
+        self._before = nan  # measured at the sample before the last [m/s]
         self._period, self._count = 1.0 / sample_rate, _NOMINAL  # mean period [s], and of how many
         self._forces: deque[float] = deque(maxlen=3)
 
@@ -145,8 +146,8 @@ class Compensation:
         last = self._last
         if last is None:
             self._first_ns = stamp_ns
-            now = Motion(0.0, 0.0, x, velocity, 0.0 if velocity != velocity else velocity, 0.0, 0.0)
-            self._last = now
+            rate = 0.0 if velocity != velocity else velocity
+            self._last = now = Motion(0.0, 0.0, x, velocity, rate, 0.0, 0.0)
             return now, False
         t = (stamp_ns - self._first_ns) * 1e-9
         dt = t - last.t

@@ -31,6 +31,7 @@ _LONGEST_S = 0.25  # of the rise of the force that is looked at
 _CLEAR = 20.0  # standard deviations of the noise: the force has risen enough
 _LEAST = 10  # samples
 _APPROACH = 50  # samples before the contact
+_SINGULAR = 1e-12  # of two columns: rounding alone tells them apart
 _BETWEEN = 17  # places tried between the samples next to the best
 _OF_DEPTH = 0.5  # a soft wall is felt only deep inside, but its force grows from x_e on
 _LEAST_MARGIN = 1e-3  # [m]
@@ -170,9 +171,10 @@ class TouchDown:
         surface, std = surface_of(approach, rise, noise)
         if depth != depth and self.known_forces is not None:
             known = np.array(self.known_forces(surface, len(approach) + len(rise)))
-            approach[:, 1] -= known[:len(approach)]
-            rise[:, 1] -= known[len(approach):]
-            surface, std = surface_of(approach, rise, noise)
+            if known.any():
+                approach[:, 1] -= known[:len(approach)]
+                rise[:, 1] -= known[len(approach):]
+                surface, std = surface_of(approach, rise, noise)
         self._rise, self._rise_s, self._settled = [], 0.0, True
         if depth != depth:
             self.found, self.text, self.taken = (surface, std), '', True
@@ -232,21 +234,24 @@ def _least_residual(
     places: Sequence[float] | Array, x: Array, force: Array, v: Array
 ) -> tuple[float, float, float]:
     """Return the place from which a wall explains the force best, its K, and the residual."""
-    best = float(places[0]), inf, inf
-    for place in places:
-        inside = (x > place).astype(float)
-        table = np.column_stack([inside * (x - place), inside * v])
-        scale = np.sqrt(np.mean(table**2, 0)) + 1e-15
-        theta, *_ = np.linalg.lstsq(table / scale, force, rcond=None)
-        theta = theta / scale
-        if theta[0] <= 0.0:
-            continue
-        if theta[1] < 0.0:
-            theta = np.array([table[:, 0] @ force / max(table[:, 0] @ table[:, 0], 1e-300), 0.0])
-        left = float(np.sum((force - table @ theta)**2))
-        if left < best[2]:
-            best = float(place), float(theta[0]), left
-    return best
+    tried = np.asarray(places)
+    inside = x > tried[:, None]
+    d, rate = inside * (x - tried[:, None]), inside * v  # (places, N)
+    dd, dv, vv = (np.sum(product, 1) for product in (d * d, d * rate, rate * rate))
+    df, vf = d @ force, rate @ force
+    alone = df / np.maximum(dd, 1e-300)  # K without a damper
+    determinant = dd * vv - dv * dv
+    told = determinant > _SINGULAR * dd * vv
+    scale = np.where(told, determinant, 1.0)
+    B = np.where(told, (dd * vf - dv * df) / scale, 0.0)
+    K = np.where(told, (vv * df - dv * vf) / scale, alone)
+    left = np.sum((force - K[:, None] * d - B[:, None] * rate)**2, 1)
+    undamped = np.sum((force - alone[:, None] * d)**2, 1)
+    left = np.where(K > 0.0, np.where(B < 0.0, undamped, left), inf)
+    k = int(np.argmin(left))
+    if left[k] == inf:
+        return float(tried[0]), inf, inf
+    return float(tried[k]), float(alone[k] if B[k] < 0.0 else K[k]), float(left[k])
 
 
 def _lines(rise: Array) -> list[float]:
