@@ -21,9 +21,10 @@ import re
 from typing import Callable
 
 from contact_estimation.benchmarks.online_faults import FAULTS
-from contact_estimation.benchmarks.online_paths import bump, cruise, Piece, ramp, sines
+from contact_estimation.benchmarks.online_paths import Array, bump, cruise, Piece, ramp, sines
 from contact_estimation.benchmarks.online_study import main, make_parser, ROWS, scored
-from contact_estimation.benchmarks.online_worlds import Array, Sensor, simulate, Wall, World
+from contact_estimation.benchmarks.online_trace import law_families, Trace
+from contact_estimation.benchmarks.online_worlds import Sensor, simulate, Wall, World
 import numpy as np
 import pytest
 
@@ -126,12 +127,21 @@ def test_a_told_wall_is_found_at_the_end_of_the_second_contact() -> None:
     assert score.K_held[1] > 20
 
 
+def test_laws_of_a_family_add_up() -> None:
+    nothing = np.zeros(0)
+    laws = {'hunt_crossley_1': 0.3, 'hunt_crossley_1.5': 0.3, 'kelvin_voigt': 0.4}
+    trace = Trace(nothing, nothing, nothing, nothing, nothing, nothing, nothing > 0.0, [],
+                  [(1.0, laws)], '')
+    assert law_families(trace, 0.9) == {}
+    assert law_families(trace, 1.1) == {'hunt_crossley': 0.6, 'spring_damper': 0.4}
+
+
 def test_a_row_prints_its_line_and_writes_every_world(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     monkeypatch.setitem(ROWS, 'taps', ROWS['taps']._replace(quick=1))
     assert main(['--only', 'taps', '--quick', '--json', str(tmp_path / 'study.json')]) == 0
-    assert re.search(r'\| taps: 20 ms \| 1 \| .*contacts detected', capsys.readouterr().out)
+    assert re.search(r'\| taps: 20 ms, x_e as told \| 1 \| .*contacts detected', capsys.readouterr().out)
     assert '"K_error"' in (tmp_path / 'study.json').read_text()
 
 

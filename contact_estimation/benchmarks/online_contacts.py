@@ -36,7 +36,15 @@ from .online_row import (
     UNKNOWN,
     WITHIN,
 )
-from .online_trace import end_of_contact, in_contact, sample_at, Score, score, Trace
+from .online_trace import (
+    end_of_contact,
+    in_contact,
+    law_families,
+    sample_at,
+    Score,
+    score,
+    Trace,
+)
 from .online_worlds import simulate, World
 
 _ADVICE = {'estimator', 'surface_unchecked'}  # checks that advise where nothing is wrong
@@ -101,7 +109,15 @@ def _score_healthy(world: World, trace: Trace) -> Score:
     return score(world, trace, more={
         'warned': warned,
         'withheld': (int(np.isnan(trace.K_std[inside]).sum()), int(inside.sum())),
-        'contacts with a warning': (count, len(contacts))})
+        'contacts with a warning': (count, len(contacts)), **_false_law(world, trace)})
+
+
+def _false_law(world: World, trace: Trace) -> dict[str, bool]:
+    """Return whether another law is more probable at the end; nothing where not available."""
+    laws = law_families(trace, end_of_contact(world))
+    if not laws:
+        return {}
+    return {'false law': laws.get('spring_damper', 0.0) < max(laws.values())}
 
 
 def _hold(draw: np.random.Generator, index: int) -> World:
@@ -152,17 +168,17 @@ def _known_wall(draw: np.random.Generator, index: int) -> World:
 
 
 def _taps(draw: np.random.Generator, index: int) -> World:
-    tap_s = (0.02, 0.04)[index % 2]
-    parameters, x_e = told(draw, WITHIN)
-    wall = drawn_wall(draw, spread(index // 2, 3e3), x_e)
+    tap_s, how = (0.02, 0.04)[index % 2], (AS_TOLD, WITHIN)[index // 2 % 2]
+    parameters, x_e = told(draw, how)
+    wall = drawn_wall(draw, spread(index // 4, 3e3), x_e)
     wall = wall._replace(damping=wall.stiffness * log_uniform(draw, 2e-3, 1e-2))
     depth = min(30.0 / wall.stiffness, 0.05 * tap_s)
     height = _TAP_GAP + depth
     half_s = 0.5 * tap_s / np.sqrt(1.0 - np.cbrt(_TAP_GAP / height))
     pieces = [start(-_TAP_GAP), *(bump(1.0 + _TAP_PERIOD_S * k, half_s, height)
                                   for k in range(_TAPS))]
-    return simulate(f'{1e3 * tap_s:g} ms', parameters, pieces, 1.0 + _TAP_PERIOD_S * _TAPS, wall,
-                    drawn_sensor(draw), draw)
+    return simulate(f'{1e3 * tap_s:g} ms, {how}', parameters, pieces,
+                    1.0 + _TAP_PERIOD_S * _TAPS, wall, drawn_sensor(draw), draw)
 
 
 def _score_taps(world: World, trace: Trace) -> Score:
@@ -200,7 +216,7 @@ ROWS = {
     'sensor_lag': Row('three contacts, by the lag of the force sensor', 24, 8, _sensor_lag,
                       score),
     'known_wall_touch': Row('second touch of a wall', 24, 6, _known_wall, _score_known_wall),
-    'taps': Row('after ten taps', 24, 6, _taps, _score_taps),
+    'taps': Row('after ten taps', 32, 8, _taps, _score_taps),
     'rates': Row('default parameters at any rate', 30, 10, _rates, score),
 }
 """By name."""

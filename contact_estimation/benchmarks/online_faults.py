@@ -20,7 +20,8 @@ from typing import Callable
 
 import numpy as np
 
-from .online_worlds import Array, Stream, World
+from .online_paths import Array
+from .online_worlds import Stream, World
 
 Fault = Callable[[World, float, float, np.random.Generator], World]
 """Takes a world, begin and end [s] and a generator; returns it with the fault in between."""

@@ -105,16 +105,16 @@ def _score_noise(world: World, trace: Trace) -> Score:
 
 
 def _bursts(draw: np.random.Generator, index: int) -> World:
-    """One fault, or two of them one after the other, then clean presses."""
+    """One fault, or in every second world two of them one after the other, then clean presses."""
     names = list(FAULTS)
-    chosen = [names[index]] if index < len(names) else list(draw.choice(names, 2))
+    chosen = draw.choice(names, 2).tolist() if index % 2 else [names[index // 2 % len(names)]]
     parameters, x_e = told(draw, WITHIN)
     wall = drawn_wall(draw, spread(index, 1e3), x_e)
     begin = draw.uniform(6.0, 6.0 + _CYCLE_S)
     clean = begin + _FAULT_S * len(chosen)
     pieces, seconds = presses(draw, 0.5 * _FIRM / wall.stiffness, hold_s=_CYCLE_HOLD_S,
                               contacts=int((clean + _CLEAN_S) / _CYCLE_S) + 2)
-    world = simulate(chosen[0] if len(chosen) == 1 else 'two of them', parameters, pieces,
+    world = simulate(', then '.join(chosen), parameters, pieces,
                      seconds, wall, drawn_sensor(draw), draw, {'clean': clean})
     for k, name in enumerate(chosen):
         world = FAULTS[name](world, begin + _FAULT_S * k, begin + _FAULT_S * (k + 1), draw)
@@ -127,8 +127,12 @@ def _score_bursts(world: World, trace: Trace) -> Score:
     begin, end = [contact for contact in world.truth.contacts if contact[0] + 1.0 < until][-1]
     at = min(until, end - 0.05)
     detected = trace.contact[(trace.t > begin + 0.5) & (trace.t < at)]
-    return score(world, trace, at, [at], {
-        'contact seen': bool(detected.mean() > 0.5) if len(detected) else False})
+    seen = bool(len(detected)) and bool(detected.mean() > 0.5)
+    found = score(world, trace, at, [at], {'contact seen': seen})
+    wrong = not seen or found.K_held != (1, 1)
+    pair = ', then ' in world.group
+    return found._replace(group='two of them' if pair else world.group, more={
+        **found.more, 'wrong after': [world.group] if wrong and pair else []})
 
 
 def _glitch(draw: np.random.Generator, index: int) -> World:
@@ -158,7 +162,7 @@ ROWS = {
                       _score_slow_touch),
     'constant_noise': Row('presses of 60 N', 48, 12, _constant_noise,
                           _score_noise),
-    'bursts': Row('10 s after 5.5 s of a fault', 36, 11, _bursts, _score_bursts),
+    'bursts': Row('10 s after 5.5 s of a fault', 48, 16, _bursts, _score_bursts),
     'glitch': Row('single wrong samples in contact', 24, 6, _glitch, _score_glitch),
 }
 """By name."""

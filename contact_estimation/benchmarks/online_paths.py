@@ -17,14 +17,19 @@
 from __future__ import annotations
 
 from math import pi
-from typing import Callable
+from typing import Callable, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
-from .online_worlds import Array
-
+Array = NDArray[np.float64]
 Piece = Callable[[Array], Array]
 """Takes times [s]; returns position [m], velocity and acceleration, shape (3, N)."""
+
+
+def path_at(pieces: Sequence[Piece], t: Array) -> Array:
+    """Return position [m], velocity and acceleration, shape (3, N), of a path of pieces."""
+    return np.asarray(sum((piece(t) for piece in pieces), np.zeros((3, len(t)))))
 
 
 def start(position: float) -> Piece:

@@ -22,7 +22,8 @@ from typing import Any, Mapping, NamedTuple, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from .online_worlds import Array, Stream, World
+from .online_paths import Array
+from .online_worlds import Stream, World
 from ..estimation.parameters import EstimationParameters
 from ..estimation.result import Result
 from ..estimation.session import ContactSession
@@ -34,6 +35,9 @@ _TOUCHED_S = 0.3  # after a touch, from which there should be estimates
 _SETTLED_S = 1.0  # after a touch, from which bands are checked
 _BEFORE_END_S = 0.05  # of a contact: the wall is being left
 _EVERY_S = 0.1  # between instants at which bands are checked
+_FAMILIES = {'hunt_crossley': ('hunt', 'hc'), 'mass': ('mass', 'inertia'),
+             'friction': ('friction',), 'moving': ('moving',),
+             'spring_damper': ('kelvin', 'spring')}  # by words in the name of a law
 BAND = 2.0
 """Standard deviations in which the truth should be."""
 
@@ -206,6 +210,17 @@ def in_contact(world: World, trace: Trace) -> NDArray[np.bool_]:
     for begin, end in world.truth.contacts:
         inside |= (trace.t > begin + _TOUCHED_S) & (trace.t < end - _BEFORE_END_S)
     return inside
+
+
+def law_families(trace: Trace, at: float) -> dict[str, float]:
+    """Return the probability of each family of laws at a time; {}: not available."""
+    known = [laws for t, laws in trace.laws if t <= at]
+    found: dict[str, float] = {}
+    for law, probability in (known[-1] if known else {}).items():
+        names = [name for name, words in _FAMILIES.items() if any(word in law for word in words)]
+        name = names[0] if names else law
+        found[name] = found.get(name, 0.0) + probability
+    return found
 
 
 def truth_at(world: World, at: float) -> tuple[float, float]:

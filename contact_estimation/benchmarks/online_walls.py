@@ -18,11 +18,11 @@ from __future__ import annotations
 
 from itertools import product
 from math import inf, nan
-from typing import Any, Mapping
+from typing import Any
 
 import numpy as np
 
-from .online_paths import ramp
+from .online_paths import Array, ramp
 from .online_row import (
     AS_TOLD,
     drawn_sensor,
@@ -33,23 +33,21 @@ from .online_row import (
     told,
     WITHIN,
 )
-from .online_trace import Score, score, settled_instants, Trace
-from .online_worlds import Array, simulate, World
+from .online_trace import law_families, Score, score, settled_instants, Trace
+from .online_worlds import simulate, World
 
 _LAW_AFTER_S = 3.0
 _PRESS = 40.0  # [N]
 _STIFFNESSES = 1e3, 5e3, 2e4  # [N/m]
 _LAWS: dict[str, tuple[str, dict[str, Any]]] = {
-    'spring and damper': ('kelvin', {}),
-    'Hunt-Crossley, n = 1': ('hunt', {'exponent': 1.0}),
-    'Hunt-Crossley, n = 1.5': ('hunt', {'exponent': 1.5}),
+    'spring and damper': ('spring_damper', {}),
+    'Hunt-Crossley, n = 1': ('hunt_crossley', {'exponent': 1.0}),
+    'Hunt-Crossley, n = 1.5': ('hunt_crossley', {'exponent': 1.5}),
     'mass of 2 kg': ('mass', {'mass': 2.0}),
     'friction of 1 N': ('friction', {'friction': 1.0}),
     'friction of 5 N': ('friction', {'friction': 5.0}),
     'moving by 1 mm': ('moving', {}),
 }
-_NAMES = {'hunt': ('hunt', 'hc'), 'mass': ('mass', 'inertia'), 'friction': ('friction',),
-          'moving': ('moving',), 'kelvin': ('kelvin', 'spring')}
 _MOTIONS = 'excited', 'still'
 _CASES = list(product(_LAWS, _MOTIONS))
 _MOVED, _MOVE_BEGIN_S, _MOVE_S = 1e-3, 0.5, 2.0  # [m], after the touch
@@ -70,7 +68,7 @@ def _laws(draw: np.random.Generator, index: int) -> World:
     stiffness = _STIFFNESSES[repeat % 3]
     depth = min(_PRESS / stiffness, 0.03)
     wall = drawn_wall(draw, stiffness, x_e, depth=depth, **_LAWS[law][1])
-    # With a mass, or at touch-down, more damping than this exceeds the force of the spring.
+    # A stronger damper would hide what the law adds to the spring.
     wall = wall._replace(damping=stiffness * log_uniform(draw, 2e-3, 2e-2))
     if _LAWS[law][0] == 'moving':
         # The touch is about 0.3 s after the approach has begun at 1 s.
@@ -88,17 +86,12 @@ def _moved(depth: float) -> float:
 def _score_laws(world: World, trace: Trace) -> Score:
     at = world.truth.contacts[0][0] + _LAW_AFTER_S
     more: dict[str, Any] = {}
-    known = [laws for t, laws in trace.laws if t <= at]
-    if known:
-        right = _LAWS[world.group.rpartition(', ')[0]][0]
-        more['right law first'] = _family(known[-1]) == right
+    laws = law_families(trace, at)
+    if laws:
+        probability = laws.get(_LAWS[world.group.rpartition(', ')[0]][0], 0.0)
+        more = {'right law first': probability == max(laws.values()),
+                'probability of the right law': probability}
     return score(world, trace, at, [at], more)
-
-
-def _family(laws: Mapping[str, float]) -> str:
-    first = max(laws, key=lambda name: laws[name])
-    found = [family for family, words in _NAMES.items() if any(word in first for word in words)]
-    return found[0] if found else first
 
 
 def _steps(draw: np.random.Generator, index: int) -> World:
@@ -106,6 +99,7 @@ def _steps(draw: np.random.Generator, index: int) -> World:
     (low, high), factor = _STEPS[step]
     parameters, x_e = told(draw, (AS_TOLD, WITHIN)[index // len(_STEP_CASES) % 2])
     wall = drawn_wall(draw, log_uniform(draw, low, high), x_e)
+    # Of the softer wall, too, the spring presses more than the damper.
     wall = wall._replace(damping=min(wall.damping, 0.02 * wall.stiffness * factor))
     depth = min(_STIFF_FORCE / (wall.stiffness * max(1.0, factor)), 0.03)
     pieces, seconds = presses(draw, depth, contacts=1, hold_s=5.0, excited=motion == 'excited')

@@ -29,7 +29,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import butter, lfilter
 
-Array = NDArray[np.float64]
+from .online_paths import Array, path_at, Piece
 
 FINE = 10_000.0
 """Rate at which force and filter of the sensor are computed [Hz]."""
@@ -63,7 +63,7 @@ class Wall(NamedTuple):
     factor : callable or None
         Stiffness over time, relative to `stiffness`.
     shift : callable or None
-        Displacement of the surface over time, as a piece of a path.
+        Displacement of the surface, a piece of a path.
 
     """
 
@@ -75,7 +75,7 @@ class Wall(NamedTuple):
     mass: float = 0.0
     friction: float = 0.0
     factor: Callable[[Array], Array] | None = None
-    shift: Callable[[Array], Array] | None = None
+    shift: Piece | None = None
 
 
 class Sensor(NamedTuple):
@@ -189,11 +189,6 @@ class World(NamedTuple):
     marks: Mapping[str, float] = {}
 
 
-def path_at(pieces: Sequence[Callable[[Array], Array]], t: Array) -> Array:
-    """Return position [m], velocity and acceleration, shape (3, N), of a path of pieces."""
-    return np.asarray(sum((piece(t) for piece in pieces), np.zeros((3, len(t)))))
-
-
 def pressing_force(wall: Wall, delta: Array, rate: Array, acceleration: Array, t: Array) -> Array:
     """
     Return the force on a wall [N].
@@ -224,7 +219,7 @@ def low_pass(sensor: Sensor, force: Array) -> Array:
 
 
 def simulate(
-    group: str, parameters: Mapping[str, Any], pieces: Sequence[Callable[[Array], Array]],
+    group: str, parameters: Mapping[str, Any], pieces: Sequence[Piece],
     seconds: float, wall: Wall, sensor: Sensor, draw: np.random.Generator,
     marks: Mapping[str, float] | None = None,
 ) -> World:
