@@ -141,7 +141,8 @@ def test_a_row_prints_its_line_and_writes_every_world(
 ) -> None:
     monkeypatch.setitem(ROWS, 'taps', ROWS['taps']._replace(quick=1))
     assert main(['--only', 'taps', '--quick', '--json', str(tmp_path / 'study.json')]) == 0
-    assert re.search(r'\| taps: 20 ms, x_e as told \| 1 \| .*contacts detected', capsys.readouterr().out)
+    printed = capsys.readouterr().out
+    assert re.search(r'\| taps: 20 ms, x_e as told \| 1 \| .*contacts detected', printed)
     assert '"K_error"' in (tmp_path / 'study.json').read_text()
 
 
