@@ -1,0 +1,304 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+Worlds of the on-line study: motions, walls and sensors that share nothing with `plant`.
+
+The tool follows a smooth path whose derivatives are analytic, whatever the wall does. The force is
+the law of the wall on a grid of 10 kHz, clipped at 0 where the law would pull, and low-pass
+filtered by the sensor. Measurements have noise, a zero error, errors of their stamps, and gaps.
+"""
+
+from __future__ import annotations
+
+from math import nan, pi, sqrt
+from typing import Any, Callable, Mapping, NamedTuple, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import butter, lfilter
+
+from .online_paths import Array, path_at, Piece
+
+FINE = 10_000.0
+"""Rate at which force and filter of the sensor are computed [Hz]."""
+
+EPOCH_NS = 10**18
+"""Stamp of t = 0."""
+
+_STAMP_STD = 1e-4  # [s]
+_LOST = 0.002
+_POSITION_STEP = 1e-6  # [m]
+_SIGN_VELOCITY = 4e-4  # below which dry friction fades [m/s]
+_MEAN_DEPTH_S = 0.5  # memory of the penetration at which a nonlinear K_e and B_e are published
+
+
+class Wall(NamedTuple):
+    """
+    F = K d + B d' + M d'' + F_c sgn(d'), at least 0, at the depth d > 0 below the surface.
+
+    Attributes
+    ----------
+    stiffness, damping : float
+        K_e [N/m] and B_e [N s/m], of a Hunt-Crossley wall at `depth`.
+    location : float
+        x_e [m].
+    exponent : float
+        Of a Hunt-Crossley wall, K d^n + chi d^n d'; NaN: spring and damper.
+    depth : float
+        Penetration at which a Hunt-Crossley wall has this stiffness and damping [m].
+    mass, friction : float
+        M [kg] and F_c [N].
+    factor : callable or None
+        Stiffness over time, relative to `stiffness`.
+    shift : callable or None
+        Displacement of the surface, a piece of a path.
+
+    """
+
+    stiffness: float
+    damping: float
+    location: float = 0.0
+    exponent: float = nan
+    depth: float = 0.01
+    mass: float = 0.0
+    friction: float = 0.0
+    factor: Callable[[Array], Array] | None = None
+    shift: Piece | None = None
+
+
+class Sensor(NamedTuple):
+    """
+    What is measured, and how.
+
+    Attributes
+    ----------
+    lag_s : float
+        Delay of slow forces in the low-pass filter of the force sensor [s].
+    poles : int
+        1 or 2 (Butterworth), order of the filter.
+    noise, zero : float
+        Standard deviation of white noise and constant error of the force [N].
+    position_noise : float
+        Standard deviation, besides steps of 1 um [m].
+    velocity_noise : float
+        Standard deviation [m/s]; NaN: velocity is not measured.
+    rate : float
+        Of both topics [Hz].
+    tool_mass : float
+        Mass between sensor and wall, whose inertia is measured with the force [kg].
+
+    """
+
+    lag_s: float = 1e-3
+    poles: int = 1
+    noise: float = 0.2
+    zero: float = 0.0
+    position_noise: float = 1e-6
+    velocity_noise: float = nan
+    rate: float = 500.0
+    tool_mass: float = 0.0
+
+
+class Stream(NamedTuple):
+    """
+    Messages of one topic.
+
+    Attributes
+    ----------
+    t : ndarray, shape (N,)
+        When they were measured [s].
+    stamp_ns : ndarray of int, shape (N,)
+        Their stamps [ns].
+    values : ndarray, shape (N, M)
+        F_e [N], or x [m] and v [m/s].
+
+    """
+
+    t: Array
+    stamp_ns: NDArray[np.int64]
+    values: Array
+
+
+class Truth(NamedTuple):
+    """
+    What happened, at 1 kHz.
+
+    Attributes
+    ----------
+    t : ndarray, shape (N,)
+        Time [s].
+    pressing : ndarray, shape (N,)
+        Force on the wall [N], at least 0.
+    stiffness, damping : ndarray, shape (N,)
+        K_e [N/m] and B_e [N s/m]; of a Hunt-Crossley wall K d^(n - 1) and chi d^n at the recent
+        mean penetration, as the estimators publish them.
+    contacts : list of (float, float)
+        Begin and end of each [s].
+    wall : Wall
+        As simulated.
+    sensor : Sensor
+        As simulated.
+
+    """
+
+    t: Array
+    pressing: Array
+    stiffness: Array
+    damping: Array
+    contacts: list[tuple[float, float]]
+    wall: Wall
+    sensor: Sensor
+
+
+class World(NamedTuple):
+    """
+    Messages with the truth.
+
+    Attributes
+    ----------
+    group : str
+        Worlds of one row and group are summarised together.
+    parameters : mapping of str to Any
+        Parameters that are not defaults, by dotted name.
+    wrenches, motions : Stream
+        Messages.
+    truth : Truth
+        What happened.
+    marks : mapping of str to float
+        Times that a row needs [s].
+
+    """
+
+    group: str
+    parameters: Mapping[str, Any]
+    wrenches: Stream
+    motions: Stream
+    truth: Truth
+    marks: Mapping[str, float] = {}
+
+
+def pressing_force(wall: Wall, delta: Array, rate: Array, acceleration: Array, t: Array) -> Array:
+    """
+    Return the force on a wall [N].
+
+    Parameters
+    ----------
+    wall : Wall
+        Its law.
+    delta, rate, acceleration : ndarray, shape (N,)
+        Penetration [m] and its derivatives.
+    t : ndarray, shape (N,)
+        Time [s].
+
+    """
+    stiffness = wall.stiffness * (wall.factor(t) if wall.factor else 1.0)
+    force = stiffness * delta + wall.damping * rate
+    if wall.exponent == wall.exponent:
+        depth = np.maximum(delta, 0.0) / wall.depth
+        force = depth**wall.exponent * (stiffness * wall.depth + wall.damping * rate)
+    force = force + wall.mass * acceleration + wall.friction * np.tanh(rate / _SIGN_VELOCITY)
+    return np.where(delta > 0.0, np.maximum(force, 0.0), 0.0)
+
+
+def low_pass(sensor: Sensor, force: Array) -> Array:
+    """Filter a force at FINE; p poles of cutoff f delay slow forces by sqrt(p) / (2 pi f)."""
+    cutoff = sqrt(sensor.poles) / (2.0 * pi * sensor.lag_s)
+    return np.asarray(lfilter(*butter(sensor.poles, cutoff, fs=FINE), force))
+
+
+def simulate(
+    group: str, parameters: Mapping[str, Any], pieces: Sequence[Piece],
+    seconds: float, wall: Wall, sensor: Sensor, draw: np.random.Generator,
+    marks: Mapping[str, float] | None = None,
+) -> World:
+    """
+    Simulate a world.
+
+    Parameters
+    ----------
+    group, parameters, marks
+        As of World.
+    pieces : sequence of callable
+        Of the path of the tool relative to `wall.location`.
+    seconds : float
+        Duration [s].
+    wall : Wall
+        That is touched.
+    sensor : Sensor
+        That measures.
+    draw : numpy.random.Generator
+        Of all noise.
+
+    Returns
+    -------
+    world : World
+        The same for the same arguments.
+
+    """
+    t = np.arange(round(seconds * FINE)) / FINE
+    path = path_at(pieces, t)
+    inside = path - wall.shift(t) if wall.shift else path
+    pressing = pressing_force(wall, inside[0], inside[1], inside[2], t)
+    wrenches, motions = _measured(t, path, pressing, wall.location, sensor, draw)
+    return World(group, parameters, wrenches, motions,
+                 _truth(t, inside[0], pressing, wall, sensor), marks or {})
+
+
+def _measured(
+    t: Array, path: Array, pressing: Array, location: float, sensor: Sensor,
+    draw: np.random.Generator,
+) -> tuple[Stream, Stream]:
+    sensed = -low_pass(sensor, pressing) - sensor.tool_mass * path[2] + sensor.zero
+    at = np.arange(1, int(t[-1] * sensor.rate)) / sensor.rate
+    count = len(at)
+    force = np.interp(at, t, sensed) + sensor.noise * draw.standard_normal(count)
+    x = location + np.interp(at, t, path[0])
+    x += sensor.position_noise * draw.standard_normal(count)
+    x = _POSITION_STEP * np.round(x / _POSITION_STEP)
+    v = np.interp(at, t, path[1]) + sensor.velocity_noise * draw.standard_normal(count)
+    return _stamped(at, force[:, None], draw), _stamped(at, np.column_stack([x, v]), draw)
+
+
+def _stamped(t: Array, values: Array, draw: np.random.Generator) -> Stream:
+    """Stamp with an error, and lose some."""
+    errors = _STAMP_STD * draw.standard_normal(len(t))
+    stamp_ns = EPOCH_NS + np.round((t + errors) * 1e9).astype(np.int64)
+    kept = draw.uniform(size=len(t)) >= _LOST
+    return Stream(t[kept], stamp_ns[kept], values[kept])
+
+
+def _truth(t: Array, delta: Array, pressing: Array, wall: Wall, sensor: Sensor) -> Truth:
+    every = round(FINE / 1000.0)
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], delta > 0.0, [False]])))
+    contacts = [(float(t[a]), float(t[b - 1])) for a, b in zip(edges[::2], edges[1::2])]
+    t, delta, pressing = t[::every], delta[::every], pressing[::every]
+    stiffness = wall.stiffness * (wall.factor(t) if wall.factor else np.ones_like(t))
+    damping = np.full_like(t, wall.damping)
+    if wall.exponent == wall.exponent:
+        share = _recent_mean(delta) / wall.depth
+        stiffness = stiffness * share**(wall.exponent - 1.0)
+        damping = damping * share**wall.exponent
+    return Truth(t, pressing, stiffness, damping, contacts, wall, sensor)
+
+
+def _recent_mean(delta: Array) -> Array:
+    """Return the exponential mean of the penetration in contact, kept between contacts."""
+    gain = 1e-3 / _MEAN_DEPTH_S
+    mean = np.full_like(delta, 1e-9)
+    inside = delta > 0.0
+    begun = lfilter([gain], [1.0, gain - 1.0], np.ones(int(inside.sum())))
+    mean[inside] = lfilter([gain], [1.0, gain - 1.0], delta[inside]) / begun
+    last = np.maximum.accumulate(np.where(inside, np.arange(len(delta)), 0))
+    return np.asarray(mean[last])
