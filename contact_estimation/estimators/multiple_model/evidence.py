@@ -1,0 +1,204 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The marginal likelihood of hypotheses on Gram matrices, and what each says of the wall."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from .laws import Array, CHOSEN, DEEP, FORCE_RATE, Ints, prior, scales, UNKNOWNS
+
+_DIAGONAL = np.arange(UNKNOWNS)
+_SOFTEST = 1e-2  # scale of the priors [N/m]
+_DOUBT = 3.0  # times the stiffness so far: the prior of the next
+_WIDE = 1e4  # at least [N/m]
+
+
+class Scene(NamedTuple):
+    """
+    What all hypotheses share.
+
+    Attributes
+    ----------
+    x0, depth : float
+        Reference of the columns and mean penetration [m].
+    damping : float
+        B_e / K_e as estimated so far [s].
+    lag : (float, float)
+        Of the force sensor, and its standard deviation [s].
+
+    """
+
+    x0: float
+    depth: float
+    damping: float
+    lag: tuple[float, float]
+
+
+class Hypotheses(NamedTuple):
+    """
+    Laws, each with a prior of its stiffness and its surface.
+
+    Attributes
+    ----------
+    law : ndarray of int, shape (N,)
+        Indices of NAMES.
+    stiffness : ndarray, shape (N,)
+        Scale of the priors [N/m].
+    centre, std : ndarray, shape (N,)
+        Of the surface [m].
+
+    """
+
+    law: Ints
+    stiffness: Array
+    centre: Array
+    std: Array
+
+
+class Judged(NamedTuple):
+    """
+    The posterior of the coefficients under each hypothesis.
+
+    Attributes
+    ----------
+    evidence : ndarray, shape (N,)
+        Log marginal likelihood, up to what all hypotheses on the same data share.
+    theta : ndarray, shape (N, 5)
+        Means.
+    P : ndarray, shape (N, 5, 5)
+        Covariances.
+
+    """
+
+    evidence: Array
+    theta: Array
+    P: Array
+
+
+def judge(grams: Array, scene: Scene, what: Hypotheses) -> Judged:
+    """
+    Fit hypotheses to data.
+
+    With the Gram matrix G of the columns weighted by the noise, a Gaussian prior of precision L
+    and mean m, and A = G + L, eta = G_f + L m:
+
+        theta = A^-1 eta,  P = A^-1
+        2 log p(f) = eta^T theta - f^T f - m^T L m - log |A| + log |L|
+
+    The prior of the surface, s + K (centre - x0) ~ N(0, (K std)^2), couples K and s.
+
+    Parameters
+    ----------
+    grams : ndarray, shape (N, 15, 15)
+        One for each hypothesis.
+    scene : Scene
+        What they share.
+    what : Hypotheses
+        N of them.
+
+    Returns
+    -------
+    judged : Judged
+        N posteriors.
+
+    """
+    laws, count = what.law, len(what.law)
+    K = np.maximum(what.stiffness, _SOFTEST)
+    chosen, scale = CHOSEN[laws], scales(laws, scene.depth)
+    gram = grams[np.arange(count)[:, None, None], chosen[:, :, None], chosen[:, None, :]]
+    gram = gram * (scale[:, :, None] * scale[:, None, :])
+    tau = np.where(DEEP[laws], scene.lag[0], 0.0)  # f + tau f' for f
+    rate = tau[:, None] * grams[np.arange(count)[:, None], chosen, FORCE_RATE] * scale
+    gram[:, :UNKNOWNS, UNKNOWNS] += rate[:, :UNKNOWNS]
+    gram[:, UNKNOWNS, UNKNOWNS] += 2.0 * rate[:, UNKNOWNS] + tau * tau * grams[
+        :, FORCE_RATE, FORCE_RATE]
+    mean, std = prior(laws, K, scene.damping, scene.lag)
+    std[:, 0] = np.maximum(_DOUBT * K, _WIDE)
+    std[:, 3] = K * what.std
+    precision = std ** -2.0
+    offset = what.centre - scene.x0
+    L = np.zeros((count, UNKNOWNS, UNKNOWNS))
+    L[:, _DIAGONAL, _DIAGONAL] = precision
+    L[:, 0, 3] = L[:, 3, 0] = offset * precision[:, 3]
+    L[:, 0, 0] += offset * offset * precision[:, 3]
+    pulled = (L @ mean[:, :, None])[:, :, 0]
+    A = gram[:, :UNKNOWNS, :UNKNOWNS] + L
+    eta = gram[:, :UNKNOWNS, UNKNOWNS] + pulled
+    unit = A[:, _DIAGONAL, _DIAGONAL] ** -0.5  # coefficients differ by ten powers of ten
+    scaled = A * (unit[:, :, None] * unit[:, None, :])
+    P = np.linalg.inv(scaled) * (unit[:, :, None] * unit[:, None, :])
+    theta = (P @ eta[:, :, None])[:, :, 0]
+    gained = (eta * theta).sum(1) - gram[:, UNKNOWNS, UNKNOWNS] - (mean * pulled).sum(1)
+    volume = np.linalg.slogdet(scaled)[1] - 2.0 * np.log(unit).sum(1)
+    evidence = 0.5 * (gained - volume) - np.log(std).sum(1)
+    return Judged(np.where(np.isfinite(evidence), evidence, -1e9), theta, P)
+
+
+def surfaces(judged: Judged) -> tuple[Array, Array]:
+    """Return how far the surface is from x0, and its variance, as -s / K says."""
+    K = np.maximum(judged.theta[:, 0], 1.0)
+    delta, P = -judged.theta[:, 3] / K, judged.P
+    variance = P[:, 3, 3] + delta * (delta * P[:, 0, 0] + 2.0 * P[:, 0, 3])
+    return delta, np.maximum(variance, 0.0) / (K * K)
+
+
+class Wall(NamedTuple):
+    """
+    What hypotheses say of the wall, as one Gaussian each.
+
+    Attributes
+    ----------
+    stiffness, damping, surface : ndarray, shape (N,)
+        K_e [N/m], B_e [N s/m] and x_e - x0 [m].
+    variances : ndarray, shape (3, N)
+        Of the three.
+
+    """
+
+    stiffness: Array
+    damping: Array
+    surface: Array
+    variances: Array
+
+
+def walls(judged: Judged, laws: Ints, scene: Scene, reach: float) -> Wall:
+    """
+    Return K_e and B_e of the wall, without what the lag of the sensor has taken from B_e.
+
+    Parameters
+    ----------
+    judged, laws, scene
+        As of `judge`.
+    reach : float
+        Largest distance of the surface from x0 [m].
+
+    Returns
+    -------
+    wall : Wall
+        Of every hypothesis.
+
+    """
+    theta, P = judged.theta, judged.P
+    tau, std = scene.lag
+    K, linear = theta[:, 0], np.where(DEEP[laws], 0.0, 1.0)
+    delta, variance = surfaces(judged)
+    B_variance = P[:, 1, 1] + linear * ((K * std) ** 2 + tau * (2.0 * P[:, 0, 1] + tau * P[:, 0, 0]))
+    return Wall(
+        K, theta[:, 1] + linear * tau * K, np.clip(delta, -reach, reach),
+        np.stack([np.maximum(P[:, 0, 0], 0.0), np.maximum(B_variance, 0.0),
+                  np.minimum(variance, reach * reach)]))

@@ -1,0 +1,187 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+The laws of a contact as columns of one table, in which all of them are linear.
+
+With y = x - x0 and smoothing kernels S0, S1, S2 that average, differentiate once and twice, a
+contact obeys, whatever its law, S0 f = phi^T theta with five columns of the table:
+
+    Kelvin-Voigt     K S0 y + B S1 y + M S2 y + s S0 1
+    with friction    ... + F_c S0 sgn v
+    Hunt-Crossley    K S0 y^n + chi S1 y^(n+1) / (n+1) + k S1 y^n + s S0 n y^(n-1)
+
+since y^n y' = (y^(n+1))' / (n+1). s = -K delta moves the surface by delta. The lag tau of the
+sensor is undone by f + tau f' under the laws of Hunt and Crossley, where k stands for what is
+wrong with tau; in the others it adds -K tau to B and c K tau^2 - B tau to M.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .constants import DAMPING_S, DAMPING_STD_S, FRICTION_N, MASS_KG, POLES_STD, TWO_POLES
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int_]
+
+(ONE, DEPTH, RATE, ACCELERATION, SIGN, SQUARE_RATE, POWER, POWER_RATE, POWER_DAMPING, POWER_SLOPE,
+ SQUARE, CUBE_RATE, ZERO, FORCE, FORCE_RATE) = range(15)
+"""Columns: S0 1, S0 y, S1 y, S2 y, S0 sgn v, S1 y^2 / 2, S0 y^1.5, S1 y^1.5, S1 y^2.5 / 2.5,
+S0 1.5 y^0.5, S0 y^2, S1 y^3 / 3, 0, S0 f, S1 f."""
+
+COLUMNS = 15
+UNKNOWNS = 5
+
+
+class Law(NamedTuple):
+    """
+    One law.
+
+    Attributes
+    ----------
+    columns : tuple of int
+        Those of stiffness, damping, third coefficient, surface and friction.
+    exponent : float
+        n.
+    prior : float
+        Probability before any contact.
+
+    """
+
+    columns: tuple[int, int, int, int, int]
+    exponent: float
+    prior: float
+
+
+_LINEAR = DEPTH, RATE, ACCELERATION, ONE, ZERO
+LAWS = {
+    'kelvin_voigt': Law(_LINEAR, 1.0, 0.67),
+    'mass': Law(_LINEAR, 1.0, 0.06),
+    'friction': Law((DEPTH, RATE, ACCELERATION, ONE, SIGN), 1.0, 0.06),
+    'hunt_crossley_1': Law((DEPTH, SQUARE_RATE, RATE, ONE, ZERO), 1.0, 0.06),
+    'hunt_crossley_1.5': Law((POWER, POWER_DAMPING, POWER_RATE, POWER_SLOPE, ZERO), 1.5, 0.06),
+    'hunt_crossley_2': Law((SQUARE, CUBE_RATE, SQUARE_RATE, DEPTH, ZERO), 2.0, 0.06),
+    # One prior for all walls that have moved at least once; a wall that moved for good has changed.
+    'moving_wall': Law(_LINEAR, 1.0, 1e-4),
+}
+"""By name; to add one: its columns, and a row here."""
+
+NAMES = tuple(LAWS)
+KELVIN_VOIGT, MASS, FRICTION, MOVING = (
+    NAMES.index(name) for name in ('kelvin_voigt', 'mass', 'friction', 'moving_wall'))
+LOG_PRIOR: Array = np.log([law.prior for law in LAWS.values()])
+EXPONENT: Array = np.array([law.exponent for law in LAWS.values()])
+DEEP = np.array([name.startswith('hunt') for name in NAMES])
+"""Which laws damp with the depth."""
+
+CHOSEN: Ints = np.array([(*law.columns, FORCE) for law in LAWS.values()])
+# n y^(n-1) and S1 y^n of n = 2 are twice the columns that they share with other laws.
+_TWICE = np.where(EXPONENT == 2.0, 2.0, 1.0)
+
+
+def scales(laws: Ints, depth: float) -> Array:
+    """
+    Return what the columns are multiplied by, so that coefficients are K and B at a depth.
+
+    K_n y^n = (K_n depth^(n-1)) (y^n / depth^(n-1)): the secant stiffness at the depth.
+
+    Parameters
+    ----------
+    laws : ndarray of int, shape (N,)
+        Indices of NAMES.
+    depth : float
+        Mean penetration [m], > 0.
+
+    Returns
+    -------
+    scales : ndarray, shape (N, 6)
+        Of the columns of `CHOSEN`.
+
+    """
+    n, deep, twice = EXPONENT[laws], DEEP[laws], _TWICE[laws]
+    power = depth ** (1.0 - n)
+    found = np.ones((len(laws), UNKNOWNS + 1))
+    found[:, 0] = power
+    found[:, 1] = np.where(deep, depth ** -n, 1.0)
+    found[:, 2] = np.where(deep, power * twice, 1.0)
+    found[:, 3] = power * twice
+    return found
+
+
+def prior(laws: Ints, K: Array, damping: float, lag: tuple[float, float]) -> tuple[Array, Array]:
+    """
+    Return means and standard deviations of the coefficients but those of K and the surface.
+
+    Parameters
+    ----------
+    laws : ndarray of int, shape (N,)
+        Indices of NAMES.
+    K : ndarray, shape (N,)
+        Scale of the stiffness [N/m].
+    damping : float
+        B_e / K_e as estimated so far [s].
+    lag : (float, float)
+        tau of the force sensor and its standard deviation [s].
+
+    Returns
+    -------
+    mean, std : ndarray, shape (N, 5)
+        Those of K and s are 0 and 1, to be set by the caller.
+
+    """
+    deep, mass = DEEP[laws], laws == MASS
+    tau, std = lag
+    mean, width = np.zeros((2, len(laws), UNKNOWNS))
+    width += 1.0
+    mean[:, 1] = DAMPING_S * K
+    width[:, 1] = DAMPING_STD_S * K
+    # A lag makes K y + B y' to K y + (B - K tau) y' + (c K tau^2 - B tau) y'' + ...
+    second = TWO_POLES * tau * tau - damping * tau
+    doubt = (damping + tau) * std + POLES_STD * tau * tau
+    mean[:, 2] = np.where(deep | mass, 0.0, second) * K
+    width[:, 2] = np.where(mass, MASS_KG, np.where(deep, std + 1e-6, doubt + 1e-9) * K)
+    width[:, 4] = np.where(laws == FRICTION, FRICTION_N, 1.0)
+    return mean, width
+
+
+def shifted_table(delta: float) -> Array:
+    """
+    Return the matrix that moves the reference x0 of the columns.
+
+    (y - delta)^n = y^n - n delta y^(n-1) + ...: exact for n = 1 and 2, to first order for n = 1.5.
+
+    Parameters
+    ----------
+    delta : float
+        How far into the wall [m].
+
+    Returns
+    -------
+    matrix : ndarray, shape (15, 15)
+        New columns from old ones.
+
+    """
+    matrix = np.eye(COLUMNS)
+    for column, source, factor in (
+        (DEPTH, ONE, -delta), (SQUARE_RATE, RATE, -delta), (POWER, POWER_SLOPE, -delta),
+        (POWER_DAMPING, POWER_RATE, -delta), (SQUARE, DEPTH, -2.0 * delta),
+        (SQUARE, ONE, delta * delta), (CUBE_RATE, SQUARE_RATE, -2.0 * delta),
+        (CUBE_RATE, RATE, delta * delta),
+    ):
+        matrix[column, source] = factor
+    return matrix

@@ -1,0 +1,520 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The posterior of the wall, sample by sample."""
+
+from __future__ import annotations
+
+from math import exp, inf, isfinite, log, nan, sqrt
+from typing import NamedTuple, Sequence
+
+import numpy as np
+
+from .constants import (
+    ANYWHERE_M, AS_TOLD, AS_TOLD_M, DAMPING_FLOOR, ELSEWHERE, FADE_S, JITTER_S, MODEL_ERROR,
+    MODEL_ERROR_S, NEAR, STIFFNESS_FLOOR, STILL_THERE, WALL_WALK)
+from .contact import CONTACT, ContactFilter, FREE, NEITHER
+from .evidence import Hypotheses, judge, Judged, Scene, Wall, walls
+from .lag import LagPosterior
+from .laws import (
+    Array, CHOSEN, COLUMNS, DEEP, DEPTH, FORCE, FORCE_RATE, FRICTION, Ints, KELVIN_VOIGT, LOG_PRIOR, MASS,
+    MOVING, NAMES, ONE, scales, shifted_table, UNKNOWNS)
+from .runs import Change, decided, Runs
+from .smoothing import Smoothing
+
+_FIRST = 20  # samples from which period and noise are learned
+_BLOCK_S = 0.020  # of samples that are processed together
+_FILLED = 3.5  # periods without a sample that are bridged
+_OUTLIER, _POSITION_OUTLIER = 6.0, 10.0  # standard deviations from the median of five
+_STEEP, _STEEP_POSITION = 0.15, 0.5  # of a step of that median, by which a touch may differ
+_PRESSES = 3.0  # standard deviations of the force, from which rows are used
+_GREATEST = 1e5  # [N]; a larger force is no measurement
+_LAWS = len(NAMES)
+_EARLY = 5  # blocks of a contact in which all laws are judged, later
+_EVERY = 4  # blocks
+_START = 3  # blocks in which the scale of the priors is not known
+_SETTLED = 10  # blocks, from which lags are learned
+_DEPTHS = 50  # blocks over which the mean depth is taken: 1 s
+_RESIDUALS = 100  # blocks over which residuals are averaged: the 2 s of `model_fit`
+_FAR = 40.0  # log odds against a moving wall, from which it starts anew
+_SURE = 0.3  # relative standard deviation above which there is no estimate
+
+
+class Knowledge(NamedTuple):
+    """
+    What is known of the wall.
+
+    Attributes
+    ----------
+    stiffness, damping, stiffness_std, damping_std : float
+        K_e [N/m], B_e [N s/m]; NaN before the first contact.
+    surface, surface_std : float
+        x_e [m]; NaN before it is known.
+    inertia : float
+        Mass that moves with the wall where that is the law, else NaN [kg].
+    laws : tuple of float
+        Probabilities, in the order of `laws.NAMES`.
+    fit : float
+        Rms of the residual over that of the noise, in the last 2 s of contact; NaN before.
+
+    """
+
+    stiffness: float
+    damping: float
+    stiffness_std: float
+    damping_std: float
+    surface: float
+    surface_std: float
+    inertia: float
+    laws: tuple[float, ...]
+    fit: float
+
+    @property
+    def valid(self) -> bool:
+        """Whether the stiffness is known to a third of it."""
+        return self.stiffness_std < _SURE * self.stiffness
+
+
+class WallPosterior:
+    """
+    Hypotheses of contact, law, surface and changes of a wall, weighed by their evidence.
+
+    Samples are judged for contact one by one. In contact every 20 ms of them become a block: rows
+    of smoothed columns, in which every law is linear, and their Gram matrix. A hypothesis is a
+    small linear fit of some columns to the sum of these matrices, and its evidence is that of a
+    Gaussian model. What contacts add up is carried from one to the next.
+
+    Parameters
+    ----------
+    location, location_std : float
+        x_e as told, NaN where unknown, and its standard deviation [m].
+    lag : (float, float)
+        Prior of the lag of the force sensor [s].
+    position_noise : float
+        Least standard deviation of the position [m].
+    minimum_force : float
+        Contact begins above this force [N].
+
+    Attributes
+    ----------
+    known : Knowledge
+        Now.
+    contact : ContactFilter
+        The state of contact and the noise of the force.
+    period_s : float
+        Of the samples as measured [s]; 0 before 20 of them.
+    lag : LagPosterior
+        Of the force sensor.
+    changes : int
+        How often the wall has become another.
+
+    """
+
+    def __init__(
+        self, location: float = nan, location_std: float = 2e-3,
+        lag: tuple[float, float] = (1.2e-3, 1e-3), position_noise: float = 0.0,
+        minimum_force: float = 0.0,
+    ) -> None:
+        self._told = location, max(location_std, AS_TOLD_M)
+        self._least = position_noise * position_noise
+        self.contact, self.lag = ContactFilter(minimum_force), LagPosterior(*lag)
+        self.period_s = 0.0
+        self._first: list[tuple[float, ...]] = []
+        self._noise = nan, nan  # variances of position and rate
+        self._still = nan  # force since which the position has not changed
+        self.restart()
+        self.forget()
+
+    def forget(self) -> None:
+        """Forget the wall; noises, lag and the zero of the sensor stay."""
+        location, std = self._told
+        self.known = Knowledge(nan, nan, nan, nan, location,
+                               std if location == location else ANYWHERE_M, nan,
+                               tuple(np.exp(LOG_PRIOR).tolist()), nan)
+        self._runs = Runs()
+        self._gram, self._moving = np.zeros((2, COLUMNS, COLUMNS))
+        self._moving_norm = self._moving_odds = 0.0
+        self._odds = LOG_PRIOR.copy()
+        self.changes = self._blocks = self._of_contact = self._depths = 0
+        self._x0 = location if location == location else 0.0
+        self._depth, self._residual = 1e-3, nan
+        self._scale, self._seconds = 1e3, 0.0  # K_e and B_e / K_e for the priors
+        self._surfaces = [(location, AS_TOLD_M, AS_TOLD), (location, std, NEAR),
+                          (location, ANYWHERE_M, ELSEWHERE)]
+        self._judged: tuple[Array, Judged, Hypotheses] | None = None
+        self._touched = nan
+
+    def restart(self) -> None:
+        """Begin anew with the next sample, as after a gap or a jump of the clock."""
+        self._last_t = -inf
+        self._raw: list[tuple[float, ...]] = []
+        self._filled = 0
+        self._waiting: Array | None = None
+
+    # -- samples ----------------------------------------------------------------------------
+
+    def take(
+        self, t: float, force: float, x: float, v: float = nan, usable: bool = True,
+        felt: tuple[float, float] | None = None,
+    ) -> int:
+        """
+        Process a sample.
+
+        Parameters
+        ----------
+        t : float
+            Stamp, after the last one [s].
+        force, x, v : float
+            Pressing force [N], position [m] and its measured rate, NaN without [m/s].
+        usable : bool
+            Whether the wall is to be learned from it.
+        felt : (float, float), optional
+            Force and position by which contact is judged, where these are others.
+
+        Returns
+        -------
+        state : int
+            FREE, CONTACT or NEITHER.
+
+        """
+        dt = t - self._last_t
+        felt_force, felt_x = felt or (force, x)
+        if not (isfinite(force) and isfinite(x) and dt > 0.0 and abs(felt_force) < _GREATEST):
+            return self.contact.state
+        self._last_t = t
+        if not self.period_s:
+            self._begin(t, felt_force, felt_x)
+            return FREE
+        if self._waiting is not None:
+            phi, self._waiting = self._waiting, None
+            self._learn(phi)
+        T, known = self.period_s, self.known
+        before = self.contact.state
+        if dt > _FILLED * T:
+            self._raw.clear()
+            self._filled = 0
+            dt = T
+        elif dt > 1.5 * T and self._raw:
+            self._bridge(round(dt / T), (force, x, v))
+        state = self.contact.take(dt, felt_force, felt_x, known.surface, known.surface_std)
+        if state == CONTACT and before != CONTACT:
+            self._touch(felt_x)
+        self._raw.append((force, x, v, float(state == CONTACT and usable)))
+        if len(self._raw) >= self._block:
+            self._close()
+        return state
+
+    def _begin(self, t: float, force: float, x: float) -> None:
+        """Collect the samples that tell period and noise."""
+        self._first.append((t, force, x))
+        if len(self._first) < _FIRST:
+            return
+        stamps, forces, places = np.array(self._first).T
+        self._first.clear()
+        location, std = self._told
+        self._set_period(float(np.median(np.diff(stamps))))
+        self.contact.start(forces, not places[-1] > location - 2.0 * std)
+
+    def _set_period(self, period_s: float) -> None:
+        self.period_s = period_s
+        self._smoothing = smooth = Smoothing(period_s)
+        self._windows = max(1, round(_BLOCK_S / period_s) // smooth.hop)
+        self._block = self._windows * smooth.hop
+        self._length = smooth.length(self._windows)
+        self._buffer = np.zeros((4, self._length + 4))
+        self._filled = 0
+
+    def _bridge(self, steps: int, now: tuple[float, float, float]) -> None:
+        """Fill in samples that were lost, on a straight line."""
+        *last, usable = self._raw[-1]
+        for k in range(1, steps):
+            between = [a + k / steps * (b - a) for a, b in zip(last, now)]
+            self._raw.append((*between, usable))
+
+    def _touch(self, x: float) -> None:
+        """Begin a contact: the wall may be another."""
+        self._of_contact = 0
+        if self.known.surface != self.known.surface:
+            self._x0 = x
+            self._surfaces = [(x, ANYWHERE_M, 1.0)]
+        self._touched = x
+
+    def _close(self) -> None:
+        """Turn a block of samples into rows."""
+        new = np.array(self._raw).T
+        self._raw.clear()
+        buffer, count = self._buffer, new.shape[1]
+        if count >= buffer.shape[1]:
+            new = new[:, -buffer.shape[1]:]
+            count = new.shape[1]
+        buffer[:, :-count] = buffer[:, count:]
+        buffer[:, -count:] = new
+        self._filled += count
+        self._learn_noise(buffer[1:3, -(count + 4):])
+        if self._filled >= buffer.shape[1] and buffer[3].any():
+            self._waiting = self._rows()
+
+    def _learn_noise(self, recent: Array) -> None:
+        """Learn the noise of position and rate from second differences, as that of the force."""
+        bends = np.square(np.diff(recent, 2, axis=1)) / 6.0
+        noise = []
+        for squares, known in zip(bends, self._noise):
+            if known == known:
+                mean = float(np.mean(np.minimum(squares, 9.0 * known)))
+                known += 0.05 * (mean - known)
+            else:
+                known = float(np.median(squares)) / 0.455
+            noise.append(max(known, 1e-20))
+        self._noise = max(noise[0], self._least), noise[1]
+
+    def _rows(self) -> Array | None:
+        """Return the rows of windows that are in contact throughout."""
+        smooth, deviation = self._smoothing, sqrt(self.contact.variance)
+        force, x, course = self._without_outliers(deviation)
+        v, usable = self._buffer[2:, 2:-2]
+        inside = (usable > 0.0) & (course > _PRESSES * deviation)
+        whole = (~inside).astype(float) @ smooth.bands(self._windows)[2] < 0.5
+        if not whole.any() or self._is_frozen(force, x, deviation):
+            return None
+        return smooth.rows(force, x, v, self._x0, self._noise)[:, whole]
+
+    def _without_outliers(self, deviation: float) -> tuple[Array, Array, Array]:
+        """Return force and position with the median of five for outliers, and that of the force."""
+        both = self._buffer[:2]
+        window = np.lib.stride_tricks.sliding_window_view(both, 5, axis=1)
+        median = np.sort(window, axis=2)[:, :, 2]
+        bound = np.array([[_OUTLIER * deviation],
+                          [_POSITION_OUTLIER * sqrt(self._noise[0]) + 1e-7]])
+        bound = bound + np.array([[_STEEP], [_STEEP_POSITION]]) * np.abs(
+            np.diff(median, axis=1, prepend=median[:, :1]))
+        middle, level = both[:, 2:-2], self.contact.level
+        force, x = np.where(np.abs(middle - median) > bound, median, middle)
+        return force - level, x, median[0] - level
+
+    def _is_frozen(self, force: Array, x: Array, deviation: float) -> bool:
+        """Return whether a channel repeats one value while the other moves."""
+        moves = x != x[0]
+        if moves.any():
+            self._still = nan
+            return bool(np.count_nonzero(force[1:] == force[:-1]) > 0.8 * len(force))
+        mean = float(force.mean())
+        if self._still != self._still:
+            self._still = mean
+        return abs(mean - self._still) > 5.0 * deviation / sqrt(len(x)) + 0.01 * abs(mean)
+
+    # -- inference --------------------------------------------------------------------------
+
+    @property
+    def scene(self) -> Scene:
+        """What all hypotheses share now."""
+        return Scene(self._x0, self._depth, self._seconds, self.lag.lag)
+
+    def _learn(self, phi: Array) -> None:
+        """Add the rows of a block and judge all hypotheses that it concerns."""
+        seconds = phi.shape[1] * self._smoothing.hop * self.period_s
+        gram = (phi * self._weights(phi)) @ phi.T
+        if self._touched == self._touched:
+            if self._blocks:
+                self._runs.begin(self._touched)
+            self._touched = nan
+        fade = exp(-seconds / FADE_S)
+        self._add(gram, fade, seconds)
+        self._blocks += 1
+        self._of_contact += 1
+        self._depths = min(self._depths + 1, _DEPTHS)
+        self._depth += (max(float(phi[DEPTH].mean()), 1e-5) - self._depth) / self._depths
+        if self._blocks <= _START:
+            self._find_scale()
+        self._judge(phi)
+        self._runs.begin()
+
+    def _weights(self, phi: Array) -> Array:
+        """Return samples a row over its variance: of noises, stamps, and errors of any model."""
+        T, K, force = self.period_s, self._scale, phi[FORCE]
+        B = K * max(self._seconds - self.lag.lag[0], 0.0)
+        smooth = self._smoothing
+        variance = (self.contact.variance + np.square(JITTER_S * phi[FORCE_RATE])
+                    + np.square(MODEL_ERROR * force) * (MODEL_ERROR_S / T)
+                    + self._noise[0] * (K * K + B * B * smooth.rate_noise / smooth.noise))
+        return np.asarray(smooth.hop / variance)
+
+    def _add(self, gram: Array, fade: float, seconds: float) -> None:
+        self._gram *= fade
+        self._gram += gram
+        self._runs.add(gram, fade, seconds)
+        # A surface that walks loses what is known of s: the Schur complement of its column.
+        moving = self._moving * fade
+        walk = (self._scale * WALL_WALK) ** 2 * seconds
+        column = moving[ONE]
+        moving -= np.outer(column, column) / (1.0 / walk + column[ONE])
+        self._moving_norm = fade * self._moving_norm - 0.5 * log(1.0 + walk * column[ONE])
+        self._moving = moving + gram
+        self._odds = LOG_PRIOR + (self._odds - LOG_PRIOR) * fade
+        self._moving_odds *= fade
+
+    def _find_scale(self) -> None:
+        """Find the stiffness that scales the priors of a wall that is not known."""
+        gram = self._gram
+        for _ in range(3):
+            centre, std, _ = self._surfaces[-1]
+            found = judge(gram[None], self.scene, Hypotheses(
+                np.array([KELVIN_VOIGT]), np.array([self._scale]), np.array([centre]),
+                np.array([std])))
+            K, B = found.theta[0, :2].tolist()
+            if not K > 0.0:
+                K = max(gram[DEPTH, FORCE] / max(gram[DEPTH, DEPTH], 1e-30), 10.0)
+            self._scale, self._seconds = K, max(B / K + self.lag.lag[0], 0.0)
+
+    def _hypotheses(self, laws: Ints, surfaces: Sequence[tuple[float, float, float]]) -> Hypotheses:
+        count = len(surfaces)
+        centre, std, _ = np.tile(np.array(surfaces).T, len(laws))
+        return Hypotheses(np.repeat(laws, count), np.full(len(centre), self._scale), centre, std)
+
+    def _judge(self, phi: Array) -> None:
+        """Weigh laws and surfaces, and the changes of the best of them that is at rest."""
+        scene = self.scene
+        what = self._hypotheses(np.arange(_LAWS), self._surfaces)
+        moves = what.law == MOVING
+        judged = judge(np.where(moves[:, None, None], self._moving, self._gram), scene, what)
+        odds = judged.evidence + self._prior_odds(what, moves) - _signs(judged, what.law, scene)
+        still = int(np.argmax(np.where(moves, -inf, odds)))
+        change = None
+        if self._of_contact > 1 or self._blocks > _START:
+            change = self._runs.judge(
+                self._gram, scene, Hypotheses(*(one[still:still + 1] for one in what)),
+                float(judged.evidence[still]), self._block * self.period_s)
+        if change is not None:  # a wall at rest may have changed instead of moving
+            odds = odds + np.where(moves, 0.0, np.logaddexp.reduce(np.append(change.odds, 0.0)))
+        self._restart_moving(odds, judged.evidence, moves)
+        weights = np.exp(odds - odds.max())
+        weights /= weights.sum()
+        self._note_residual(phi, judged, what, int(np.argmax(odds)), scene)
+        self._tell(weights, judged, what, change, what.law[still], scene)
+        if self._blocks % _SETTLED == 0:
+            self._learn_lag(weights, judged, what)
+        best = decided(change)
+        if change is not None and best >= 0:
+            gap = float(odds[moves].max() - odds[~moves].max())
+            self._commit(change, best, what, still, scene, max(gap, -_FAR))
+        self._follow_surface()
+
+    def _prior_odds(self, what: Hypotheses, moves: Array) -> Array:
+        prior = np.log([one[2] for one in self._surfaces])
+        own = np.where(moves, LOG_PRIOR[MOVING] + self._moving_norm + self._moving_odds,
+                       self._odds[what.law])
+        return np.asarray(own + np.tile(prior, _LAWS))
+
+    def _restart_moving(self, odds: Array, evidence: Array, moves: Array) -> None:
+        """Let a moving wall that is out of the question start from what is known: it may begin."""
+        best = float(odds[~moves].max())
+        if best - float(odds[moves].max()) > _FAR:
+            self._moving, self._moving_norm = self._gram.copy(), 0.0
+            self._moving_odds = best - float(evidence[~moves].max()) - _FAR
+
+    def _commit(
+        self, change: Change, best: int, what: Hypotheses, still: int, scene: Scene, gap: float
+    ) -> None:
+        """Drop the wall before a change; what was told of laws and motion stays a prior."""
+        run = int(change.run[best])
+        centre, std = float(change.centre[best]), float(change.std[best])
+        gram = self._runs.commit(run)
+        before = judge(
+            np.repeat((self._gram - gram)[None], _LAWS, axis=0), scene,
+            self._hypotheses(np.arange(_LAWS), [(float(what.centre[still]),
+                                                 float(what.std[still]), 1.0)])).evidence
+        most = float(before[:MOVING].max())
+        self._odds = np.maximum(self._odds + before - most, LOG_PRIOR - 0.5 * _FAR)
+        self._gram, self._moving, self._moving_norm = gram, gram.copy(), 0.0
+        self._moving_odds = gap + float(self._odds[:MOVING].max() - LOG_PRIOR[MOVING])
+        self.changes += 1
+        self._surfaces = [(centre, std, STILL_THERE), (centre, ANYWHERE_M, ELSEWHERE)]
+        if abs(self._told[0] - centre) < 4.0 * std:
+            self._surfaces.append((self._told[0], AS_TOLD_M, 1.0 - STILL_THERE))
+        K, B = change.judged.theta[best, :2].tolist()
+        self._scale = max(K, 1.0)
+        self._seconds = max(B / self._scale + self.lag.lag[0], 0.0)
+        self._depths = 1
+
+    def _note_residual(
+        self, phi: Array, judged: Judged, what: Hypotheses, top: int, scene: Scene
+    ) -> None:
+        """Average the residual of the best law over the noise, of rows not yet averaged."""
+        law = what.law[top:top + 1]
+        columns = phi[CHOSEN[law[0], :UNKNOWNS]] * scales(law, scene.depth)[0, :UNKNOWNS, None]
+        tau = scene.lag[0] if DEEP[law[0]] else 0.0
+        error = phi[FORCE] + tau * phi[FORCE_RATE] - judged.theta[top] @ columns
+        ratio = float(np.mean(error * error)) / (self.contact.variance * self._smoothing.noise)
+        if self._blocks > _START:
+            before = self._residual if self._residual == self._residual else ratio
+            share = 1.0 / min(self._blocks - _START, _RESIDUALS)
+            self._residual = before + share * (ratio - before)
+
+    def _learn_lag(self, weights: Array, judged: Judged, what: Hypotheses) -> None:
+        """Learn the lag where a spring and a damper are all that is there."""
+        of_law = weights.reshape(_LAWS, -1)
+        if of_law[KELVIN_VOIGT].sum() > 0.5:
+            k = MASS * of_law.shape[1] + int(np.argmax(of_law[KELVIN_VOIGT]))
+            self.lag.learn(judged.theta[k], judged.P[k])
+
+    def _tell(
+        self, weights: Array, judged: Judged, what: Hypotheses, change: Change | None,
+        law: int, scene: Scene,
+    ) -> None:
+        """Publish the mixture of all hypotheses."""
+        of_law = weights.reshape(_LAWS, -1).sum(1)
+        found = walls(judged, what.law, scene, ANYWHERE_M)
+        if change is not None:
+            changed = np.append(change.odds, 0.0)
+            share = np.exp(changed - np.logaddexp.reduce(changed))[:-1] * (1.0 - of_law[MOVING])
+            since = walls(change.judged, np.full(len(share), law), scene, ANYWHERE_M)
+            found = Wall(*(np.concatenate(pair, axis=-1) for pair in zip(found, since)))
+            weights = np.concatenate([weights * (1.0 - share.sum()), share])
+        means, stds = [], []
+        for values, variances in zip(found[:3], found.variances):
+            mean = float(weights @ values)
+            means.append(mean)
+            stds.append(float(weights @ (variances + np.square(values - mean))))
+        K, B, delta = means
+        mass = judged.theta[MASS * (len(judged.theta) // _LAWS), 2]
+        self.known = Knowledge(
+            K, B, sqrt(stds[0] + (STIFFNESS_FLOOR * K) ** 2),
+            sqrt(stds[1] + (DAMPING_FLOOR * B) ** 2), self._x0 + delta, sqrt(stds[2]) + 2e-6,
+            float(mass) if of_law[MASS] > 0.5 else nan, tuple(of_law.tolist()),
+            sqrt(max(self._residual, 0.0)))
+        self._scale = max(K, 1.0)
+        self._seconds = max(B / self._scale, 0.0)
+
+    def _follow_surface(self) -> None:
+        """Move the reference of the columns to the surface where that is known better."""
+        known = self.known
+        delta = known.surface - self._x0
+        if abs(delta) > max(2.0 * known.surface_std, AS_TOLD_M) and (
+                known.surface_std < 0.3 * self._depth):
+            table = shifted_table(delta)
+            self._gram = table @ self._gram @ table.T
+            self._moving = table @ self._moving @ table.T
+            self._runs.move(table)
+            self._x0 += delta
+            self._depth = max(self._depth - delta, 1e-5)
+
+
+def _signs(judged: Judged, laws: Ints, scene: Scene) -> Array:
+    """Return what it costs that stiffness, damping, friction and mass are not negative."""
+    theta, P = judged.theta, judged.P
+    damping = theta[:, 1] + np.where(DEEP[laws], 0.0, scene.lag[0]) * theta[:, 0]
+    values = np.stack([theta[:, 0], damping, np.where(laws == MASS, theta[:, 2], 0.0),
+                       np.where(laws == FRICTION, theta[:, 4], 0.0)])
+    variances = np.stack([P[:, 0, 0], P[:, 1, 1], P[:, 2, 2], P[:, 4, 4]])
+    below = np.square(np.minimum(values, 0.0)) / np.maximum(variances, 1e-30)
+    return np.minimum(0.5 * below.sum(0), 15.0)

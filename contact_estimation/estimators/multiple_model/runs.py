@@ -1,0 +1,193 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Times since which the wall may be another: the Gram matrices since then."""
+
+from __future__ import annotations
+
+from math import log, nan
+from typing import NamedTuple
+
+import numpy as np
+
+from .constants import (
+    ANYWHERE_M, CHANGES, COMMIT, NEW_WALL, OBSERVED_S, RUNS)
+from .evidence import Hypotheses, judge, Judged, Scene, surfaces
+from .laws import Array, COLUMNS, DEPTH, FORCE, Ints, ONE
+
+_LEAST_BLOCKS = 2  # of a run: one may hold half of a jump
+_KEPT_STD = 2e-6  # least deviation of a surface that was found [m]
+
+
+class Change(NamedTuple):
+    """
+    The hypotheses that the wall has changed, against the one that it has not.
+
+    Attributes
+    ----------
+    odds : ndarray, shape (N,)
+        Log odds of each.
+    judged : Judged
+        The wall since then.
+    centre, std : ndarray, shape (N,)
+        Prior of its surface [m].
+    run : ndarray of int, shape (N,)
+        Index of the run.
+
+    """
+
+    odds: Array
+    judged: Judged
+    centre: Array
+    std: Array
+    run: Ints
+
+
+class Runs:
+    """
+    Gram matrices since up to RUNS times, spaced like powers.
+
+    A change at a time splits the data: p(before) p(since | surface as before) against p(all)
+    (Adams and MacKay 2007, on a pruned set of run lengths). Without motion only the force tells
+    it; the surface, known from before, gives the new stiffness then.
+
+    Attributes
+    ----------
+    changes : float
+        Changes within contacts so far, and those of the prior.
+    seconds : float
+        Time in contact, and that of the prior [s].
+
+    """
+
+    def __init__(self) -> None:
+        self.changes, self.seconds = CHANGES, OBSERVED_S
+        self.clear()
+
+    def clear(self) -> None:
+        """Forget all runs."""
+        self._grams = np.zeros((RUNS + 1, COLUMNS, COLUMNS))
+        self._ages: list[int] = []
+        self._touches: list[float] = []
+
+    def begin(self, touch: float = nan) -> None:
+        """Begin a run; at a touch, with the position of it [m]."""
+        count = len(self._ages)
+        if count > RUNS:
+            self._drop(1 + self._least_useful())
+            count -= 1
+        self._grams[count] = 0.0
+        self._ages.append(0)
+        self._touches.append(touch)
+
+    def _least_useful(self) -> int:
+        """Return the inner run whose neighbours are nearest to each other in their ratio."""
+        ages = np.array(self._ages) + 1.0
+        ratio = ages[:-2] / ages[2:]
+        kept = np.array(self._touches[1:-1])
+        return int(np.argmin(np.where(kept == kept, np.inf, ratio)))
+
+    def _drop(self, index: int) -> None:
+        count = len(self._ages)
+        self._grams[index:count - 1] = self._grams[index + 1:count]
+        del self._ages[index], self._touches[index]
+
+    def add(self, gram: Array, fade: float, seconds: float) -> None:
+        """Add a block to every run."""
+        runs = self._grams[:len(self._ages)]
+        runs *= fade
+        runs += gram
+        self._ages = [age + 1 for age in self._ages]
+        self.seconds += seconds
+
+    def move(self, table: Array) -> None:
+        """Move the reference of all columns; see `shifted_table`."""
+        count = len(self._ages)
+        self._grams[:count] = table @ self._grams[:count] @ table.T
+
+    def recent(self, blocks: int) -> Array:
+        """Return the Gram matrix of the youngest run with at least so many blocks, else oldest."""
+        old = [k for k, age in enumerate(self._ages) if age >= blocks]
+        return self._grams[old[-1] if old else 0]
+
+    def judge(
+        self, gram: Array, scene: Scene, what: Hypotheses, evidence: float, block_s: float
+    ) -> Change | None:
+        """
+        Compare the hypotheses of a change.
+
+        Parameters
+        ----------
+        gram : ndarray, shape (15, 15)
+            Of all data.
+        scene : Scene
+            As of `evidence.judge`.
+        what : Hypotheses
+            One: the law with its surface.
+        evidence : float
+            Of that on all data.
+        block_s : float
+            Duration of a block [s].
+
+        Returns
+        -------
+        change : Change or None
+            None where there is no run of sufficient length.
+
+        """
+        used = np.array([k for k, age in enumerate(self._ages) if age >= _LEAST_BLOCKS], int)
+        if not len(used):
+            return None
+        since = self._grams[used]
+        before = judge(gram - since, scene, Hypotheses(*(np.repeat(one, len(used))
+                                                         for one in what)))
+        delta, variance = surfaces(before)
+        touches = np.array(self._touches)[used]
+        touched = np.flatnonzero(touches == touches)  # there, the surface may be another one too
+        run = np.concatenate([np.arange(len(used)), touched])
+        centre = np.concatenate([scene.x0 + delta, touches[touched]])
+        std = np.concatenate([np.sqrt(variance) + _KEPT_STD, np.full(len(touched), ANYWHERE_M)])
+        new = log(0.5 * NEW_WALL)
+        hazard = np.where(touches == touches, new, log(self.changes / self.seconds * block_s))
+        prior = np.concatenate([hazard, np.full(len(touched), new)])
+        stiffness = np.maximum(_secant(since[run], centre - scene.x0), 1.0)
+        law = np.repeat(what.law, len(run))
+        found = judge(since[run], scene, Hypotheses(law, stiffness, centre, std))
+        odds = before.evidence[run] + found.evidence - evidence + prior
+        return Change(odds, found, centre, std, used[run])
+
+    def commit(self, run: int) -> Array:
+        """Drop what was before a run; return its Gram matrix."""
+        gram, touched = self._grams[run].copy(), self._touches[run] == self._touches[run]
+        for _ in range(run + 1):
+            self._drop(0)
+        if not touched:
+            self.changes += 1.0
+        return gram
+
+
+def decided(change: Change | None) -> int:
+    """Return the index of the change that is certain enough to forget what was before; -1."""
+    if change is None:
+        return -1
+    best = int(np.argmax(change.odds))
+    return best if change.odds[best] > COMMIT else -1
+
+
+def _secant(grams: Array, delta: Array) -> Array:
+    """Return the force over the depth of a surface that is elsewhere, by least squares [N/m]."""
+    product = grams[:, DEPTH, FORCE] - delta * grams[:, ONE, FORCE]
+    square = (grams[:, DEPTH, DEPTH] - 2.0 * delta * grams[:, ONE, DEPTH]
+              + delta * delta * grams[:, ONE, ONE])
+    return np.clip(product / np.maximum(square, 1e-30), 0.0, 1e8)

@@ -1,0 +1,147 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+Smoothed columns of all laws from raw samples.
+
+One smooth kernel and its analytic derivatives act on force and depth alike, so that the relation
+between them stays exact, also across the touch, where y = max(x - x0, 0) has a corner, and white
+noise of the force keeps its variance in the sums.
+"""
+
+from __future__ import annotations
+
+from math import sqrt
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import erf
+
+from .laws import (
+    ACCELERATION, Array, COLUMNS, CUBE_RATE, DEPTH, FORCE, FORCE_RATE, ONE, POWER, POWER_DAMPING, POWER_RATE,
+    POWER_SLOPE, RATE, SIGN, SQUARE, SQUARE_RATE)
+
+_HALF_S = 0.010  # half width of the kernel: motion up to about 30 Hz passes
+_LEAST_HALF = 3  # samples
+_HOP_S = 0.004  # between windows: the standard deviation of the kernel, so that little is lost
+_SHARP = 3.2e-4  # tanh(v / 0.4 mm/s), the sign of the plant, has the slope of this error function
+_MOVES = 4.0  # times its noise, from which a mean square rate is motion
+_MOTION = (RATE, ACCELERATION, SIGN, SQUARE_RATE, POWER_RATE, POWER_DAMPING, CUBE_RATE)
+
+
+class Smoothing:
+    """
+    The kernel for one sample period, on windows that are a few samples apart.
+
+    (1 - u^2)^3 on |u| < 1 with its first and second derivative, normalised so that polynomials up
+    to the second degree are differentiated exactly.
+
+    Parameters
+    ----------
+    period_s : float
+        T [s].
+
+    Attributes
+    ----------
+    period_s : float
+        T [s].
+    half, hop : int
+        Samples on each side of the centre, and between the centres of windows.
+    noise, rate_noise : float
+        Variance of S0 and S1 of white noise of variance 1 [-], [1/s^2].
+
+    """
+
+    def __init__(self, period_s: float) -> None:
+        self.period_s = period_s
+        self.half = h = max(_LEAST_HALF, round(_HALF_S / period_s))
+        self.hop = max(1, round(_HOP_S / period_s))
+        u, t = np.arange(-h, h + 1) / (h + 1.0), np.arange(-h, h + 1) * period_s
+        mean, first, second = (1 - u * u) ** 3, u * (1 - u * u) ** 2, (1 - u * u) * (5 * u * u - 1)
+        second = second - second.mean()
+        self._kernels = np.stack([
+            mean / mean.sum(), first / (first @ t), second / (0.5 * second @ (t * t))])
+        self.noise, self.rate_noise = np.square(self._kernels[:2]).sum(1).tolist()
+        self._bands: dict[int, tuple[Array, Array, Array]] = {}
+
+    def length(self, windows: int) -> int:
+        """Return the number of samples that so many windows cover."""
+        return (windows - 1) * self.hop + 2 * self.half + 1
+
+    def bands(self, windows: int) -> tuple[Array, Array, Array]:
+        """Return S0, S1 and S2 side by side, S0, and which samples a window covers."""
+        if windows not in self._bands:
+            width = 2 * self.half + 1
+            table = np.zeros((3, self.length(windows), windows))
+            for k in range(windows):
+                table[:, k * self.hop:k * self.hop + width, k] = self._kernels
+            self._bands[windows] = np.hstack(list(table)), table[0], (table[0] > 0.0).astype(float)
+        return self._bands[windows]
+
+    def rows(
+        self, force: Array, x: Array, v: Array, x0: float, noise: tuple[float, float],
+        touching: bool = False,
+    ) -> Array:
+        """
+        Return the rows of successive samples.
+
+        Parameters
+        ----------
+        force, x, v : ndarray, shape (length(N),)
+            Pressing force [N], position [m] and its measured rate, NaN without [m/s].
+        x0 : float
+            Reference of the depth [m].
+        noise : (float, float)
+            Variance of position [m^2] and measured rate [m^2/s^2].
+        touching : bool
+            Whether the tool is outside the wall in some of the samples.
+
+        Returns
+        -------
+        phi : ndarray, shape (15, N)
+            The columns of `laws`, a row for each window.
+
+        """
+        windows = (len(x) - 2 * self.half - 1) // self.hop + 1
+        table, mean, _ = self.bands(windows)
+        y = x - x0
+        inside = np.maximum(y, 0.0)
+        if touching:
+            y = inside
+        root = np.sqrt(inside)
+        power, square = inside * root, y * y
+        signals = np.stack([y, 0.5 * square, power, power * inside / 2.5, 1.5 * root,
+                            square * y / 3.0, force])
+        smooth = (signals @ table).reshape(7, 3, windows)
+        phi = np.zeros((COLUMNS, windows))
+        phi[ONE] = (y > 0.0) @ mean if touching else 1.0
+        phi[[DEPTH, RATE, ACCELERATION]] = smooth[0]
+        phi[[SQUARE, SQUARE_RATE]] = 2.0 * smooth[1, 0], smooth[1, 1]
+        phi[[POWER, POWER_RATE]] = smooth[2, :2]
+        phi[[POWER_DAMPING, CUBE_RATE]] = smooth[[3, 5], 1]
+        phi[[POWER_SLOPE, FORCE]] = smooth[[4, 6], 0]
+        phi[FORCE_RATE] = smooth[6, 1]
+        if v[0] == v[0] and not touching:
+            phi[RATE] = self._fused(phi[RATE], v @ mean, noise)
+        rate = np.gradient(x) / self.period_s
+        blur = sqrt(0.5 * noise[0]) / self.period_s
+        phi[SIGN] = (erf(rate / sqrt(2.0 * (blur * blur + _SHARP * _SHARP))) * (inside > 0.0)) @ mean
+        if np.mean(np.square(phi[RATE])) < _MOVES * noise[0] * self.rate_noise:
+            phi[list(_MOTION)] = 0.0  # the noise of a rate would bias what it multiplies
+        return phi
+
+    def _fused(self, rate: Array, measured: Array, noise: tuple[float, float]) -> Array:
+        """Weigh the rate of the positions and the measured one by what each is off."""
+        own = noise[0] * self.rate_noise
+        other = max(float(np.mean(np.square(measured - rate))) - own, noise[1] * self.noise, 1e-20)
+        return (other * rate + own * measured) / (other + own)
