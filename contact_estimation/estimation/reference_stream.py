@@ -36,16 +36,15 @@ _FALSE = 4  # of them whose spacing may be false, a tenth
 
 class ExperiencedTime:
     """
-    A lower bound of the time between references, for the limit of their rate.
+    The time in which the robot can move between references, whatever their stamps say.
 
-    A reference is published when a message arrives; several that one message completes form a
-    group, which the robot gets at one instant. Between two groups both topics have advanced, or no
-    time need have passed; a stamp may lie further, so that never more counts than one period. The
-    period is the nominal one, as long as at least a tenth of the last spacings are longer and a
-    tenth shorter; else that decile, so that neither a slow stream nor a fast one needs a
-    parameter, and fewer false stamps than a tenth never lengthen it. Whatever the stamps, each
-    group moves x_r at most by the limit times one such period: they can make x_r slower, not
-    faster.
+    The references of the samples that one message completes form a group: the robot gets them at
+    one instant. From group to group at most the advance of the wrench stamps or of the joint
+    stamps has passed, whichever is less, and a false stamp may exaggerate both. So a group counts
+    as one sample period at most: the nominal one if a tenth of the last advances are longer and a
+    tenth shorter, else that decile of them. Streams slower or faster than the nominal rate then
+    need no parameter, and up to a tenth of false stamps do not lengthen the period. Since every
+    group takes a message, stamps can make x_r slower, but not faster than its limit.
 
     Parameters
     ----------
@@ -87,9 +86,21 @@ class ExperiencedTime:
             self._rest_s = self.period_s
             return
         wrench, joints = newest[0] - before[0], newest[1] - before[1]
-        passed = max(0, wrench if wrench < joints else joints) * 1e-9
-        self._measure(passed)
-        self._rest_s = passed if passed < self.period_s else self.period_s
+        passed = (wrench if wrench < joints else joints) * 1e-9
+        if passed < 0.0:  # the clock of the joints was set back
+            passed = 0.0
+        spacings, ordered = self._spacings, self._sorted
+        insort(ordered, passed)
+        spacings.append(passed)
+        longest, least = ordered[-1], 0.0  # before the window is full, it can only shorten
+        if len(spacings) > _WINDOW:
+            del ordered[bisect_left(ordered, spacings.popleft())]
+            longest, least = ordered[-1 - _FALSE], ordered[_FALSE]
+        period = self.nominal_s
+        if period < least:
+            period = least
+        self.period_s = period = period if period < longest else longest
+        self._rest_s = passed if passed < period else period
 
     def take(self, elapsed_s: float) -> float:
         """
@@ -105,17 +116,6 @@ class ExperiencedTime:
         taken = 0.0 if not elapsed_s > 0.0 else elapsed_s if elapsed_s < rest else rest
         self._rest_s = rest - taken
         return taken
-
-    def _measure(self, spacing: float) -> None:
-        """Bring the nominal period within the deciles of the last spacings."""
-        spacings, ordered = self._spacings, self._sorted
-        insort(ordered, spacing)
-        spacings.append(spacing)
-        longest, low = ordered[-1], 0.0  # before the window is full, it can only shorten
-        if len(spacings) > _WINDOW:
-            del ordered[bisect_left(ordered, spacings.popleft())]
-            longest, low = ordered[-1 - _FALSE], ordered[_FALSE]
-        self.period_s = min(max(self.nominal_s, low), longest)
 
 
 class ReferenceStream:
