@@ -135,6 +135,17 @@ def test_after_a_clock_jump_the_reference_goes_on_from_the_last() -> None:
     assert max(np.abs(np.diff(x_r))) <= SPEED * T * (1.0 + 1e-9)
 
 
+def test_the_setpoint_in_force_outlasts_a_clock_that_is_set_back() -> None:
+    session, before, now_ns = pressed()
+    session.add_desired(now_ns - 9 * PERIOD_NS, Desired(0.01, 0.0, 0.0, 40.0))
+    x = before[-1].sample.position
+    for begin_ns in (now_ns, 10**6):
+        held = [ContactSample(begin_ns + k * PERIOD_NS, x, 0.0, -20.0) for k in range(9)]
+        results = fed(session, held)
+    assert session.time_jumps == 1
+    assert {result.reference.force for result in results if result.reference} == {40.0}
+
+
 def test_to_a_robot_moved_meanwhile_the_reference_returns_at_the_limit_of_its_rate() -> None:
     session, before, _ = pressed(nan)
     moved = [ContactSample(10**6 + k * PERIOD_NS, -0.4, 0.0, 0.0) for k in range(900)]

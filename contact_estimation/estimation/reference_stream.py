@@ -145,7 +145,9 @@ class ReferenceStream:
         self._reference: Reference | None = None
         self._configured = self._location = nan  # x_e as configured, and as the limit knows it
         self._setpoints: deque[tuple[int, Desired]] = deque(maxlen=_MAX_SETPOINTS)
-        self._resting = Desired(nan, 0.0, 0.0, nan)
+        self._default_force = parameters.force_reference
+        # Where x_r rests without a setpoint, and the setpoint in force.
+        self._resting = self._wanted = Desired(nan, 0.0, 0.0, self._default_force)
         self.configure(parameters)
         self.change_clock()
 
@@ -171,14 +173,21 @@ class ReferenceStream:
         self._configured, self._takes_location = configured, isnan(configured)
         self._deepest = self._location + self._maximum_depth
         self._timeout_s = parameters.synchronisation.timeout_s
-        self._default_force = parameters.force_reference
-        self._resting = Desired(self._resting.position, 0.0, 0.0, self._default_force)
+        default = parameters.force_reference
+        if repr(default) != repr(self._default_force):  # NaN is not equal to itself
+            self._default_force, self._resting = default, self._resting._replace(force=default)
         self._robot = with_joints(parameters.robot, parameters.physics)
         self.period_ns = round(1e9 / parameters.sample_rate)
 
     def change_clock(self) -> None:
-        """Expect the next sample on another clock, as after a backward jump; x_r goes on."""
+        """
+        Expect the next sample on another clock, as after a backward jump; x_r goes on.
+
+        The setpoint in force remains until the planner has another one on that clock.
+
+        """
         self._start_ns = self._last_ns = _BEFORE_ANY
+        self._resting = self._wanted._replace(velocity=0.0, acceleration=0.0)
         self._time.change_clock()
 
     def reset(self) -> None:
@@ -249,7 +258,8 @@ class ReferenceStream:
         else:
             elapsed = (stamp_ns - last_ns) * 1e-9
         target_ns = stamp_ns + period_ns
-        desired = self._setpoint_at(target_ns) if self._setpoints else self._resting
+        self._wanted = desired = (
+            self._setpoint_at(target_ns) if self._setpoints else self._resting)
         _, K_hat, _, _, _, location, _, status, _, _ = estimate
         contact, deepest = status is not _FREE, self._deepest
         if self._takes_location:  # no force law without x_e
