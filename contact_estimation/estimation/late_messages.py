@@ -134,6 +134,7 @@ class _TopicOrder:
         self.jumps = 0
         self._of_wrench = of_wrench
         self._newest_ns = BEFORE_ANY
+        self._gap_ns = int(limits.maximum_gap_s * 1e9)
         self._jump_ns = int(limits.time_jump_s * 1e9)
         self._offset_ns = 0 if of_wrench else round(limits.offset * 1e9)
         self._screen = StampScreen('', Counter())
@@ -144,7 +145,8 @@ class _TopicOrder:
         if stamp_ns is None:
             return
         for admitted_ns, at in self._screen.admit(
-                (stamp_ns, place), self._newest_ns, BEFORE_ANY, self._jump_ns, self._offset_ns):
+                (stamp_ns, place), self._newest_ns, BEFORE_ANY, self._gap_ns, self._jump_ns,
+                self._offset_ns):
             self.jumps += admitted_ns < self._newest_ns
-            self._newest_ns = admitted_ns
+            self._screen.before_ns, self._newest_ns = self._newest_ns, admitted_ns
             self.keys[at] = self.jumps, admitted_ns, self._of_wrench

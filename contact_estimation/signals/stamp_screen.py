@@ -30,6 +30,7 @@ with less than p^5 at each message; and none of them is lost.
 """
 
 _END = 2**63  # of what a stamp can say [ns]
+_PERIODS = 5  # lost in a row are no silence
 
 Message = tuple[int, Any]
 """Stamp [ns] and content."""
@@ -39,10 +40,10 @@ class StampScreen:
     """
     Reject stamps that no measurement can have, before anything else is done with the messages.
 
-    A stamp of zero is valid only as the first of a clock that begins there. One that is more than
-    a limit off the last stamps of both topics is held back: the next message of the topic refutes
-    it, or `CONFIRMING` messages that increase prove that the clock was set, or that both topics
-    were silent. All of them are used then.
+    A stamp of zero is valid only as the first of a clock that begins there. One too far ahead of
+    the last stamps of both topics, or behind them, is held back: the next message of the topic
+    refutes it, or `CONFIRMING` messages that increase prove that the clock was set, or that both
+    topics were silent. All of them are used then.
 
     Parameters
     ----------
@@ -55,15 +56,19 @@ class StampScreen:
     ----------
     held : list of Message
         Held back, in the order of their arrival.
+    before_ns : int
+        The stamp used before the last one of the topic; `BEFORE_ANY` where there is none [ns].
 
     """
 
     def __init__(self, kind: str, rejected: Counter[str]) -> None:
         self._kind, self._rejected = kind, rejected
         self.held: list[Message] = []
+        self.before_ns = BEFORE_ANY
 
     def admit(
-        self, message: Message, last_ns: int, other_ns: int, jump_ns: int, offset_ns: int = 0
+        self, message: Message, last_ns: int, other_ns: int, gap_ns: int, jump_ns: int,
+        offset_ns: int = 0,
     ) -> list[Message]:
         """
         Take a message; return those that can be used now, in the order of their stamps.
@@ -74,8 +79,11 @@ class StampScreen:
             The next one.
         last_ns, other_ns : int
             Last stamp used of this topic and of the other; `BEFORE_ANY` where there is none [ns].
+        gap_ns : int
+            Largest distance ahead of them, except in a topic so slow that five of its periods
+            are longer [ns].
         jump_ns : int
-            Largest distance from them on one clock [ns].
+            Largest distance behind them on one clock, and largest distance at all [ns].
         offset_ns : int
             What was added to the stamps of this topic [ns].
 
@@ -87,7 +95,8 @@ class StampScreen:
 
         """
         stamp_ns = message[0]
-        measured_ns, far = stamp_ns - offset_ns, not abs(stamp_ns - other_ns) <= jump_ns
+        ahead_ns = min(jump_ns, max(gap_ns, _PERIODS * (last_ns - self.before_ns)))
+        measured_ns, far = stamp_ns - offset_ns, not -jump_ns <= stamp_ns - other_ns <= ahead_ns
         if not 0 <= measured_ns < _END:  # also true for NaN
             return self._reject('invalid_stamp')
         begun = last_ns != BEFORE_ANY
@@ -96,7 +105,7 @@ class StampScreen:
         if begun and last_ns - jump_ns <= stamp_ns <= last_ns:
             return self._reject('duplicate' if stamp_ns == last_ns else 'out_of_order')
         if begun and last_ns != offset_ns and far:  # nothing follows from a single stamp of zero
-            if stamp_ns > last_ns + jump_ns or stamp_ns < last_ns:
+            if stamp_ns > last_ns + ahead_ns or stamp_ns < last_ns:
                 return self._hold(message, last_ns)
         return self._release(message, last_ns, jump_ns)
 

@@ -47,13 +47,13 @@ class SynchronisationParameters(ParameterGroup):
         minimum=1e-3, maximum=60.0,
     )
     maximum_gap_s: float = parameter(
-        0.05, 'No interpolation between joint states further apart than this', 's',
-        minimum=1e-4, maximum=10.0,
+        0.05, 'No interpolation between joint states further apart than this. A stamp that is '
+        'further ahead is false, unless the next messages confirm it', 's', minimum=1e-4,
+        maximum=10.0,
     )
     time_jump_s: float = parameter(
-        0.5, 'A stamp further than this from the last ones of both topics is rejected, unless the '
-        'next messages confirm that the clock was set or both were silent', 's', minimum=1e-3,
-        maximum=1e6,
+        0.5, 'A stamp that is further behind the last ones than this is false, unless the next '
+        'messages confirm that the clock was set back', 's', minimum=1e-3, maximum=1e6,
     )
     offset: float = parameter(
         0.0,
@@ -142,6 +142,7 @@ class Synchroniser:
         self._timeout_ns = int(parameters.timeout_s * 1e9)
         self._gap_ns = int(parameters.maximum_gap_s * 1e9)
         self._jump_ns = int(parameters.time_jump_s * 1e9)
+        self._ahead_ns = min(self._gap_ns, self._jump_ns)
         self._offset_ns = round(parameters.offset * 1e9)
         self._largest_force = parameters.maximum_force
         self._largest_position = parameters.maximum_position
@@ -161,18 +162,18 @@ class Synchroniser:
 
         """
         last_ns, screen = self._last_wrench_ns, self._wrench_screen
-        if last_ns < stamp_ns <= last_ns + self._jump_ns and not screen.held:
+        if last_ns < stamp_ns <= last_ns + self._ahead_ns and not screen.held:
             return self._take_wrench(stamp_ns, forces)  # the usual case
         samples: list[AxesSample] = []
         for stamp_ns, forces in screen.admit(
-                (stamp_ns, forces), last_ns, self._last_motion_ns, self._jump_ns):
+                (stamp_ns, forces), last_ns, self._last_motion_ns, self._gap_ns, self._jump_ns):
             if stamp_ns < self._last_wrench_ns:
                 self._restart(stamp_ns)
             samples += self._take_wrench(stamp_ns, forces)
         return samples
 
     def _take_wrench(self, stamp_ns: int, forces: Sequence[float]) -> Sequence[AxesSample]:
-        self._last_wrench_ns = stamp_ns
+        self._wrench_screen.before_ns, self._last_wrench_ns = self._last_wrench_ns, stamp_ns
         for force in forces:
             if not abs(force) <= self._largest_force:  # also true for NaN
                 self._reject('wrench', force)
@@ -204,11 +205,11 @@ class Synchroniser:
         """
         stamp_ns += self._offset_ns
         last_ns, screen = self._last_motion_ns, self._motion_screen
-        if last_ns < stamp_ns <= last_ns + self._jump_ns and not screen.held:
+        if last_ns < stamp_ns <= last_ns + self._ahead_ns and not screen.held:
             return self._take_motion(stamp_ns, motion)  # the usual case
         samples: list[AxesSample] = []
         for stamp_ns, motion in screen.admit(
-                (stamp_ns, motion), last_ns, self._last_wrench_ns, self._jump_ns,
+                (stamp_ns, motion), last_ns, self._last_wrench_ns, self._gap_ns, self._jump_ns,
                 self._offset_ns):
             if stamp_ns < self._last_motion_ns:
                 self._motions.clear()
@@ -216,7 +217,7 @@ class Synchroniser:
         return samples
 
     def _take_motion(self, stamp_ns: int, motion: Sequence[float]) -> Sequence[AxesSample]:
-        self._last_motion_ns = stamp_ns
+        self._motion_screen.before_ns, self._last_motion_ns = self._last_motion_ns, stamp_ns
         for value in motion:
             if not abs(value) <= self._surely_valid:  # also true for NaN
                 checked = self._checked(motion)
@@ -264,8 +265,8 @@ class Synchroniser:
         regular = (
             not (self._wrenches or self._wrench_screen.held or self._motion_screen.held)
             and not self._offset_ns
-            and 0 < begin and (begin <= self._jump_ns or last == BEFORE_ANY)
-            and bool(((steps > 0) & (steps <= self._jump_ns)).all())
+            and 0 < begin and (begin <= self._ahead_ns or last == BEFORE_ANY)
+            and bool(((steps > 0) & (steps <= self._ahead_ns)).all())
             and all(bool((np.abs(F) <= self._largest_force).all()) for F in forces)
             and all(bool((np.abs(x) <= self._largest_position).all()) for x in positions)
             and not any(bool((np.abs(v) > self._largest_velocity).any()) for v in velocities)
@@ -277,6 +278,8 @@ class Synchroniser:
             map(ContactSample, stamps, *(column.tolist() for column in columns))
             for columns in zip(positions, velocities, forces)
         )))
+        self._wrench_screen.before_ns, self._motion_screen.before_ns = (
+            (stamps[-2],) * 2 if len(stamps) > 1 else self.newest_ns)
         self._last_wrench_ns = self._last_motion_ns = stamps[-1]
         self._motions.clear()
         positions_now, velocities_now, _ = zip(*(sample[1:] for sample in samples[-1]))

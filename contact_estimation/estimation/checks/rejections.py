@@ -60,9 +60,9 @@ REJECTIONS = (
     Rejection(
         'stamps_of_another_clock', ('wrench_future_stamp', 'wrench_past_stamp',
                                     'joint_future_stamp', 'joint_past_stamp'),
-        'rejected {count} messages of {topic}: their stamps are more than '
-        'synchronisation.time_jump_s off those before and after; let one driver publish the '
-        'topic, on a clock that is not stepped',
+        'rejected {count} messages of {topic}: their stamps are further ahead of those before and '
+        'after than synchronisation.maximum_gap_s, or further behind than time_jump_s; let one '
+        'driver publish the topic, on a clock that is not stepped',
         'Two publishers with different clocks, a clock that NTP sets in steps, or a driver that '
         'now and then stamps from another clock. A clock that stays where it was set is accepted '
         'with the fifth consecutive message of a topic, and none of them is lost.',
