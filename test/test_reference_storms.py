@@ -162,6 +162,21 @@ def test_the_full_rate_is_reached_at_other_rates_than_the_nominal(rate: int) -> 
     assert x_r[-1] - x_r[-11] == pytest.approx(SPEED * 10 / rate, rel=1e-3)
 
 
+@pytest.mark.parametrize('size', [2, 8])
+def test_wrenches_in_bursts_do_not_slow_the_reference_down(size: int) -> None:
+    # As of a USB latency timer; the joints are in time.
+    session, results = ContactSession(EstimationParameters()), list[Result]()
+    session.add_desired(1, Desired(1.0, 0.0, 0.0, nan))
+    for burst in range(100):
+        stamps = [1 + k * PERIOD_NS for k in range(burst * size, (burst + 1) * size)]
+        for stamp_ns in stamps:
+            session.add_motion(stamp_ns, 0.0, 0.0)
+        for stamp_ns in stamps:
+            results += session.add_wrench(stamp_ns, 0.0)
+    x_r = positions(results)
+    assert x_r[-1] - x_r[-1 - 10 * size] == pytest.approx(SPEED * T * 10 * size, rel=1e-3)
+
+
 def test_the_reach_from_a_surface_found_stays_until_a_reset() -> None:
     session = ContactSession(build(EstimationParameters, {
         'environment.location': nan, 'reference.maximum_depth': 0.004}))

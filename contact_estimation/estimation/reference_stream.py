@@ -30,7 +30,7 @@ from ..signals.contact_sample import ContactSample
 _MAX_SETPOINTS = 100_000  # that no sample has reached yet; older ones are dropped beyond
 _BEFORE_ANY = -(2**63)
 _FREE = EstimateStatus.FREE  # an enumeration takes long to look up
-_WINDOW = 40  # groups: 80 ms at 500 Hz
+_WINDOW = 40  # instants: 80 ms at 500 Hz
 _FALSE = 4  # of them whose spacing may be false, a tenth
 
 
@@ -39,12 +39,13 @@ class ExperiencedTime:
     The time in which the robot can move between references, whatever their stamps say.
 
     The references of the samples that one message completes form a group: the robot gets them at
-    one instant. From group to group at most the advance of the wrench stamps or of the joint
-    stamps has passed, whichever is less, and a false stamp may exaggerate both. So a group counts
-    as one sample period at most: the nominal one if a tenth of the last advances are longer and a
-    tenth shorter, else that decile of them. Streams slower or faster than the nominal rate then
-    need no parameter, and up to a tenth of false stamps do not lengthen the period. Since every
-    group takes a message, stamps can make x_r slower, but not faster than its limit.
+    one instant, as it does further groups until wrench and joints have both advanced. From one
+    such instant to the next at most the advance of the wrench stamps or of the joint stamps has
+    passed, whichever is less, and a false stamp may exaggerate both. So an instant counts as one
+    period at most: the nominal one of the samples if a tenth of the last advances are longer and a
+    tenth shorter, else that decile of them. Streams slower or faster than the nominal rate, or in
+    bursts, then need no parameter, and up to a tenth of false stamps do not lengthen the period.
+    Since every instant takes messages, stamps can make x_r slower, but not faster than its limit.
 
     Parameters
     ----------
@@ -56,19 +57,20 @@ class ExperiencedTime:
     nominal_s : float
         As above; may be changed.
     period_s : float
-        Most that a group may take [s].
+        Most that the groups of an instant may take [s].
 
     """
 
     def __init__(self, nominal_s: float) -> None:
         self.nominal_s = self.period_s = nominal_s
-        self._newest: tuple[int, int] | None = None
+        self._newest: tuple[int, int] | None = None  # of the last group
+        self._begin = 0, 0  # of the first group of its instant
         self._rest_s = 0.0
         self._spacings: deque[float] = deque()
         self._sorted: list[float] = []
 
     def change_clock(self) -> None:
-        """Expect stamps of another clock; at least a period has passed until its first group."""
+        """Expect stamps of another clock; a period has surely passed until its first group."""
         self._newest = None
 
     def arrive(self, newest: tuple[int, int]) -> None:
@@ -81,11 +83,14 @@ class ExperiencedTime:
             Last stamps of both topics [ns].
 
         """
-        before, self._newest = self._newest, newest
+        before, self._newest, begin = self._newest, newest, self._begin
         if before is None:
-            self._rest_s = self.period_s
+            self._rest_s, self._begin = self.period_s, newest
             return
-        wrench, joints = newest[0] - before[0], newest[1] - before[1]
+        if newest[0] <= before[0] or newest[1] <= before[1]:
+            return  # still the same instant
+        self._begin = newest
+        wrench, joints = newest[0] - begin[0], newest[1] - begin[1]
         passed = (wrench if wrench < joints else joints) * 1e-9
         if passed < 0.0:  # the clock of the joints was set back
             passed = 0.0
