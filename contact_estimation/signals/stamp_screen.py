@@ -81,9 +81,9 @@ class StampScreen:
             Last stamp used of this topic and of the other; `BEFORE_ANY` where there is none [ns].
         gap_ns : int
             Largest distance ahead of them, except in a topic so slow that five of its periods
-            are longer [ns].
+            are longer: then these, up to `jump_ns` [ns].
         jump_ns : int
-            Largest distance behind them on one clock, and largest distance at all [ns].
+            Largest distance behind them on one clock [ns].
         offset_ns : int
             What was added to the stamps of this topic [ns].
 
@@ -95,7 +95,7 @@ class StampScreen:
 
         """
         stamp_ns = message[0]
-        ahead_ns = min(jump_ns, max(gap_ns, _PERIODS * (last_ns - self.before_ns)))
+        ahead_ns = max(gap_ns, min(jump_ns, _PERIODS * (last_ns - self.before_ns)))
         measured_ns, far = stamp_ns - offset_ns, not -jump_ns <= stamp_ns - other_ns <= ahead_ns
         if not 0 <= measured_ns < _END:  # also true for NaN
             return self._reject('invalid_stamp')

@@ -142,7 +142,6 @@ class Synchroniser:
         self._timeout_ns = int(parameters.timeout_s * 1e9)
         self._gap_ns = int(parameters.maximum_gap_s * 1e9)
         self._jump_ns = int(parameters.time_jump_s * 1e9)
-        self._ahead_ns = min(self._gap_ns, self._jump_ns)
         self._offset_ns = round(parameters.offset * 1e9)
         self._largest_force = parameters.maximum_force
         self._largest_position = parameters.maximum_position
@@ -162,7 +161,7 @@ class Synchroniser:
 
         """
         last_ns, screen = self._last_wrench_ns, self._wrench_screen
-        if last_ns < stamp_ns <= last_ns + self._ahead_ns and not screen.held:
+        if last_ns < stamp_ns <= last_ns + self._gap_ns and not screen.held:
             return self._take_wrench(stamp_ns, forces)  # the usual case
         samples: list[AxesSample] = []
         for stamp_ns, forces in screen.admit(
@@ -205,7 +204,7 @@ class Synchroniser:
         """
         stamp_ns += self._offset_ns
         last_ns, screen = self._last_motion_ns, self._motion_screen
-        if last_ns < stamp_ns <= last_ns + self._ahead_ns and not screen.held:
+        if last_ns < stamp_ns <= last_ns + self._gap_ns and not screen.held:
             return self._take_motion(stamp_ns, motion)  # the usual case
         samples: list[AxesSample] = []
         for stamp_ns, motion in screen.admit(
@@ -265,8 +264,8 @@ class Synchroniser:
         regular = (
             not (self._wrenches or self._wrench_screen.held or self._motion_screen.held)
             and not self._offset_ns
-            and 0 < begin and (begin <= self._ahead_ns or last == BEFORE_ANY)
-            and bool(((steps > 0) & (steps <= self._ahead_ns)).all())
+            and 0 < begin and (begin <= self._gap_ns or last == BEFORE_ANY)
+            and bool(((steps > 0) & (steps <= self._gap_ns)).all())
             and all(bool((np.abs(F) <= self._largest_force).all()) for F in forces)
             and all(bool((np.abs(x) <= self._largest_position).all()) for x in positions)
             and not any(bool((np.abs(v) > self._largest_velocity).any()) for v in velocities)
