@@ -179,7 +179,8 @@ class Storm:
         deepest = p.environment.location + p.reference.maximum_depth
         if self._last is None or self.session.time_jumps != self._jumps:
             self._jumps = self.session.time_jumps
-            self._last, dt = Reference(sample.position, 0.0, 0.0), 1.0 / p.sample_rate
+            self._last = self._last or Reference(sample.position, 0.0, 0.0)
+            dt = 1.0 / p.sample_rate
         else:
             dt = (sample.stamp_ns - self._last_ns) * 1e-9
         assert_safe(self._last, reference, dt, 1.0 / p.sample_rate,

@@ -24,6 +24,9 @@ import pytest
 
 @pytest.mark.parametrize('counts, name, part', [
     ({'wrench_zero_stamp': 5}, 'zero_stamps', 'header.stamp'),
+    ({'joint_invalid_stamp': 5}, 'invalid_stamps', 'of joint_states: their stamps are negative'),
+    ({'wrench_future_stamp': 2, 'wrench_past_stamp': 2}, 'stamps_of_another_clock',
+     '4 messages of wrench: their stamps are further ahead of those before and'),
     ({'wrench_frame_id': 3, 'joint_missing': 3}, 'frame', 'set frame_id'),
     ({'joint_states_joint_unknown': 4, 'joint_missing': 9}, 'joint', 'choose one of these'),
     ({'joint_gap': 4}, 'joint_gap', 'maximum_gap_s'),

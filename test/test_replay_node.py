@@ -27,6 +27,7 @@ from contact_estimation.messages import Vector3StampedDecoder
 from contact_estimation.recordings import RecordingReader
 from contact_estimation.recordings.source import RecordingSource
 from contact_estimation.signals.contact_sample import ContactSample
+from contact_estimation.signals.stamp_screen import CONFIRMING
 from core_runs import contact_samples
 import numpy as np
 import pytest
@@ -72,8 +73,9 @@ class Recording:
         stamps = count(peer.begin_ns + 10**9, PERIOD_NS)
 
         def complete() -> bool:
-            """Send one more sample and look."""
-            peer.feed([ContactSample(next(stamps), -0.01, 0.0, 0.0)])
+            """Send some more samples, enough to be believed after a silence, and look."""
+            peer.feed([
+                ContactSample(next(stamps), -0.01, 0.0, 0.0) for _ in range(CONFIRMING)])
             return all(peer.heard[name] for name in VALUES) and self._topics() >= WANTED
 
         peer.spin_until(complete, 'every topic in the recording')

@@ -28,6 +28,7 @@ from contact_estimation.messages import Vector3StampedDecoder
 from contact_estimation.recordings import RecordingReader
 from contact_estimation.recordings.source import RecordingSource
 from contact_estimation.signals.contact_sample import ContactSample
+from contact_estimation.signals.stamp_screen import CONFIRMING
 import pytest
 from ros_peer import ESTIMATES, PERIOD_NS
 from ros_processes import node_process, wait_until_recorded
@@ -79,8 +80,8 @@ def test_replay_of_two_axes_equals_the_node_bit_for_bit(tmp_path: Path) -> None:
         knock = iter(range(peer.begin_ns + 10**9, peer.begin_ns + 10**12, PERIOD_NS))
 
         def complete() -> bool:
-            """Send one more sample and look."""
-            peer.feed([ContactSample(next(knock), -0.01, 0.0, 0.0)])
+            """Send some more samples, enough to be believed after a silence, and look."""
+            peer.feed([ContactSample(next(knock), -0.01, 0.0, 0.0) for _ in range(CONFIRMING)])
             there = all(recorded(folder, name) for name in ESTIMATES)
             return there and recording_has_inputs(folder)
 

@@ -21,7 +21,10 @@ from math import nan
 from pathlib import Path
 from typing import Iterable, Sequence
 
+from contact_estimation.estimation.inputs import MessageInputs
+from contact_estimation.estimation.parameters import EstimationParameters
 from contact_estimation.estimation.replay import RecordingReplay
+from contact_estimation.estimation.session import ContactSession
 from contact_estimation.messages import JointStateEncoder, WrenchEncoder
 from contact_estimation.recordings import RecordingReader, RecordingWriter
 from contact_estimation.recordings.source import RecordingSource
@@ -74,9 +77,14 @@ BAD = sent([sample._replace(force=nan) if k % 400 == 300 else sample
 BACK = sent([*SAMPLES, *(sample._replace(stamp_ns=sample.stamp_ns - PERIOD_NS // 2)
                          for sample in SAMPLES)])
 
+LIES = (lambda ns: 0, lambda ns: ns + 6 * 10**8, lambda ns: ns - 3 * 10**9)
+FALSE = sent([sample._replace(stamp_ns=LIES[k % 3](sample.stamp_ns)) if k % 100 == 50 else sample
+              for k, sample in enumerate(SAMPLES)])
+
 
 @pytest.mark.parametrize('topic', TYPES)
-@pytest.mark.parametrize('messages', (IN_TIME, BAD, BACK), ids=('regular', 'with NaN', 'set back'))
+@pytest.mark.parametrize('messages', (IN_TIME, BAD, BACK, FALSE), ids=(
+    'regular', 'with NaN', 'set back', 'false stamps'))
 @pytest.mark.parametrize('span', ((0, 110), (120, 710), (310, 380), (1000, 1470)))
 def test_replay_is_that_of_the_topic_in_time(
     tmp_path: Path, topic: str, messages: list[Sent], span: tuple[int, int]
@@ -100,3 +108,14 @@ def test_a_topic_set_back_alone_is_replayed_as_recorded(tmp_path: Path) -> None:
     alone = [m for m in BACK if m[1] == '/wrench' or m[0] < len(SAMPLES)]
     estimates, _ = replayed(tmp_path / 'a.mcap', alone)
     assert len(estimates) == len(SAMPLES)
+
+
+@pytest.mark.parametrize('messages', (FALSE, BACK), ids=('false stamps', 'set back'))
+def test_replay_is_that_of_a_live_session(tmp_path: Path, messages: list[Sent]) -> None:
+    session = ContactSession(EstimationParameters(), generate_reference=False)
+    inputs, live = MessageInputs(session), []
+    for _, topic, raw in messages:
+        process = inputs.process_wrench if topic == '/wrench' else inputs.process_motion
+        live += [repr(result.estimates) for result in process(raw)]
+    assert replayed(tmp_path / 'a.mcap', messages) == (live, session.rejected)
+    assert len(live) > 1700

@@ -22,10 +22,12 @@ its clock is wrong or its driver is slow, and the node has rejected it.
 
 from __future__ import annotations
 
+from collections import Counter
 from typing import Callable, Iterable, Iterator
 
 from ..messages.cdr import header_stamp_ns
 from ..recordings import RecordedMessage
+from ..signals.stamp_screen import BEFORE_ANY, StampScreen
 from ..signals.synchronisation import SynchronisationParameters
 
 _MOST_HELD = 6000  # messages for which a late topic is awaited
@@ -102,33 +104,49 @@ class LateMessages:
         Returns
         -------
         messages : list of RecordedMessage
-            Those of each topic in the same order; a joint state before the wrench of its stamp.
+            Those of each topic in the same order; a joint state before the wrench of its stamp,
+            and one whose stamp will be rejected with the message before it.
 
         """
         if not self.end_together(messages):
             return messages
-        jump_ns = int(self._limits().time_jump_s * 1e9)
-        newest: dict[bool, int] = {}
-        jumps = {True: 0, False: 0}
-        keys: list[tuple[int, int, bool]] = []
-        for message in messages:
-            of_wrench = message.topic == self._wrench
-            stamp_ns, last_ns = self._stamp_ns(message), newest.get(of_wrench)
-            if stamp_ns is None:
-                stamp_ns = last_ns or 0
-            if last_ns is not None and stamp_ns < last_ns:
-                if stamp_ns < last_ns - jump_ns:
-                    jumps[of_wrench] += 1
-                else:  # will be rejected
-                    stamp_ns = last_ns
-            newest[of_wrench] = stamp_ns
-            keys.append((jumps[of_wrench], stamp_ns, of_wrench))
-        if jumps[True] != jumps[False]:
+        topics = {of_wrench: _TopicOrder(of_wrench, self._limits()) for of_wrench in (False, True)}
+        for place, message in enumerate(messages):
+            stamp_ns = self._stamp_ns(message)
+            topics[message.topic == self._wrench].add(place, stamp_ns)
+        if topics[False].jumps != topics[True].jumps:
             return messages
-        return [messages[place] for place in sorted(range(len(keys)), key=keys.__getitem__)]
+        keys = {**topics[False].keys, **topics[True].keys}
+        return [messages[place] for place in sorted(keys, key=keys.__getitem__)]
 
     def _stamp_ns(self, message: RecordedMessage) -> int | None:
         stamp_ns = header_stamp_ns(message.data)
         if stamp_ns is None or message.topic == self._wrench:
             return stamp_ns
         return stamp_ns + round(self._limits().offset * 1e9)
+
+
+class _TopicOrder:
+    """Keys by which the messages of one topic sort, as the pairing screens their stamps."""
+
+    def __init__(self, of_wrench: bool, limits: SynchronisationParameters) -> None:
+        self.keys: dict[int, tuple[int, int, bool]] = {}
+        self.jumps = 0
+        self._of_wrench = of_wrench
+        self._newest_ns = BEFORE_ANY
+        self._gap_ns = int(limits.maximum_gap_s * 1e9)
+        self._jump_ns = int(limits.time_jump_s * 1e9)
+        self._offset_ns = 0 if of_wrench else round(limits.offset * 1e9)
+        self._screen = StampScreen('', Counter())
+
+    def add(self, place: int, stamp_ns: int | None) -> None:
+        """Add the message at a place; one that is rejected sorts with the one before it."""
+        self.keys[place] = self.jumps, self._newest_ns, self._of_wrench
+        if stamp_ns is None:
+            return
+        for admitted_ns, at in self._screen.admit(
+                (stamp_ns, place), self._newest_ns, BEFORE_ANY, self._gap_ns, self._jump_ns,
+                self._offset_ns):
+            self.jumps += admitted_ns < self._newest_ns
+            self._screen.before_ns, self._newest_ns = self._newest_ns, admitted_ns
+            self.keys[at] = self.jumps, admitted_ns, self._of_wrench

@@ -231,9 +231,11 @@ class ContactSession:
 
     def _process(self, samples: Sequence[AxesSample]) -> list[Result]:
         results: list[Result] = []
+        if self._synchroniser.jumped:
+            self._restart_time()
+        if self._generates:
+            self.stream.arrive(self._synchroniser.newest_ns)
         for paired in samples:
-            if self._synchroniser.jumped:
-                self._restart_time()
             if self._references or self._actions:
                 self._apply_due(paired[0][0])
             axes, state = paired, None
@@ -288,7 +290,7 @@ class ContactSession:
         self._jumps += 1
         self._axes.restart_time()
         self._followed = NO_REFERENCE
-        self.stream.restart()
+        self.stream.change_clock()
         self.last_stamp_ns = _BEFORE_ANY
 
     def add_desired(self, stamp_ns: int, desired: Desired) -> None:
@@ -337,6 +339,7 @@ class ContactSession:
     def reset(self) -> None:
         """Reset K_hat and B_hat to their initial values on every axis."""
         self._axes.reset()
+        self.stream.reset()
 
     def set_bias(self, bias: Mapping[str, float]) -> None:
         """Set the force by axis that is subtracted from the measured F_e [N], see `tare`."""

@@ -244,8 +244,8 @@ def limited(
     if velocity == 0.0 == acceleration and abs(step) <= most and position == target[0]:
         return target  # at rest within all limits, the usual case
     if abs(step) > most:
-        position = before + copysign(most, step)
-        velocity, acceleration = copysign(speed, step), 0.0
+        position = before + copysign(most, step)  # and on at the same rate, at most `speed`
+        velocity, acceleration = copysign(min(speed, most / period), step), 0.0
     if velocity != 0.0 or acceleration != 0.0:
         velocity, acceleration = _rates(
             position, velocity, acceleration, period, speed, deepest)

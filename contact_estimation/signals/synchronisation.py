@@ -26,6 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .contact_sample import AxesSample, ContactSample
+from .stamp_screen import BEFORE_ANY, StampScreen
 from ..parameters.specification import parameter, ParameterGroup
 
 MakeSample = Callable[[int, Sequence[float], Sequence[float]], Any]
@@ -46,12 +47,13 @@ class SynchronisationParameters(ParameterGroup):
         minimum=1e-3, maximum=60.0,
     )
     maximum_gap_s: float = parameter(
-        0.05, 'No interpolation between joint states further apart than this', 's',
-        minimum=1e-4, maximum=10.0,
+        0.05, 'No interpolation between joint states further apart than this. A stamp that is '
+        'further ahead is false, unless the next messages confirm it', 's', minimum=1e-4,
+        maximum=10.0,
     )
     time_jump_s: float = parameter(
-        0.5, 'A stamp earlier than the last one by more than this is a backward clock jump', 's',
-        minimum=1e-3, maximum=1e6,
+        0.5, 'A stamp that is further behind the last ones than this is false, unless the next '
+        'messages confirm that the clock was set back', 's', minimum=1e-3, maximum=1e6,
     )
     offset: float = parameter(
         0.0,
@@ -83,7 +85,8 @@ class Synchroniser:
     A wrench is paired when a joint state stamped at or after it has come; the motion is
     interpolated to the stamp of the wrench. Where one axis has no valid measurement, the message
     is rejected for all, so that all axes have the same samples. The result depends on the messages
-    and their stamps, not on which topic was served first.
+    and their stamps, not on which topic was served first. Stamps are screened before all else, see
+    `StampScreen`.
 
     Parameters
     ----------
@@ -113,7 +116,9 @@ class Synchroniser:
         self.jumped = False
         self._wrenches: deque[tuple[int, Sequence[float]]] = deque()
         self._motions: deque[tuple[int, Sequence[float]]] = deque()
-        self._last_wrench_ns = self._last_motion_ns = -(2**63)
+        self._wrench_screen = StampScreen('wrench', self.rejected)
+        self._motion_screen = StampScreen('joint', self.rejected)
+        self._last_wrench_ns = self._last_motion_ns = BEFORE_ANY
 
     @property
     def waits(self) -> bool:
@@ -123,9 +128,14 @@ class Synchroniser:
     @property
     def motion_lag_s(self) -> float:
         """Newest stamp of a wrench less that of a joint state [s]; NaN before both."""
-        if min(self._last_wrench_ns, self._last_motion_ns) == -(2**63):
+        if min(self.newest_ns) == BEFORE_ANY:
             return nan
         return (self._last_wrench_ns - self._last_motion_ns) * 1e-9
+
+    @property
+    def newest_ns(self) -> tuple[int, int]:
+        """Last stamps used of wrenches and joint states [ns]."""
+        return self._last_wrench_ns, self._last_motion_ns
 
     def configure(self, parameters: SynchronisationParameters) -> None:
         """Set other limits, as for the constructor."""
@@ -150,11 +160,19 @@ class Synchroniser:
             F_e along each axis [N].
 
         """
-        if stamp_ns <= self._last_wrench_ns:
-            if not self._is_jump('wrench', stamp_ns, self._last_wrench_ns):
-                return _NOTHING
-            self._restart(stamp_ns)
-        self._last_wrench_ns = stamp_ns
+        last_ns, screen = self._last_wrench_ns, self._wrench_screen
+        if last_ns < stamp_ns <= last_ns + self._gap_ns and not screen.held:
+            return self._take_wrench(stamp_ns, forces)  # the usual case
+        samples: list[AxesSample] = []
+        for stamp_ns, forces in screen.admit(
+                (stamp_ns, forces), last_ns, self._last_motion_ns, self._gap_ns, self._jump_ns):
+            if stamp_ns < self._last_wrench_ns:
+                self._restart(stamp_ns)
+            samples += self._take_wrench(stamp_ns, forces)
+        return samples
+
+    def _take_wrench(self, stamp_ns: int, forces: Sequence[float]) -> Sequence[AxesSample]:
+        self._wrench_screen.before_ns, self._last_wrench_ns = self._last_wrench_ns, stamp_ns
         for force in forces:
             if not abs(force) <= self._largest_force:  # also true for NaN
                 self._reject('wrench', force)
@@ -185,11 +203,20 @@ class Synchroniser:
 
         """
         stamp_ns += self._offset_ns
-        if stamp_ns <= self._last_motion_ns:
-            if not self._is_jump('joint', stamp_ns, self._last_motion_ns):
-                return _NOTHING
-            self._motions.clear()
-        self._last_motion_ns = stamp_ns
+        last_ns, screen = self._last_motion_ns, self._motion_screen
+        if last_ns < stamp_ns <= last_ns + self._gap_ns and not screen.held:
+            return self._take_motion(stamp_ns, motion)  # the usual case
+        samples: list[AxesSample] = []
+        for stamp_ns, motion in screen.admit(
+                (stamp_ns, motion), last_ns, self._last_wrench_ns, self._gap_ns, self._jump_ns,
+                self._offset_ns):
+            if stamp_ns < self._last_motion_ns:
+                self._motions.clear()
+            samples += self._take_motion(stamp_ns, motion)
+        return samples
+
+    def _take_motion(self, stamp_ns: int, motion: Sequence[float]) -> Sequence[AxesSample]:
+        self._motion_screen.before_ns, self._last_motion_ns = self._last_motion_ns, stamp_ns
         for value in motion:
             if not abs(value) <= self._surely_valid:  # also true for NaN
                 checked = self._checked(motion)
@@ -232,12 +259,13 @@ class Synchroniser:
             None where stamps or values are irregular and must be added one by one.
 
         """
-        last = max(self._last_wrench_ns, self._last_motion_ns)
+        last, steps = max(self.newest_ns), np.diff(stamps_ns)
+        begin = int(stamps_ns[0]) - last if last != BEFORE_ANY else 1 + int(stamps_ns[0])
         regular = (
-            not self._wrenches
+            not (self._wrenches or self._wrench_screen.held or self._motion_screen.held)
             and not self._offset_ns
-            and int(stamps_ns[0]) > last
-            and bool((np.diff(stamps_ns) > 0).all())
+            and 0 < begin and (begin <= self._gap_ns or last == BEFORE_ANY)
+            and bool(((steps > 0) & (steps <= self._gap_ns)).all())
             and all(bool((np.abs(F) <= self._largest_force).all()) for F in forces)
             and all(bool((np.abs(x) <= self._largest_position).all()) for x in positions)
             and not any(bool((np.abs(v) > self._largest_velocity).any()) for v in velocities)
@@ -249,6 +277,8 @@ class Synchroniser:
             map(ContactSample, stamps, *(column.tolist() for column in columns))
             for columns in zip(positions, velocities, forces)
         )))
+        self._wrench_screen.before_ns, self._motion_screen.before_ns = (
+            (stamps[-2],) * 2 if len(stamps) > 1 else self.newest_ns)
         self._last_wrench_ns = self._last_motion_ns = stamps[-1]
         self._motions.clear()
         positions_now, velocities_now, _ = zip(*(sample[1:] for sample in samples[-1]))
@@ -271,16 +301,6 @@ class Synchroniser:
         """Count a message by the first of its values that is no measurement."""
         self.rejected[f'{kind}_absurd' if isfinite(value) else f'{kind}_not_finite'] += 1
 
-    def _is_jump(self, kind: str, stamp_ns: int, last_ns: int) -> bool:
-        """Distinguish a clock jump from a duplicate or late message, and count the latter."""
-        if stamp_ns < last_ns - self._jump_ns:
-            return True
-        reason = 'duplicate' if stamp_ns == last_ns else 'out_of_order'
-        if stamp_ns == (self._offset_ns if kind == 'joint' else 0):
-            reason = 'zero_stamp'  # a driver that does not fill header.stamp
-        self.rejected[f'{kind}_{reason}'] += 1
-        return False
-
     def _restart(self, stamp_ns: int) -> None:
         # Joint states from before the jump pair with no wrench any more; those that jumped first
         # are kept.
@@ -295,7 +315,7 @@ class Synchroniser:
         # Keeps one at or before the last wrench, to interpolate from, and all after it.
         motions, limit = self._motions, self._last_wrench_ns
         if limit > self._last_motion_ns + self._jump_ns:
-            limit = -(2**63)  # the clock jumped back, and no wrench has come since
+            limit = BEFORE_ANY  # the clock jumped back, and no wrench has come since
         while len(motions) > 1 and (motions[1][0] <= limit or len(motions) > _MOTIONS_KEPT):
             motions.popleft()
 

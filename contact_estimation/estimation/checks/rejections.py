@@ -51,6 +51,24 @@ REJECTIONS = (
         'The driver publishes without a stamp, often from a hand-written bridge.',
         'Fill `header.stamp` with the time of the measurement.'),
     Rejection(
+        'invalid_stamps', ('wrench_invalid_stamp', 'joint_invalid_stamp'),
+        'rejected {count} messages of {topic}: their stamps are negative or no number; the driver '
+        'must fill header.stamp with the time of the measurement',
+        'The driver fills `header.stamp` from a variable that is not set, or subtracts a latency '
+        'from a clock that begins at zero.',
+        'Correct the driver; where it subtracts a latency, set `synchronisation.offset` instead.'),
+    Rejection(
+        'stamps_of_another_clock', ('wrench_future_stamp', 'wrench_past_stamp',
+                                    'joint_future_stamp', 'joint_past_stamp'),
+        'rejected {count} messages of {topic}: their stamps are further ahead of those before and '
+        'after than synchronisation.maximum_gap_s, or further behind than time_jump_s; let one '
+        'driver publish the topic, on a clock that is not stepped',
+        'Two publishers with different clocks, a clock that NTP sets in steps, or a driver that '
+        'now and then stamps from another clock. A clock that stays where it was set is accepted '
+        'with the fifth consecutive message of a topic, and none of them is lost.',
+        'Stop the second publisher (`ros2 topic info -v`), synchronise the clocks by slewing '
+        '(`chrony`, PTP), or correct the driver.'),
+    Rejection(
         'arm', ('robot_description_missing', 'transforms_missing', 'wrench_frame_unknown',
                 'joint_lacking'),
         'rejected {count} messages of the arm: {text}',

@@ -1,0 +1,85 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Stamps that are those of no measurement are rejected; a clock that was set is followed."""
+
+from __future__ import annotations
+
+from collections import Counter
+from math import inf, nan
+from typing import Any
+
+from contact_estimation.signals.stamp_screen import BEFORE_ANY, CONFIRMING, StampScreen
+import pytest
+
+GAP_NS, JUMP_NS, LAST_NS = 50, 500, 10_000
+
+
+def admitted(
+    stamps: list[Any], last_ns: int = LAST_NS, other_ns: int = LAST_NS
+) -> tuple[list[int], dict[str, int]]:
+    """Screen stamps after others; return those that are used, and the rejections."""
+    rejected: Counter[str] = Counter()
+    screen, used = StampScreen('wrench', rejected), list[int]()
+    screen.before_ns = last_ns - 2 if last_ns != BEFORE_ANY else last_ns
+    for stamp in stamps:
+        for stamp_ns, _ in screen.admit((stamp, None), last_ns, other_ns, GAP_NS, JUMP_NS):
+            used.append(stamp_ns)
+            screen.before_ns, last_ns = last_ns, stamp_ns
+    return used, dict(rejected)
+
+
+@pytest.mark.parametrize('stamp, reason', [
+    (0, 'zero_stamp'), (-1, 'invalid_stamp'), (-2**63, 'invalid_stamp'), (2**63, 'invalid_stamp'),
+    (nan, 'invalid_stamp'), (inf, 'invalid_stamp'), (-inf, 'invalid_stamp'),
+    (LAST_NS, 'duplicate'), (LAST_NS - 1, 'out_of_order'),
+])
+def test_a_stamp_of_no_measurement_is_rejected_at_once(stamp: float, reason: str) -> None:
+    assert admitted([stamp]) == ([], {f'wrench_{reason}': 1})
+    later = [LAST_NS + k for k in range(1, 9)]
+    assert admitted([stamp, *later])[0] == later
+
+
+@pytest.mark.parametrize('stamp, reason', [
+    (LAST_NS + GAP_NS + 1, 'future_stamp'), (LAST_NS - JUMP_NS - 1, 'past_stamp')])
+def test_a_stamp_far_off_is_refuted_by_the_next(stamp: int, reason: str) -> None:
+    assert admitted([stamp]) == ([], {})  # nothing is known yet
+    assert admitted([stamp, LAST_NS + 2]) == ([LAST_NS + 2], {f'wrench_{reason}': 1})
+
+
+@pytest.mark.parametrize('begin', [LAST_NS + GAP_NS + 1, 10**9, 1])
+def test_messages_that_increase_prove_a_new_clock_and_none_is_lost(begin: int) -> None:
+    clock = [begin + 2 * k for k in range(CONFIRMING + 3)]
+    assert admitted(clock[:CONFIRMING - 1]) == ([], {})
+    assert admitted(clock) == (clock, {})
+
+
+def test_messages_on_either_side_prove_no_clock() -> None:
+    stamps = [LAST_NS + 900, LAST_NS - 900] * CONFIRMING
+    used, rejected = admitted([*stamps, LAST_NS + 1])
+    assert used == [LAST_NS + 1] and sum(rejected.values()) == len(stamps)
+
+
+def test_a_clock_that_the_other_topic_has_is_followed_at_once() -> None:
+    assert admitted([20_000, 20_002], other_ns=20_001) == ([20_000, 20_002], {})
+
+
+@pytest.mark.parametrize('rate_ns', [2, GAP_NS, JUMP_NS, 5 * JUMP_NS])
+def test_a_clock_may_begin_at_zero_and_a_topic_may_be_slow(rate_ns: int) -> None:
+    clock = [rate_ns * k for k in range(2 * CONFIRMING + 2)]
+    assert admitted(clock, BEFORE_ANY, BEFORE_ANY) == (clock, {})
+
+
+def test_a_first_stamp_of_zero_beside_a_clock_is_rejected() -> None:
+    assert admitted([0, LAST_NS], BEFORE_ANY) == ([LAST_NS], {'wrench_zero_stamp': 1})
