@@ -16,27 +16,34 @@
 
 from __future__ import annotations
 
-import math
-from math import nan
-from typing import Iterable
+from math import isfinite, nan, sqrt
+from typing import Iterable, Mapping
 
-from .checks.touch_down import TouchDown
+from .checks.check import millimetres
 from .model_fit import ModelFitMonitor
 from .parameters import EstimationParameters
-from .supervised_estimator import SupervisedEstimator
-from .surface_search import REACH
-from ..estimators.estimate import Estimate, EstimateStatus, new_tuple
+from .robot_compliance import of_the_wall, with_joints
+from .row_estimation import RowEstimation
+from ..estimators import MULTIPLE_MODEL
+from ..estimators.estimate import Estimate, EstimateStatus, new_tuple, ParameterEstimate
 from ..estimators.estimator import OnlineEstimator
-from ..estimators.excitation_monitor import ExcitationMonitor
+from ..estimators.multiple_model import CONTACT, FREE, LAWS, told_lag, WallPosterior
 from ..physics import effects_that_are_on
 from ..physics.compensation import Compensation
-from ..physics.known_wall import IN_PLAY
 from ..reference.setpoints import Reference
+from ..signals.compensated_sample import CompensatedSample
 from ..signals.conditioning import Conditioner
 from ..signals.contact_sample import ContactSample
 
 NO_REFERENCE = Reference(nan, nan, nan)
-_FREE, _FROZEN = EstimateStatus.FREE, EstimateStatus.FROZEN  # an enumeration takes long
+_FREE, _ESTIMATING, _FROZEN = (  # an enumeration takes long to look up
+    EstimateStatus.FREE, EstimateStatus.ESTIMATING, EstimateStatus.FROZEN)
+_MARGIN = 3.0  # standard deviations of the surface, beyond which it is elsewhere
+_LEAST_MARGIN = 1e-3  # [m]
+_UNCHECKED = 0.05  # share of K_e that an uncertain surface leaves open
+
+LOCATING = 'locating the surface'
+_NEITHER = 'a force that is neither that of free flight nor of the wall'
 
 
 class EstimationPipeline:
@@ -52,10 +59,12 @@ class EstimationPipeline:
 
     Attributes
     ----------
+    posterior : WallPosterior
+        What is known of contact and wall.
     model_fit : ModelFitMonitor
-        Whether the model of the estimator fits.
-    touch_down : TouchDown
-        Where contacts begin.
+        Whether a law of the contact fits.
+    location : float
+        x_e as configured, or as found at the first touch [m]; NaN before.
     invalid : str
         Why no estimate is valid now, as told by the checks of the session; '' where it is.
 
@@ -63,15 +72,35 @@ class EstimationPipeline:
 
     def __init__(self, parameters: EstimationParameters | None = None) -> None:
         self.parameters = p = parameters or EstimationParameters()
-        self.touch_down = TouchDown()
         self.invalid = ''
-        self._supervised = SupervisedEstimator(p)
-        self.model_fit = ModelFitMonitor(p.sample_rate)
-        self._conditioner = Conditioner(
-            p.contact, p.conditioning, p.sample_rate, self.estimator.relation
-        )
+        self.model_fit = ModelFitMonitor()
+        self._conditioner = Conditioner(p.sample_rate)
+        self._first_ns: int | None = None
+        self._begin()
+
+    def _begin(self) -> None:
+        """Build what depends on wall, physics and estimator."""
+        p = self.parameters
+        environment = p.environment
+        self.location = environment.location
+        self.posterior = WallPosterior(
+            environment.location, environment.location_std,
+            told_lag(p.physics.force_lag.tau, p.synchronisation.timing_std),
+            p.contact.position_noise, p.contact.minimum_force)
+        self._of_rows: RowEstimation | None = None
+        if p.estimator != MULTIPLE_MODEL:
+            self._of_rows = RowEstimation(p, self.posterior)
+        self._held = ParameterEstimate(
+            environment.initial_stiffness, environment.initial_damping, nan, nan, 0.0, nan)
+        self._robot = with_joints(p.robot, p.physics)
         self._compensate()
-        self._set_location()
+
+    def _compensate(self) -> None:
+        p = self.parameters
+        self._compensation = compensation = Compensation(
+            effects_that_are_on(p.physics), p.environment.initial_stiffness,
+            p.contact.force_noise, p.sample_rate)
+        self._conditioner.compensation = compensation if compensation.acts else None
 
     # -- parameters -------------------------------------------------------------------------
 
@@ -79,8 +108,8 @@ class EstimationPipeline:
         """
         Set new parameters while running; K_hat and B_hat stay.
 
-        Only the stages whose parameters differ change. A new estimator starts from the present
-        K_hat and B_hat.
+        What depends on parameters that differ begins anew. A new estimator starts from the
+        present K_hat and B_hat.
 
         Parameters
         ----------
@@ -95,81 +124,69 @@ class EstimationPipeline:
         """
         effects_that_are_on(parameters.physics)  # the only stage that can refuse
         old, self.parameters = self.parameters, parameters
-        self._supervised.configure(parameters)
-        if any(getattr(parameters, name) != getattr(old, name)
-               for name in ('sample_rate', 'estimator', 'conditioning')):
-            self._conditioner.configure(
-                parameters.conditioning, parameters.sample_rate, self.estimator.relation
-            )
-        if repr(parameters.physics) != repr(old.physics):  # NaN is not equal to itself
-            self._compensate()
-        if repr(parameters.environment.location) != repr(old.environment.location):
-            self._set_location()
-            self.touch_down.trust()
-            self.touch_down.taken = False
-        else:
-            self._note_parameters()
-        self._conditioner.detector.configure(parameters.contact)
-        if parameters.sample_rate != old.sample_rate:
-            self.model_fit = ModelFitMonitor(parameters.sample_rate)
-        self.model_fit.restart()
 
-    def _compensate(self) -> None:
-        p = self.parameters
-        self._compensation = compensation = Compensation(
-            effects_that_are_on(p.physics), p.environment.initial_stiffness,
-            p.contact.force_noise, p.sample_rate)
-        self._conditioner.compensation = compensation if compensation.acts else None
-        self.touch_down.known_forces = compensation.forces if compensation.acts else None
+        def differs(*names: str) -> bool:  # NaN is not equal to itself
+            return any(repr(getattr(parameters, name)) != repr(getattr(old, name))
+                       for name in names)
 
-    def _set_location(self) -> None:
-        self._conditioner.location = self.parameters.environment.location
-        self._note_parameters()
+        if differs('sample_rate'):
+            self._conditioner.configure(parameters.sample_rate)
+        if differs('environment', 'physics', 'contact', 'synchronisation'):
+            noise, held = self.posterior.contact, self._held
+            self._begin()
+            self.posterior.keep(noise)
+            self._held = held._replace(stiffness_std=nan, damping_std=nan)
+            self._start_rows()
+        elif differs('estimator', 'sample_rate', 'conditioning'):
+            self._of_rows = None
+            if parameters.estimator != MULTIPLE_MODEL:
+                self._of_rows = RowEstimation(parameters, self.posterior)
+            self._start_rows()
+        if self._of_rows is not None:
+            self._of_rows.configure(parameters)
+        self._robot = with_joints(parameters.robot, parameters.physics)
 
-    def _note_parameters(self) -> None:
-        self._position_noise = self.parameters.contact.position_noise
-        self._observes = self.estimator.follows_reference
-        # Where x_e is estimated too, its prior bounds how far outside contact is possible.
-        environment = self.parameters.environment
-        self._conditioner.location_margin = max(
-            5.0 * (self.estimator.location_std or 0.0), REACH * environment.location_std)
-
-    def _take_location(self, location: float, std: float) -> None:
-        """Use the surface that the first touch has shown, from the next sample on."""
-        self._conditioner.location = self._compensation.nominal(location)
-        self._conditioner.configure(  # its filters hold rows of an unknown depth
-            self.parameters.conditioning, self.parameters.sample_rate, self.estimator.relation)
-        self._supervised.take_location(std)
-        self.touch_down.trust()
+    def _start_rows(self) -> None:
+        if self._of_rows is not None:
+            estimator = self._of_rows.estimator
+            estimator.start_from(*estimator.within_limits(*self._held[:2]))
 
     # -- events -----------------------------------------------------------------------------
 
     def reset(self) -> None:
-        """Reset the estimate to its initial values; the force bias stays."""
-        self._supervised.reset()
-        self._conditioner.detector.reset()
-        self._conditioner.restart()
-        self._set_location()
-        self.touch_down.reset()
+        """Reset the estimate to its initial values; the force bias and the noise stay."""
+        noise = self.posterior.contact
+        self._begin()
+        self.posterior.keep(noise)
         self.invalid = ''
         self.model_fit.reset()
 
     def restart_time(self) -> None:
         """Accept stamps before the last one, as when a bag loops; K_hat and B_hat stay."""
         self._conditioner.restart()
+        self.posterior.restart()
+        self._first_ns = None
+        if self._of_rows is not None:
+            self._of_rows.restart()
         self._compensate()
-        self.model_fit.restart()
 
     def tare(self) -> tuple[bool, str]:
-        """Set the force bias to the mean free-flight force; see `Conditioner.tare`."""
-        return self._conditioner.tare()
+        """Set the force bias to the mean free-flight force; False with the reason if refused."""
+        refusal = self.tare_refusal()
+        if refusal:
+            return False, refusal
+        text = self._conditioner.tare()
+        self.posterior.contact.set_level(0.0, self.posterior.contact.level_variance)
+        return True, text
 
     def tare_refusal(self) -> str:
         """Return why no tare is possible now, '' where it is."""
-        return self._conditioner.tare_refusal()
+        return self._conditioner.tare_refusal(self.contact, self.location - self.location_margin)
 
     def set_bias(self, bias: float) -> None:
         """Set the force that is subtracted from the measured F_e [N]."""
+        contact = self.posterior.contact
+        contact.set_level(contact.level + self.bias - bias, contact.level_variance)
         self._conditioner.set_bias(bias)
 
     # -- state ------------------------------------------------------------------------------
@@ -185,29 +202,9 @@ class EstimationPipeline:
         return self._conditioner.missing
 
     @property
-    def location(self) -> float:
-        """Location of the surface, configured or taken at the first touch [m]; NaN before."""
-        return self._conditioner.location
-
-    @property
-    def location_margin(self) -> float:
-        """How far from its location the surface may be [m]."""
-        return self._conditioner.location_margin
-
-    @property
-    def location_shift(self) -> float:
-        """Location of the surface found less the configured one [m]."""
-        return self._supervised.shift
-
-    @property
-    def location_unchecked(self) -> bool:
-        """Whether the present contact has not shown where its surface is."""
-        return self._supervised.location_unchecked
-
-    @property
     def outliers(self) -> int:
         """Return the number of forces replaced as outliers."""
-        return self._conditioner.gate.count
+        return self.posterior.outliers
 
     @property
     def sample_period_s(self) -> float:
@@ -215,40 +212,60 @@ class EstimationPipeline:
         return self._conditioner.sample_period_s
 
     @property
-    def noise_std(self) -> float:
-        """Return the standard deviation of the force noise in free flight [N]."""
-        return math.sqrt(self._conditioner.detector.noise_variance)
+    def location_margin(self) -> float:
+        """How far from its location the surface may be [m]."""
+        return max(_MARGIN * self.parameters.environment.location_std, _LEAST_MARGIN)
 
     @property
-    def contact_threshold(self) -> float:
-        """Force above which contact begins [N]."""
-        contact = self.parameters.contact
-        return max(contact.on_ratio * self.noise_std, contact.minimum_force)
+    def location_shift(self) -> float:
+        """Location of the surface found less the configured one [m]."""
+        now = self.posterior.known
+        found = now.surface - self.parameters.environment.location
+        return found if now.valid and found == found else 0.0
+
+    @property
+    def location_unchecked(self) -> bool:
+        """Whether the stiffness relies on a surface that the present contact has not shown."""
+        now = self.posterior.known
+        if not self.contact or not now.valid:
+            return False
+        return now.stiffness_std > _UNCHECKED * now.stiffness
+
+    @property
+    def surface_text(self) -> str:
+        """Where the surface is, if it is not where it is configured; '' where it is."""
+        shift, location = self.location_shift, self.parameters.environment.location
+        if abs(shift) <= self.location_margin:
+            return ''
+        side = 'inside' if shift > 0.0 else 'outside'
+        return (f'the surface is at x = {location + shift:.4g} m, {millimetres(abs(shift))} '
+                f'{side} the wall; set environment.location to {location + shift:.4g}, or to nan '
+                'to take it at first touch')
+
+    @property
+    def noise_std(self) -> float:
+        """Return the standard deviation of the force noise [N]."""
+        return sqrt(self.posterior.contact.variance)
 
     @property
     def free_flight_level(self) -> float:
         """Mean pressing force in free flight [N]; far from 0, a tare is due."""
-        return self._conditioner.detector.level
+        return self.posterior.contact.level
 
     @property
     def contact(self) -> bool:
         """Whether the last sample was in contact."""
-        return self._conditioner.detector.contact
+        return self.posterior.contact.state == CONTACT
 
     @property
-    def excitation(self) -> ExcitationMonitor:
-        """Return the excitation monitor, for its predicted standard deviations."""
-        return self._supervised.monitor
+    def laws(self) -> Mapping[str, float]:
+        """Probability of each law of the contact."""
+        return dict(zip(LAWS, self.posterior.known.laws))
 
     @property
-    def hindrance(self) -> str:
-        """Return what hinders the estimator on the present contact; '' for nothing."""
-        return self._supervised.hindrance
-
-    @property
-    def estimator(self) -> OnlineEstimator:
-        """Return the estimator that runs."""
-        return self._supervised.estimator
+    def estimator(self) -> OnlineEstimator | None:
+        """Return the estimator that runs on rows; None where it is the posterior itself."""
+        return self._of_rows.estimator if self._of_rows is not None else None
 
     # -- samples ----------------------------------------------------------------------------
 
@@ -275,41 +292,92 @@ class EstimationPipeline:
             After the sample.
 
         """
-        conditioner, supervised = self._conditioner, self._supervised
-        dt, v, touching, variance, row, gain, moved = conditioner.take(sample)
-        touch_down = self.touch_down
-        if conditioner.hindrance is IN_PLAY:  # its end is met inside the wall
-            touch_down.trust()
-        if touch_down.watches or not touching:
-            reason = touch_down.take(
-                sample, dt, touching, sample[1] - conditioner.location - moved,
-                conditioner.pressing, conditioner.location_margin, variance)
+        stamp_ns, x, v, _ = sample
+        if self._first_ns is None:
+            self._first_ns = stamp_ns
+        t = (stamp_ns - self._first_ns) * 1e-9
+        location, posterior = self.location, self.posterior
+        dt, pressing, known = self._conditioner.take(sample, location)
+        shift = 0.0
+        if known is None:
+            state = posterior.take(t, pressing, x, v)
         else:
-            reason = touch_down.text
-        withheld = self.invalid or reason
-        if withheld:
-            row = None
-        if self._observes and reference[0] == reference[0]:
-            supervised.estimator.observe(
-                dt, sample[1], v, sample[3] - conditioner.bias, reference)
-        (K, B, K_std, B_std, shift, M), status, reason = supervised.take(
-            dt, touching, variance, row, gain)
-        fit = self.model_fit
-        if not touching:
-            fit.leave(dt)
+            if known.depth == known.depth:
+                shift = x - location - known.depth
+            state, pressing = self._take_known(t, x, shift, known), known.pressing
+        if state == CONTACT:
+            self._conditioner.note_contact()
+        elif not x > location - self.location_margin:
+            self._conditioner.note_free(pressing)
+        if location != location and posterior.known.valid:
+            self.location = self._compensation.nominal(posterior.known.surface)
+        if self._of_rows is not None:
+            own, status, reason = self._by_rows(
+                dt, sample, shift, pressing, known, state, reference)
         else:
-            fit.t = t = fit.t + dt
-            if (fit.settled or fit.settle(dt)) and row is not None:
-                fit.pending.append((t, row, sample, gain))
-                if len(fit.pending) >= fit.due:
-                    fit.judge(variance, supervised.estimator, self._position_noise)
-        location = conditioner.location + supervised.shift + moved + shift
-        if touch_down.found is not None:
-            self._take_location(*touch_down.found)
-        if touching and row is None and conditioner.hindrance:
-            reason = conditioner.hindrance
-        if withheld:
+            own, status, reason = self._by_posterior(state)
+        if self._robot.compliance or self._robot.compliance_std:
+            own = of_the_wall(own, self._robot)
+        K, B, K_std, B_std, _, inertia = own
+        if known is not None and known.hindrance and state == CONTACT:
+            status, reason = _FROZEN, known.hindrance
+        if self.invalid:
             K_std = B_std = nan
-            status, reason = _FREE if status is _FREE else _FROZEN, withheld
+            status, reason = _FREE if status is _FREE else _FROZEN, self.invalid
+        now = posterior.known
+        if state == CONTACT and now.fit == now.fit:
+            self.model_fit.note(now.fit, posterior.law, stamp_ns)
+        surface = now.surface + shift if now.valid else location
         return new_tuple(Estimate, (
-            sample[0], K, B, K_std, B_std, location, M, status, reason, fit.now[0]))
+            stamp_ns, K, B, K_std, B_std, surface, inertia, status, reason,
+            self.model_fit.now.ratio))
+
+    def _take_known(self, t: float, x: float, shift: float, known: CompensatedSample) -> int:
+        """Let the posterior see what known physics leave, on a path on which K_e acts."""
+        location, v = self.location, known.velocity
+        path, felt = x, x - shift
+        if location == location:
+            path = location + known.stiffness_column
+            if known.constant_column != 1.0:
+                v = nan
+        return self.posterior.take(
+            t, known.rest, path, v, not known.hindrance, (known.pressing, felt))
+
+    def _by_posterior(self, state: int) -> tuple[ParameterEstimate, EstimateStatus, str]:
+        now, p = self.posterior.known, self.parameters
+        if now.valid:
+            low, high, most = p.environment.limits
+            self._held = ParameterEstimate(
+                min(max(now.stiffness, low), high), min(max(now.damping, 0.0), most),
+                now.stiffness_std, now.damping_std, 0.0, now.inertia)
+        elif self._held.stiffness_std == self._held.stiffness_std:
+            self._held = self._held._replace(stiffness_std=nan, damping_std=nan)
+        if state == CONTACT:
+            if now.valid:
+                return self._held, _ESTIMATING, ''
+            return self._held, _FROZEN, LOCATING
+        return self._held, _FREE, '' if state == FREE else _NEITHER
+
+    def _by_rows(
+        self, dt: float, sample: ContactSample, shift: float, pressing: float,
+        known: CompensatedSample | None, state: int, reference: Reference,
+    ) -> tuple[ParameterEstimate, EstimateStatus, str]:
+        assert self._of_rows is not None
+        _, x, v, force = sample
+        rows, now = self._of_rows, self.posterior.known
+        estimator = rows.estimator
+        if estimator.follows_reference and reference[0] == reference[0]:
+            estimator.observe(dt, x, v if v == v else 0.0, force - self.bias, reference)
+        surface = now.surface if isfinite(now.surface) else self.location
+        if state != CONTACT:
+            self._held, status, reason = rows.leave()
+            return self._held, status, reason if state == FREE else _NEITHER
+        if surface != surface or known is not None and known.hindrance:
+            rows.restart()
+            return self._held, _FROZEN, LOCATING
+        if known is not None:
+            known = known._replace(
+                stiffness_column=known.stiffness_column + self.location - surface)
+        self._held, status, reason = rows.take(
+            dt, x - shift - surface, v, pressing - self.free_flight_level, known)
+        return self._held, status, reason

@@ -14,6 +14,17 @@
 
 """One recursive posterior of a contact: whether there is one, K_e, B_e, the surface, the law."""
 
+from .contact import CONTACT, FREE, NEITHER
+from .lag import told_lag
+from .laws import NAMES as LAWS
 from .posterior import Knowledge, WallPosterior
 
-__all__ = ['Knowledge', 'WallPosterior']
+__all__ = [
+    'CONTACT',
+    'FREE',
+    'Knowledge',
+    'LAWS',
+    'NEITHER',
+    'told_lag',
+    'WallPosterior',
+]

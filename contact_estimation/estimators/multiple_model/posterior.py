@@ -22,14 +22,14 @@ from typing import NamedTuple, Sequence
 import numpy as np
 
 from .constants import (
-    ANYWHERE_M, AS_TOLD, AS_TOLD_M, DAMPING_FLOOR, ELSEWHERE, FADE_S, JITTER_S, MODEL_ERROR,
+    ANYWHERE_M, AS_TOLD, AS_TOLD_M, DAMPING_FLOOR, DAMPING_S, ELSEWHERE, FADE_S, JITTER_S, MODEL_ERROR,
     MODEL_ERROR_S, NEAR, STIFFNESS_FLOOR, STILL_THERE, WALL_WALK)
 from .contact import CONTACT, ContactFilter, FREE, NEITHER
 from .evidence import Hypotheses, judge, Judged, Scene, Wall, walls
 from .lag import LagPosterior
 from .laws import (
     Array, CHOSEN, COLUMNS, DEEP, DEPTH, FORCE, FORCE_RATE, FRICTION, Ints, KELVIN_VOIGT, LOG_PRIOR, MASS,
-    MOVING, NAMES, ONE, scales, shifted_table, UNKNOWNS)
+    MOVING, NAMES, ONE, RATE, scales, shifted_table, UNKNOWNS)
 from .runs import Change, decided, Runs
 from .smoothing import Smoothing
 
@@ -118,6 +118,8 @@ class WallPosterior:
         Of the force sensor.
     changes : int
         How often the wall has become another.
+    outliers : int
+        Forces replaced as outliers.
 
     """
 
@@ -129,7 +131,7 @@ class WallPosterior:
         self._told = location, max(location_std, AS_TOLD_M)
         self._least = position_noise * position_noise
         self.contact, self.lag = ContactFilter(minimum_force), LagPosterior(*lag)
-        self.period_s = 0.0
+        self.period_s, self.outliers = 0.0, 0
         self._first: list[tuple[float, ...]] = []
         self._noise = nan, nan  # variances of position and rate
         self._still = nan  # force since which the position has not changed
@@ -154,6 +156,41 @@ class WallPosterior:
                           (location, ANYWHERE_M, ELSEWHERE)]
         self._judged: tuple[Array, Judged, Hypotheses] | None = None
         self._touched = nan
+        self._excited_at, self._excitation = -1, (inf, inf)
+
+    def keep(self, contact: ContactFilter) -> None:
+        """Use the noise and the level of another posterior on the same samples."""
+        self.contact.variance, self.contact.level = contact.variance, contact.level
+        self.contact.level_variance = contact.level_variance
+
+    @property
+    def law(self) -> str:
+        """Name of the most probable law."""
+        return NAMES[int(np.argmax(self.known.laws))]
+
+    @property
+    def excitation(self) -> tuple[float, float]:
+        """
+        Relative standard deviations of K_e and B_e that the last second would leave on its own.
+
+        The Cramer-Rao bound with the surface as known: eq. (27) made quantitative.
+
+        """
+        if self._excited_at != self._blocks:
+            self._excited_at = self._blocks
+            self._excitation = self._bounds()
+        return self._excitation
+
+    def _bounds(self) -> tuple[float, float]:
+        gram = self._runs.recent(_DEPTHS) if self._blocks else self._gram
+        K, B = self._scale, max(self._seconds, DAMPING_S) * self._scale
+        (kk, kb), (_, bb) = gram[np.ix_([DEPTH, RATE], [DEPTH, RATE])].tolist()
+        determinant = kk * bb - kb * kb
+        if kk <= 0.0:
+            return inf, inf
+        if determinant <= 1e-12 * kk * bb:
+            return 1.0 / (K * sqrt(kk)), inf
+        return sqrt(bb / determinant) / K, sqrt(kk / determinant) / B
 
     def restart(self) -> None:
         """Begin anew with the next sample, as after a gap or a jump of the clock."""
@@ -299,7 +336,9 @@ class WallPosterior:
         bound = bound + np.array([[_STEEP], [_STEEP_POSITION]]) * np.abs(
             np.diff(median, axis=1, prepend=median[:, :1]))
         middle, level = both[:, 2:-2], self.contact.level
-        force, x = np.where(np.abs(middle - median) > bound, median, middle)
+        outside = np.abs(middle - median) > bound
+        self.outliers += int(np.count_nonzero(outside[0, -self._block:]))
+        force, x = np.where(outside, median, middle)
         return force - level, x, median[0] - level
 
     def _is_frozen(self, force: Array, x: Array, deviation: float) -> bool:

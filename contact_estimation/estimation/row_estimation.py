@@ -1,0 +1,178 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The estimators of the paper and their kin, on the contact that the posterior has found."""
+
+from __future__ import annotations
+
+from math import isfinite, sqrt
+
+from .parameters import EstimationParameters
+from ..estimators import ESTIMATORS
+from ..estimators.estimate import EstimateStatus, Frozen, ParameterEstimate
+from ..estimators.estimator import OnlineEstimator
+from ..estimators.multiple_model import WallPosterior
+from ..signals.compensated_sample import CompensatedSample
+from ..signals.outlier_gate import OutlierGate
+from ..signals.relations import GatedRows, Row
+
+_FROZEN, _ESTIMATING, _FREE = (
+    EstimateStatus.FROZEN, EstimateStatus.ESTIMATING, EstimateStatus.FREE)
+_REASONS = {
+    Frozen(False, False): '',
+    Frozen(False, True): 'damping frozen: weak excitation',
+    Frozen(True, False): 'stiffness frozen: weak excitation',
+    Frozen(True, True): 'weak excitation',
+}
+_UNKNOWN_DAMPING_S = 1e-2  # prior of B_e / K_e at a restart [s]
+
+
+class RowEstimation:
+    """
+    Rows of an estimator's relation, its updates, and its restarts where the wall has changed.
+
+    Parameters
+    ----------
+    parameters : EstimationParameters
+        All parameters.
+    posterior : WallPosterior
+        Tells contact, surface, noise, excitation and changes of the wall.
+
+    Attributes
+    ----------
+    estimator : OnlineEstimator
+        The estimator.
+    outliers : int
+        Forces replaced as outliers.
+
+    """
+
+    def __init__(self, parameters: EstimationParameters, posterior: WallPosterior) -> None:
+        p, self._posterior = parameters, posterior
+        self._p = p
+        self.estimator: OnlineEstimator = ESTIMATORS[p.estimator](
+            getattr(p.tuning, p.estimator), p.environment, 1.0 / p.sample_rate)
+        conditioning = p.conditioning
+        self._gate = OutlierGate(conditioning.outlier_threshold, conditioning.outlier_samples)
+        self._rows = GatedRows(
+            self.estimator.relation, conditioning.cutoff_frequency, p.sample_rate)
+        self._changes = posterior.changes
+        self._updated = self._touched = False
+
+    def configure(self, parameters: EstimationParameters) -> None:
+        """Set new tuning while running; the estimate stays."""
+        self._p = parameters
+        self.estimator.environment = parameters.environment
+        self.estimator.configure(getattr(parameters.tuning, parameters.estimator))
+
+    def restart(self) -> None:
+        """Start afresh with the next sample, as after a clock jump."""
+        self._rows.restart()
+        self._gate.leave()
+
+    @property
+    def outliers(self) -> int:
+        """Number of forces replaced as outliers."""
+        return self._gate.count
+
+    def leave(self) -> tuple[ParameterEstimate, EstimateStatus, str]:
+        """Keep the estimate out of contact."""
+        self._rows.leave()
+        self._gate.leave()
+        self._touched = False
+        return self._published(), _FREE, ''
+
+    def take(
+        self, dt: float, depth: float, v: float, pressing: float,
+        known: CompensatedSample | None,
+    ) -> tuple[ParameterEstimate, EstimateStatus, str]:
+        """
+        Update with a sample in contact.
+
+        Parameters
+        ----------
+        dt : float
+            Time since the last sample [s].
+        depth, v, pressing : float
+            x less the surface [m], its measured rate (NaN without) [m/s], pressing force [N].
+        known : CompensatedSample or None
+            What known physics leave, relative to the nominal surface; None without any.
+
+        Returns
+        -------
+        estimate, status, reason
+            After the sample.
+
+        """
+        posterior = self._posterior
+        if not self._touched:
+            self._begin_contact()
+        deviation = sqrt(posterior.contact.variance) or 1e-9
+        row: Row | None
+        if known is None:
+            row, _ = self._rows.in_contact(
+                dt, depth, v, self._gate.replace(depth, pressing, deviation))
+        else:
+            rest = self._gate.replace(known.travel, known.rest, deviation)
+            row, _ = self._rows.compensated(dt, known._replace(rest=rest))
+        if row is None:
+            return self._published(), _FROZEN, 'waiting for consecutive samples'
+        self._follow_changes()
+        frozen = self._frozen()
+        if frozen.stiffness and frozen.damping:
+            return self._published(), _FROZEN, _REASONS[frozen]
+        longest = 2.0 / self._p.sample_rate  # never integrate over a gap
+        (estimate,) = self.estimator.update(
+            ((min(dt, longest), row),), posterior.contact.variance, frozen)
+        if not (isfinite(estimate[0]) and isfinite(estimate[1])):
+            self.estimator.reset()
+            return self._published(), _FROZEN, 'estimate was not finite; reset to the initial values'
+        self._updated = True
+        return self._published(), _ESTIMATING, _REASONS[frozen]
+
+    def _begin_contact(self) -> None:
+        """Let what was learned in the last contact be a prior: the wall may be another."""
+        self._touched = True
+        estimator, tracking = self.estimator, self._p.tracking
+        if tracking.restarts and estimator.may_restart and self._updated:
+            K, B, share = estimator.stiffness, estimator.damping, tracking.carried_std
+            estimator.restart(K, B, share * K, share * max(B, _UNKNOWN_DAMPING_S * K))
+
+    def _follow_changes(self) -> None:
+        """Restart at the wall that the posterior has found after a change."""
+        posterior = self._posterior
+        if posterior.changes != self._changes:
+            self._changes = posterior.changes
+            now, estimator = posterior.known, self.estimator
+            if self._p.tracking.restarts and estimator.may_restart and now.valid:
+                K, B = estimator.within_limits(now.stiffness, now.damping)
+                estimator.restart(K, B, now.stiffness_std, now.damping_std)
+
+    def _frozen(self) -> Frozen:
+        """Freeze what the last second could determine only poorly."""
+        limit, (K_std, B_std) = self._p.excitation.maximum_relative_std, self._posterior.excitation
+        return Frozen(K_std > limit, B_std > limit)
+
+    def _published(self) -> ParameterEstimate:
+        """Add what the posterior does not know, and where it differs, to the deviations."""
+        own, now = self.estimator.current(), self._posterior.known
+        if not self._updated:
+            nan = float('nan')
+            return own._replace(stiffness_std=nan, damping_std=nan)
+        if now.stiffness_std != now.stiffness_std:
+            return own
+        off = own.stiffness - now.stiffness, own.damping - now.damping
+        return own._replace(
+            stiffness_std=sqrt(own.stiffness_std**2 + now.stiffness_std**2 + off[0] ** 2),
+            damping_std=sqrt(own.damping_std**2 + now.damping_std**2 + off[1] ** 2))
