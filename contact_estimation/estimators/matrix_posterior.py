@@ -1,0 +1,278 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Posterior of stiffness, damping, friction, normal and lag of a contact in three axes."""
+
+from __future__ import annotations
+
+from math import exp, pi, sqrt
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .estimate import EstimateStatus
+
+Array = NDArray[np.float64]
+
+_COLUMNS = 22  # x, v, a, N u, N du/dt, change of N u by two turns of n; of three each, and 1
+_CONSTANT, _SLIDING = 21, slice(9, 12)
+_UNKNOWNS = 30  # K, B, c; mu; lag of each force, share of its square; turns of the normal
+_MU, _TURNS = 21, slice(28, 30)
+_UNKNOWN = 1e6  # prior standard deviation of K, B and c, in SI units
+_FRICTION = 0.5  # prior standard deviation of mu
+_FRICTION_ANGLE = 0.17  # standard deviation, for a coefficient of friction up to 0.3 [rad]
+_POLE, _POLE_STD = 0.75, 0.25  # share of the square of the lag: 1/2 for a delay, 1 for a pole
+_SURE = 0.1  # [rad]
+_TOLD = 0.95  # probability of friction
+_FITTED = 10.0  # unknowns for each force
+_STEPS = 3  # Gauss-Newton: a fourth changes no figure of `benchmarks.matrix_study`
+_MISFIT = 4.0  # variance of the residual relative to the noise, as for `~/model_fit`
+
+
+class MatrixEstimate(NamedTuple):
+    """
+    Coupled stiffness and damping of a contact; axes in the order x, y, z.
+
+    Attributes
+    ----------
+    stamp_ns : int
+        Stamp of the last sample used [ns].
+    stiffness, stiffness_std : ndarray, shape (3, 3)
+        -dF_i / dx_j as fitted, not symmetrised [N/m].
+    damping, damping_std : ndarray, shape (3, 3)
+        -dF_i / dv_j [N s/m].
+    principal, principal_std : ndarray, shape (3,)
+        Eigenvalues of the symmetric positive part of the stiffness, largest first [N/m].
+    directions : ndarray, shape (3, 3)
+        Their directions, one a row.
+    direction_std : ndarray, shape (3,)
+        Standard deviation of the angle of each direction [rad].
+    normal : ndarray, shape (3,)
+        Unit vector into the wall.
+    normal_std : float
+        Standard deviation of its angle [rad].
+    friction, friction_std : float
+        Coefficient of Coulomb friction along the wall, weighted by its probability.
+    status : EstimateStatus
+        Estimating, or frozen while nothing moves.
+    reason : str
+        Why it is frozen, or what the forces show besides K and B: friction, or an unknown law.
+
+    """
+
+    stamp_ns: int
+    stiffness: Array
+    stiffness_std: Array
+    damping: Array
+    damping_std: Array
+    principal: Array
+    principal_std: Array
+    directions: Array
+    direction_std: Array
+    normal: Array
+    normal_std: float
+    friction: float
+    friction_std: float
+    status: EstimateStatus
+    reason: str
+
+
+class Sums(NamedTuple):
+    """
+    Weighted sums over rows (22 columns, -F).
+
+    Attributes
+    ----------
+    products : ndarray, shape (25, 25)
+        Of row^T row.
+    spread : ndarray, shape (9, 9)
+        What noise of the position adds to those of x, v and a.
+    noise : ndarray, shape (6,)
+        Variances of smoothed x and F.
+    count : float
+        Rows, as far as their noise is independent.
+
+    """
+
+    products: Array
+    spread: Array
+    noise: Array
+    count: float
+
+    @classmethod
+    def empty(cls) -> Sums:
+        """Return sums over nothing."""
+        size = _COLUMNS + 3
+        return cls(np.zeros((size, size)), np.zeros((9, 9)), np.zeros(6), 0.0)
+
+
+def posterior(
+    stamp_ns: int, sums: Sums, normal: Array, timing_std: float
+) -> tuple[MatrixEstimate, Array]:
+    """
+    Find the matrices by Gauss-Newton steps, and the normal with which to make the rows next.
+
+    Friction is as probable as not before. A residual above the noise is an error of the model:
+    it is correlated, so that deviations are wider by its ratio to the noise.
+
+    Parameters
+    ----------
+    stamp_ns : int
+        Of the last sample [ns].
+    sums : Sums
+        Of rows that were made with `normal`.
+    normal : ndarray, shape (3,)
+        Into the wall.
+    timing_std : float
+        Prior standard deviation of the lag of each force [s].
+
+    Returns
+    -------
+    estimate : MatrixEstimate
+        With deviations.
+    normal : ndarray, shape (3,)
+        As friction shows it.
+
+    """
+    theta, cov, ratio = _solve(sums, timing_std)
+    theta, cov, probability = _with_friction(theta, cov)
+    K, B = theta[:18].reshape(2, 3, 3)
+    std = np.sqrt(np.maximum(cov.diagonal(), 0.0))
+    values, stds, directions, angles = principal_directions(K, cov[:9, :9])
+    elastic = sums.products[_CONSTANT, -3:] - theta[_MU] * sums.products[_CONSTANT, _SLIDING]
+    shown, shown_std = _normal(values, directions, angles, elastic)
+    told, reason = probability > _TOLD and theta[_MU] > 0.0, ''
+    if told:
+        normal = direction_of(normal + theta[_TURNS] @ tangents(normal))
+        shown, shown_std = normal, float(np.linalg.norm(std[_TURNS]))
+        reason = f'friction along the wall: mu = {theta[_MU]:.2g} +- {2.0 * std[_MU]:.1g}'
+    elif ratio > _MISFIT:
+        reason = f'residual {sqrt(ratio):.1f} x noise: the wall is not linear'
+    return MatrixEstimate(
+        stamp_ns, K, std[:9].reshape(3, 3), B, std[9:18].reshape(3, 3), values, stds, directions,
+        angles, shown, shown_std, float(theta[_MU]), float(std[_MU]), EstimateStatus.ESTIMATING,
+        reason), normal
+
+
+def _coefficients(theta: Array) -> Array:
+    """Return those of the columns for each force, shape (..., 3, 22): exact to lag^2."""
+    K, B = (theta[..., k:k + 9].reshape(*theta.shape[:-1], 3, 3) for k in (0, 9))
+    c, lag, share = (theta[..., k:k + 3, None] for k in (18, 22, 25))
+    mu, first, second = (theta[..., k, None, None] * np.eye(3) for k in (_MU, 28, 29))
+    return np.concatenate([
+        K, B - lag * K, lag * (share * lag * K - B), mu, -lag * mu, mu @ first, mu @ second, c,
+    ], axis=-1)
+
+
+def _solve(sums: Sums, timing_std: float) -> tuple[Array, Array, float]:
+    """Return unknowns, their covariance, and the variance of the residual over the noise."""
+    raw, C = sums.products[:_COLUMNS, :_COLUMNS], sums.products[:_COLUMNS, _COLUMNS:]
+    Y, A = sums.products[_COLUMNS:, _COLUMNS:], raw.copy()
+    A[:9, :9] -= sums.spread  # errors in variables
+    scale = np.sqrt(np.maximum(raw.diagonal(), 1e-18))
+    power, V = np.linalg.eigh(A / np.outer(scale, scale))
+    A = (V * np.maximum(power, 0.0)) @ V.T * np.outer(scale, scale)
+    mean, prior = np.zeros(_UNKNOWNS), np.full(_UNKNOWNS, _UNKNOWN)
+    mean[25:28], prior[25:28], prior[22:25] = _POLE, _POLE_STD, max(timing_std, 1e-9)
+    prior[_MU], prior[_TURNS] = _FRICTION, _FRICTION_ANGLE
+    theta, least = mean, max(1e-12 * float(np.trace(Y)), 1e-18)
+    for _ in range(_STEPS):
+        T = _coefficients(theta)
+        J = _coefficients(theta + 1e-20j * np.eye(_UNKNOWNS)).imag.reshape(_UNKNOWNS, -1) * 1e20
+        known = sums.noise[3:] + T[:, :3]**2 @ sums.noise[:3] + least
+        S = Y - T @ C - (T @ C).T + T @ raw @ T.T
+        S = (0.5 * (S + S.T) + _FITTED * np.diag(known) / sums.count) / sums.count
+        weight = np.linalg.inv(S)
+        H = J @ np.kron(weight, A) @ J.T + np.diag(prior**-2)
+        gradient = J @ (weight @ (C.T - T @ A)).ravel() - (theta - mean) / prior**2
+        scale = np.sqrt(H.diagonal())
+        cov = np.linalg.inv(H / np.outer(scale, scale)) / np.outer(scale, scale)
+        theta = theta + cov @ gradient
+    ratio = float(np.trace(S) * sums.count / known.sum())
+    return theta, cov * max(ratio, 1.0), ratio
+
+
+def _with_friction(theta: Array, cov: Array) -> tuple[Array, Array, float]:
+    """Mix the hypotheses with and without friction; return the probability of friction too."""
+    mu, variance = float(theta[_MU]), float(cov[_MU, _MU])
+    # Savage and Dickey: the density of mu = 0, posterior over prior.
+    none = _FRICTION / sqrt(variance) * exp(-min(0.5 * mu * mu / variance, 700.0))
+    probability = 1.0 / (1.0 + none)
+    gain = cov[:, _MU] / variance
+    added = (1.0 - probability) * (probability * mu * mu - variance)
+    return theta - (1.0 - probability) * mu * gain, cov + added * np.outer(gain, gain), probability
+
+
+def principal_directions(K: Array, cov: Array) -> tuple[Array, Array, Array, Array]:
+    """
+    Decompose the symmetric positive part of a stiffness.
+
+    Parameters
+    ----------
+    K : ndarray, shape (3, 3)
+        Stiffness [N/m].
+    cov : ndarray, shape (9, 9)
+        Covariance of its entries.
+
+    Returns
+    -------
+    values, stds : ndarray, shape (3,)
+        Principal stiffnesses, largest first, and their standard deviations [N/m].
+    directions : ndarray, shape (3, 3)
+        One a row.
+    angles : ndarray, shape (3,)
+        Standard deviation of the angle of each; at most pi / 2 [rad].
+
+    """
+    values, vectors = np.linalg.eigh(0.5 * (K + K.T))
+    values, vectors = values[::-1], vectors[:, ::-1]
+    # Of v_i^T (K + K^T) v_j / 2.
+    pairs = np.einsum('ai,bj->ijab', vectors, vectors)
+    pairs = (0.5 * (pairs + pairs.transpose(1, 0, 2, 3))).reshape(3, 3, 9)
+    variances = np.einsum('ijp,pq,ijq->ij', pairs, cov, pairs)
+    gaps = values[:, None] - values[None, :]
+    with np.errstate(divide='ignore', invalid='ignore'):
+        turns = np.where(gaps == 0.0, pi**2, variances / gaps**2)
+    np.fill_diagonal(turns, 0.0)
+    angles = np.minimum(np.sqrt(np.minimum(turns, pi**2).sum(axis=1)), 0.5 * pi)
+    stds = np.sqrt(np.maximum(variances.diagonal(), 0.0))
+    return np.maximum(values, 0.0), stds, vectors.T, angles
+
+
+def _normal(
+    values: Array, directions: Array, angles: Array, force: Array
+) -> tuple[Array, float]:
+    """
+    Return the direction into the wall and the standard deviation of its angle.
+
+    The stiffest direction, where force and motion determine it; else that of the mean force.
+
+    """
+    pressing = direction_of(force)
+    angle = float(angles[0])
+    if angle > _SURE or values[0] < 2.0 * values[1]:
+        return pressing, _FRICTION_ANGLE
+    sign = 1.0 if float(directions[0] @ pressing) >= 0.0 else -1.0
+    return sign * directions[0], angle
+
+
+def direction_of(vector: Array) -> Array:
+    """Return the unit vector; of 0, 0."""
+    return np.asarray(vector / max(float(np.linalg.norm(vector)), 1e-12))
+
+
+def tangents(normal: Array) -> Array:
+    """Return two unit vectors, one a row, at right angles to another and to one another."""
+    return np.asarray(np.linalg.svd(normal[None])[2][1:])
