@@ -34,11 +34,12 @@ from ..estimators.stiffness_matrix import MatrixEstimate, StiffnessMatrix
 from ..estimators.stiffness_matrix import StiffnessMatrixParameters
 from ..exceptions import ParameterRangeError
 from ..signals.contact_sample import AxesSample, ContactSample
+from ..signals.synchronisation import SynchronisationParameters
 
 Array = NDArray[np.float64]
 
 FRICTIONS = (0.0, 0.1, 0.3, 0.8)
-_RATE, _FINE = 500.0, 10_000.0  # of the samples, of wall and sensor [Hz]
+_RATE, _FINE = 500.0, 10_000.0  # of the samples; of wall and sensor [Hz]
 _APPROACH_S, _GAP = 0.5, 5e-3  # [s], [m]
 _SOFTEST, _STIFFEST = 300.0, 3e4  # [N/m]
 _SIDEWAYS_N, _SIDEWAYS_M = 15.0, 3e-3  # the motion along the wall reaches neither
@@ -152,3 +153,106 @@ def _measure(t: Array, x: Array, F: Array, draw: np.random.Generator) -> list[Ax
                             float(forces[i][k])) for i in range(3))
         for k in range(len(stamps))
     ]
+
+
+class Score(NamedTuple):
+    """
+    How an estimate fits the truth.
+
+    Attributes
+    ----------
+    K_error, B_error, angle : float
+        Relative errors of the matrices (Frobenius) and the angle of the normal [deg].
+    K_inside, B_inside, normal_inside, friction_inside : float
+        Share of the entries within 2 standard deviations.
+    told : float
+        1 where the reason names friction.
+
+    """
+
+    K_error: float
+    B_error: float
+    angle: float
+    K_inside: float
+    B_inside: float
+    normal_inside: float
+    friction_inside: float
+    told: float
+
+
+def estimate_of(world: MatrixWorld) -> MatrixEstimate:
+    """Return the last estimate of a world."""
+    estimator = StiffnessMatrix(
+        StiffnessMatrixParameters(), SynchronisationParameters().timing_std)
+    return estimator.process(world.samples, world.contact)[-1]
+
+
+def score_of(found: MatrixEstimate, world: MatrixWorld) -> Score:
+    """Compare an estimate with its world."""
+    pairs = ((found.stiffness, world.stiffness, found.stiffness_std),
+             (found.damping, world.damping, found.damping_std))
+    angle = float(np.arccos(min(abs(found.normal @ world.normal), 1.0)))
+    return Score(
+        *(float(np.linalg.norm(value - true) / np.linalg.norm(true)) for value, true, _ in pairs),
+        float(np.degrees(angle)),
+        *(float((np.abs(value - true) < 2.0 * std).mean()) for value, true, std in pairs),
+        float(angle < 2.0 * found.normal_std),
+        float(abs(found.friction - world.friction) <= 2.0 * found.friction_std),
+        float('friction' in found.reason))
+
+
+def make_parser() -> Parser:
+    """Build the command line of the study."""
+    parser = Parser(
+        prog='benchmarks.matrix_study',
+        description='Estimate the full matrices in simulated contacts with sensors as real ones '
+        'are, with and without friction along the wall. Prints a Markdown table: errors of K, B '
+        'and the normal, and how often the truth is within 2 standard deviations.')
+    parser.add_argument('--worlds', type=int, default=60, help='for each friction (60)')
+    parser.add_argument('--seed', type=int, default=0, help='of all worlds (0)')
+    parser.add_argument('--seconds', type=float, default=6.0, help='of motion in contact (6)')
+    return parser
+
+
+def run(options: Any) -> int:
+    """
+    Run the study and print it.
+
+    Parameters
+    ----------
+    options : argparse.Namespace
+        Options of `make_parser`.
+
+    Returns
+    -------
+    code : int
+        0.
+
+    Raises
+    ------
+    ParameterRangeError
+        If an option is out of range.
+
+    """
+    if options.worlds < 1 or options.seed < 0 or options.seconds < 0.5:
+        raise ParameterRangeError('expected --worlds >= 1, --seed >= 0 and --seconds >= 0.5')
+    print('| mu | K error, median / 90 % | B error | angle of the normal [deg] | K within 2 std '
+          '| B | normal | mu | friction told |\n|' + ' --- |' * 9)
+    for friction in FRICTIONS:
+        worlds = (make_world(k, friction, options.seed, options.seconds)
+                  for k in range(options.worlds))
+        table = np.array([score_of(estimate_of(world), world) for world in worlds])
+        errors = ' | '.join(
+            f'{middle:.2g} / {high:.2g}{unit}' for middle, high, unit in zip(
+                *np.quantile(table[:, :3] * [100.0, 100.0, 1.0], (0.5, 0.9), axis=0),
+                (' %', ' %', '')))
+        shares = ' | '.join(f'{100.0 * share:.0f} %' for share in table[:, 3:].mean(axis=0))
+        print(f'| {friction:g} | {errors} | {shares} |', flush=True)
+    return 0
+
+
+main = command(make_parser, run)
+
+
+if __name__ == '__main__':
+    raise SystemExit(main())

@@ -28,10 +28,10 @@ Array = NDArray[np.float64]
 
 _COLUMNS = 22  # x, v, a, N u, N du/dt, change of N u by two turns of n; of three each, and 1
 _CONSTANT, _SLIDING = 21, slice(9, 12)
-_UNKNOWNS = 30  # K, B, c; mu; lag of each force, share of its square; turns of the normal
-_MU, _TURNS = 21, slice(28, 30)
+_UNKNOWNS = 31  # K, B, c; mu; lag of each force, share of its square; turns of n; mass
+_MU, _TURNS, _MASS = 21, slice(28, 30), 30
 _UNKNOWN = 1e6  # prior standard deviation of K, B and c, in SI units
-_FRICTION = 0.5  # prior standard deviation of mu
+_WEIGHED = {_MU: 0.5, _MASS: 1.0}  # prior standard deviations of what may be 0 [1, kg]
 _FRICTION_ANGLE = 0.17  # standard deviation, for a coefficient of friction up to 0.3 [rad]
 _POLE, _POLE_STD = 0.75, 0.25  # share of the square of the lag: 1/2 for a delay, 1 for a pole
 _SURE = 0.1  # [rad]
@@ -147,32 +147,36 @@ def posterior(
 
     """
     theta, cov, ratio = _solve(sums, timing_std)
-    theta, cov, probability = _with_friction(theta, cov)
+    theta, cov, moved = _weighed(theta, cov, _MASS)
+    theta, cov, sliding = _weighed(theta, cov, _MU)
     K, B = theta[:18].reshape(2, 3, 3)
     std = np.sqrt(np.maximum(cov.diagonal(), 0.0))
     values, stds, directions, angles = principal_directions(K, cov[:9, :9])
     elastic = sums.products[_CONSTANT, -3:] - theta[_MU] * sums.products[_CONSTANT, _SLIDING]
     shown, shown_std = _normal(values, directions, angles, elastic)
-    told, reason = probability > _TOLD and theta[_MU] > 0.0, ''
-    if told:
+    reasons = []
+    if sliding > _TOLD and theta[_MU] > 0.0:
         normal = direction_of(normal + theta[_TURNS] @ tangents(normal))
         shown, shown_std = normal, float(np.linalg.norm(std[_TURNS]))
-        reason = f'friction along the wall: mu = {theta[_MU]:.2g} +- {2.0 * std[_MU]:.1g}'
-    elif ratio > _MISFIT:
-        reason = f'residual {sqrt(ratio):.1f} x noise: the wall is not linear'
+        reasons += [f'friction along the wall: mu = {theta[_MU]:.2g} +- {2.0 * std[_MU]:.1g}']
+    if moved > _TOLD:
+        reasons += [f'{theta[_MASS]:.2g} kg are accelerated: tool or wall']
+    if ratio > _MISFIT:
+        reasons += [f'residual {sqrt(ratio):.1f} x noise: the law of the wall is another']
     return MatrixEstimate(
         stamp_ns, K, std[:9].reshape(3, 3), B, std[9:18].reshape(3, 3), values, stds, directions,
         angles, shown, shown_std, float(theta[_MU]), float(std[_MU]), EstimateStatus.ESTIMATING,
-        reason), normal
+        '; '.join(reasons)), normal
 
 
 def _coefficients(theta: Array) -> Array:
     """Return those of the columns for each force, shape (..., 3, 22): exact to lag^2."""
     K, B = (theta[..., k:k + 9].reshape(*theta.shape[:-1], 3, 3) for k in (0, 9))
     c, lag, share = (theta[..., k:k + 3, None] for k in (18, 22, 25))
-    mu, first, second = (theta[..., k, None, None] * np.eye(3) for k in (_MU, 28, 29))
+    mu, first, second, mass = (
+        theta[..., k, None, None] * np.eye(3) for k in (_MU, 28, 29, _MASS))
     return np.concatenate([
-        K, B - lag * K, lag * (share * lag * K - B), mu, -lag * mu, mu @ first, mu @ second, c,
+        K, B - lag * K, lag * (share * lag * K - B) + mass, mu, -lag * mu, mu @ first, mu @ second, c,
     ], axis=-1)
 
 
@@ -186,7 +190,7 @@ def _solve(sums: Sums, timing_std: float) -> tuple[Array, Array, float]:
     A = (V * np.maximum(power, 0.0)) @ V.T * np.outer(scale, scale)
     mean, prior = np.zeros(_UNKNOWNS), np.full(_UNKNOWNS, _UNKNOWN)
     mean[25:28], prior[25:28], prior[22:25] = _POLE, _POLE_STD, max(timing_std, 1e-9)
-    prior[_MU], prior[_TURNS] = _FRICTION, _FRICTION_ANGLE
+    prior[list(_WEIGHED)], prior[_TURNS] = list(_WEIGHED.values()), _FRICTION_ANGLE
     theta, least = mean, max(1e-12 * float(np.trace(Y)), 1e-18)
     for _ in range(_STEPS):
         T = _coefficients(theta)
@@ -204,15 +208,15 @@ def _solve(sums: Sums, timing_std: float) -> tuple[Array, Array, float]:
     return theta, cov * max(ratio, 1.0), ratio
 
 
-def _with_friction(theta: Array, cov: Array) -> tuple[Array, Array, float]:
-    """Mix the hypotheses with and without friction; return the probability of friction too."""
-    mu, variance = float(theta[_MU]), float(cov[_MU, _MU])
-    # Savage and Dickey: the density of mu = 0, posterior over prior.
-    none = _FRICTION / sqrt(variance) * exp(-min(0.5 * mu * mu / variance, 700.0))
-    probability = 1.0 / (1.0 + none)
-    gain = cov[:, _MU] / variance
-    added = (1.0 - probability) * (probability * mu * mu - variance)
-    return theta - (1.0 - probability) * mu * gain, cov + added * np.outer(gain, gain), probability
+def _weighed(theta: Array, cov: Array, k: int) -> tuple[Array, Array, float]:
+    """Mix the hypotheses that an unknown is 0 and that it is not; return the probability too."""
+    value, variance = float(theta[k]), max(float(cov[k, k]), 1e-30)
+    # Savage and Dickey: the density of 0, posterior over prior.
+    zero = _WEIGHED[k] / sqrt(variance) * exp(-min(0.5 * value * value / variance, 700.0))
+    probability = 1.0 / (1.0 + zero)
+    gain = cov[:, k] / variance
+    added = (1.0 - probability) * (probability * value * value - variance)
+    return theta - (1.0 - probability) * value * gain, cov + added * np.outer(gain, gain), probability
 
 
 def principal_directions(K: Array, cov: Array) -> tuple[Array, Array, Array, Array]:

@@ -137,6 +137,8 @@ class EstimatorDiagnostics:
             values.update((f'{axis}_{k}', v) for k, v in _values_of(other).items())
             values[f'{axis}_contact'] = pipeline.contact
             values.update((f'{axis}_{k}', v) for k, v in _fit_of(pipeline.model_fit).items())
+        if session.matrix.runs:
+            values['matrix_status'] = session.matrix.status
         values.update(self._problems(session))
         values.update((f'warning_{k}', text) for k, (_, text) in enumerate(warnings, start=1))
         status = DiagnosticStatus(
