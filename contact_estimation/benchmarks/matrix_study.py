@@ -191,11 +191,13 @@ def score_of(found: MatrixEstimate, world: MatrixWorld) -> Score:
     """Compare an estimate with its world."""
     pairs = ((found.stiffness, world.stiffness, found.stiffness_std),
              (found.damping, world.damping, found.damping_std))
-    angle = float(np.arccos(min(abs(found.normal @ world.normal), 1.0)))
+    angle = float(np.arccos(min(abs(float(found.normal @ world.normal)), 1.0)))
+    K_error, B_error = (float(np.linalg.norm(value - true) / np.linalg.norm(true))
+                        for value, true, _ in pairs)
+    K_inside, B_inside = (float((np.abs(value - true) < 2.0 * std).mean())
+                          for value, true, std in pairs)
     return Score(
-        *(float(np.linalg.norm(value - true) / np.linalg.norm(true)) for value, true, _ in pairs),
-        float(np.degrees(angle)),
-        *(float((np.abs(value - true) < 2.0 * std).mean()) for value, true, std in pairs),
+        K_error, B_error, float(np.degrees(angle)), K_inside, B_inside,
         float(angle < 2.0 * found.normal_std),
         float(abs(found.friction - world.friction) <= 2.0 * found.friction_std),
         float('friction' in found.reason))

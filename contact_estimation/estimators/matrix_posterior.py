@@ -17,7 +17,7 @@
 from __future__ import annotations
 
 from math import exp, pi, sqrt
-from typing import NamedTuple
+from typing import Callable, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,7 +28,7 @@ Array = NDArray[np.float64]
 
 _COLUMNS = 22  # x, v, a, N u, N du/dt, change of N u by two turns of n; of three each, and 1
 _CONSTANT, _SLIDING = 21, slice(9, 12)
-_UNKNOWNS = 31  # K, B, c; mu; lag of each force, share of its square; turns of n; mass
+_UNKNOWNS = 31  # K, D = B - lag K, c; mu; lag of each force, share of its square; turns of n; mass
 _MU, _TURNS, _MASS = 21, slice(28, 30), 30
 _UNKNOWN = 1e6  # prior standard deviation of K, B and c, in SI units
 _WEIGHED = {_MU: 0.5, _MASS: 1.0}  # prior standard deviations of what may be 0 [1, kg]
@@ -36,7 +36,9 @@ _FRICTION_ANGLE = 0.17  # standard deviation, for a coefficient of friction up t
 _POLE, _POLE_STD = 0.75, 0.25  # share of the square of the lag: 1/2 for a delay, 1 for a pole
 _SURE = 0.1  # [rad]
 _TOLD = 0.95  # probability of friction
+_EXACT = 1e-5  # relative error of the forces from smoothing and its derivatives
 _FITTED = 10.0  # unknowns for each force
+_SEEN = 0.5  # share of noise in a direction of the columns above which it shows nothing
 _STEPS = 3  # Gauss-Newton: a fourth changes no figure of `benchmarks.matrix_study`
 _MISFIT = 4.0  # variance of the residual relative to the noise, as for `~/model_fit`
 
@@ -90,26 +92,12 @@ class MatrixEstimate(NamedTuple):
 
 
 class Sums(NamedTuple):
-    """
-    Weighted sums over rows (22 columns, -F).
+    """Weighted sums over rows (columns, -F) of smoothed samples."""
 
-    Attributes
-    ----------
-    products : ndarray, shape (25, 25)
-        Of row^T row.
-    spread : ndarray, shape (9, 9)
-        What noise of the position adds to those of x, v and a.
-    noise : ndarray, shape (6,)
-        Variances of smoothed x and F.
-    count : float
-        Rows, as far as their noise is independent.
-
-    """
-
-    products: Array
-    spread: Array
-    noise: Array
-    count: float
+    products: Array  # of row^T row, (25, 25)
+    spread: Array  # what noise of the position adds to those of x, v and a, (9, 9)
+    noise: Array  # variances of x and F, (6,)
+    weight: float  # rows, as far as their noise is independent
 
     @classmethod
     def empty(cls) -> Sums:
@@ -122,28 +110,10 @@ def posterior(
     stamp_ns: int, sums: Sums, normal: Array, timing_std: float
 ) -> tuple[MatrixEstimate, Array]:
     """
-    Find the matrices by Gauss-Newton steps, and the normal with which to make the rows next.
+    Find the matrices, and the normal with which to make the rows next.
 
-    Friction is as probable as not before. A residual above the noise is an error of the model:
-    it is correlated, so that deviations are wider by its ratio to the noise.
-
-    Parameters
-    ----------
-    stamp_ns : int
-        Of the last sample [ns].
-    sums : Sums
-        Of rows that were made with `normal`.
-    normal : ndarray, shape (3,)
-        Into the wall.
-    timing_std : float
-        Prior standard deviation of the lag of each force [s].
-
-    Returns
-    -------
-    estimate : MatrixEstimate
-        With deviations.
-    normal : ndarray, shape (3,)
-        As friction shows it.
+    Friction and mass are as probable as not before. A residual above the noise is an error of the
+    model, and correlated: deviations are wider by its ratio to the noise.
 
     """
     theta, cov, ratio = _solve(sums, timing_std)
@@ -151,7 +121,7 @@ def posterior(
     theta, cov, sliding = _weighed(theta, cov, _MU)
     K, B = theta[:18].reshape(2, 3, 3)
     std = np.sqrt(np.maximum(cov.diagonal(), 0.0))
-    values, stds, directions, angles = principal_directions(K, cov[:9, :9])
+    values, stds, directions, angles = _principal(K, cov[:9, :9])
     elastic = sums.products[_CONSTANT, -3:] - theta[_MU] * sums.products[_CONSTANT, _SLIDING]
     shown, shown_std = _normal(values, directions, angles, elastic)
     reasons = []
@@ -171,41 +141,64 @@ def posterior(
 
 def _coefficients(theta: Array) -> Array:
     """Return those of the columns for each force, shape (..., 3, 22): exact to lag^2."""
-    K, B = (theta[..., k:k + 9].reshape(*theta.shape[:-1], 3, 3) for k in (0, 9))
+    K, D = (theta[..., k:k + 9].reshape(*theta.shape[:-1], 3, 3) for k in (0, 9))
     c, lag, share = (theta[..., k:k + 3, None] for k in (18, 22, 25))
     mu, first, second, mass = (
         theta[..., k, None, None] * np.eye(3) for k in (_MU, 28, 29, _MASS))
+    inertia = mass - lag * (D + (1.0 - share) * lag * K)
+    return np.concatenate([K, D, inertia, mu, -lag * mu, mu @ first, mu @ second, c], axis=-1)
+
+
+def _with_damping(theta: Array) -> Array:
+    """Replace D by B = D + lag K."""
+    lagging = theta[..., 22:25, None] * theta[..., :9].reshape(*theta.shape[:-1], 3, 3)
     return np.concatenate([
-        K, B - lag * K, lag * (share * lag * K - B) + mass, mu, -lag * mu, mu @ first, mu @ second, c,
-    ], axis=-1)
+        theta[..., :9], theta[..., 9:18] + lagging.reshape(*theta.shape[:-1], 9),
+        theta[..., 18:]], axis=-1)
+
+
+def _slope(function: Callable[[Array], Array], theta: Array) -> Array:
+    """Return the derivative of an analytic function by each unknown, first index."""
+    return np.asarray(function(theta + 1e-20j * np.eye(_UNKNOWNS)).imag * 1e20)
+
+
+def _without_noise(raw: Array, C: Array, spread: Array) -> tuple[Array, Array]:
+    """Take the noise of the columns from the products (errors in variables), or what it hides."""
+    scale = np.sqrt(np.maximum(raw.diagonal(), 1e-18))
+    power, V = np.linalg.eigh(raw / np.outer(scale, scale))
+    root = np.sqrt(np.maximum(power, 1e-12))
+    half, inverse = scale[:, None] * V * root, (V / root / scale[:, None]).T
+    noise, U = np.linalg.eigh(inverse[:, :9] @ spread @ inverse[:, :9].T)
+    half, inverse, seen = half @ U, U.T @ inverse, noise < _SEEN
+    return (half * (seen * (1.0 - noise))) @ half.T, (half * seen) @ inverse @ C
 
 
 def _solve(sums: Sums, timing_std: float) -> tuple[Array, Array, float]:
     """Return unknowns, their covariance, and the variance of the residual over the noise."""
-    raw, C = sums.products[:_COLUMNS, :_COLUMNS], sums.products[:_COLUMNS, _COLUMNS:]
-    Y, A = sums.products[_COLUMNS:, _COLUMNS:], raw.copy()
-    A[:9, :9] -= sums.spread  # errors in variables
-    scale = np.sqrt(np.maximum(raw.diagonal(), 1e-18))
-    power, V = np.linalg.eigh(A / np.outer(scale, scale))
-    A = (V * np.maximum(power, 0.0)) @ V.T * np.outer(scale, scale)
+    raw, Y = sums.products[:_COLUMNS, :_COLUMNS], sums.products[_COLUMNS:, _COLUMNS:]
+    A, C = _without_noise(raw, sums.products[:_COLUMNS, _COLUMNS:], sums.spread)
     mean, prior = np.zeros(_UNKNOWNS), np.full(_UNKNOWNS, _UNKNOWN)
     mean[25:28], prior[25:28], prior[22:25] = _POLE, _POLE_STD, max(timing_std, 1e-9)
     prior[list(_WEIGHED)], prior[_TURNS] = list(_WEIGHED.values()), _FRICTION_ANGLE
-    theta, least = mean, max(1e-12 * float(np.trace(Y)), 1e-18)
-    for _ in range(_STEPS):
-        T = _coefficients(theta)
-        J = _coefficients(theta + 1e-20j * np.eye(_UNKNOWNS)).imag.reshape(_UNKNOWNS, -1) * 1e20
+    theta, least = mean, max(_EXACT**2 * float(np.trace(Y)), 1e-18)
+    for step in range(_STEPS + 1):
+        T, J = _coefficients(theta), _slope(_coefficients, theta)
         known = sums.noise[3:] + T[:, :3]**2 @ sums.noise[:3] + least
-        S = Y - T @ C - (T @ C).T + T @ raw @ T.T
-        S = (0.5 * (S + S.T) + _FITTED * np.diag(known) / sums.count) / sums.count
-        weight = np.linalg.inv(S)
-        H = J @ np.kron(weight, A) @ J.T + np.diag(prior**-2)
-        gradient = J @ (weight @ (C.T - T @ A)).ravel() - (theta - mean) / prior**2
+        S = Y - T @ sums.products[:_COLUMNS, _COLUMNS:] * 2.0 + T @ raw @ T.T
+        S = (0.5 * (S + S.T) + _FITTED * np.diag(known) / sums.weight) / sums.weight
+        ratio = float(np.trace(S) * sums.weight / known.sum())
+        if step == _STEPS:  # far from the solution, the misfit is no error of the model
+            S = S * max(min(ratio, sums.weight), 1.0)  # at most one error common to all rows
+        precision = np.linalg.inv(S)
+        H = (precision @ (J @ A)).reshape(_UNKNOWNS, -1) @ J.reshape(_UNKNOWNS, -1).T
+        H += np.diag(prior**-2)
+        gradient = np.tensordot(J, precision @ (C.T - T @ A)) - (theta - mean) / prior**2
         scale = np.sqrt(H.diagonal())
-        cov = np.linalg.inv(H / np.outer(scale, scale)) / np.outer(scale, scale)
+        cov = np.linalg.inv(H / np.outer(scale, scale) + 1e-13 * np.eye(_UNKNOWNS)) / np.outer(
+            scale, scale)
         theta = theta + cov @ gradient
-    ratio = float(np.trace(S) * sums.count / known.sum())
-    return theta, cov * max(ratio, 1.0), ratio
+    slope = _slope(_with_damping, theta)
+    return _with_damping(theta), slope.T @ cov @ slope, ratio
 
 
 def _weighed(theta: Array, cov: Array, k: int) -> tuple[Array, Array, float]:
@@ -216,30 +209,12 @@ def _weighed(theta: Array, cov: Array, k: int) -> tuple[Array, Array, float]:
     probability = 1.0 / (1.0 + zero)
     gain = cov[:, k] / variance
     added = (1.0 - probability) * (probability * value * value - variance)
-    return theta - (1.0 - probability) * value * gain, cov + added * np.outer(gain, gain), probability
+    return (theta - (1.0 - probability) * value * gain, cov + added * np.outer(gain, gain),
+            probability)
 
 
-def principal_directions(K: Array, cov: Array) -> tuple[Array, Array, Array, Array]:
-    """
-    Decompose the symmetric positive part of a stiffness.
-
-    Parameters
-    ----------
-    K : ndarray, shape (3, 3)
-        Stiffness [N/m].
-    cov : ndarray, shape (9, 9)
-        Covariance of its entries.
-
-    Returns
-    -------
-    values, stds : ndarray, shape (3,)
-        Principal stiffnesses, largest first, and their standard deviations [N/m].
-    directions : ndarray, shape (3, 3)
-        One a row.
-    angles : ndarray, shape (3,)
-        Standard deviation of the angle of each; at most pi / 2 [rad].
-
-    """
+def _principal(K: Array, cov: Array) -> tuple[Array, Array, Array, Array]:
+    """Return principal stiffnesses, largest first, their deviations, directions, and of angles."""
     values, vectors = np.linalg.eigh(0.5 * (K + K.T))
     values, vectors = values[::-1], vectors[:, ::-1]
     # Of v_i^T (K + K^T) v_j / 2.
@@ -255,15 +230,8 @@ def principal_directions(K: Array, cov: Array) -> tuple[Array, Array, Array, Arr
     return np.maximum(values, 0.0), stds, vectors.T, angles
 
 
-def _normal(
-    values: Array, directions: Array, angles: Array, force: Array
-) -> tuple[Array, float]:
-    """
-    Return the direction into the wall and the standard deviation of its angle.
-
-    The stiffest direction, where force and motion determine it; else that of the mean force.
-
-    """
+def _normal(values: Array, directions: Array, angles: Array, force: Array) -> tuple[Array, float]:
+    """Return the stiffest direction where it is certain, else that of the force; and its std."""
     pressing = direction_of(force)
     angle = float(angles[0])
     if angle > _SURE or values[0] < 2.0 * values[1]:

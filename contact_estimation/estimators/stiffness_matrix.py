@@ -149,9 +149,10 @@ class StiffnessMatrix:
         """Learn from the next block, unless there is a gap in it."""
         steps = np.diff(table[:, 0])
         valid = np.isfinite(table).all(axis=1)
-        gap = (steps <= 0.0) | (steps > _LONGEST * np.median(steps)) | ~valid[1:] | ~valid[:-1]
-        if gap.any():
-            del self._run[:int(np.flatnonzero(gap)[-1]) + 1]
+        even = (steps > 0.0) & (steps <= _LONGEST * float(np.median(steps)))
+        gaps = np.flatnonzero(~(even & valid[1:] & valid[:-1]))
+        if len(gaps):
+            del self._run[:int(gaps[-1]) + 1]
             return []
         stamp_ns = int(self._run[_LENGTH - 1][0])
         del self._run[:_BLOCK]
@@ -186,11 +187,14 @@ class StiffnessMatrix:
         counts = _WEIGHT * rows.shape[1] * weights
         variances = counts @ noise
         scale = steps[-1] ** -np.arange(3.0)
-        new = Sums(
-            np.tensordot(_WEIGHT * weights[:, None, None] * rows, rows, ((0, 1), (0, 1))),
-            np.kron(_GRAM * np.outer(scale, scale), np.diag(variances[:3])),
-            float(_GRAM[0, 0]) * variances, float(counts.sum()))
-        self._sums = Sums(*(float(kept[0]) * old + more for old, more in zip(self._sums, new)))
+        old, fading = self._sums, float(kept[0])
+        self._sums = Sums(
+            fading * old.products + np.tensordot(
+                _WEIGHT * weights[:, None, None] * rows, rows, ((0, 1), (0, 1))),
+            fading * old.spread + np.kron(
+                _GRAM * np.outer(scale, scale), np.diag(variances[:3])),
+            fading * old.noise + float(_GRAM[0, 0]) * variances,
+            fading * old.weight + float(counts.sum()))
 
 
 def _block(table: Array, origin: Array) -> _Block:
@@ -204,7 +208,7 @@ def _block(table: Array, origin: Array) -> _Block:
 
 def _rows(data: Array, step: Array, noise: Array, normal: Array) -> Array:
     """
-    Return the rows of blocks (see `matrix_posterior`), shape (blocks, rows, columns).
+    Return the rows of blocks, shape (blocks, rows, 25); columns as in `matrix_posterior`.
 
     Friction N u, with u the direction of sliding, is smoothed like force and position. A lag of
     the sensor delays u, but not the N that it measures itself: hence the column N du/dt.
