@@ -35,7 +35,7 @@ _WEIGHED = {_MU: 0.5, _MASS: 1.0}  # prior standard deviations of what may be 0 
 _FRICTION_ANGLE = 0.17  # standard deviation, for a coefficient of friction up to 0.3 [rad]
 _POLE, _POLE_STD = 0.75, 0.25  # share of the square of the lag: 1/2 for a delay, 1 for a pole
 _SURE = 0.1  # [rad]
-_TOLD = 0.95  # probability of friction
+_TOLD = 0.95  # probability of friction or mass
 _EXACT = 1e-5  # relative error of the forces from smoothing and its derivatives
 _FITTED = 10.0  # unknowns for each force
 _SEEN = 0.5  # share of noise in a direction of the columns above which it shows nothing
@@ -129,7 +129,7 @@ def posterior(
         normal = direction_of(normal + theta[_TURNS] @ tangents(normal))
         shown, shown_std = normal, float(np.linalg.norm(std[_TURNS]))
         reasons += [f'friction along the wall: mu = {theta[_MU]:.2g} +- {2.0 * std[_MU]:.1g}']
-    if moved > _TOLD:
+    if moved > _TOLD and theta[_MASS] > 0.0:
         reasons += [f'{theta[_MASS]:.2g} kg are accelerated: tool or wall']
     if ratio > _MISFIT:
         reasons += [f'residual {sqrt(ratio):.1f} x noise: the law of the wall is another']

@@ -148,7 +148,7 @@ class StiffnessMatrix:
     def _learn(self, table: Array) -> list[MatrixEstimate]:
         """Learn from the next block, unless there is a gap in it."""
         steps = np.diff(table[:, 0])
-        valid = np.isfinite(table).all(axis=1)
+        valid = np.asarray(np.isfinite(table).all(axis=1))
         even = (steps > 0.0) & (steps <= _LONGEST * float(np.median(steps)))
         gaps = np.flatnonzero(~(even & valid[1:] & valid[:-1]))
         if len(gaps):
