@@ -127,6 +127,14 @@ def test_a_mass_is_told() -> None:
     assert estimate_of(samples).reason == ''
 
 
+def test_a_late_force_is_told() -> None:
+    world = make_world(0, 0.0, 9, 3.0)
+    late = [tuple(now._replace(force=old.force) for now, old in zip(axes, before))
+            for axes, before in zip(world.samples[2:], world.samples)]
+    found = study_estimate(world._replace(samples=late, contact=world.contact[:len(late)]))
+    assert 'forces lag by' in found.reason and not study_estimate(world).reason
+
+
 def test_without_motion_the_estimate_is_frozen() -> None:
     samples = samples_of(np.diag(STIFFNESSES), np.eye(3), 5)
     rest = [tuple(s._replace(stamp_ns=round(2e6 * (len(samples) + k))) for s in samples[-1])

@@ -29,13 +29,14 @@ Array = NDArray[np.float64]
 _COLUMNS = 22  # x, v, a, N u, N du/dt, change of N u by two turns of n; of three each, and 1
 _CONSTANT, _SLIDING = 21, slice(9, 12)
 _UNKNOWNS = 31  # K, D = B - lag K, c; mu; lag of each force, share of its square; turns of n; mass
-_MU, _TURNS, _MASS = 21, slice(28, 30), 30
+_MU, _LAGS, _TURNS, _MASS = 21, slice(22, 25), slice(28, 30), 30
 _UNKNOWN = 1e6  # prior standard deviation of K, B and c, in SI units
 _WEIGHED = {_MU: 0.5, _MASS: 1.0}  # prior standard deviations of what may be 0 [1, kg]
 _FRICTION_ANGLE = 0.17  # standard deviation, for a coefficient of friction up to 0.3 [rad]
 _POLE, _POLE_STD = 0.75, 0.25  # share of the square of the lag: 1/2 for a delay, 1 for a pole
 _SURE = 0.1  # [rad]
 _TOLD = 0.95  # probability of friction or mass
+_LATE = 3.0  # of timing_std, as for the check of the axes
 _EXACT = 1e-5  # relative error of the forces from smoothing and its derivatives
 _FITTED = 10.0  # unknowns for each force
 _SEEN = 0.5  # share of noise in a direction of the columns above which it shows nothing
@@ -131,6 +132,9 @@ def posterior(
         reasons += [f'friction along the wall: mu = {theta[_MU]:.2g} +- {2.0 * std[_MU]:.1g}']
     if moved > _TOLD and theta[_MASS] > 0.0:
         reasons += [f'{theta[_MASS]:.2g} kg are accelerated: tool or wall']
+    lag = float(theta[_LAGS].max())
+    if lag > _LATE * timing_std:
+        reasons += [f'forces lag by {1e3 * lag:.1f} ms: more than timing_std allows']
     if ratio > _MISFIT:
         reasons += [f'residual {sqrt(ratio):.1f} x noise: the law of the wall is another']
     return MatrixEstimate(
@@ -151,7 +155,7 @@ def _coefficients(theta: Array) -> Array:
 
 def _with_damping(theta: Array) -> Array:
     """Replace D by B = D + lag K."""
-    lagging = theta[..., 22:25, None] * theta[..., :9].reshape(*theta.shape[:-1], 3, 3)
+    lagging = theta[..., _LAGS, None] * theta[..., :9].reshape(*theta.shape[:-1], 3, 3)
     return np.concatenate([
         theta[..., :9], theta[..., 9:18] + lagging.reshape(*theta.shape[:-1], 9),
         theta[..., 18:]], axis=-1)
@@ -178,7 +182,7 @@ def _solve(sums: Sums, timing_std: float) -> tuple[Array, Array, float]:
     raw, Y = sums.products[:_COLUMNS, :_COLUMNS], sums.products[_COLUMNS:, _COLUMNS:]
     A, C = _without_noise(raw, sums.products[:_COLUMNS, _COLUMNS:], sums.spread)
     mean, prior = np.zeros(_UNKNOWNS), np.full(_UNKNOWNS, _UNKNOWN)
-    mean[25:28], prior[25:28], prior[22:25] = _POLE, _POLE_STD, max(timing_std, 1e-9)
+    mean[25:28], prior[25:28], prior[_LAGS] = _POLE, _POLE_STD, max(timing_std, 1e-9)
     prior[list(_WEIGHED)], prior[_TURNS] = list(_WEIGHED.values()), _FRICTION_ANGLE
     theta, least = mean, max(_EXACT**2 * float(np.trace(Y)), 1e-18)
     for step in range(_STEPS + 1):
