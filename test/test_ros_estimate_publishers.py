@@ -20,6 +20,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any, Iterator
 
+from contact_estimation.estimation.matrix_messages import MATRIX_TOPICS
 from contact_estimation.estimators.stiffness_matrix import (
     StiffnessMatrix,
     StiffnessMatrixParameters,
@@ -80,18 +81,20 @@ def test_matrices_are_published_with_labels(
 ) -> None:
     from contact_estimation.ros.estimate_publishers import EstimatePublishers
     from rclpy.serialization import deserialize_message
-    from std_msgs.msg import Float64MultiArray
+    from std_msgs.msg import Float64MultiArray, String
 
     outputs = EstimatePublishers(node.node, '')
     outputs.use('tool', 'xyz')
-    estimator = StiffnessMatrix(StiffnessMatrixParameters(), 0.002)
+    estimator = StiffnessMatrix(StiffnessMatrixParameters(), 0.001)
     rest = [tuple(ContactSample(2_000_000 * k, 0.0, 0.0, -f) for f in (3.0, 2.0, 1.0))
             for k in range(150)]
     published: dict[str, bytes] = {}
     for name, publisher in outputs._matrices.items():
         monkeypatch.setattr(publisher, 'publish', partial(published.__setitem__, name))
     outputs.publish_matrices(estimator.process(rest, [True] * 150)[-1])
-    assert set(published) == {'stiffness_matrix', 'principal_stiffness', 'contact_normal'}
+    assert set(published) == set(MATRIX_TOPICS)
+    status = deserialize_message(published['matrix_status'], String)
+    assert status.data == 'frozen: no motion'
     array = deserialize_message(published['stiffness_matrix'], Float64MultiArray)
     labels = [(d.label, d.size, d.stride) for d in array.layout.dim]
     assert labels[0] == ('stiffness/stiffness_std/damping/damping_std', 4, 36)

@@ -17,12 +17,16 @@
 from __future__ import annotations
 
 import json
-from math import nan
+from math import inf, nan
 from pathlib import Path
+import re
 
 from axes_runs import feed_axes, instants, JOINTS, PARAMETERS, session_of_axes
+from contact_estimation.benchmarks.matrix_study import estimate_of as study_estimate
+from contact_estimation.benchmarks.matrix_study import main, make_world, score_of
 from contact_estimation.commands import replay
 from contact_estimation.estimation.parameters import EstimationParameters
+from contact_estimation.estimators.estimate import EstimateStatus
 from contact_estimation.estimators.stiffness_matrix import (
     matrices,
     MatrixEstimate,
@@ -69,7 +73,7 @@ def samples_of(
 
 def estimate_of(samples: list[AxesSample]) -> MatrixEstimate:
     """Estimate from samples that are all in contact."""
-    estimator = StiffnessMatrix(StiffnessMatrixParameters(), 0.002)
+    estimator = StiffnessMatrix(StiffnessMatrixParameters(), 0.001)
     return estimator.process(samples, [True] * len(samples))[-1]
 
 
@@ -83,28 +87,75 @@ def test_coupled_matrices_are_found_without_noise(with_velocity: bool) -> None:
     np.testing.assert_allclose(found.damping, B, atol=0.05)
 
 
-def test_the_forgetful_fit_is_weighted_least_squares() -> None:
-    samples = samples_of(np.diag(STIFFNESSES), np.eye(3), 3)
+def test_estimates_agree_with_batch_least_squares_of_the_samples() -> None:
+    samples = samples_of(np.diag(STIFFNESSES), 10.0 * np.eye(3), 3)
     table = np.array([[[s.position, s.velocity, s.force] for s in axes] for axes in samples])
-    weight = np.sqrt(np.exp(-0.1 / 5.0 * ((len(T) - 1 - np.arange(len(T))) // 50)))[:, None]
+    weight = np.sqrt(np.exp(0.002 / 5.0 * np.arange(len(T))))[:, None]
     columns = np.column_stack([table[:, :, 0] - table[0, :, 0], table[:, :, 1], np.ones(len(T))])
     theta = np.linalg.lstsq(weight * columns, -weight * table[:, :, 2], rcond=None)[0]
+    estimator = StiffnessMatrix(StiffnessMatrixParameters(), 1e-6)  # as here, no lag
+    found = estimator.process(samples, [True] * len(samples))[-1]
+    assert (np.abs(found.stiffness - theta[:3].T) < 0.7 * found.stiffness_std).all()
+    assert (np.abs(found.damping - theta[3:6].T) < 0.7 * found.damping_std).all()
+
+
+@pytest.mark.parametrize('friction', [0.0, 0.3, 0.8])
+def test_deviations_hold_behind_lagging_sensors(friction: float) -> None:
+    worlds = [make_world(k, friction, 7, 2.0) for k in range(5)]
+    scores = [score_of(study_estimate(world), world) for world in worlds]
+    assert np.mean([score.K_inside for score in scores]) >= 0.9
+    assert np.mean([score.B_inside for score in scores]) >= 0.85
+    assert max(score.K_error for score in scores) < 0.05
+    assert {score.told for score in scores} == {float(friction > 0.0)}
+
+
+def test_friction_is_told_and_taken_from_stiffness_and_normal() -> None:
+    world = make_world(3, 0.3, 1, 2.0)
+    found = study_estimate(world)
+    assert found.reason.startswith('friction along the wall: mu = 0.3 +- ')
+    assert abs(found.friction - 0.3) < 2.0 * found.friction_std < 0.02
+    assert np.arccos(abs(found.normal @ world.normal)) < 0.002
+
+
+def test_a_mass_is_told() -> None:
+    samples = samples_of(np.diag(STIFFNESSES), 10.0 * np.eye(3), 8)
+    x = np.array([[s.position for s in axes] for axes in samples])
+    F = -0.7 * np.gradient(np.gradient(x, 0.002, axis=0), 0.002, axis=0)
+    heavy = [tuple(s._replace(force=s.force + float(F[k, i])) for i, s in enumerate(axes))
+             for k, axes in enumerate(samples)]
+    assert re.match(r'0\.[67]\d? kg are accelerated', estimate_of(heavy[5:-5]).reason)
+    assert estimate_of(samples).reason == ''
+
+
+def test_a_late_force_is_told() -> None:
+    world = make_world(0, 0.0, 9, 3.0)
+    late = [tuple(now._replace(force=old.force) for now, old in zip(axes, before))
+            for axes, before in zip(world.samples[2:], world.samples)]
+    found = study_estimate(world._replace(samples=late, contact=world.contact[:len(late)]))
+    assert 'forces lag by' in found.reason and not study_estimate(world).reason
+
+
+def test_without_motion_the_estimate_is_frozen() -> None:
+    samples = samples_of(np.diag(STIFFNESSES), np.eye(3), 5)
+    rest = [tuple(s._replace(stamp_ns=round(2e6 * (len(samples) + k))) for s in samples[-1])
+            for k in range(3000)]
+    estimator = StiffnessMatrix(StiffnessMatrixParameters(), 0.001)
+    learned = estimator.process(samples, [True] * len(samples))[-1]
+    frozen = estimator.process(rest, [True] * len(rest))[-1]
+    assert (learned.status, learned.reason) == (EstimateStatus.ESTIMATING, '')
+    assert (frozen.status, frozen.reason) == (EstimateStatus.FROZEN, 'no motion')
+    np.testing.assert_allclose(frozen.stiffness, learned.stiffness, rtol=0.01, atol=20.0)
+    assert (frozen.stiffness_std < 1.2 * learned.stiffness_std).all()
+
+
+@pytest.mark.parametrize('wrong', [nan, inf])
+def test_gaps_and_values_that_are_not_finite_are_left_out(wrong: float) -> None:
+    samples = samples_of(np.diag(STIFFNESSES), np.eye(3), 5)
+    samples[400] = tuple(s._replace(force=wrong) for s in samples[400])
+    del samples[700:702], samples[800:900]
     found = estimate_of(samples)
-    np.testing.assert_allclose(found.stiffness, theta[:3].T, rtol=1e-4, atol=0.01)
-    np.testing.assert_allclose(found.damping, theta[3:6].T, rtol=1e-3, atol=1e-3)
-
-
-@pytest.mark.slow
-def test_deviations_hold() -> None:
-    inside = []
-    for seed in range(30):
-        q = turned(seed)
-        K = q @ np.diag(STIFFNESSES) @ q.T
-        found = estimate_of(samples_of(K, 0.01 * K, seed))
-        inside += (np.abs(found.stiffness - K) < 2.0 * found.stiffness_std).ravel().tolist()
-        inside += (np.abs(found.damping - 0.01 * K) < 2.0 * found.damping_std).ravel().tolist()
-        inside += (np.abs(found.principal - STIFFNESSES) < 2.0 * found.principal_std).tolist()
-    assert 0.92 < np.mean(inside) < 0.995
+    np.testing.assert_allclose(np.diag(found.stiffness), STIFFNESSES, rtol=0.03)
+    assert all(np.isfinite(value).all() for value in found[:-2])
 
 
 def test_principal_directions_and_normal_are_those_of_the_wall() -> None:
@@ -134,7 +185,7 @@ def test_without_excitation_the_normal_is_the_direction_of_the_force() -> None:
 
 def test_runs_may_be_cut_anywhere() -> None:
     samples = samples_of(np.diag(STIFFNESSES), np.eye(3), 5)
-    estimator = StiffnessMatrix(StiffnessMatrixParameters(), 0.002)
+    estimator = StiffnessMatrix(StiffnessMatrixParameters(), 0.001)
     for begin in range(0, len(samples), 7):
         part = samples[begin:begin + 7]
         estimator.process(part, [True] * len(part))
@@ -146,9 +197,9 @@ def test_runs_may_be_cut_anywhere() -> None:
 def test_another_wall_after_free_flight_is_learned_anew() -> None:
     first = samples_of(np.diag(STIFFNESSES), np.eye(3), 5)
     second = samples_of(2.0 * np.diag(STIFFNESSES), np.eye(3), 6)
-    estimator = StiffnessMatrix(StiffnessMatrixParameters(), 0.002)
+    estimator = StiffnessMatrix(StiffnessMatrixParameters(), 0.001)
     estimator.process(first, [True] * len(first))
-    estimator.process(first[:300], [False] * 300)
+    second = [tuple(s._replace(stamp_ns=s.stamp_ns + 4 * 10**9) for s in axes) for axes in second]
     found = estimator.process(second, [True] * len(second))[-1]
     np.testing.assert_allclose(np.diag(found.stiffness), 2.0 * STIFFNESSES, rtol=0.02)
 
@@ -178,7 +229,16 @@ def test_replay_gives_the_matrices_of_the_session(tmp_path: Path) -> None:
                         str(out)]) == 0
     found = json.loads(summary.read_text())['stiffness_matrix']
     assert found['stiffness'] == last.stiffness.tolist()
+    assert found['status'] == 'estimating'
+    assert session.matrix.status == f'estimating: {found["reason"]}'
     messages = list(RecordingReader(out).messages(['/estimator_node/stiffness_matrix']))
     assert len(messages) == len(every)
     assert messages[-1].data[-36 * 8:] == matrices(last).tobytes()
     assert principal_table(last).shape == (3, 6)
+
+
+def test_the_study_prints_a_row_for_each_friction(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(['--worlds', '1', '--seconds', '0.5']) == 0
+    assert len(capsys.readouterr().out.splitlines()) == 6
+    with pytest.raises(SystemExit):
+        main(['--help'])

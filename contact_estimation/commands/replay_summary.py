@@ -134,7 +134,7 @@ def summary_of(
                            in zip(session.pipelines.items(), last)}
     if session.matrix.last:
         summary['stiffness_matrix'] = {
-            name: np.asarray(value).tolist()
+            name: value.tolist() if isinstance(value, np.ndarray) else value
             for name, value in session.matrix.last._asdict().items()
         }
     return summary
@@ -241,3 +241,5 @@ def _print_matrix(found: dict[str, Any]) -> None:
         print(f'  principal stiffness {value:.6g} +- {std:.3g} N/m along ({along})')
     normal = ', '.join(f'{part:.3f}' for part in found['normal'])
     print(f'  normal into the wall ({normal}) +- {found["normal_std"]:.2g} rad')
+    if found['reason']:
+        print(f'  {found["reason"]}')

@@ -18,13 +18,14 @@ from __future__ import annotations
 
 from ..estimators.stiffness_matrix import LABELS, matrices, MatrixEstimate, principal_table
 from ..estimators.stiffness_matrix import PRINCIPAL_LABELS
-from ..messages import encode_multi_array, Vector3StampedEncoder
+from ..messages import encode_multi_array, encode_string, Vector3StampedEncoder
 
 MULTI_ARRAY = 'std_msgs/msg/Float64MultiArray'
 MATRIX_TOPICS = {
     'stiffness_matrix': MULTI_ARRAY,
     'principal_stiffness': MULTI_ARRAY,
     'contact_normal': 'geometry_msgs/msg/Vector3Stamped',
+    'matrix_status': 'std_msgs/msg/String',
 }
 """Name and type of the topics, below the name of the node."""
 
@@ -55,4 +56,10 @@ def encode_matrices(estimate: MatrixEstimate, vectors: Vector3StampedEncoder) ->
             [('direction', 3), (columns, len(PRINCIPAL_LABELS))],
             principal_table(estimate).ravel().tolist()),
         'contact_normal': vectors.encode(estimate.stamp_ns, *estimate.normal.tolist()),
+        'matrix_status': encode_string(status_text(estimate)),
     }
+
+
+def status_text(estimate: MatrixEstimate) -> str:
+    """Return the status of an estimate with its reason."""
+    return ': '.join(filter(None, (estimate.status.value, estimate.reason)))

@@ -23,10 +23,9 @@ from typing import Any
 from .arm import check_arm
 from .axis_parameters import check_axes, check_matrix, FurtherAxesParameters
 from .robot_compliance import RobotParameters
-from .wall_tracking import TrackingParameters
-from ..estimators import ESTIMATORS, EstimatorsTuning, MATRIX_ESTIMATORS
+from ..estimators import ESTIMATORS, EstimatorsTuning, MATRIX_ESTIMATORS, MULTIPLE_MODEL
 from ..estimators.environment_parameters import EnvironmentParameters
-from ..estimators.excitation_monitor import ExcitationParameters
+from ..estimators.supervision_parameters import ExcitationParameters, TrackingParameters
 from ..estimators.stiffness_matrix import StiffnessMatrixParameters
 from ..kinematics.parameters import ForceSensorParameters, KinematicsParameters
 from ..kinematics.tool_load import ToolParameters
@@ -36,7 +35,7 @@ from ..reference.laws import LAWS
 from ..reference.parameters import ReferenceParameters, refuse_double_tracking
 from ..signals.butterworth import check_cutoff
 from ..signals.conditioning import ConditioningParameters
-from ..signals.contact_detection import ContactParameters
+from ..signals.contact_parameters import ContactParameters
 from ..signals.synchronisation import SynchronisationParameters
 
 
@@ -45,7 +44,7 @@ class EstimationParameters(ParameterGroup):
     """Parameters that determine estimates and reference, shared by node and replay."""
 
     estimator: str = parameter(
-        'rls_adaptive', 'Which estimator runs', choices=tuple(ESTIMATORS)
+        MULTIPLE_MODEL, 'Which estimator runs', choices=(MULTIPLE_MODEL, *ESTIMATORS)
     )
     reference_law: str = parameter(
         'eq20', 'Force law: how the desired force sets the reference position', choices=tuple(LAWS)

@@ -267,6 +267,26 @@ class EstimationPipeline:
         """Return the estimator that runs on rows; None where it is the posterior itself."""
         return self._of_rows.estimator if self._of_rows is not None else None
 
+    @property
+    def follows_reference(self) -> bool:
+        """Whether the estimator observes the reference that the robot follows."""
+        return self.estimator is not None and self.estimator.follows_reference
+
+    @property
+    def control_force(self) -> float:
+        """Force for a force-controlled robot [N]; NaN without one."""
+        return self.estimator.control_force if self.estimator is not None else nan
+
+    @property
+    def details(self) -> Mapping[str, float]:
+        """Further estimated quantities by name, for the diagnostics."""
+        return self.estimator.details if self.estimator is not None else {}
+
+    @property
+    def limitation(self) -> str:
+        """Return what these parameters cannot estimate, for a warning; '': nothing known."""
+        return self.estimator.limitation if self.estimator is not None else ''
+
     # -- samples ----------------------------------------------------------------------------
 
     def process(

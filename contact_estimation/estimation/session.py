@@ -104,7 +104,7 @@ class ContactSession:
         # Both wait for their moments, which as plain tuples take a tenth of the time to make.
         self._actions: deque[tuple[Moment, Callable[[], object]]] = deque()
         self._references: deque[tuple[tuple[int, int], Reference]] = deque()
-        self._follows_reference = self.pipeline.estimator.follows_reference
+        self._follows_reference = self.pipeline.follows_reference
         self._jumps = 0
 
     def describe(self, description: str) -> None:
@@ -333,7 +333,7 @@ class ContactSession:
         self._synchroniser.configure(parameters.synchronisation)
         if self.arm is not None:
             self.arm.configure(parameters.tool)
-        self._follows_reference = self.pipeline.estimator.follows_reference
+        self._follows_reference = self.pipeline.follows_reference
         self.parameters = parameters
 
     def reset(self) -> None:

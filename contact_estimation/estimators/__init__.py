@@ -43,6 +43,9 @@ ESTIMATORS: dict[str, type[OnlineEstimator]] = {
     'rls_adaptive': AdaptiveLeastSquares,
 }
 
+MULTIPLE_MODEL = 'multiple_model'
+"""The posterior over laws, surfaces and changes, which finds the contact for all estimators."""
+
 OFFLINE_ESTIMATORS: dict[str, Callable[[TargetImpedance], OfflineEstimator]] = {
     'signal_processing': SignalProcessing,
     'signal_processing_refined': SignalProcessingRefined,

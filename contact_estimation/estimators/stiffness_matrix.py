@@ -17,24 +17,40 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import exp, pi
+from math import pi
 from typing import NamedTuple, Sequence
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
+from .estimate import EstimateStatus
+from .matrix_posterior import direction_of, MatrixEstimate, posterior, Sums, tangents
 from ..parameters.specification import parameter, ParameterGroup
 from ..signals.contact_sample import AxesSample
 
 Array = NDArray[np.float64]
 
-_BLOCK = 50  # rows between estimates
-_COLUMNS = 7  # position, velocity, constant
-_LEAST_ROWS = 100.0
-_NEW_WALL_S = 0.5  # free for so long, the next contact may be with another wall
-_UNKNOWN = 1e6  # prior standard deviation of every coefficient, in SI units
-_SURE = 0.1  # [rad]
-_FRICTION_ANGLE = 0.17  # standard deviation, for a coefficient of friction up to 0.3 [rad]
+_BLOCK = 50  # samples between estimates
+_HELD = 10  # samples held back: a release is detected late
+_KEPT = 30  # blocks from which rows are made anew for another normal
+_NEW_WALL_NS = 500_000_000  # free for so long, the next contact may be with another wall
+_LONGEST = 4.0  # steps of the stamps: a gap that is interpolated
+_TURN = 0.005  # of the normal, up to which the rows are linear in it [rad]
+_MOVING = 3.0  # standard deviations: smoothed noise alone spans 0.8
+_EDGE = 2  # samples on either side, of the difference that gives the direction of sliding
+_HALF = 13  # samples on either side, of the smoothing kernel cos^4 and its derivatives
+_STEP = 5  # samples between rows
+_WAVES = pi / (_HALF + 1) * np.arange(3)[:, None]
+_SMOOTHING = np.array([[3.0], [4.0], [1.0]]) / (6.0 * (_HALF + 1))
+_ANGLES = _WAVES * np.arange(-_HALF, _HALF + 1)
+_KERNELS = np.column_stack([
+    (_SMOOTHING * shape).sum(axis=0) for shape in (
+        np.cos(_ANGLES), _WAVES * np.sin(_ANGLES), -_WAVES**2 * np.cos(_ANGLES))
+])  # (27, 3) per step of the stamps
+_GRAM = _KERNELS.T @ _KERNELS
+_WEIGHT = _STEP * float(_GRAM[0, 0])  # of a row, whose noise overlaps with that of the next
+_LENGTH = _BLOCK + 2 * (_HALF + _EDGE)
 
 
 @dataclass(frozen=True)
@@ -47,57 +63,28 @@ class StiffnessMatrixParameters(ParameterGroup):
     )
 
 
-class MatrixEstimate(NamedTuple):
-    """
-    Coupled stiffness and damping of a contact; axes in the order x, y, z.
+class _Block(NamedTuple):
+    """Positions and pressing forces at equal steps, shape (80, 6), the step, and their noise."""
 
-    Attributes
-    ----------
-    stamp_ns : int
-        Stamp of the last sample used [ns].
-    stiffness, stiffness_std : ndarray, shape (3, 3)
-        -dF_i / dx_j as fitted, not symmetrised [N/m].
-    damping, damping_std : ndarray, shape (3, 3)
-        -dF_i / dv_j [N s/m].
-    principal, principal_std : ndarray, shape (3,)
-        Eigenvalues of the symmetric positive part of the stiffness, largest first [N/m].
-    directions : ndarray, shape (3, 3)
-        Their directions, one a row.
-    direction_std : ndarray, shape (3,)
-        Standard deviation of the angle of each direction [rad].
-    normal : ndarray, shape (3,)
-        Unit vector into the wall.
-    normal_std : float
-        Standard deviation of its angle [rad].
-
-    """
-
-    stamp_ns: int
-    stiffness: Array
-    stiffness_std: Array
-    damping: Array
-    damping_std: Array
-    principal: Array
-    principal_std: Array
-    directions: Array
-    direction_std: Array
-    normal: Array
-    normal_std: float
+    data: Array
+    step: float
+    variances: Array
 
 
 class StiffnessMatrix:
     """
-    Least squares with forgetting on -F = K x + B v + c, three forces over the same regressor.
+    Posterior of -F = K x + B v + mu N v_t / |v_t| + c behind sensors with a lag, with forgetting.
 
     The constant c = -K x_e makes the locations of the surface along the axes unnecessary: K is
-    what the forces change by. Columns that the motion does not excite have large deviations.
+    what the forces change by. Columns that the motion does not excite have large deviations. All
+    rows are smoothed by one kernel, whose derivatives give velocity and acceleration.
 
     Parameters
     ----------
     parameters : StiffnessMatrixParameters
         Memory.
-    sample_period_s : float
-        Nominal T [s].
+    timing_std : float
+        Prior standard deviation of the lag of each force [s].
 
     Attributes
     ----------
@@ -106,27 +93,25 @@ class StiffnessMatrix:
 
     """
 
-    def __init__(self, parameters: StiffnessMatrixParameters, sample_period_s: float) -> None:
-        self._p, self._T = parameters, sample_period_s
+    def __init__(self, parameters: StiffnessMatrixParameters, timing_std: float) -> None:
+        self.configure(parameters, timing_std)
         self.reset()
 
-    def configure(self, parameters: StiffnessMatrixParameters, sample_period_s: float) -> None:
-        """Change memory and nominal T; what has been learned stays."""
-        self._p, self._T = parameters, sample_period_s
+    def configure(self, parameters: StiffnessMatrixParameters, timing_std: float) -> None:
+        """Change memory and prior of the lag; what has been learned stays."""
+        self._memory_s, self._timing_std = parameters.memory_s, timing_std
 
     def reset(self) -> None:
         """Forget everything."""
         self.estimate: MatrixEstimate | None = None
+        self._contact_ns = 0
         self._restart()
 
     def _restart(self) -> None:
         """Forget the wall; the last estimate stays until there is another."""
-        self._products = np.zeros((_COLUMNS + 3, _COLUMNS + 3))  # of rows (x, v, 1, -F)
-        self._count = 0.0
-        self._rows: list[list[float]] = []
-        self._origin: list[float] = []
-        self._last: AxesSample | None = None
-        self._free_s = 0.0
+        self._run: list[tuple[float, ...]] = []
+        self._blocks: list[_Block] = []
+        self._sums, self._moved = Sums.empty(), False
 
     def process(self, run: Sequence[AxesSample], contact: Sequence[bool]) -> list[MatrixEstimate]:
         """
@@ -142,149 +127,113 @@ class StiffnessMatrix:
         Returns
         -------
         estimates : list of MatrixEstimate
-            One for every 50 rows that have come together.
+            One for every 50 samples that have come together.
 
         """
         estimates = []
         for axes, touching in zip(run, contact):
             if not touching:
-                self._last = None
-                self._free_s += self._T
-                if self._free_s > _NEW_WALL_S and self._origin:
-                    self._restart()
+                self._run = []
                 continue
-            self._free_s = 0.0
-            self._add(axes)
-            if len(self._rows) == _BLOCK:
-                found = self._learn(axes[0].stamp_ns)
-                estimates += [found] if found else []
+            stamp_ns = axes[0].stamp_ns
+            if stamp_ns - self._contact_ns > _NEW_WALL_NS:
+                self._restart()
+            self._contact_ns = stamp_ns
+            self._run.append((stamp_ns, *[sample.position for sample in axes],
+                              *[-sample.force for sample in axes]))
+            if len(self._run) == _LENGTH + _HELD:
+                estimates += self._learn(np.array(self._run[:_LENGTH], float))
         return estimates
 
-    def _add(self, axes: AxesSample) -> None:
-        """Add the row of a sample; from a trapezoid where no velocity is measured."""
-        self._origin = self._origin or [sample.position for sample in axes]
-        x = [sample.position - x_0 for sample, x_0 in zip(axes, self._origin)]
-        v, y = [sample.velocity for sample in axes], [-sample.force for sample in axes]
-        last, self._last = self._last, axes
-        if any(rate != rate for rate in v):
-            dt = (axes[0].stamp_ns - last[0].stamp_ns) * 1e-9 if last else 0.0
-            if last is None or not 0.0 < dt <= 1.5 * self._T:
-                return
-            steps = [now.position - old.position for now, old in zip(axes, last)]
-            x = [now - 0.5 * step for now, step in zip(x, steps)]
-            v = [step / dt for step in steps]
-            y = [-0.5 * (now.force + old.force) for now, old in zip(axes, last)]
-        self._rows.append([*x, *v, 1.0, *y])
+    def _learn(self, table: Array) -> list[MatrixEstimate]:
+        """Learn from the next block, unless there is a gap in it."""
+        steps = np.diff(table[:, 0])
+        valid = np.asarray(np.isfinite(table).all(axis=1))
+        even = (steps > 0.0) & (steps <= _LONGEST * float(np.median(steps)))
+        gaps = np.flatnonzero(~(even & valid[1:] & valid[:-1]))
+        if len(gaps):
+            del self._run[:int(gaps[-1]) + 1]
+            return []
+        stamp_ns = int(self._run[_LENGTH - 1][0])
+        del self._run[:_BLOCK]
+        if not self._blocks:
+            self._origin, self._normal = table[0, 1:4], direction_of(table[:, 4:].mean(axis=0))
+        block = _block(table, self._origin)
+        smooth = sliding_window_view(block.data[:, :3], 2 * _HALF + 1, axis=0) @ _KERNELS[:, 0]
+        moves = bool((np.ptp(smooth, axis=0) > _MOVING * np.sqrt(block.variances[:3])).any())
+        if moves or not self._moved:
+            self._moved = self._moved or moves
+            self._blocks = [*self._blocks, block][-_KEPT:]
+            self._add(self._blocks[-1:])
+            self.estimate, normal = posterior(
+                stamp_ns, self._sums, self._normal, self._timing_std)
+            if float(np.linalg.norm(normal - self._normal)) > _TURN:
+                self._normal, self._sums = normal, Sums.empty()
+                self._add(self._blocks)
+        assert self.estimate is not None
+        if not moves:
+            self.estimate = self.estimate._replace(
+                stamp_ns=stamp_ns, status=EstimateStatus.FROZEN, reason='no motion')
+        return [self.estimate]
 
-    def _learn(self, stamp_ns: int) -> MatrixEstimate | None:
-        rows = np.array(self._rows)
-        self._rows = []
-        kept = exp(-_BLOCK * self._T / self._p.memory_s)
-        self._products = kept * self._products + rows.T @ rows
-        self._count = kept * self._count + _BLOCK
-        if self._count < _LEAST_ROWS:
-            return None
-        self.estimate = matrix_estimate(stamp_ns, self._products, self._count)
-        return self.estimate
+    def _add(self, blocks: Sequence[_Block]) -> None:
+        """Add the rows of consecutive blocks to the sums; those before are forgotten by that."""
+        steps = np.array([block.step for block in blocks])
+        kept = np.exp(-_BLOCK / self._memory_s * np.cumsum(steps[::-1])[::-1])
+        weights = np.append(kept[1:], 1.0)
+        noise = np.array([block.variances for block in blocks])
+        rows = _rows(np.array([block.data for block in blocks]), steps[:, None, None],
+                     noise[:, :3].sum(axis=1), self._normal)
+        counts = _WEIGHT * rows.shape[1] * weights
+        variances = counts @ noise
+        scale = steps[-1] ** -np.arange(3.0)
+        old, fading = self._sums, float(kept[0])
+        self._sums = Sums(
+            fading * old.products + np.tensordot(
+                _WEIGHT * weights[:, None, None] * rows, rows, ((0, 1), (0, 1))),
+            fading * old.spread + np.kron(
+                _GRAM * np.outer(scale, scale), np.diag(variances[:3])),
+            fading * old.noise + float(_GRAM[0, 0]) * variances,
+            fading * old.weight + float(counts.sum()))
 
 
-def matrix_estimate(stamp_ns: int, products: Array, count: float) -> MatrixEstimate:
+def _block(table: Array, origin: Array) -> _Block:
+    """Interpolate at equal steps; the noise shows in third differences, the motion does not."""
+    t = (table[:, 0] - table[0, 0]) * 1e-9
+    grid = np.linspace(0.0, t[-1], len(t))
+    data = np.column_stack([np.interp(grid, t, column) for column in table[:, 1:].T])
+    data[:, :3] -= origin
+    return _Block(data, float(grid[1]), (np.diff(data, 3, axis=0)**2).mean(axis=0) / 20.0)
+
+
+def _rows(data: Array, step: Array, noise: Array, normal: Array) -> Array:
     """
-    Solve for the matrices.
+    Return the rows of blocks, shape (blocks, rows, 25); columns as in `matrix_posterior`.
 
-    The covariance of K_ij and K_kl is S_ik P_jl, with S the covariance of the residuals and P the
-    inverse of the regressors' products.
-
-    Parameters
-    ----------
-    stamp_ns : int
-        Of the last sample [ns].
-    products : ndarray, shape (10, 10)
-        Sum of row^T row, rows (x, v, 1, -F).
-    count : float
-        Effective number of rows.
-
-    Returns
-    -------
-    estimate : MatrixEstimate
-        With deviations.
-
-    """
-    A, C = products[:_COLUMNS, :_COLUMNS], products[:_COLUMNS, _COLUMNS:]
-    scale = np.sqrt(np.maximum(A.diagonal(), 1e-18))
-    scales = np.outer(scale, scale)
-    # A weak prior keeps what is not excited finite: with the noise of the residuals, at last.
-    S = np.eye(3)
-    for _ in range(2):
-        prior = np.eye(_COLUMNS) * float(np.trace(S)) / 3.0 / _UNKNOWN**2
-        P = np.linalg.inv((A + prior) / scales) / scales
-        theta = P @ C
-        S = products[_COLUMNS:, _COLUMNS:] - theta.T @ C
-        S = 0.5 * (S + S.T) / max(count - _COLUMNS, 1.0)  # (3, 3) [N^2]
-        S += np.eye(3) * max(1e-12 * float(np.trace(products[_COLUMNS:, _COLUMNS:])) / count,
-                             1e-18)
-    K, B = theta[:3].T, theta[3:6].T
-    std = np.sqrt(np.maximum(np.outer(S.diagonal(), P.diagonal()[:6]), 0.0))  # (3, 6)
-    values, stds, directions, angles = principal_directions(K, S, P[:3, :3])
-    normal, normal_std = _normal(values, directions, angles, C[6])
-    return MatrixEstimate(
-        stamp_ns, K, std[:, :3], B, std[:, 3:], values, stds, directions, angles, normal,
-        normal_std,
-    )
-
-
-def principal_directions(K: Array, S: Array, P: Array) -> tuple[Array, Array, Array, Array]:
-    """
-    Decompose the symmetric positive part of a stiffness.
-
-    Parameters
-    ----------
-    K : ndarray, shape (3, 3)
-        Stiffness [N/m].
-    S, P : ndarray, shape (3, 3)
-        Covariances: that of K_ij and K_kl is S_ik P_jl.
-
-    Returns
-    -------
-    values, stds : ndarray, shape (3,)
-        Principal stiffnesses, largest first, and their standard deviations [N/m].
-    directions : ndarray, shape (3, 3)
-        One a row.
-    angles : ndarray, shape (3,)
-        Standard deviation of the angle of each; at most pi / 2 [rad].
+    Friction N u, with u the direction of sliding, is smoothed like force and position. A lag of
+    the sensor delays u, but not the N that it measures itself: hence the column N du/dt.
 
     """
-    values, vectors = np.linalg.eigh(0.5 * (K + K.T))
-    values, vectors = values[::-1], vectors[:, ::-1]
-    s, p = vectors.T @ S @ vectors, vectors.T @ P @ vectors
-    # Of v_i^T (K + K^T) v_j / 2.
-    ends = np.outer(s.diagonal(), p.diagonal())
-    variances = 0.25 * (ends + ends.T + 2.0 * s * p)  # (3, 3)
-    gaps = values[:, None] - values[None, :]
-    with np.errstate(divide='ignore', invalid='ignore'):
-        turns = np.where(gaps == 0.0, pi**2, variances / gaps**2)
-    np.fill_diagonal(turns, 0.0)
-    angles = np.minimum(np.sqrt(np.minimum(turns, pi**2).sum(axis=1)), 0.5 * pi)
-    stds = np.sqrt(np.maximum(variances.diagonal(), 0.0))
-    return np.maximum(values, 0.0), stds, vectors.T, angles
+    inner = slice(_EDGE, -_EDGE)
+    v = (data[:, 2 * _EDGE:, :3] - data[:, :-2 * _EDGE, :3]) / (2 * _EDGE * step)
+    calm = 2.0 * noise[:, None] / (2 * _EDGE * step[:, 0])**2 + 1e-18  # (blocks, 1)
 
+    def friction(n: Array) -> tuple[Array, Array]:
+        along = v - (v @ n)[..., None] * n
+        u = along / np.sqrt((along**2).sum(axis=2) + calm)[..., None]
+        return np.maximum(data[:, inner, 3:] @ n, 0.0)[..., None], u
 
-def _normal(
-    values: Array, directions: Array, angles: Array, force: Array
-) -> tuple[Array, float]:
-    """
-    Return the direction into the wall and the standard deviation of its angle.
-
-    The stiffest direction, where force and motion determine it; else that of the mean force,
-    which friction may tilt.
-
-    """
-    pressing = force / max(float(np.linalg.norm(force)), 1e-12)
-    angle = float(angles[0])
-    if angle > _SURE or values[0] < 2.0 * values[1]:
-        return pressing, _FRICTION_ANGLE
-    sign = 1.0 if float(directions[0] @ pressing) >= 0.0 else -1.0
-    return sign * directions[0], angle
+    N, u = friction(normal)
+    turned = [(np.multiply(*friction(direction_of(normal + _TURN * t))) - N * u) / _TURN
+              for t in tangents(normal)]
+    columns = np.concatenate([
+        data[:, inner, :3], N * u, N * np.gradient(u, axis=1) / step, *turned,
+        data[:, inner, 3:]], axis=2)
+    smooth = sliding_window_view(columns, 2 * _HALF + 1, axis=1)[:, :_BLOCK:_STEP] @ _KERNELS
+    x, others = smooth[..., :3, :], smooth[..., 3:, 0]
+    return np.concatenate([
+        x[..., 0], x[..., 1] / step, x[..., 2] / step**2, others[..., :-3],
+        np.ones((*smooth.shape[:2], 1)), others[..., -3:]], axis=2)
 
 
 LABELS = ('stiffness', 'stiffness_std', 'damping', 'damping_std')

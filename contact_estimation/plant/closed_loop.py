@@ -156,7 +156,7 @@ def run_closed_loop(
         run.truths.append(truth)
         run.results.append(result)
         if bare:
-            follow = pushed = push(session.pipeline.estimator.control_force)
+            follow = pushed = push(session.pipeline.control_force)
         world.advance(period, follow)
         if result.reference is not None:
             reference = result.reference
@@ -178,7 +178,7 @@ def require_control(session: ContactSession) -> None:
         If the estimator computes no control force.
 
     """
-    if isnan(session.pipeline.estimator.control_force):
+    if isnan(session.pipeline.control_force):
         raise ParameterRangeError(
             'robot.control force needs an estimator that computes a control force: expected mrac, '
             f'got {session.parameters.estimator}; use it, or robot.control impedance'

@@ -137,6 +137,8 @@ class EstimatorDiagnostics:
             values.update((f'{axis}_{k}', v) for k, v in _values_of(other).items())
             values[f'{axis}_contact'] = pipeline.contact
             values.update((f'{axis}_{k}', v) for k, v in _fit_of(pipeline.model_fit).items())
+        if session.matrix.runs:
+            values['matrix_status'] = session.matrix.status
         values.update(self._problems(session))
         values.update((f'warning_{k}', text) for k, (_, text) in enumerate(warnings, start=1))
         status = DiagnosticStatus(
@@ -211,8 +213,10 @@ class EstimatorDiagnostics:
             'reference_limited': session.stream.limited,
             'contact': pipeline.contact,
             'position': f'{session.last_position:.6g}',
-            'excitation_stiffness_std': f'{pipeline.excitation.stiffness_std:.6g}',
-            'excitation_damping_std': f'{pipeline.excitation.damping_std:.6g}',
+            'contact_probability': f'{pipeline.posterior.contact.probability:.3f}',
+            'wall_law': ' '.join(f'{law} {p:.2f}' for law, p in pipeline.laws.items() if p >= 0.005),
+            'wall_changes': pipeline.posterior.changes,
+            'force_lag_ms': '{:.2f} +- {:.2f}'.format(*(1e3 * s for s in pipeline.posterior.lag.lag)),
             'force_noise_std': f'{pipeline.noise_std:.6g}',
             'force_bias': f'{pipeline.bias:.6g}',
             'free_flight_level': f'{pipeline.free_flight_level:.6g}',
@@ -220,7 +224,7 @@ class EstimatorDiagnostics:
         if estimate is None:
             return values
         details = {f'{parameters.estimator}_{name}': f'{value:.8g}'
-                   for name, value in pipeline.estimator.details.items()}
+                   for name, value in pipeline.details.items()}
         return {**values, **_values_of(estimate), **_fit_of(pipeline.model_fit), **details}
 
     def _problems(self, session: ContactSession) -> dict[str, Any]:

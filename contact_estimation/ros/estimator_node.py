@@ -91,8 +91,8 @@ class EstimatorNode(Node):
         self._outputs.use(parameters.frame_id, self._axes)
         self._events = self.create_publisher(String, '~/events', topics.EVENTS_QOS)
         self._event(event_now(self._session, START, flatten(self._session.parameters)))
-        if self._session.pipeline.estimator.limitation:
-            self.get_logger().warning(self._session.pipeline.estimator.limitation)
+        if self._session.pipeline.limitation:
+            self.get_logger().warning(self._session.pipeline.limitation)
         self._diagnostics = EstimatorDiagnostics(
             self.get_fully_qualified_name(), self._own.silence_s,
             self._hardware(parameters.frame_id), self._now_ns,
