@@ -19,22 +19,21 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
 from functools import cached_property
-from math import sqrt
-from typing import Any, ClassVar, NamedTuple
+from math import ceil, inf
+from typing import Any, ClassVar, Mapping, NamedTuple, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .robust_statistics import loaded_correlation, median_of, spread_of
+from .robust_statistics import Array, loaded_correlation, median_of, spread_of, white_noise_of
 from ..parameters import EstimationParameters
+from ...signals.stream_faults import Bursts, bursts_of, CLEAR
 
-Array = NDArray[np.float64]
-
-CLEAR = 8.0
-"""Spread of a force, in standard deviations of its noise, that is clearly no noise."""
+MEAN_S = 0.01
+"""Time over which signals are averaged [s]."""
 
 _MEDIAN = 0.6745  # of the size of a normal variable of variance 1
-_BELOW_95_PERCENT = 0.759  # mean of the lower 95 % of its squares
+_STAMP_S = 1e-9  # resolution of a stamp
 _NOTHING = np.zeros(0)
 
 
@@ -68,19 +67,7 @@ class Warned(NamedTuple):
 
 
 class Forces(NamedTuple):
-    """
-    One component of the wrench that no axis estimates.
-
-    Attributes
-    ----------
-    axis : str
-        Its name.
-    force : ndarray, shape (M,)
-        Force [N].
-    x : ndarray, shape (M,)
-        Position of the contact axis at the same time [m].
-
-    """
+    """A component of the wrench that no axis estimates [N], and x of the contact axis then [m]."""
 
     axis: str
     force: Array
@@ -92,6 +79,8 @@ class Evidence:
     """
     The last seconds of one axis.
 
+    Of the pipeline, checks read what its properties here name, and nothing else.
+
     Attributes
     ----------
     axis : str
@@ -101,7 +90,8 @@ class Evidence:
     pipeline : EstimationPipeline
         State of the axis, read only.
     t, x, v, force : ndarray, shape (N,)
-        Time [s], position [m], rate [m/s] (NaN where not measured) and F_e less the bias [N].
+        Time [s], position [m], rate [m/s] (NaN where not measured) and F_e less the bias [N], that
+        of a tare and that of `physics.force_bias`.
     contact : ndarray of bool, shape (N,)
         Whether contact was detected.
     others : tuple of Forces
@@ -110,8 +100,14 @@ class Evidence:
         Rate of the joint states [Hz]; NaN while unknown.
     travel : float
         Range of all positions since the start [m].
+    wrench_t : ndarray, shape (M,)
+        Stamps of all wrenches, also of those that became no sample [s]; empty where not known.
+    start_s : float
+        Stamp at t = 0 [s].
+    joints, limits : sequence of float, mapping of int to (str, float, float)
+        Positions of the joints of an arm; by place, name and limits of those that turn [rad].
     memory : dict
-        What a check has computed that another needs.
+        What a check has found, until the checks are reset.
 
     """
 
@@ -126,27 +122,65 @@ class Evidence:
     others: tuple[Forces, ...] = ()
     joint_rate: float = float('nan')
     travel: float = 0.0
+    wrench_t: Array = field(default_factory=lambda: _NOTHING)
+    start_s: float = 0.0
+    joints: Sequence[float] = ()
+    limits: Mapping[int, tuple[str, float, float]] = field(default_factory=dict)
     memory: dict[str, Any] = field(default_factory=dict)
 
     @classmethod
-    def of_state(
-        cls, axis: str, parameters: EstimationParameters, pipeline: Any
-    ) -> Evidence:
-        """
-        Return evidence without samples, for checks of the state of a pipeline.
-
-        Parameters
-        ----------
-        axis, parameters, pipeline
-            As above.
-
-        """
+    def of_state(cls, axis: str, parameters: EstimationParameters, pipeline: Any) -> Evidence:
+        """Return evidence without samples, for checks of the state of a pipeline."""
         return cls(axis, parameters, pipeline, _NOTHING, _NOTHING, _NOTHING, _NOTHING,
                    np.zeros(0, dtype=np.bool_))
 
+    # -- the pipeline -----------------------------------------------------------------------
+
+    @property
+    def location(self) -> float:
+        """Location of the surface [m]; NaN before it is known."""
+        return float(self.pipeline.location)
+
+    @property
+    def location_margin(self) -> float:
+        """How far from its location the surface may be [m]."""
+        return float(self.pipeline.location_margin)
+
+    @property
+    def touch_text(self) -> str:
+        """What touch-downs have shown of the surface; '' where all is well."""
+        return str(self.pipeline.touch_down.text)
+
+    @property
+    def bias(self) -> float:
+        """Force that a tare subtracts [N]."""
+        return float(self.pipeline.bias)
+
+    @property
+    def noise_std(self) -> float:
+        """Noise of the force in free flight [N]."""
+        return float(self.pipeline.noise_std)
+
+    # -- the samples ------------------------------------------------------------------------
+
+    @property
+    def is_arm(self) -> bool:
+        """Whether x and the force follow from the joints and the wrench of an arm."""
+        return bool(self.parameters.kinematics.tip)
+
+    @property
+    def may_be_weight(self) -> bool:
+        """Whether the weight of a tool is in the force, which turns with an arm."""
+        return self.is_arm and not self.parameters.tool.mass
+
+    @property
+    def free(self) -> NDArray[np.bool_]:
+        """Samples that touch nothing, as far as the location of the wall is known."""
+        return np.asarray(~self.contact & ~(self.x > self.location))
+
     @property
     def configured_noise(self) -> float:
-        """Return the configured standard deviation of the force [N]."""
+        """The configured standard deviation of the force [N]."""
         return self.parameters.contact.force_noise
 
     @cached_property
@@ -159,46 +193,79 @@ class Evidence:
         """
         if len(self.force) < 2:
             return self.configured_noise
-        white = median_of(np.abs(self.force[1:] - self.force[:-1])) / (_MEDIAN * sqrt(2.0))
+        white = median_of(np.abs(self.force[1:] - self.force[:-1])) / (_MEDIAN * 2.0**0.5)
         return max(self.configured_noise, white)
 
     @cached_property
-    def white_noise(self) -> float:
-        """
-        White noise of the force, by second differences, in which motion hardly shows [N].
-
-        The largest are left out: an impact is no noise.
-
-        """
-        f = self.force
-        if len(f) < 3:
-            return 0.0
-        squares = np.square(f[2:] - 2.0 * f[1:-1] + f[:-2])
-        most = max(1, int(0.95 * len(squares)))
-        lower = np.partition(squares, most - 1)[:most]
-        return sqrt(float(np.mean(lower)) / (6.0 * _BELOW_95_PERCENT))
-
-    @cached_property
     def period(self) -> float:
-        """Usual time between samples [s]."""
-        return median_of(self.t[1:] - self.t[:-1])
+        """Usual time between samples, at least the resolution of stamps [s]."""
+        steps = self.t[1:] - self.t[:-1]
+        return max(median_of(steps) if len(steps) else 0.0, _STAMP_S)
 
     @cached_property
+    def stride(self) -> int:
+        """Samples from one joint state to the next: between them x lies on a straight line."""
+        apart = 0.99 / (self.joint_rate * self.period) if self.joint_rate > 0.0 else 1.0
+        return max(1, ceil(min(apart, len(self.t) + 1.0)))
+
+    @cached_property
+    def position_noise(self) -> float:
+        """White noise of the position [m]; infinite where there are too few samples."""
+        return white_noise_of(self.x, self.stride)
+
+    @cached_property
+    def velocity_noise(self) -> float:
+        """White noise of the measured rate [m/s]; infinite where it is not measured."""
+        return white_noise_of(self.v, self.stride) if np.isfinite(self.v).all() else inf
+
+    @property
+    def mean_size(self) -> int:
+        """Samples over which signals are averaged."""
+        return max(1, round(min(MEAN_S / self.period, float(len(self.t)))))
+
+    @cached_property
+    def _rates(self) -> tuple[Array, float]:
+        """The rate of x whose mean is known better, measured or by differences, and its noise."""
+        independent = max(1.0, self.mean_size / self.stride)
+        measured = self.velocity_noise / independent**0.5
+        by_steps = self.position_noise / (independent * self.stride * self.period)
+        if measured <= by_steps < inf:
+            return self.v, measured
+        return rate_of(self.x, self.t), by_steps
+
+    @property
     def rate(self) -> Array:
         """Rate of x, measured or by differences [m/s]."""
-        if np.isfinite(self.v).all():
-            return self.v
-        return np.asarray(np.gradient(self.x, self.t))
+        return self._rates[0]
+
+    @property
+    def rate_noise(self) -> float:
+        """Standard deviation of its mean over `mean_size` samples [m/s]."""
+        return self._rates[1]
 
     @cached_property
     def spread(self) -> float:
         """Range of the force without its extremes [N]."""
-        return spread_of(self.force)
+        return spread_of(self.force) if len(self.force) else 0.0
 
     @cached_property
     def slope_sign(self) -> float:
         """Correlation of force and position where there is a force."""
         return loaded_correlation(self.x, self.force, self.noise)
+
+    @cached_property
+    def bursts(self) -> Bursts | None:
+        """Stamps of the wrench in bursts: no rate and no lag has a meaning beside them."""
+        return bursts_of(self.wrench_t if len(self.wrench_t) else self.t)
+
+
+def rate_of(values: Array, t: Array) -> Array:
+    """Return central differences, finite also between samples of one stamp."""
+    if len(t) < 2:
+        return np.zeros(len(t))
+    after, before = np.append(t[1:], t[-1]), np.append(t[:1], t[:-1])
+    later, earlier = np.append(values[1:], values[-1]), np.append(values[:1], values[:-1])
+    return np.asarray((later - earlier) / np.maximum(after - before, _STAMP_S))
 
 
 class Check(ABC):
@@ -234,6 +301,8 @@ class Check(ABC):
     def judge(self, seen: Evidence) -> str | None:
         """
         Return the text of the warning.
+
+        Never raises, whatever the evidence.
 
         Parameters
         ----------

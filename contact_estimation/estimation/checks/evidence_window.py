@@ -19,7 +19,7 @@ from __future__ import annotations
 from collections import deque
 from itertools import chain
 from math import inf, nan
-from typing import Any, Mapping
+from typing import Any, Mapping, Sequence
 
 import numpy as np
 
@@ -88,6 +88,7 @@ class EvidenceWindow:
         self._windows: dict[str, deque[Array]] = {
             axis: deque(maxlen=_BLOCKS) for axis in self._axes}
         self._others: deque[Array] = deque(maxlen=_BLOCKS)
+        self._memory: dict[str, dict[str, Any]] = {axis: {} for axis in self._axes}
         self._joint_rate, self._block_end_ns = nan, 0
         self._start_block()
 
@@ -145,30 +146,23 @@ class EvidenceWindow:
         self._start_block()
 
     def evidence(
-        self, axis: str, parameters: EstimationParameters, pipeline: Any
+        self, axis: str, parameters: EstimationParameters, pipeline: Any,
+        joints: Sequence[float], limits: Mapping[int, tuple[str, float, float]],
     ) -> Evidence:
-        """
-        Return the evidence of an axis.
-
-        Parameters
-        ----------
-        axis : str
-            One of the axes.
-        parameters : EstimationParameters
-            All parameters.
-        pipeline : EstimationPipeline
-            Of the axis.
-
-        """
+        """Return the evidence of an axis; parameters as of `Evidence`."""
         stamps, x, v, force, touching = np.concatenate(self._windows[axis], axis=1)
         low, high = self._travel[axis]
-        return Evidence(
-            axis, parameters, pipeline, (stamps - stamps[0]) * 1e-9, x, v, force - pipeline.bias,
-            touching > 0.5, self._other_forces(stamps, x), self._joint_rate, high - low)
-
-    def _other_forces(self, stamps: Array, x: Array) -> tuple[Forces, ...]:
-        """Return the components of the wrench that no axis estimates."""
+        declared = float(parameters.of_axis(axis).physics.force_bias.bias)
+        bias = pipeline.bias + (declared if declared == declared else 0.0)
         table = np.concatenate(self._others)
+        begin = stamps[0]
+        return Evidence(
+            axis, parameters, pipeline, (stamps - begin) * 1e-9, x, v, force - bias,
+            touching > 0.5, self._other_forces(table, stamps, x), self._joint_rate, high - low,
+            (table[:, 0] - begin) * 1e-9, begin * 1e-9, joints, limits, self._memory[axis])
+
+    def _other_forces(self, table: Array, stamps: Array, x: Array) -> tuple[Forces, ...]:
+        """Return the components of the wrench that no axis estimates."""
         if not len(table):
             return ()
         position = np.interp(table[:, 0], stamps, x)
