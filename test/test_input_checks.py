@@ -77,7 +77,7 @@ MISTAKES: list[tuple[str, str, dict[str, Any]]] = [
     ('surface', 'contact began 9.9 mm inside the wall', {'change': at(0.01)}),
     ('surface_line', '400 mm inside the wall', {'change': at(0.4), 'samples': HEALTHY[300:]}),
     ('force_outside', 'outside the wall; set environment.location', {'change': at(-0.1)}),
-    ('force_sign', 'change the sign of the wrench',
+    ('force_sign', 'set force_sign to -1',
      {'change': lambda s: s._replace(force=-s.force)}),
     ('force_sign', 'change the sign of the position',
      {'change': lambda s: s._replace(position=-s.position, velocity=-s.velocity)}),
@@ -338,7 +338,7 @@ def test_the_weight_of_a_tool_that_turns_is_told_beside_a_wrong_sign(
     seen = Evidence('x', parameters, None, np.arange(500) / 500.0, x, np.full(500, 0.02), force,
                     np.zeros(500, bool))
     said = ForceSign().judge(seen)
-    assert said is not None and 'change the sign of the wrench' in said
+    assert said is not None and 'set force_sign to -1' in said
     assert ('run calibrate_tool' in said) == told
 
 

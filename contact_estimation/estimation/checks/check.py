@@ -164,6 +164,11 @@ class Evidence:
     # -- the samples ------------------------------------------------------------------------
 
     @property
+    def end_s(self) -> float:
+        """Stamp of the last sample [s]."""
+        return self.start_s + (float(self.t[-1]) if len(self.t) else 0.0)
+
+    @property
     def is_arm(self) -> bool:
         """Whether x and the force follow from the joints and the wrench of an arm."""
         return bool(self.parameters.kinematics.tip)

@@ -40,7 +40,7 @@ _DEVIATIONS = 3.0  # of timing_std
 _OF_PERIOD = 0.5  # of the joint states
 _OTHER_PHYSICS = 20.0  # likelihood ratio over the best other explanation but a mass
 _OVER_MASS = 30.0  # likelihood ratio over a mass
-_EXCITED = 3.0  # power of the motion over that of its noise
+_EXCITED = 8.0  # power of the motion over that of its noise
 
 _LONGEST_S = 0.1
 _COARSE = np.linspace(-0.1, 0.1, 21)
@@ -162,17 +162,17 @@ class _Means(NamedTuple):
 
     @property
     def least(self) -> float:
-        """Sum of squares that the white noise of y leaves at least, three deviations below its mean."""
+        """Sum of squares that the white noise of y leaves beside any lag, less two deviations."""
         count = len(self.y)
-        return max(self.white * max(count - 3.0 * (2.0 * count)**0.5, 0.1 * count), 1e-300)
+        return max(self.white * max(count - 2.0 * (2.0 * count)**0.5, 0.1 * count), 1e-300)
 
 
 def _remembered(seen: Evidence) -> _Skew | None:
     """Return the skew, computed once for both checks."""
     instant, found = seen.memory.get('skew', (None, None))
-    if instant != seen.start_s or instant is None:
+    if instant != seen.end_s:
         found = _skew_of(seen)
-        seen.memory['skew'] = seen.start_s, found
+        seen.memory['skew'] = seen.end_s, found
     skew: _Skew | None = found
     return skew
 
@@ -226,7 +226,7 @@ def _skew_of(seen: Evidence) -> _Skew | None:
         best, near = _searched(means)
     if abs(best) < _NO_LAG_S:
         return _Skew(0.0, sharpness=sharpness)
-    least = float(near.min())
+    least = max(float(near.min()), means.least)
     mass, with_mass = _mass(means, x, v)
 
     def over(other: float) -> float:
@@ -234,7 +234,7 @@ def _skew_of(seen: Evidence) -> _Skew | None:
 
     return _Skew(
         best, over(none), over(with_mass), over(_left_with_physics(means, x, v)), mass,
-        (none - least) / max(none - count * means.floor, means.least),
+        (none - least) / max(none - count * means.floor, 1e-3 * means.least),
         over(float(near[[0, -1]].min())))
 
 
@@ -307,7 +307,7 @@ def _residuals(means: _Means, lags: Array) -> Array:
     rest_v, rest_y = vv - xv * xv / xx, vy - xv * xy / xx
     damped = (rest_y > 0.0) & (rest_v > _EXCITED * noise_v)
     left = yy - xy * xy / xx - np.where(damped, rest_y**2 / np.where(damped, rest_v, 1.0), 0.0)
-    return np.where(excited, np.maximum(left, means.least), np.inf)
+    return np.where(excited, np.maximum(left, 1e-3 * means.least), np.inf)
 
 
 def _mass(means: _Means, x: Array, v: Array) -> tuple[float, float]:

@@ -113,7 +113,7 @@ class ZeroSteps(Check):
         old = before_t < (t[0] if len(t) else np.inf)
         if bias == seen.bias:
             t, force = np.append(before_t[old], t), np.append(before[old], force)
-        until = int(np.searchsorted(t, seen.start_s + (seen.t[-1] if len(seen.t) else 0.0) / 4.0))
+        until = int(np.searchsorted(t, seen.start_s + 0.25 * (seen.end_s - seen.start_s)))
         first = max(until - _KEPT, 0)
         seen.memory['free_flight'] = seen.bias, t[first:], force[first:]
         return zero_steps(t, force, seen.configured_noise, not seen.may_be_weight)
