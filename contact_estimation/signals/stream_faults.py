@@ -20,7 +20,7 @@ Stamps in bursts, samples of two sources on one topic, a zero of the force senso
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Iterator, NamedTuple
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -37,7 +37,7 @@ TARE_DUE = 2.0
 _SHORT, _LONG = 0.25, 10.0  # quantile of the steps, and times it: a pause between bursts
 _MOST_OF_TIME = 0.5  # between bursts
 _LEAST_BURSTS = 5
-_BRIEF, _MANY = 0.02, 20  # most of the time in bursts of many samples: else stretches between gaps
+_BRIEF, _MANY = 0.02, 50  # most of the time in bursts of many samples: else stretches between gaps
 _ADJACENT = 0.2  # most pauses that another follows: else the sampling is slow there
 
 _BLOCK = 16  # samples in which courses are told apart
@@ -48,7 +48,8 @@ _WITHIN = 1.0 / (1.0 + 0.25 * CLEAR**2)
 _LEAST_BLOCKS, _OF_BLOCKS = 6, 0.5
 
 _PIECE = 25  # samples of the shortest level
-_BESIDE = 5  # samples whose median a step leaves unharmed by an outlier
+_BESIDE = 5  # samples whose median an outlier does not move
+_AT_ENDS = 10  # samples in which a step before or after a contact is not seen
 _LEVEL = 2.0  # most spread of a level, in standard deviations of the noise
 _PERSISTS = 0.7  # of a step: afterwards the level keeps as much of it
 
@@ -196,9 +197,8 @@ def zero_steps(t: Array, force: Array, noise: float, resting: bool = True) -> li
     found: list[ZeroStep] = []
     before: _Piece | None = None
     for first, stop in zip([0, *gaps], [*gaps, len(t)]):
-        jumps = _jumps(force[first:stop], noise)
-        for k, (start, end) in enumerate(zip([0, *jumps], [*jumps, stop - first])):
-            now = _piece(t[first + start:first + end], force[first + start:first + end])
+        edges = [0, *_jumps(force[first:stop], noise), stop - first]
+        for k, now in enumerate(_pieces(t[first:stop], force[first:stop], edges)):
             if now is None or now.std > _LEVEL * noise:
                 before = None if k == 0 else before
                 continue
@@ -219,19 +219,27 @@ def _jumps(force: Array, noise: float) -> list[int]:
     while size.max() > CLEAR * noise:
         place = int(np.argmax(size))
         sides = force[max(place - _PIECE, 0):place], force[place:place + _PIECE]
-        if min(map(len, sides)) >= 2 * _BESIDE and _PERSISTS * size[place] < abs(
+        if min(map(len, sides)) >= _AT_ENDS and _PERSISTS * size[place] < abs(
                 float(np.median(sides[1]) - np.median(sides[0]))):
             places.append(place)
         size[max(place - _PIECE, 0):place + _PIECE] = 0.0
     return sorted(places)
 
 
-def _piece(t: Array, force: Array) -> _Piece | None:
-    if len(t) < 2 * _BESIDE:
-        return None
-    away, mean = t - np.mean(t), float(np.mean(force))
-    slope = float(away @ force) / max(float(away @ away), 1e-300)
-    return _Piece(float(t[0]), float(t[-1]), mean, len(t), float(np.std(force)), slope)
+def _pieces(t: Array, force: Array, edges: list[int]) -> Iterator[_Piece | None]:
+    """Yield the levels between edges, without the ends of the whole, where no step can be seen."""
+    for start, end in zip(edges[:-1], edges[1:]):
+        first = start + (_AT_ENDS if start == 0 else 0)
+        last = end - (_AT_ENDS if end == len(t) else 0)
+        first, last = (first, last) if last - first >= _AT_ENDS else (start, end)
+        if last - first < _AT_ENDS:
+            yield None
+            continue
+        own_t, own = t[first:last], force[first:last]
+        away = own_t - np.mean(own_t)
+        slope = float(away @ own) / max(float(away @ away), 1e-300)
+        yield _Piece(float(own_t[0]), float(own_t[-1]), float(np.mean(own)), len(own),
+                     float(np.std(own)), slope)
 
 
 def _differ(before: _Piece, now: _Piece, noise: float, at_once: bool) -> bool:
