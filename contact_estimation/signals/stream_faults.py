@@ -221,7 +221,8 @@ def _jumps(force: Array, noise: float) -> list[int]:
         sides = force[max(place - _PIECE, 0):place], force[place:place + _PIECE]
         if min(map(len, sides)) >= _AT_ENDS and _PERSISTS * size[place] < abs(
                 float(np.median(sides[1]) - np.median(sides[0]))):
-            places.append(place)
+            near = place - 2 + np.arange(5)  # medians of five samples cannot tell which
+            places.append(int(near[np.argmax(np.abs(force[near] - force[near - 1]))]))
         size[max(place - _PIECE, 0):place + _PIECE] = 0.0
     return sorted(places)
 

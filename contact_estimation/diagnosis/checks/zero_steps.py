@@ -23,7 +23,7 @@ from .evidence import Evidence
 from ...signals.stream_faults import TARE_DUE, zero_steps
 
 _OF_RANGE = 0.006  # of the force: a smaller step is not worth a name, see `conclude`
-_ALONG = 0.25  # of the travel before the surface, over which the tool is taken to be free
+_ALONG = 0.25  # of the travel before the surface: nearer, a contact may have begun
 _MOST = 5  # steps listed
 
 
@@ -46,8 +46,7 @@ def find(evidence: Evidence) -> Finding:
     if not evidence.model.environment.unilateral or onset is None:
         return Finding(True, 'no free flight')
     x = np.interp(s.wrench_t, s.joint_t, s.position)
-    before = onset.position - float(np.min(x))
-    free = x < onset.position - max(onset.blur, _ALONG * before)
+    free = x < onset.position - _ALONG * (onset.position - float(np.min(x)))
     least = max(evidence.force_noise, _OF_RANGE / TARE_DUE * float(np.ptp(s.force)))
     steps = zero_steps(s.wrench_t[free], s.force[free], least)
     if not steps:
