@@ -16,7 +16,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Iterator
 
 from contact_estimation.estimation.checks.graph_warnings import graph_warnings
@@ -38,7 +37,8 @@ def test_one_publisher_a_topic_and_other_nodes_are_no_warning() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize('topic, message', [('wrench', WrenchStamped), ('joint_states', JointState)])
+@pytest.mark.parametrize('topic, message', [
+    ('wrench', WrenchStamped), ('joint_states', JointState)])
 def test_a_second_publisher_is_told_while_it_is_there(
     peer: Peer, topic: str, message: type
 ) -> None:

@@ -116,7 +116,7 @@ class RobotModel:
 
     @property
     def limits(self) -> dict[int, tuple[str, float, float]]:
-        """By place in q, name, lower and upper limit of each joint that turns within limits [rad]."""
+        """Return by place in q, name and limits of each joint that turns within limits [rad]."""
         low, high = self._model.lowerPositionLimit, self._model.upperPositionLimit
         return {
             place: (name, float(low[joint.idx_q]), float(high[joint.idx_q]))

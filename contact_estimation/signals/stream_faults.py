@@ -13,7 +13,7 @@
 # limitations under the License.
 
 """
-What is wrong with a stream of messages, whatever it measures: for checks on line and of recordings.
+What is wrong with a stream of messages: for checks on line and of recordings.
 
 Stamps in bursts, samples of two sources on one topic, a zero of the force sensor that steps.
 """
@@ -62,7 +62,7 @@ class Bursts(NamedTuple):
 
     @property
     def text(self) -> str:
-        """The warning, with its remedy."""
+        """Return the warning, with its remedy."""
         return (f'stamps of the wrench come in bursts of about {self.size:.2g}, one every '
                 f'{self.pause:.2g} s, expected even steps: they tell when a buffer was read; '
                 'stamp each wrench when it is measured')
@@ -156,7 +156,7 @@ def courses_of(values: NDArray[np.float64], least: float) -> Courses | None:
 
 
 class ZeroStep(NamedTuple):
-    """When the zero of the force sensor stepped, at the earliest and latest [s], and by how much."""
+    """When the zero of the sensor stepped, at the earliest and latest [s], and by how much [N]."""
 
     begin: float
     end: float
@@ -169,7 +169,7 @@ class _Piece(NamedTuple):
     begin: float
     end: float
     mean: float
-    count: int
+    samples: int
     std: float
     slope: float
 
@@ -248,10 +248,10 @@ def _differ(before: _Piece, now: _Piece, noise: float, at_once: bool) -> bool:
     size = abs(now.mean - before.mean)
     if at_once:
         return size > _PERSISTS * CLEAR * noise
-    if min(before.count, now.count) < 2 * _PIECE or size < TARE_DUE * noise:
+    if min(before.samples, now.samples) < 2 * _PIECE or size < TARE_DUE * noise:
         return False
     spans = [max(piece.end - piece.begin, 1e-9) for piece in (before, now)]
-    errors = [noise * (12.0 / piece.count)**0.5 / span
+    errors = [noise * (12.0 / piece.samples)**0.5 / span
               for piece, span in zip((before, now), spans)]
     weights = [1.0 / error**2 for error in errors]
     slope = abs(before.slope * weights[0] + now.slope * weights[1]) / sum(weights)

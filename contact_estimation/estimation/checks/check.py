@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 
 from .robust_statistics import Array, loaded_correlation, median_of, spread_of, white_noise_of
 from ..parameters import EstimationParameters
-from ...signals.stream_faults import Bursts, bursts_of, CLEAR
+from ...signals.stream_faults import Bursts, bursts_of
 
 MEAN_S = 0.01
 """Time over which signals are averaged [s]."""
@@ -138,60 +138,60 @@ class Evidence:
 
     @property
     def location(self) -> float:
-        """Location of the surface [m]; NaN before it is known."""
+        """Return the location of the surface [m]; NaN before it is known."""
         return float(self.pipeline.location)
 
     @property
     def location_margin(self) -> float:
-        """How far from its location the surface may be [m]."""
+        """Return how far from its location the surface may be [m]."""
         return float(self.pipeline.location_margin)
 
     @property
     def touch_text(self) -> str:
-        """What touch-downs have shown of the surface; '' where all is well."""
+        """Return what touch-downs have shown of the surface; '' where all is well."""
         return str(self.pipeline.touch_down.text)
 
     @property
     def bias(self) -> float:
-        """Force that a tare subtracts [N]."""
+        """Return the force that a tare subtracts [N]."""
         return float(self.pipeline.bias)
 
     @property
     def noise_std(self) -> float:
-        """Noise of the force in free flight [N]."""
+        """Return the noise of the force in free flight [N]."""
         return float(self.pipeline.noise_std)
 
     # -- the samples ------------------------------------------------------------------------
 
     @property
     def end_s(self) -> float:
-        """Stamp of the last sample [s]."""
+        """Return the stamp of the last sample [s]."""
         return self.start_s + (float(self.t[-1]) if len(self.t) else 0.0)
 
     @property
     def is_arm(self) -> bool:
-        """Whether x and the force follow from the joints and the wrench of an arm."""
+        """Return whether x and the force follow from the joints and the wrench of an arm."""
         return bool(self.parameters.kinematics.tip)
 
     @property
     def may_be_weight(self) -> bool:
-        """Whether the weight of a tool is in the force, which turns with an arm."""
+        """Return whether the weight of a tool is in the force, which turns with an arm."""
         return self.is_arm and not self.parameters.tool.mass
 
     @property
     def free(self) -> NDArray[np.bool_]:
-        """Samples that touch nothing, as far as the location of the wall is known."""
+        """Return the samples that touch nothing, as far as the location of the wall is known."""
         return np.asarray(~self.contact & ~(self.x > self.location))
 
     @property
     def configured_noise(self) -> float:
-        """The configured standard deviation of the force [N]."""
+        """Return the configured standard deviation of the force [N]."""
         return self.parameters.contact.force_noise
 
     @cached_property
     def noise(self) -> float:
         """
-        White noise of the force, by the differences of its samples, at least as configured [N].
+        Return the white noise of the force by its differences, at least as configured [N].
 
         What the detector learns in free flight may be a contact that it does not recognise.
 
@@ -203,34 +203,34 @@ class Evidence:
 
     @cached_property
     def period(self) -> float:
-        """Usual time between samples, at least the resolution of stamps [s]."""
+        """Return the usual time between samples, at least the resolution of stamps [s]."""
         steps = self.t[1:] - self.t[:-1]
         return max(median_of(steps) if len(steps) else 0.0, _STAMP_S)
 
     @cached_property
     def stride(self) -> int:
-        """Samples from one joint state to the next: between them x lies on a straight line."""
+        """Return the samples from one joint state to the next, between which x is a line."""
         apart = 0.99 / (self.joint_rate * self.period) if self.joint_rate > 0.0 else 1.0
         return max(1, ceil(min(apart, len(self.t) + 1.0)))
 
     @cached_property
     def position_noise(self) -> float:
-        """White noise of the position [m]; infinite where there are too few samples."""
+        """Return the white noise of the position [m]; infinite where there are too few samples."""
         return white_noise_of(self.x, self.stride)
 
     @cached_property
     def velocity_noise(self) -> float:
-        """White noise of the measured rate [m/s]; infinite where it is not measured."""
+        """Return the white noise of the measured rate [m/s]; infinite where it is not measured."""
         return white_noise_of(self.v, self.stride) if np.isfinite(self.v).all() else inf
 
     @property
     def mean_size(self) -> int:
-        """Samples over which signals are averaged."""
+        """Return the samples over which signals are averaged."""
         return max(1, round(min(MEAN_S / self.period, float(len(self.t)))))
 
     @cached_property
     def _rates(self) -> tuple[Array, float]:
-        """The rate of x whose mean is known better, measured or by differences, and its noise."""
+        """Return the rate of x whose mean is known better, and the noise of that mean."""
         independent = max(1.0, self.mean_size / self.stride)
         measured = self.velocity_noise / independent**0.5
         by_steps = self.position_noise / (independent * self.stride * self.period)
@@ -240,27 +240,27 @@ class Evidence:
 
     @property
     def rate(self) -> Array:
-        """Rate of x, measured or by differences [m/s]."""
+        """Return the rate of x, measured or by differences [m/s]."""
         return self._rates[0]
 
     @property
     def rate_noise(self) -> float:
-        """Standard deviation of its mean over `mean_size` samples [m/s]."""
+        """Return the standard deviation of its mean over `mean_size` samples [m/s]."""
         return self._rates[1]
 
     @cached_property
     def spread(self) -> float:
-        """Range of the force without its extremes [N]."""
+        """Return the range of the force without its extremes [N]."""
         return spread_of(self.force) if len(self.force) else 0.0
 
     @cached_property
     def slope_sign(self) -> float:
-        """Correlation of force and position where there is a force."""
+        """Return the correlation of force and position where there is a force."""
         return loaded_correlation(self.x, self.force, self.noise)
 
     @cached_property
     def bursts(self) -> Bursts | None:
-        """Stamps of the wrench in bursts: no rate and no lag has a meaning beside them."""
+        """Return stamps in bursts: no rate and no lag has a meaning beside them."""
         return bursts_of(self.wrench_t if len(self.wrench_t) else self.t)
 
 

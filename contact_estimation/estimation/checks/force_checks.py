@@ -18,9 +18,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from .check import Array, Check, CLEAR, Evidence, Forces, millimetres
-from .robust_statistics import extremes, loaded_correlation, median_of, spread_of
-from ...signals.stream_faults import TARE_DUE
+from .check import Check, Evidence, Forces, millimetres
+from .robust_statistics import Array, extremes, loaded_correlation, median_of, spread_of
+from ...signals.stream_faults import CLEAR, TARE_DUE
 
 _RELATED = 0.8  # correlation of force and position
 _PULLS_LESS = 3.0  # standard deviations that a one-sided force may reach on the other side
@@ -40,8 +40,8 @@ class ForceSign(Check):
                'force_sign to -1')
     cause = ('The driver publishes the force of the tool on the environment, or the position '
              'grows away from the wall; of an arm, `contact.normal` points out of the wall.')
-    remedy = ('Set `force_sign` to the value given, or publish the position with +x into the wall; '
-              'for an arm reverse `contact.normal`.')
+    remedy = ('Set `force_sign` to the value given, or publish the position with +x into the '
+              'wall; for an arm reverse `contact.normal`.')
     invalidates = True
 
     def judge(self, seen: Evidence) -> str | None:

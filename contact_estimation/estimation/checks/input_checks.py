@@ -196,7 +196,7 @@ class InputChecks:
         return text if count >= check.confirmations else ''
 
     def _judge(self, seen: Evidence, checks: Sequence[Check]) -> None:
-        with np.errstate(all='ignore'):  # of huge values: what follows is not finite, and no warning
+        with np.errstate(all='ignore'):  # squares of huge values are not finite: no evidence
             for check in checks:
                 self._note(check, seen.axis, check.judge(seen))
         if checks[-1] is CHECKS[-1]:

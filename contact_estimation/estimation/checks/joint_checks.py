@@ -18,7 +18,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from .check import Check, CLEAR, Evidence
+from .check import Check, Evidence
+from ...signals.stream_faults import CLEAR
 
 _FASTEST = 10.0  # of any arm [m/s]
 _DEEPEST = 0.5  # of any contact [m]

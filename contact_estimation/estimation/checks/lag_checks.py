@@ -18,8 +18,8 @@ Skew between the stamps of wrench and joint states.
 A lag tau of the force turns K x + B v into K x(t - tau) + B v(t - tau), to first order a damping
 B - K tau. A line of force over position and rate is fitted with the motion shifted by many lags;
 the lag with the least residual is the skew, where no other physics explains the residual as well.
-Noise of position and rate would shrink K and B, which looks like a lag: its share of the moments is
-subtracted (Fuller, Measurement Error Models, 1987, section 1.2).
+Noise of position and rate would shrink K and B, which looks like a lag: its share of the moments
+is subtracted (Fuller, Measurement Error Models, 1987, section 1.2).
 """
 
 from __future__ import annotations
@@ -69,11 +69,9 @@ class StampSkew(Check):
 
     def judge(self, seen: Evidence) -> str | None:
         """Search the lag in the last seconds of contact."""
-        skew = _remembered(seen)
-        if skew is None or not _is_clear(skew, seen):
-            return '' if skew and _is_none(skew, seen) else None
-        if skew.over_mass < _OVER_MASS:
-            return None
+        skew, verdict = _remembered(seen)
+        if skew is None or skew.over_mass < _OVER_MASS:
+            return verdict
         return (f'{_stamps(skew)}; a lag acts as a damping of -K tau; set '
                 f'synchronisation.offset to {_offset(skew, seen):+.3f}')
 
@@ -91,11 +89,9 @@ class StampSkewOrMass(Check):
 
     def judge(self, seen: Evidence) -> str | None:
         """Search the lag in the last seconds of contact; name the likelier cause first."""
-        skew = _remembered(seen)
-        if skew is None or not _is_clear(skew, seen):
-            return '' if skew and _is_none(skew, seen) else None
-        if skew.over_mass >= _OVER_MASS:
-            return ''
+        skew, verdict = _remembered(seen)
+        if skew is None or skew.over_mass >= _OVER_MASS:
+            return '' if skew else verdict
         mass = f'a mass of {skew.mass:.2g} kg moves with the wall'
         first, case = (mass, 'second') if skew.over_mass < 0.0 else (_stamps(skew), 'first')
         second = mass if case == 'first' else _stamps(skew)
@@ -167,37 +163,28 @@ class _Means(NamedTuple):
         return max(self.white * max(count - 2.0 * (2.0 * count)**0.5, 0.1 * count), 1e-300)
 
 
-def _remembered(seen: Evidence) -> _Skew | None:
-    """Return the skew, computed once for both checks."""
-    instant, found = seen.memory.get('skew', (None, None))
+def _remembered(seen: Evidence) -> tuple[_Skew | None, str | None]:
+    """Return a clear skew, computed once for both checks, or None and what to say instead."""
+    instant, skew = seen.memory.get('skew', (None, None))
     if instant != seen.end_s:
-        found = _skew_of(seen)
-        seen.memory['skew'] = seen.end_s, found
-    skew: _Skew | None = found
-    return skew
+        skew = _skew_of(seen)
+        seen.memory['skew'] = seen.end_s, skew
+    if skew is None:
+        return None, None
+    # A shorter lag is that of an ordinary sensor, or of sparse joint states as interpolated.
+    sparse = _OF_PERIOD / seen.joint_rate if seen.joint_rate > 0.0 else 0.0  # NaN: not yet known
+    limit = max(_LEAST_S, _DEVIATIONS * seen.parameters.synchronisation.timing_std, sparse)
+    if abs(skew.seconds) <= limit:
+        return None, '' if skew.sharpness > _SIGNIFICANT else None
+    clear = (skew.gain > _SIGNIFICANT and skew.excess_gone > _BETTER
+             and skew.over_physics > _OTHER_PHYSICS)
+    return (skew if clear else None), None
 
 
 def _stamps(skew: _Skew) -> str:
     when = 'late' if skew.seconds > 0.0 else 'early'
     return (f'the stamps of the wrench are {1e3 * abs(skew.seconds):.2g} ms {when} against the '
             'joint states')
-
-
-def _limit(seen: Evidence) -> float:
-    """Return the lag of an ordinary sensor, or of sparse joint states as interpolated [s]."""
-    sparse = _OF_PERIOD / seen.joint_rate if seen.joint_rate > 0.0 else 0.0  # NaN: not yet known
-    return max(_LEAST_S, _DEVIATIONS * seen.parameters.synchronisation.timing_std, sparse)
-
-
-def _is_clear(skew: _Skew, seen: Evidence) -> bool:
-    """Return whether there is a lag, and no other physics than perhaps a mass."""
-    return (abs(skew.seconds) > _limit(seen) and skew.gain > _SIGNIFICANT
-            and skew.excess_gone > _BETTER and skew.over_physics > _OTHER_PHYSICS)
-
-
-def _is_none(skew: _Skew, seen: Evidence) -> bool:
-    """Return whether the contact shows that there is no lag."""
-    return abs(skew.seconds) <= _limit(seen) and skew.sharpness > _SIGNIFICANT
 
 
 def _offset(skew: _Skew, seen: Evidence) -> float:

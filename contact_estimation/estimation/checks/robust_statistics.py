@@ -73,7 +73,7 @@ def _unit(values: Array) -> Array:
 
 def white_noise_of(values: Array, stride: int = 1) -> float:
     """
-    Return the standard deviation of white noise by second differences, in which motion hardly shows.
+    Return the deviation of white noise by second differences, in which motion hardly shows.
 
     The largest are left out: an impact is no noise. Infinite where there are too few values.
 

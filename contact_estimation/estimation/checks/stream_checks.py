@@ -18,8 +18,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from .check import Check, CLEAR, Evidence
-from ...signals.stream_faults import Courses, courses_of, zero_steps, ZeroStep
+from .check import Check, Evidence
+from ...signals.stream_faults import CLEAR, Courses, courses_of, zero_steps, ZeroStep
 
 _COARSEST_M = 1e-4  # resolution of a robot's encoder: noise toggles between two neighbours
 _KEPT = 400  # samples of free flight before the present window
@@ -100,7 +100,8 @@ class ZeroSteps(Check):
         seen.memory['zero_steps'] = bias, told
         if not told:
             return ''
-        times = ' and '.join(f'by {one.size:+.2g} N {_when(one, seen.period)}' for one in told[-3:])
+        times = ' and '.join(
+            f'by {one.size:+.2g} N {_when(one, seen.period)}' for one in told[-3:])
         return (f'the zero of the force sensor stepped {times}; call ~/tare in free flight, and '
                 'let nothing zero the sensor while the node runs')
 
