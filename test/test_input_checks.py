@@ -27,6 +27,7 @@ from contact_estimation.estimation.checks.joint_checks import JointUnits
 from contact_estimation.estimation.events import apply_event, EstimationEvent, event_now
 from contact_estimation.estimation.events import LOCATION, set_location
 from contact_estimation.estimation.parameters import EstimationParameters
+from contact_estimation.estimation.pipeline import EstimationPipeline
 from contact_estimation.estimation.result import AxesEstimates
 from contact_estimation.estimation.session import ContactSession
 from contact_estimation.estimators.estimate import EstimateStatus
@@ -421,7 +422,7 @@ def of_arm(force: Any, mass: float = 1.2, **more: Any) -> Evidence:
         'contact.normal': [0.0, 0.0, -1.0], 'tool.mass': mass})
     x, noise = np.linspace(-0.02, 0.0, 500), np.random.default_rng(0).normal(0.0, 0.6, (2, 500))
     return Evidence(
-        'x', parameters, None, np.arange(500) / 500.0, x, np.full(500, 0.02),
+        'x', parameters, EstimationPipeline(), np.arange(500) / 500.0, x, np.full(500, 0.02),
         force[0] * (x + 0.02) + force[1] * x + noise[0], np.zeros(500, bool),
         (Forces('y', force[2] * (x + 0.02) + noise[1], x),), **more)
 
@@ -439,7 +440,7 @@ def test_an_arm_has_the_remedies_of_an_arm(
     check: Check, force: tuple[float, float, float], remedy: str
 ) -> None:
     said = check.judge(of_arm(force))
-    assert said is not None and said.endswith(remedy) or remedy in str(said), said
+    assert remedy in str(said)
     assert 'sign of the position' not in str(said) and 'set axis' not in str(said)
 
 

@@ -81,7 +81,8 @@ def bursts_of(t: Array) -> Bursts | None:
     steps = np.diff(t)
     if len(steps) < 2 * _LEAST_BURSTS:
         return None
-    pauses = steps > _LONG * float(np.quantile(steps, _SHORT))
+    short = int(_SHORT * len(steps))
+    pauses = steps > _LONG * float(np.partition(steps, short)[short])
     count = int(np.count_nonzero(pauses))
     size = len(steps) / max(count, 1)
     adjacent = np.count_nonzero(pauses[1:] & pauses[:-1])
@@ -210,9 +211,9 @@ def zero_steps(t: Array, force: Array, noise: float, resting: bool = True) -> li
 
 def _jumps(force: Array, noise: float) -> list[int]:
     """Return the places after which a level differs at once from that before."""
-    if len(force) < 2 * _PIECE:
+    if len(force) < 2 * _PIECE or np.ptp(force) <= CLEAR * noise:
         return []
-    middles = np.median(sliding_window_view(force, _BESIDE), axis=1)
+    middles = np.partition(sliding_window_view(force, _BESIDE), _BESIDE // 2)[:, _BESIDE // 2]
     change = np.zeros(len(force))
     change[_BESIDE:len(force) - _BESIDE + 1] = middles[_BESIDE:] - middles[:-_BESIDE]
     size, places = np.abs(change), []

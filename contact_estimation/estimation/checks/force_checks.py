@@ -50,7 +50,7 @@ class ForceSign(Check):
             return None
         if abs(seen.slope_sign) < _RELATED:
             return None
-        low, high = extremes(seen.force)
+        low, high = extremes(seen.force - _level_outside(seen))
         pulls = low > -_PULLS_LESS * seen.noise and not seen.contact.any()
         if seen.slope_sign < 0.0:
             return self._pulled(high, seen) if pulls and high > CLEAR * seen.noise else ''
@@ -110,7 +110,9 @@ class OtherAxis(Check):
         size = spread_of(other.force)
         if size < max(CLEAR * seen.noise, _STRONGER * seen.spread):
             return False
-        return abs(loaded_correlation(other.x, other.force, seen.noise)) > _RELATED
+        # Along the wall an arm hardly moves where contact.normal lies in the wall.
+        known = seen.is_arm and not seen.may_be_weight
+        return known or abs(loaded_correlation(other.x, other.force, seen.noise)) > _RELATED
 
 
 class ForceDirection(Check):
@@ -232,6 +234,13 @@ class WeakContact(Check):
         return (f'the tool presses with {-level:.2g} N, {1e3 * depth:.2g} mm inside the wall, '
                 f'where contact begins above {seen.pipeline.contact_threshold:.2g} N; press '
                 'harder, or lower contact.force_noise or contact.on_ratio')
+
+
+def _level_outside(seen: Evidence) -> float:
+    """Return the steady force before the wall, such as a weight left by a wrong sign, or 0 [N]."""
+    force = seen.force[seen.x < seen.location - seen.location_margin]
+    steady = len(force) >= _LEAST_FREE and spread_of(force) < CLEAR * seen.noise
+    return median_of(force) if steady else 0.0
 
 
 def _unless_weight(seen: Evidence) -> str:
