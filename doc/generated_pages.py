@@ -31,7 +31,7 @@ from typing import Any, Iterable
 
 import contact_estimation as ce
 from contact_estimation.estimation.checks import CHECKS, REJECTIONS
-from contact_estimation.estimation.checks.graph_warnings import graph_warnings
+from contact_estimation.estimation.checks.stream_checks import graph_warnings
 from contact_estimation.fleet.columns import COLUMNS
 from contact_estimation.foreign_laws import ALL_LAWS
 from contact_estimation.parameters.specification import specifications

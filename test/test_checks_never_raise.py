@@ -67,7 +67,7 @@ def evidence(draw: Any) -> Evidence:
 
 
 @given(evidence())
-@settings(derandomize=True, deadline=None, max_examples=150)
+@settings(derandomize=True, deadline=None, max_examples=100)
 def test_every_check_returns_a_text_or_none(seen: Evidence) -> None:
     with np.errstate(all='ignore'):
         for check in CHECKS:

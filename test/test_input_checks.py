@@ -88,6 +88,7 @@ MISTAKES: list[tuple[str, str, dict[str, Any]]] = [
     ('stamp_skew', ' [56] ms late .*offset to [+]0.00[56]', {'wrench_late_ms': 5}),
     ('stamp_skew', '5[01] ms late .*offset to [+]0.05', {'wrench_late_ms': 50}),
     ('stamp_skew', '(49|50) ms early .*offset to -0.0(49|50)', {'wrench_late_ms': -50}),
+    ('force_still', 'exactly -27 N for', {'change': lambda s: s._replace(force=-27.0)}),
     ('joint_still', 'has not changed since the start',
      {'change': lambda s: s._replace(position=0.01, velocity=0.0)}),
     ('position_unit', 'publish positions in metres',
@@ -250,6 +251,11 @@ def test_a_declared_bias_of_the_sensor_is_no_warning() -> None:
     session, _ = fed(change=off, physics__force_bias__bias=8.0)
     found = {one.warned.name for one in session.checks.found_in_order()}
     assert not found & {'force_bias', 'zero_step'}
+    session.change_parameters({'physics.force_bias.bias': nan})
+    for stamp, x, v, F in flight(HEALTHY[-1].stamp_ns + 2000 * MILLISECOND, 8.0):
+        session.add_motion(stamp, x, v)
+        session.add_wrench(stamp, F)
+    assert headline(session)[0] == 'force_bias'  # and no step: the parameter changed
 
 
 def test_far_wall_is_never_learned_not_even_for_a_sample() -> None:

@@ -22,7 +22,7 @@ import time
 from rclpy.node import Node
 
 from . import topics
-from ..estimation.checks.graph_warnings import graph_warnings
+from ..estimation.checks.stream_checks import graph_warnings
 from ..estimation.session import ContactSession
 
 _EVERY_S = 1.0

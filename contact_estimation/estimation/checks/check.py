@@ -29,6 +29,9 @@ from .robust_statistics import Array, loaded_correlation, median_of, spread_of, 
 from ..parameters import EstimationParameters
 from ...signals.stream_faults import Bursts, bursts_of
 
+BLOCKS = 4
+"""Judgements, half a second apart, whose evidence shares samples."""
+
 MEAN_S = 0.01
 """Time over which signals are averaged [s]."""
 
@@ -79,7 +82,9 @@ class Evidence:
     """
     The last seconds of one axis.
 
-    Of the pipeline, checks read what its properties here name, and nothing else.
+    Of the pipeline, checks read `location`, `location_margin`, `location_shift`,
+    `location_unchecked`, `touch_down.text`, `bias`, `noise_std`, `contact`, `contact_threshold`,
+    `sample_period_s`, `model_fit.now.text` and `hindrance`, and nothing else.
 
     Attributes
     ----------
@@ -153,8 +158,8 @@ class Evidence:
 
     @property
     def bias(self) -> float:
-        """Return the force that a tare subtracts [N]."""
-        return float(self.pipeline.bias)
+        """Return the force that a tare and the parameters subtract [N]."""
+        return bias_of(self.axis, self.parameters, self.pipeline)
 
     @property
     def noise_std(self) -> float:
@@ -262,6 +267,12 @@ class Evidence:
     def bursts(self) -> Bursts | None:
         """Return stamps in bursts: no rate and no lag has a meaning beside them."""
         return bursts_of(self.wrench_t if len(self.wrench_t) else self.t)
+
+
+def bias_of(axis: str, parameters: EstimationParameters, pipeline: Any) -> float:
+    """Return the force that a tare and `physics.force_bias` subtract [N]."""
+    declared = float(parameters.of_axis(axis).physics.force_bias.bias)
+    return float(pipeline.bias) + (declared if declared == declared else 0.0)
 
 
 def rate_of(values: Array, t: Array) -> Array:

@@ -74,6 +74,29 @@ class ForceSign(Check):
                 f'side, but +x points into the wall; {remedy}{_unless_weight(seen)}')
 
 
+class ForceStill(Check):
+    """The force of a contact changes with the motion, if by its noise alone."""
+
+    name = 'force_still'
+    message = ('the force has been exactly -27 N for 2 s while the tool moved by 15 mm; check '
+               'that the force sensor is read, and not its last value repeated')
+    cause = 'The driver has lost the sensor and repeats the last measurement.'
+    remedy = 'Start the driver of the force sensor again.'
+    invalidates = True
+
+    def judge(self, seen: Evidence) -> str | None:
+        """Look for a load without any noise beside a motion."""
+        moved = spread_of(seen.x) if len(seen.x) else 0.0
+        if len(seen.x) < _LEAST_FREE or moved <= CLEAR * seen.position_noise:
+            return None
+        level = float(seen.force[0])
+        if np.ptp(seen.force) > 0.0 or abs(level) < CLEAR * seen.configured_noise:
+            return ''
+        return (f'the force has been exactly {level:.3g} N for {seen.end_s - seen.start_s:.2g} s '
+                f'while the tool moved by {millimetres(moved)}; check that the force sensor is '
+                'read, and not its last value repeated')
+
+
 class OtherAxis(Check):
     """The force of a contact acts along the configured axis."""
 

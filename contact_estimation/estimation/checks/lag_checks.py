@@ -30,7 +30,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .check import Check, Evidence, rate_of
+from .check import BLOCKS, Check, Evidence, rate_of
 from .robust_statistics import Array, white_noise_of
 
 _SIGNIFICANT = 40.0  # likelihood ratio
@@ -100,61 +100,28 @@ class StampSkewOrMass(Check):
 
 
 class _Skew(NamedTuple):
-    """
-    The lag at which the force fits the motion best.
+    """The lag at which the force fits the motion best."""
 
-    Attributes
-    ----------
-    seconds : float
-        Positive if the wrench comes late.
-    gain, over_mass, over_physics : float
-        Likelihood ratio over no lag, N log(r_0 / r), chi-squared of one without a lag; over a mass
-        that moves with the wall; over the best other explanation.
-    mass : float
-        Of that explanation [kg], at least 0.
-    excess_gone : float
-        Share of the residual's power above the noise that the lag takes away.
-    sharpness : float
-        Likelihood ratio over lags of 10 ms more and less.
-
-    """
-
-    seconds: float
-    gain: float = 0.0
-    over_mass: float = 0.0
-    over_physics: float = 0.0
-    mass: float = 0.0
-    excess_gone: float = 0.0
-    sharpness: float = 0.0
+    seconds: float  # positive if the wrench comes late
+    sharpness: float  # likelihood ratio over lags of 10 ms more and less
+    gain: float = 0.0  # over no lag, N log(r_0 / r), chi-squared of one without a lag
+    over_mass: float = 0.0  # over a mass that moves with the wall
+    over_physics: float = 0.0  # over the best other explanation
+    mass: float = 0.0  # [kg], at least 0
+    excess_gone: float = 0.0  # share of the residual above the noise that the lag takes away
 
 
 class _Means(NamedTuple):
-    """
-    Means over the same short times, so that they obey the same equation.
+    """Means over the same short times, so that they obey the same equation."""
 
-    Attributes
-    ----------
-    y, t, acceleration : ndarray, shape (M,)
-        Pressing force without the inertia of a known mass [N], time [s], acceleration [m/s^2], of
-        means in contact that share no sample.
-    motion_t, motion : ndarray, shape (N,)
-        Time and, as parts of complex numbers for a single search, position and rate, of the mean
-        around every sample.
-    variances : ndarray, shape (3,)
-        Of the noise of position, rate and acceleration.
-    white, floor : float
-        Variance of the white noise of y, and of all of its noise [N^2].
-
-    """
-
-    y: Array
-    t: Array
-    acceleration: Array
-    motion_t: Array
-    motion: NDArray[np.complex128]
-    variances: Array
-    white: float
-    floor: float
+    y: Array  # (M,) pressing force less the inertia of a known mass, in contact [N]
+    t: Array  # (M,) no two share a sample [s]
+    acceleration: Array  # (M,) [m/s^2]
+    motion_t: Array  # (N,) around every sample [s]
+    motion: NDArray[np.complex128]  # (N,) position and rate, as parts for a single search
+    variances: Array  # (3,) of the noise of position, rate and acceleration
+    white: float  # variance of the white noise of y [N^2]
+    floor: float  # of all of its noise [N^2]
 
     @property
     def least(self) -> float:
@@ -165,20 +132,34 @@ class _Means(NamedTuple):
 
 def _remembered(seen: Evidence) -> tuple[_Skew | None, str | None]:
     """Return a clear skew, computed once for both checks, or None and what to say instead."""
-    instant, skew = seen.memory.get('skew', (None, None))
+    instant, found = seen.memory.get('skew', (None, (None, None)))
     if instant != seen.end_s:
-        skew = _skew_of(seen)
-        seen.memory['skew'] = seen.end_s, skew
+        found = _judged(_skew_of(seen), seen)
+        seen.memory['skew'] = seen.end_s, found
+    return found  # type: ignore[no-any-return]
+
+
+def _judged(skew: _Skew | None, seen: Evidence) -> tuple[_Skew | None, str | None]:
+    """
+    Return the skew where it is clear, or None and what to say instead.
+
+    Clocks do not part for one event of a contact, such as a release: after a contact has shown no
+    lag, windows that share no sample must show one.
+
+    """
     if skew is None:
         return None, None
     # A shorter lag is that of an ordinary sensor, or of sparse joint states as interpolated.
     sparse = _OF_PERIOD / seen.joint_rate if seen.joint_rate > 0.0 else 0.0  # NaN: not yet known
     limit = max(_LEAST_S, _DEVIATIONS * seen.parameters.synchronisation.timing_std, sparse)
-    if abs(skew.seconds) <= limit:
-        return None, '' if skew.sharpness > _SIGNIFICANT else None
-    clear = (skew.gain > _SIGNIFICANT and skew.excess_gone > _BETTER
-             and skew.over_physics > _OTHER_PHYSICS)
-    return (skew if clear else None), None
+    if abs(skew.seconds) <= limit and skew.sharpness > _SIGNIFICANT:
+        seen.memory['more_windows'] = BLOCKS
+        return None, ''
+    if not (abs(skew.seconds) > limit and skew.gain > _SIGNIFICANT
+            and skew.excess_gone > _BETTER and skew.over_physics > _OTHER_PHYSICS):
+        return None, None
+    seen.memory['more_windows'] = more = seen.memory.get('more_windows', 1) - 1
+    return (skew if more <= 0 else None), None
 
 
 def _stamps(skew: _Skew) -> str:
@@ -212,7 +193,7 @@ def _skew_of(seen: Evidence) -> _Skew | None:
     if none > _WHITE * means.white * count or sharpness < -_NEIGHBOUR:
         best, near = _searched(means)
     if abs(best) < _NO_LAG_S:
-        return _Skew(0.0, sharpness=sharpness)
+        return _Skew(0.0, sharpness)
     least = max(float(near.min()), means.least)
     mass, with_mass = _mass(means, x, v)
 
@@ -220,9 +201,9 @@ def _skew_of(seen: Evidence) -> _Skew | None:
         return count * log((min(other, 1e300) + common) / (least + common))
 
     return _Skew(
-        best, over(none), over(with_mass), over(_left_with_physics(means, x, v)), mass,
-        (none - least) / max(none - count * means.floor, 1e-3 * means.least),
-        over(float(near[[0, -1]].min())))
+        best, over(float(near[[0, -1]].min())), over(none), over(with_mass),
+        over(_left_with_physics(means, x, v)), mass,
+        (none - least) / max(none - count * means.floor, 1e-3 * means.least))
 
 
 def _means(seen: Evidence) -> _Means | None:

@@ -12,9 +12,11 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Checks of the streams themselves: sources, stamps, rates, and a zero that steps."""
+"""Checks of the streams themselves: sources, stamps, rates, a zero that steps; of the graph."""
 
 from __future__ import annotations
+
+from typing import Mapping, Sequence
 
 import numpy as np
 
@@ -167,3 +169,27 @@ class SampleRate(Check):
         dropped = ', or find why samples are dropped' if period * rate > 1.0 else ''
         return (f'samples come at {1.0 / period:.4g} Hz, but sample_rate is {rate:g}; correct '
                 f'it{dropped}')
+
+
+def graph_warnings(
+    publishers: Mapping[str, Sequence[str]], node: str, nodes: Sequence[str]
+) -> dict[str, str]:
+    """
+    Return what the graph of ROS shows, texts by name, the most important first.
+
+    Of publishers, the nodes of each topic that needs exactly one; of nodes, all full names, one as
+    often as there are nodes of it.
+
+    """
+    found = {}
+    for topic, names in publishers.items():
+        if len(names) > 1:
+            found[f'several_publishers_{topic.rsplit("/", 1)[-1]}'] = (
+                f'{len(names)} publishers on the topic {topic} ({", ".join(sorted(names))}): '
+                'their samples mix; stop or remap all but one')
+    same = sum(name == node for name in nodes)
+    if same > 1:
+        found['node_name'] = (
+            f'{same} nodes are called {node}: their outputs mix, and services and parameters '
+            'reach any of them; start the others as -r __node:=NAME, or stop them')
+    return found
