@@ -52,8 +52,9 @@ def test_an_arm_has_the_remedies_of_an_arm(
     session.describe(urdf())
     inputs = MessageInputs(session)
     for contact, q, q_dot, wrench in instants():
-        q, q_dot = (list(map(degrees, one)) if in_degrees else one.tolist() for one in (q, q_dot))
-        inputs.process_motion(joint_state_bytes(JOINTS, q, q_dot, stamp_ns=contact.stamp_ns))
+        turned, rates = (
+            list(map(degrees, one)) if in_degrees else list(one) for one in (q, q_dot))
+        inputs.process_motion(joint_state_bytes(JOINTS, turned, rates, stamp_ns=contact.stamp_ns))
         inputs.process_wrench(wrench_bytes(
             wrench[:3].tolist(), wrench[3:].tolist(), stamp_ns=contact.stamp_ns,
             frame_id='sensor'))
