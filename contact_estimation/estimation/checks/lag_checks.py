@@ -188,7 +188,12 @@ def _skew_of(seen: Evidence) -> _Skew | None:
     theta, _ = _solve(means, [x, v], means.variances[:2])
     # Beside any lag and any physics: what noise of position and rate leaves.
     common = count * float(theta**2 @ means.variances[:2])
-    sharpness = count * log((min(before, after, 1e300) + common) / (none + common))
+
+    def ratio(worse: float, better: float) -> float:
+        sizes = (min(max(left + common, 1e-300), 1e300) for left in (worse, better))
+        return count * log(next(sizes)) - count * log(next(sizes))
+
+    sharpness = ratio(min(before, after), none)
     best, near = 0.0, np.array([none])
     if none > _WHITE * means.white * count or sharpness < -_NEIGHBOUR:
         best, near = _searched(means)
@@ -196,13 +201,9 @@ def _skew_of(seen: Evidence) -> _Skew | None:
         return _Skew(0.0, sharpness)
     least = max(float(near.min()), means.least)
     mass, with_mass = _mass(means, x, v)
-
-    def over(other: float) -> float:
-        return count * log((min(other, 1e300) + common) / (least + common))
-
     return _Skew(
-        best, over(float(near[[0, -1]].min())), over(none), over(with_mass),
-        over(_left_with_physics(means, x, v)), mass,
+        best, ratio(float(near[[0, -1]].min()), least), ratio(none, least),
+        ratio(with_mass, least), ratio(_left_with_physics(means, x, v), least), mass,
         (none - least) / max(none - count * means.floor, 1e-3 * means.least))
 
 
