@@ -11,6 +11,7 @@
 # WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
 # See the License for the specific language governing permissions and
 # limitations under the License.
+
 """Contacts with sensors as they are in a laboratory: nothing is wrong with them."""
 
 from __future__ import annotations
