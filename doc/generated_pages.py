@@ -31,6 +31,7 @@ from typing import Any, Iterable
 
 import contact_estimation as ce
 from contact_estimation.estimation.checks import CHECKS, REJECTIONS
+from contact_estimation.estimation.checks.stream_checks import graph_warnings
 from contact_estimation.fleet.columns import COLUMNS
 from contact_estimation.foreign_laws import ALL_LAWS
 from contact_estimation.parameters.specification import specifications
@@ -137,6 +138,15 @@ DESCRIPTION = (
      'Start the node again.', 'go on'),
 )
 
+GRAPH = (
+    ('`several_publishers_wrench`, `several_publishers_joint_states`',
+     'A second driver, or a recording that is played beside the live one. Joint states of an arm, '
+     'or beside those of other joints, may come from several.',
+     'Stop or remap all but one.', 'go on'),
+    ('`node_name`', 'The node was started twice.',
+     'Stop one, or start it under another name (`-r __node:=NAME`).', 'go on'),
+)
+
 LIMITS = '''## What no check sees
 
 - A lag of a few milliseconds: `synchronisation.timing_std` stands for it in the deviation of B_hat.
@@ -146,6 +156,11 @@ LIMITS = '''## What no check sees
   23 (late) or 36 (early), and after 10 ms by 72 or 165; beside a mass, by 8 at most. A warning needs
   40 in two judgements in a row, so that other physics is not taken for a lag. 50 ms, or 5 ms in a quick touch-down,
   are told within 2 s. The benchmark prints these figures of every lag that it is told late.
+- A lag where the noise of positions or velocities hides the motion: regressions take that noise into account,
+  and where the motion is not clearly above it, nothing is said of lags.
+- Which of two sources of one topic is right; and two sources whose levels are less than eight standard
+  deviations of their noise apart.
+- When the zero of the sensor stepped within a contact: the free flights before and after bound it.
 - A wall that is off by less than three `environment.location_std`: this is found and corrected
   where the motion shows it.
 - A joint that turns, taken for the contact axis, where `environment.location` is nan and no
@@ -172,6 +187,8 @@ def warnings_page() -> str:
     head = ('check', 'message', 'cause', 'remedy', 'estimates')
     rows = [(f'`{check.name}`', check.message, check.cause, check.remedy,
              'withheld' if check.invalidates else 'go on') for check in CHECKS]
+    texts = graph_warnings({'/wrench': ['/ft_driver', '/rosbag2_player']}, '/estimator_node',
+                           ['/estimator_node'] * 2).values()
     rejected = [(f'`{one.name}`', one.message.format(
         count=40, topic='wrench', text=EXAMPLES.get(one.name, '...'), lag=LAG),
         one.cause, one.remedy) for one in REJECTIONS]
@@ -180,7 +197,9 @@ def warnings_page() -> str:
         '## Rejected messages\n\nMessages that cannot be used are counted by reason in '
         '`/diagnostics`. Where they keep the node from estimating, the headline says why.',
         _table(head[:4], rejected),
-        '## Robot description', _table(head, DESCRIPTION), LIMITS])
+        '## Robot description', _table(head, DESCRIPTION),
+        '## Graph\n\nOf the node alone, looked at once a second.',
+        _table(head, [(name, text, *rest) for (name, *rest), text in zip(GRAPH, texts)]), LIMITS])
 
 
 def columns_page() -> str:

@@ -89,6 +89,25 @@ def in_bursts(s: Signals) -> Signals:
     return s._replace(wrench_t=s.wrench_t[n - n % 10] + 2e-5 * (n % 10))
 
 
+def with_second(force: float, at_random: bool = False) -> Change:
+    """Let a second sensor publish on the topic, every other time or at random."""
+    def change(s: Signals) -> Signals:
+        draw = np.random.default_rng(3).uniform(size=len(s.force))
+        mine = draw < 0.3 if at_random else np.arange(len(s.force)) % 2 == 1
+        return s._replace(force=np.where(mine, force, s.force))
+    return change
+
+
+def second_position(s: Signals) -> Signals:
+    """Let a second publisher send zeros for every other position."""
+    return s._replace(position=s.position * (np.arange(len(s.position)) % 2))
+
+
+def zeroed(seconds: float) -> Change:
+    """Let the driver zero a sensor that read 5 N."""
+    return lambda s: s._replace(force=s.force + 5.0 * (s.wrench_t < seconds))
+
+
 def cut_short(s: Signals) -> Signals:
     """Lose the last third of the joint states."""
     count = 2 * len(s.joint_t) // 3
@@ -155,6 +174,11 @@ WRONG: Mapping[str, tuple[str, Change]] = {
     'wrench late': ('clock_offset', late(0.4)),
     'joints on another day': ('clock_offset', late(0.0, 1e5)),
     'wrench in bursts': ('stamp_bursts', in_bursts),
+    'every second force zero': ('two_sources', with_second(0.0)),
+    'a second sensor': ('two_sources', with_second(-3.0, at_random=True)),
+    'every second position zero': ('two_sources', second_position),
+    'a sensor zeroed in free flight': ('zero_steps', zeroed(0.5)),
+    'a sensor zeroed in contact': ('zero_steps', zeroed(1.8)),
     'stamps of a clock that is a twentieth slow': ('sampling_rate', slow_clock(1.05)),
     'stamps in milliseconds': ('sampling_rate', slow_clock(1e3)),
     'stamps of a fast clock': ('sampling_rate', slow_clock(1e-3)),

@@ -21,11 +21,13 @@ import re
 from typing import Any, Callable, Sequence
 
 from contact_estimation.estimation.checks import CHECKS, REJECTIONS
-from contact_estimation.estimation.checks.check import Evidence
-from contact_estimation.estimation.checks.force_checks import ForceSign
+from contact_estimation.estimation.checks.check import Check, Evidence, Forces
+from contact_estimation.estimation.checks.force_checks import ForceSign, OtherAxis
+from contact_estimation.estimation.checks.joint_checks import JointUnits
 from contact_estimation.estimation.events import apply_event, EstimationEvent, event_now
 from contact_estimation.estimation.events import LOCATION, set_location
 from contact_estimation.estimation.parameters import EstimationParameters
+from contact_estimation.estimation.pipeline import EstimationPipeline
 from contact_estimation.estimation.result import AxesEstimates
 from contact_estimation.estimation.session import ContactSession
 from contact_estimation.estimators.estimate import EstimateStatus
@@ -35,6 +37,7 @@ from contact_estimation.plant.plant_parameters import PAPER_NOISE, PlantParamete
 from contact_estimation.reference.experiments import experiment_named
 from contact_estimation.signals.contact_sample import ContactSample
 from core_runs import contact_samples
+from healthy_worlds import healthy_world
 import numpy as np
 import pytest
 
@@ -77,7 +80,7 @@ MISTAKES: list[tuple[str, str, dict[str, Any]]] = [
     ('surface', 'contact began 9.9 mm inside the wall', {'change': at(0.01)}),
     ('surface_line', '400 mm inside the wall', {'change': at(0.4), 'samples': HEALTHY[300:]}),
     ('force_outside', 'outside the wall; set environment.location', {'change': at(-0.1)}),
-    ('force_sign', 'change the sign of the wrench',
+    ('force_sign', 'set force_sign to -1',
      {'change': lambda s: s._replace(force=-s.force)}),
     ('force_sign', 'change the sign of the position',
      {'change': lambda s: s._replace(position=-s.position, velocity=-s.velocity)}),
@@ -85,6 +88,7 @@ MISTAKES: list[tuple[str, str, dict[str, Any]]] = [
     ('stamp_skew', ' [56] ms late .*offset to [+]0.00[56]', {'wrench_late_ms': 5}),
     ('stamp_skew', '5[01] ms late .*offset to [+]0.05', {'wrench_late_ms': 50}),
     ('stamp_skew', '(49|50) ms early .*offset to -0.0(49|50)', {'wrench_late_ms': -50}),
+    ('force_still', 'exactly -27 N for', {'change': lambda s: s._replace(force=-27.0)}),
     ('joint_still', 'has not changed since the start',
      {'change': lambda s: s._replace(position=0.01, velocity=0.0)}),
     ('position_unit', 'publish positions in metres',
@@ -161,6 +165,97 @@ def test_force_on_another_axis_is_named() -> None:
     name, text = headline(session)
     assert name == 'force_axis'
     assert 'along z' in text and 'set axis to z' in text
+
+
+def mixed(kind: str) -> Change:
+    """Mix a second source into the forces."""
+    draw, count = np.random.default_rng(5), iter(range(10**6))
+
+    def change(sample: ContactSample) -> ContactSample:
+        k, second = next(count), -3.0 if kind == 'sensor' else 0.0
+        mine = draw.uniform() < 0.35 if kind == 'at random' else k % 2 == 1
+        return sample._replace(force=second) if mine else sample
+
+    return change
+
+
+@pytest.mark.parametrize('kind', ['zeros', 'sensor', 'at random'])
+def test_two_sources_of_the_force_are_told_and_withheld(kind: str) -> None:
+    session, estimates = fed(change=mixed(kind))
+    name, text = headline(session)
+    assert name == 'two_forces' and 'two publishers or two sensors on the topic wrench' in text
+    assert isnan(estimates[-1][0].stiffness_std)
+
+
+def test_two_sources_of_the_position_are_told() -> None:
+    count = iter(range(10**6))
+    session, _ = fed(change=lambda s: s._replace(position=s.position * (next(count) % 2)))
+    assert headline(session)[0] == 'two_positions'
+
+
+@pytest.mark.parametrize('step', [2.0, 10.0])
+def test_coarse_steps_of_the_sensor_and_jumps_of_the_force_are_one_source(step: float) -> None:
+    coarse: list[Change] = [
+        lambda s: s._replace(force=step * round(s.force / step)),
+        lambda s: s._replace(force=s.force - (40.0 if s.stamp_ns // 10**8 % 2 else 0.0)),
+    ]
+    for change in coarse:
+        session, _ = fed(change=change)
+        said = {one.name for one in session.checks.warnings()}
+        assert not said & {'two_forces', 'two_positions'}
+
+
+@pytest.mark.parametrize('apart_ns', [0, 2_000, 200_000])
+def test_stamps_of_the_wrench_in_bursts_are_told_whatever_their_steps(apart_ns: int) -> None:
+    session = ContactSession(EstimationParameters(), generate_reference=False)
+    samples = contact_samples(3.5, K_E, B_E, force_noise=0.6, position_noise=1e-6)
+    for k, (stamp, x, v, F) in enumerate(samples):
+        begin = samples[k - k % 5].stamp_ns
+        session.add_motion(stamp + 10**9, x, v)
+        burst_ns = begin + 10**9 + apart_ns * (k % 5)
+        session.checks.wrenches.append((burst_ns, F, 0.0, 0.0))
+        session.add_wrench(burst_ns, F)
+    found = {one.warned.name for one in session.checks.found_in_order()}
+    assert headline(session)[0] == 'stamp_bursts'
+    assert not found & {'stamp_skew', 'joint_velocity'}
+
+
+def flight(begin_ns: int, level: float, count: int = 600) -> list[ContactSample]:
+    """Rest before the wall, where the sensor reads a level and noise."""
+    noise = np.random.default_rng(begin_ns % 1000).normal(level, 0.6, count).tolist()
+    return [ContactSample(begin_ns + k * 2 * MILLISECOND, -0.01, 0.0, F)
+            for k, F in enumerate(noise)]
+
+
+@pytest.mark.parametrize('after_s, size, when', [
+    (0.5, -8.0, 'at 1.500 s'), (2.5, -4.0, r'between 2.5\d and 4.7\d s')])
+def test_a_step_of_the_zero_is_told_with_its_time_until_a_tare(
+    after_s: float, size: float, when: str
+) -> None:
+    contact = [s._replace(stamp_ns=s.stamp_ns + 1200 * MILLISECOND) for s in HEALTHY]
+    whole = [*flight(0, 0.0), *contact, *flight(contact[-1].stamp_ns + 2 * MILLISECOND, 0.0)]
+    session, _ = fed(whole, lambda s: s._replace(
+        force=s.force + (size if s.stamp_ns >= after_s * 1e9 else 0.0)))
+    told = [one.text for one in session.checks.warnings() if one.name == 'zero_step']
+    assert told and re.search(f'by (.*) N {when}', told[0]), told
+    assert float(told[0].split()[8]) == pytest.approx(size, abs=0.3)
+    assert session.tare()[0]
+    for stamp, x, v, F in flight(whole[-1].stamp_ns + 1002 * MILLISECOND, size):
+        session.add_motion(stamp, x, v)
+        session.add_wrench(stamp, F)
+    assert 'zero_step' not in {one.name for one in session.checks.warnings()}
+
+
+def test_a_declared_bias_of_the_sensor_is_no_warning() -> None:
+    off: Change = lambda s: s._replace(force=s.force + 8.0)  # noqa: E731
+    session, _ = fed(change=off, physics__force_bias__bias=8.0)
+    found = {one.warned.name for one in session.checks.found_in_order()}
+    assert not found & {'force_bias', 'zero_step'}
+    session.change_parameters({'physics.force_bias.bias': nan})
+    for stamp, x, v, F in flight(HEALTHY[-1].stamp_ns + 2000 * MILLISECOND, 8.0):
+        session.add_motion(stamp, x, v)
+        session.add_wrench(stamp, F)
+    assert headline(session)[0] == 'force_bias'  # and no step: the parameter changed
 
 
 def test_far_wall_is_never_learned_not_even_for_a_sample() -> None:
@@ -326,20 +421,66 @@ def test_noise_far_above_the_configured_one_is_named() -> None:
     assert headline(session)[0] == 'force_noise'
 
 
+def of_arm(force: Any, mass: float = 1.2, **more: Any) -> Evidence:
+    """Return the approach of an arm and what it feels: a slope, and the same across."""
+    parameters = build(EstimationParameters, {
+        'kinematics.base': 'base_link', 'kinematics.tip': 'tool',
+        'contact.normal': [0.0, 0.0, -1.0], 'tool.mass': mass})
+    x, noise = np.linspace(-0.02, 0.0, 500), np.random.default_rng(0).normal(0.0, 0.6, (2, 500))
+    return Evidence(
+        'x', parameters, EstimationPipeline(), np.arange(500) / 500.0, x, np.full(500, 0.02),
+        force[0] * (x + 0.02) + force[1] * x + noise[0], np.zeros(500, bool),
+        (Forces('y', force[2] * (x + 0.02) + noise[1], x),), **more)
+
+
+ARM_REMEDIES: list[tuple[Check, tuple[float, float, float], str]] = [
+    (ForceSign(), (800.0, 0.0, 0.0), 'set force_sign to -1'),
+    (ForceSign(), (0.0, -800.0, 0.0), 'reverse contact.normal'),
+    (ForceSign(), (0.0, 800.0, 0.0), 'reverse contact.normal and set force_sign to -1'),
+    (OtherAxis(), (0.0, 0.0, 800.0), 'check contact.normal, and force_sensor.frame'),
+]
+
+
+@pytest.mark.parametrize('check, force, remedy', ARM_REMEDIES)
+def test_an_arm_has_the_remedies_of_an_arm(
+    check: Check, force: tuple[float, float, float], remedy: str
+) -> None:
+    said = check.judge(of_arm(force))
+    assert remedy in str(said)
+    assert 'sign of the position' not in str(said) and 'set axis' not in str(said)
+
+
 @pytest.mark.parametrize('mass, told', [(0.0, True), (1.2, False)])
 def test_the_weight_of_a_tool_that_turns_is_told_beside_a_wrong_sign(
     mass: float, told: bool
 ) -> None:
-    parameters = build(EstimationParameters, {
-        'kinematics.base': 'base_link', 'kinematics.tip': 'tool',
-        'contact.normal': [0.0, 0.0, -1.0], 'tool.mass': mass})
-    x = np.linspace(-0.02, 0.0, 500)
-    force = 800.0 * (x + 0.02) + np.random.default_rng(0).normal(0.0, 0.6, 500)
-    seen = Evidence('x', parameters, None, np.arange(500) / 500.0, x, np.full(500, 0.02), force,
-                    np.zeros(500, bool))
-    said = ForceSign().judge(seen)
-    assert said is not None and 'change the sign of the wrench' in said
-    assert ('run calibrate_tool' in said) == told
+    said = ForceSign().judge(of_arm((800.0, 0.0, 0.0), mass))
+    assert said is not None and ('run calibrate_tool' in said) == told
+
+
+def test_joints_in_degrees_are_told_by_the_limits_of_the_description() -> None:
+    limits = {1: ('elbow', -3.0, 3.0)}
+    for q, told in ((90.0, True), (-2.9, False), (3.5, False)):
+        said = JointUnits().judge(of_arm((0.0, 0.0, 0.0), joints=(0.2, q), limits=limits))
+        assert bool(said) == told and (not told or 'joint states in radians' in str(said))
+
+
+@pytest.mark.parametrize('seed, velocity_noise', [
+    (4, 3e-3), (14, 3e-3), (39, 3e-3), (50, 0.0), (104, 0.0), (42, 3e-4)])
+def test_nothing_is_said_of_healthy_worlds_with_a_noisy_velocity(
+    seed: int, velocity_noise: float
+) -> None:
+    session, _ = fed(healthy_world(seed, velocity_noise).samples)
+    found = {one.warned.name for one in session.checks.found_in_order()}
+    assert found <= {'surface_unchecked', 'estimator', 'surface_shifted', 'model_fit'}
+
+
+@pytest.mark.parametrize('lag_s', [0.01, -0.01])
+def test_ten_milliseconds_are_told_beside_a_noisy_velocity(lag_s: float) -> None:
+    session, _ = fed(healthy_world(4, 3e-3, lag_s).samples)
+    assert headline(session)[0] == 'stamp_skew'
+    said = re.search(r'(\d+) ms (late|early)', headline(session)[1])
+    assert said and int(said[1]) in (9, 10, 11) and (said[2] == 'late') == (lag_s > 0.0)
 
 
 @pytest.mark.parametrize('level', [20.0, 2.0, -2.0])

@@ -113,6 +113,11 @@ def _late(milliseconds: int) -> Mistake:
         lag_s=milliseconds * 1e-3)
 
 
+def _in_bursts(k: int, message: Message) -> Message:
+    """Stamp five wrenches when a buffer is read, 0.2 ms apart."""
+    return message._replace(wrench_ns=message.wrench_ns - k % 5 * (2 * _NS - 200_000))
+
+
 def _thinned(every: int) -> Change:
     return lambda k, m: m if k % every == 0 else m._replace(joint_ns=-1)
 
@@ -128,6 +133,9 @@ MISTAKES = (
     Mistake('position sign flipped', ('force_sign',),
             lambda k, m: m._replace(position=-m.position, velocity=-m.velocity)),
     *map(_late, (5, -5, 10, -10, 50, -50)),
+    Mistake('every second force zero', ('two_forces',),
+            lambda k, m: m if k % 2 else m._replace(forces=(0.0, 0.0, 0.0))),
+    Mistake('stamps of the wrench in bursts', ('stamp_bursts',), _in_bursts),
     Mistake('joint states at 50 Hz', ('joint_rate',), _thinned(10)),
     Mistake('joint that stands still', ('joint_still',),
             lambda k, m: m._replace(position=0.01, velocity=0.0)),

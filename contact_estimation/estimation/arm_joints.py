@@ -76,6 +76,7 @@ class ArmJoints(ArmStage):
             return []  # once the arm is complete, other joints on the topic are of no concern
         if row is not None:
             self._complete = True
+            self._session.checks.joints = row[1]
             return self._session.add_motion(row[0], *row[1])
         if not self._complete:
             self._count_lacking()
@@ -99,4 +100,5 @@ class ArmJoints(ArmStage):
         assert isinstance(arm.model, RobotModel)
         self._joints = SomeJointsDecoder(arm.model.joint_names)
         self._merger = JointMerger(arm.model.continuous)
+        self._session.checks.limits = arm.model.limits
         return True

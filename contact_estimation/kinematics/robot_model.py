@@ -114,6 +114,16 @@ class RobotModel:
         """Names of all links of the description."""
         return frozenset(_links(self._full))
 
+    @property
+    def limits(self) -> dict[int, tuple[str, float, float]]:
+        """Return by place in q, name and limits of each joint that turns within limits [rad]."""
+        low, high = self._model.lowerPositionLimit, self._model.upperPositionLimit
+        return {
+            place: (name, float(low[joint.idx_q]), float(high[joint.idx_q]))
+            for place, (name, joint) in enumerate(zip(self.joint_names, self._model.joints[1:]))
+            if joint.nq == 1 and joint.shortname().startswith('JointModelR')
+            and low[joint.idx_q] < high[joint.idx_q] < 1e9}
+
     def pose(self, q: Sequence[float] | Array, frame: str | None = None) -> Pose:
         """
         Return the pose of a frame in the base frame.

@@ -19,7 +19,7 @@ from __future__ import annotations
 from collections import deque
 from math import isfinite
 import time
-from typing import Any, Callable, Sequence
+from typing import Any, Callable, Mapping, Sequence
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
@@ -50,6 +50,8 @@ class EstimatorDiagnostics:
         The node's clock, by which latencies are measured [ns].
     description_topic : str
         On which the description of an arm is awaited.
+    graph : callable, optional
+        From the session to what the graph of ROS warns of, texts by name.
 
     Attributes
     ----------
@@ -61,10 +63,11 @@ class EstimatorDiagnostics:
     def __init__(
         self, name: str, silence_s: float, hardware_id: str = '',
         now_ns: Callable[[], int] = time.time_ns, description_topic: str = '/robot_description',
+        graph: Callable[[ContactSession], Mapping[str, str]] = lambda session: {},
     ) -> None:
         self._name, self.silence_s = name, silence_s
         self.hardware_id, self._now_ns = hardware_id, now_ns
-        self._description_topic = description_topic
+        self._description_topic, self._graph = description_topic, graph
         self.headline = '', ''
         self._rejections: Rejections | None = None
         self.processed = 0
@@ -188,7 +191,7 @@ class EstimatorDiagnostics:
                 lambda reason: session.rejection_texts.get(reason, ''),
                 lambda: lag_in_words(session.motion_lag_s, session.parameters.motion_topic))
         rejected = self._rejections.newly(session.rejected, self.processed)
-        active = [*session.notices.items()]
+        active = [*self._graph(session).items(), *session.notices.items()]
         active += [(warned.name, warned.text) for warned in session.checks.warnings()]
         if not rejected[0]:
             return active

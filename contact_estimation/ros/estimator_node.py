@@ -33,6 +33,7 @@ from .data_thread import DataThread, RawSubscriptions
 from .estimate_publishers import EstimatePublishers
 from .estimator_diagnostics import EstimatorDiagnostics
 from .estimator_node_parameters import EstimatorNodeParameters
+from .graph import Graph
 from .node_log import NodeLog
 from .parameters import declare, serve_changes
 from .running import run_node
@@ -96,7 +97,7 @@ class EstimatorNode(Node):
         self._diagnostics = EstimatorDiagnostics(
             self.get_fully_qualified_name(), self._own.silence_s,
             self._hardware(parameters.frame_id), self._now_ns,
-            self.resolve_topic_name(topics.ROBOT_DESCRIPTION))
+            self.resolve_topic_name(topics.ROBOT_DESCRIPTION), Graph(self).warnings)
         self._subscribe()
         self._diagnostics_publisher = self.create_publisher(
             DiagnosticArray, topics.DIAGNOSTICS, topics.OUTPUT_QOS

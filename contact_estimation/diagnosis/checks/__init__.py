@@ -40,8 +40,10 @@ from . import (
     spikes,
     stamp_bursts,
     stamp_order,
+    two_sources,
     unilateral,
     wall_location,
+    zero_steps,
 )
 from .check import Check, Test
 from .evidence import Evidence
@@ -53,6 +55,7 @@ CHECKS: Mapping[str, Test] = {
     'complete_file': complete_file.TEST,
     'stamp_order': stamp_order.TEST,
     'stamp_bursts': stamp_bursts.TEST,
+    'two_sources': two_sources.TEST,
     'spikes': spikes.TEST,
     'sampling_rate': sampling_rate.TEST,
     'clock_offset': clock_offset.TEST,
@@ -67,6 +70,7 @@ CHECKS: Mapping[str, Test] = {
     'command_topic': command_topic.TEST,
     'reference_clock': reference_clock.TEST,
     'reference_rates': reference_rates.TEST,
+    'zero_steps': zero_steps.TEST,
     'axis': axis.TEST,
     'wall_location': wall_location.TEST,
     'force_clipping': force_clipping.TEST,

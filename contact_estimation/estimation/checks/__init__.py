@@ -21,8 +21,7 @@ messages. Both stand in the order of importance: the first active one is the hea
 """
 
 from .check import Check, Evidence, Forces, Warned
-from .input_checks import InputChecks
-from .order import CHECKS
+from .input_checks import CHECKS, InputChecks
 from .rejections import lag_in_words, Rejection, REJECTIONS, Rejections
 
 __all__ = [

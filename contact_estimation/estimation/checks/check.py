@@ -19,22 +19,24 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
 from functools import cached_property
-from math import sqrt
-from typing import Any, ClassVar, NamedTuple
+from math import ceil, inf
+from typing import Any, ClassVar, Mapping, NamedTuple, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .robust_statistics import loaded_correlation, median_of, spread_of
+from .robust_statistics import Array, loaded_correlation, median_of, spread_of, white_noise_of
 from ..parameters import EstimationParameters
+from ...signals.stream_faults import Bursts, bursts_of
 
-Array = NDArray[np.float64]
+BLOCKS = 4
+"""Judgements, half a second apart, whose evidence shares samples."""
 
-CLEAR = 8.0
-"""Spread of a force, in standard deviations of its noise, that is clearly no noise."""
+MEAN_S = 0.01
+"""Time over which signals are averaged [s]."""
 
 _MEDIAN = 0.6745  # of the size of a normal variable of variance 1
-_BELOW_95_PERCENT = 0.759  # mean of the lower 95 % of its squares
+_STAMP_S = 1e-9  # resolution of a stamp
 _NOTHING = np.zeros(0)
 
 
@@ -68,19 +70,7 @@ class Warned(NamedTuple):
 
 
 class Forces(NamedTuple):
-    """
-    One component of the wrench that no axis estimates.
-
-    Attributes
-    ----------
-    axis : str
-        Its name.
-    force : ndarray, shape (M,)
-        Force [N].
-    x : ndarray, shape (M,)
-        Position of the contact axis at the same time [m].
-
-    """
+    """A component of the wrench that no axis estimates [N], and x of the contact axis then [m]."""
 
     axis: str
     force: Array
@@ -92,6 +82,10 @@ class Evidence:
     """
     The last seconds of one axis.
 
+    Of the pipeline, checks read `location`, `location_margin`, `location_shift`,
+    `location_unchecked`, `touch_down.text`, `bias`, `noise_std`, `contact`, `contact_threshold`,
+    `sample_period_s`, `model_fit.now.text` and `hindrance`, and nothing else.
+
     Attributes
     ----------
     axis : str
@@ -101,7 +95,8 @@ class Evidence:
     pipeline : EstimationPipeline
         State of the axis, read only.
     t, x, v, force : ndarray, shape (N,)
-        Time [s], position [m], rate [m/s] (NaN where not measured) and F_e less the bias [N].
+        Time [s], position [m], rate [m/s] (NaN where not measured) and F_e less the bias [N], that
+        of a tare and that of `physics.force_bias`.
     contact : ndarray of bool, shape (N,)
         Whether contact was detected.
     others : tuple of Forces
@@ -110,8 +105,14 @@ class Evidence:
         Rate of the joint states [Hz]; NaN while unknown.
     travel : float
         Range of all positions since the start [m].
+    wrench_t : ndarray, shape (M,)
+        Stamps of all wrenches, also of those that became no sample [s]; empty where not known.
+    start_s : float
+        Stamp at t = 0 [s].
+    joints, limits : sequence of float, mapping of int to (str, float, float)
+        Positions of the joints of an arm; by place, name and limits of those that turn [rad].
     memory : dict
-        What a check has computed that another needs.
+        What a check has found, until the checks are reset.
 
     """
 
@@ -126,23 +127,66 @@ class Evidence:
     others: tuple[Forces, ...] = ()
     joint_rate: float = float('nan')
     travel: float = 0.0
+    wrench_t: Array = field(default_factory=lambda: _NOTHING)
+    start_s: float = 0.0
+    joints: Sequence[float] = ()
+    limits: Mapping[int, tuple[str, float, float]] = field(default_factory=dict)
     memory: dict[str, Any] = field(default_factory=dict)
 
     @classmethod
-    def of_state(
-        cls, axis: str, parameters: EstimationParameters, pipeline: Any
-    ) -> Evidence:
-        """
-        Return evidence without samples, for checks of the state of a pipeline.
-
-        Parameters
-        ----------
-        axis, parameters, pipeline
-            As above.
-
-        """
+    def of_state(cls, axis: str, parameters: EstimationParameters, pipeline: Any) -> Evidence:
+        """Return evidence without samples, for checks of the state of a pipeline."""
         return cls(axis, parameters, pipeline, _NOTHING, _NOTHING, _NOTHING, _NOTHING,
                    np.zeros(0, dtype=np.bool_))
+
+    # -- the pipeline -----------------------------------------------------------------------
+
+    @property
+    def location(self) -> float:
+        """Return the location of the surface [m]; NaN before it is known."""
+        return float(self.pipeline.location)
+
+    @property
+    def location_margin(self) -> float:
+        """Return how far from its location the surface may be [m]."""
+        return float(self.pipeline.location_margin)
+
+    @property
+    def touch_text(self) -> str:
+        """Return what touch-downs have shown of the surface; '' where all is well."""
+        return str(self.pipeline.touch_down.text)
+
+    @property
+    def bias(self) -> float:
+        """Return the force that a tare and the parameters subtract [N]."""
+        return bias_of(self.axis, self.parameters, self.pipeline)
+
+    @property
+    def noise_std(self) -> float:
+        """Return the noise of the force in free flight [N]."""
+        return float(self.pipeline.noise_std)
+
+    # -- the samples ------------------------------------------------------------------------
+
+    @property
+    def end_s(self) -> float:
+        """Return the stamp of the last sample [s]."""
+        return self.start_s + (float(self.t[-1]) if len(self.t) else 0.0)
+
+    @property
+    def is_arm(self) -> bool:
+        """Return whether x and the force follow from the joints and the wrench of an arm."""
+        return bool(self.parameters.kinematics.tip)
+
+    @property
+    def may_be_weight(self) -> bool:
+        """Return whether the weight of a tool is in the force, which turns with an arm."""
+        return self.is_arm and not self.parameters.tool.mass
+
+    @property
+    def free(self) -> NDArray[np.bool_]:
+        """Return the samples that touch nothing, as far as the location of the wall is known."""
+        return np.asarray(~self.contact & ~(self.x > self.location))
 
     @property
     def configured_noise(self) -> float:
@@ -152,53 +196,92 @@ class Evidence:
     @cached_property
     def noise(self) -> float:
         """
-        White noise of the force, by the differences of its samples, at least as configured [N].
+        Return the white noise of the force by its differences, at least as configured [N].
 
         What the detector learns in free flight may be a contact that it does not recognise.
 
         """
         if len(self.force) < 2:
             return self.configured_noise
-        white = median_of(np.abs(self.force[1:] - self.force[:-1])) / (_MEDIAN * sqrt(2.0))
+        white = median_of(np.abs(self.force[1:] - self.force[:-1])) / (_MEDIAN * 2.0**0.5)
         return max(self.configured_noise, white)
 
     @cached_property
-    def white_noise(self) -> float:
-        """
-        White noise of the force, by second differences, in which motion hardly shows [N].
-
-        The largest are left out: an impact is no noise.
-
-        """
-        f = self.force
-        if len(f) < 3:
-            return 0.0
-        squares = np.square(f[2:] - 2.0 * f[1:-1] + f[:-2])
-        most = max(1, int(0.95 * len(squares)))
-        lower = np.partition(squares, most - 1)[:most]
-        return sqrt(float(np.mean(lower)) / (6.0 * _BELOW_95_PERCENT))
-
-    @cached_property
     def period(self) -> float:
-        """Usual time between samples [s]."""
-        return median_of(self.t[1:] - self.t[:-1])
+        """Return the usual time between samples, at least the resolution of stamps [s]."""
+        steps = self.t[1:] - self.t[:-1]
+        return max(median_of(steps) if len(steps) else 0.0, _STAMP_S)
 
     @cached_property
+    def stride(self) -> int:
+        """Return the samples from one joint state to the next, between which x is a line."""
+        apart = 0.99 / (self.joint_rate * self.period) if self.joint_rate > 0.0 else 1.0
+        return max(1, ceil(min(apart, len(self.t) + 1.0)))
+
+    @cached_property
+    def position_noise(self) -> float:
+        """Return the white noise of the position [m]; infinite where there are too few samples."""
+        return white_noise_of(self.x, self.stride)
+
+    @cached_property
+    def velocity_noise(self) -> float:
+        """Return the white noise of the measured rate [m/s]; infinite where it is not measured."""
+        return white_noise_of(self.v, self.stride) if np.isfinite(self.v).all() else inf
+
+    @property
+    def mean_size(self) -> int:
+        """Return the samples over which signals are averaged."""
+        return max(1, round(min(MEAN_S / self.period, float(len(self.t)))))
+
+    @cached_property
+    def _rates(self) -> tuple[Array, float]:
+        """Return the rate of x whose mean is known better, and the noise of that mean."""
+        independent = max(1.0, self.mean_size / self.stride)
+        measured = self.velocity_noise / independent**0.5
+        by_steps = self.position_noise / (independent * self.stride * self.period)
+        if measured <= by_steps < inf:
+            return self.v, measured
+        return rate_of(self.x, self.t), by_steps
+
+    @property
     def rate(self) -> Array:
-        """Rate of x, measured or by differences [m/s]."""
-        if np.isfinite(self.v).all():
-            return self.v
-        return np.asarray(np.gradient(self.x, self.t))
+        """Return the rate of x, measured or by differences [m/s]."""
+        return self._rates[0]
+
+    @property
+    def rate_noise(self) -> float:
+        """Return the standard deviation of its mean over `mean_size` samples [m/s]."""
+        return self._rates[1]
 
     @cached_property
     def spread(self) -> float:
-        """Range of the force without its extremes [N]."""
-        return spread_of(self.force)
+        """Return the range of the force without its extremes [N]."""
+        return spread_of(self.force) if len(self.force) else 0.0
 
     @cached_property
     def slope_sign(self) -> float:
-        """Correlation of force and position where there is a force."""
+        """Return the correlation of force and position where there is a force."""
         return loaded_correlation(self.x, self.force, self.noise)
+
+    @cached_property
+    def bursts(self) -> Bursts | None:
+        """Return stamps in bursts: no rate and no lag has a meaning beside them."""
+        return bursts_of(self.wrench_t if len(self.wrench_t) else self.t)
+
+
+def bias_of(axis: str, parameters: EstimationParameters, pipeline: Any) -> float:
+    """Return the force that a tare and `physics.force_bias` subtract [N]."""
+    declared = float(parameters.of_axis(axis).physics.force_bias.bias)
+    return float(pipeline.bias) + (declared if declared == declared else 0.0)
+
+
+def rate_of(values: Array, t: Array) -> Array:
+    """Return central differences, finite also between samples of one stamp."""
+    if len(t) < 2:
+        return np.zeros(len(t))
+    after, before = np.append(t[1:], t[-1]), np.append(t[:1], t[:-1])
+    later, earlier = np.append(values[1:], values[-1]), np.append(values[:1], values[:-1])
+    return np.asarray((later - earlier) / np.maximum(after - before, _STAMP_S))
 
 
 class Check(ABC):
@@ -234,6 +317,8 @@ class Check(ABC):
     def judge(self, seen: Evidence) -> str | None:
         """
         Return the text of the warning.
+
+        Never raises, whatever the evidence.
 
         Parameters
         ----------

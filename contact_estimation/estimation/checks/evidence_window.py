@@ -19,11 +19,11 @@ from __future__ import annotations
 from collections import deque
 from itertools import chain
 from math import inf, nan
-from typing import Any, Mapping
+from typing import Any, Mapping, Sequence
 
 import numpy as np
 
-from .check import Array, Evidence, Forces
+from .check import Array, bias_of, BLOCKS, Evidence, Forces
 from ..parameters import EstimationParameters
 from ..result import AxesEstimates
 from ...estimators.estimate import EstimateStatus
@@ -31,32 +31,12 @@ from ...signals.contact_sample import AxesSample
 
 _BLOCK_S = 0.5
 _LEAST_BLOCK = 25  # samples
-_BLOCKS = 4  # of a window
 _KEPT = 50_000  # wrenches and joint stamps while no sample comes
 _FREE = EstimateStatus.FREE  # an enumeration takes long to look up
 
 
 class EvidenceWindow:
-    """
-    The last two seconds of every axis, block by block.
-
-    Parameters
-    ----------
-    pipelines : mapping of str to EstimationPipeline
-        By axis.
-
-    Attributes
-    ----------
-    joint_stamps : deque of int
-        Stamps of joint states to come [ns].
-    wrenches : deque of (int, float, float, float)
-        Stamp [ns] and force along x, y and z [N] of wrenches to come.
-    samples, estimates : list of AxesSample, AxesEstimates
-        Of the present block.
-    block : int
-        Number of samples of a block.
-
-    """
+    """The last two seconds of every axis, block by block; attributes as of `InputChecks`."""
 
     def __init__(self, pipelines: Mapping[str, Any]) -> None:
         self._axes = tuple(pipelines)
@@ -73,21 +53,14 @@ class EvidenceWindow:
         self._pressing = {axis: -inf for axis in self._axes}
 
     def restart(self, sample_rate: float) -> None:
-        """
-        Start a new window, as after a clock jump: stamps to come are from before it.
-
-        Parameters
-        ----------
-        sample_rate : float
-            Nominal [Hz].
-
-        """
+        """Start a new window, as after a clock jump: stamps to come are from before it."""
         self.block = max(_LEAST_BLOCK, round(_BLOCK_S * sample_rate))
         self.joint_stamps.clear()
         self.wrenches.clear()
         self._windows: dict[str, deque[Array]] = {
-            axis: deque(maxlen=_BLOCKS) for axis in self._axes}
-        self._others: deque[Array] = deque(maxlen=_BLOCKS)
+            axis: deque(maxlen=BLOCKS) for axis in self._axes}
+        self._others: deque[Array] = deque(maxlen=BLOCKS)
+        self._memory: dict[str, dict[str, Any]] = {axis: {} for axis in self._axes}
         self._joint_rate, self._block_end_ns = nan, 0
         self._start_block()
 
@@ -96,30 +69,14 @@ class EvidenceWindow:
         self.estimates.clear()
 
     def most(self, axis: str) -> tuple[float, float]:
-        """
-        Return the greatest position [m] and pressing force [N] so far.
-
-        Parameters
-        ----------
-        axis : str
-            One of the axes.
-
-        """
+        """Return the greatest position [m] and pressing force [N] of an axis so far."""
         place = self._axes.index(axis)
         pending = [axes[place] for axes in self.samples]
         return (max([self._travel[axis][1], *(sample[1] for sample in pending)]),
                 max([self._pressing[axis], *(-sample[3] for sample in pending)]))
 
     def close_block(self, end_ns: int) -> None:
-        """
-        Turn the samples of the block into arrays, and start the next.
-
-        Parameters
-        ----------
-        end_ns : int
-            Stamp of its last sample [ns].
-
-        """
+        """Turn the samples of the block, which ends at a stamp, into arrays; start the next."""
         count = len(self.samples)
         for place, axis in enumerate(self._axes):
             table = np.empty((5, count))  # stamp, position, rate, force, whether in contact
@@ -145,30 +102,22 @@ class EvidenceWindow:
         self._start_block()
 
     def evidence(
-        self, axis: str, parameters: EstimationParameters, pipeline: Any
+        self, axis: str, parameters: EstimationParameters, pipeline: Any,
+        joints: Sequence[float], limits: Mapping[int, tuple[str, float, float]],
     ) -> Evidence:
-        """
-        Return the evidence of an axis.
-
-        Parameters
-        ----------
-        axis : str
-            One of the axes.
-        parameters : EstimationParameters
-            All parameters.
-        pipeline : EstimationPipeline
-            Of the axis.
-
-        """
+        """Return the evidence of an axis; parameters as of `Evidence`."""
         stamps, x, v, force, touching = np.concatenate(self._windows[axis], axis=1)
         low, high = self._travel[axis]
-        return Evidence(
-            axis, parameters, pipeline, (stamps - stamps[0]) * 1e-9, x, v, force - pipeline.bias,
-            touching > 0.5, self._other_forces(stamps, x), self._joint_rate, high - low)
-
-    def _other_forces(self, stamps: Array, x: Array) -> tuple[Forces, ...]:
-        """Return the components of the wrench that no axis estimates."""
         table = np.concatenate(self._others)
+        begin = stamps[0]
+        return Evidence(
+            axis, parameters, pipeline, (stamps - begin) * 1e-9, x, v,
+            force - bias_of(axis, parameters, pipeline),
+            touching > 0.5, self._other_forces(table, stamps, x), self._joint_rate, high - low,
+            (table[:, 0] - begin) * 1e-9, begin * 1e-9, joints, limits, self._memory[axis])
+
+    def _other_forces(self, table: Array, stamps: Array, x: Array) -> tuple[Forces, ...]:
+        """Return the components of the wrench that no axis estimates."""
         if not len(table):
             return ()
         position = np.interp(table[:, 0], stamps, x)

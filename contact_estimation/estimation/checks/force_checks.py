@@ -17,48 +17,84 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from .check import Array, Check, CLEAR, Evidence, Forces, millimetres
-from .robust_statistics import extremes, loaded_correlation, median_of, spread_of
+from .check import Check, Evidence, Forces, millimetres
+from .robust_statistics import Array, extremes, loaded_correlation, median_of, spread_of
+from ...signals.stream_faults import CLEAR, TARE_DUE
 
 _RELATED = 0.8  # correlation of force and position
 _PULLS_LESS = 3.0  # standard deviations that a one-sided force may reach on the other side
 _STRONGER = 3.0  # than the force of the contact axis
 _TILTED = 0.7  # tangent of 35 degrees, more than the friction of most pairs
 _NOISY = 10.0  # times the configured noise
-_TARE_DUE = 2.0  # standard deviations of the force noise
 _LEAST_FREE = 50  # samples
 _MEDIAN = 0.6745  # of the size of a normal variable of variance 1
+_FRAME = 'contact.normal, and force_sensor.frame and force_sensor.rpy'
 
 
 class ForceSign(Check):
     """F_e is negative while pressing, and +x points into the wall."""
 
     name = 'force_sign'
-    message = ('force grows to +16 N with penetration, but F_e is negative while pressing; change '
-               'the sign of the wrench')
+    message = ('force grows to +16 N with penetration, but F_e is negative while pressing; set '
+               'force_sign to -1')
     cause = ('The driver publishes the force of the tool on the environment, or the position '
-             'grows away from the wall.')
-    remedy = 'Publish the wrench with the other sign, or the position with +x into the wall.'
+             'grows away from the wall; of an arm, `contact.normal` points out of the wall.')
+    remedy = ('Set `force_sign` to the value given, or publish the position with +x into the '
+              'wall; for an arm reverse `contact.normal`.')
     invalidates = True
 
     def judge(self, seen: Evidence) -> str | None:
-        """Look for a one-sided force with the wrong slope."""
+        """Look for a one-sided force with the wrong slope, or on the wrong side."""
         if seen.spread < CLEAR * seen.noise:
             return None
-        if seen.slope_sign < -_RELATED:
-            return ''
-        if seen.slope_sign < _RELATED:
+        if abs(seen.slope_sign) < _RELATED:
             return None
-        low, high = extremes(seen.force)
-        if low > -_PULLS_LESS * seen.noise and not seen.contact.any():
+        low, high = extremes(seen.force - _level_outside(seen))
+        pulls = low > -_PULLS_LESS * seen.noise and not seen.contact.any()
+        if seen.slope_sign < 0.0:
+            return self._pulled(high, seen) if pulls and high > CLEAR * seen.noise else ''
+        if pulls:
             return (f'force grows to {high:+.3g} N with penetration, but F_e is negative while '
-                    f'pressing; change the sign of the wrench{_unless_weight(seen)}')
+                    f'pressing; set force_sign to {-seen.parameters.force_sign:g}'
+                    f'{_unless_weight(seen)}')
         if high < _PULLS_LESS * seen.noise:
+            remedy = ('reverse contact.normal and set force_sign to '
+                      f'{-seen.parameters.force_sign:g}' if seen.is_arm
+                      else 'change the sign of the position')
             return (f'the tool presses with {-low:.3g} N where x is smallest, but +x points into '
-                    f'the wall; change the sign of the position{_unless_weight(seen)}')
+                    f'the wall; {remedy}{_unless_weight(seen)}')
         return None
+
+    @staticmethod
+    def _pulled(high: float, seen: Evidence) -> str:
+        remedy = ('reverse contact.normal' if seen.is_arm else 'change the sign of the position '
+                  f'and set force_sign to {-seen.parameters.force_sign:g}')
+        return (f'the tool is pulled with {high:.3g} N where x is smallest, as by a wall on that '
+                f'side, but +x points into the wall; {remedy}{_unless_weight(seen)}')
+
+
+class ForceStill(Check):
+    """The force of a contact changes with the motion, if by its noise alone."""
+
+    name = 'force_still'
+    message = ('the force has been exactly -27 N for 2 s while the tool moved by 15 mm; check '
+               'that the force sensor is read, and not its last value repeated')
+    cause = 'The driver has lost the sensor and repeats the last measurement.'
+    remedy = 'Start the driver of the force sensor again.'
+    invalidates = True
+
+    def judge(self, seen: Evidence) -> str | None:
+        """Look for a load without any noise beside a motion."""
+        moved = spread_of(seen.x) if len(seen.x) else 0.0
+        if len(seen.x) < _LEAST_FREE or moved <= CLEAR * seen.position_noise:
+            return None
+        level = float(seen.force[0])
+        if np.ptp(seen.force) > 0.0 or abs(level) < CLEAR * seen.configured_noise:
+            return ''
+        return (f'the force has been exactly {level:.3g} N for {seen.end_s - seen.start_s:.2g} s '
+                f'while the tool moved by {millimetres(moved)}; check that the force sensor is '
+                'read, and not its last value repeated')
 
 
 class OtherAxis(Check):
@@ -67,8 +103,10 @@ class OtherAxis(Check):
     name = 'force_axis'
     message = ('force follows the motion along z (16 N) but not along x (0.9 N); set axis to z, '
                'or publish the wrench in a frame whose x is the contact normal')
-    cause = '`axis` does not name the component of the wrench along the contact normal.'
-    remedy = 'Set `axis` (and `frame_id`) and start again.'
+    cause = ('`axis` does not name the component of the wrench along the contact normal; of an '
+             'arm, `contact.normal` or the axes of the force sensor are wrong.')
+    remedy = ('Set `axis` (and `frame_id`), for an arm `contact.normal`, `force_sensor.frame` or '
+              '`force_sensor.rpy`, and start again.')
     invalidates = True
 
     def judge(self, seen: Evidence) -> str | None:
@@ -76,12 +114,16 @@ class OtherAxis(Check):
         if seen.spread > CLEAR * seen.noise and seen.contact.any():
             return ''
         for other in seen.others:
-            if self._follows(other, seen):
-                size = spread_of(other.force)
-                return (f'force follows the motion along {other.axis} ({size:.3g} N) but not '
-                        f'along {seen.axis} ({seen.spread:.3g} N); set axis to {other.axis}, or '
-                        f'publish the wrench in a frame whose {seen.axis} is the contact normal'
+            if not self._follows(other, seen):
+                continue
+            size = spread_of(other.force)
+            if seen.is_arm:
+                return (f'force follows the motion along the wall ({size:.3g} N) but not along '
+                        f'contact.normal ({seen.spread:.3g} N); check {_FRAME}'
                         f'{_unless_weight(seen)}')
+            return (f'force follows the motion along {other.axis} ({size:.3g} N) but not '
+                    f'along {seen.axis} ({seen.spread:.3g} N); set axis to {other.axis}, or '
+                    f'publish the wrench in a frame whose {seen.axis} is the contact normal')
         return None
 
     @staticmethod
@@ -91,7 +133,9 @@ class OtherAxis(Check):
         size = spread_of(other.force)
         if size < max(CLEAR * seen.noise, _STRONGER * seen.spread):
             return False
-        return abs(loaded_correlation(other.x, other.force, seen.noise)) > _RELATED
+        # Along the wall an arm hardly moves where contact.normal lies in the wall.
+        known = seen.is_arm and not seen.may_be_weight
+        return known or abs(loaded_correlation(other.x, other.force, seen.noise)) > _RELATED
 
 
 class ForceDirection(Check):
@@ -99,16 +143,14 @@ class ForceDirection(Check):
 
     name = 'force_direction'
     message = ('the force of the contact is 45 degrees off contact.normal (16 N along it, 16 N '
-               'along the wall); check contact.normal and the frame of the force sensor')
+               f'along the wall); check {_FRAME}')
     cause = ('`contact.normal` does not point into the wall, or `force_sensor.frame` or '
              '`force_sensor.rpy` turns the wrench; or the tool slides with high friction.')
     remedy = 'Correct `contact.normal`, `contact.normal_frame` or the frame of the sensor.'
 
     def judge(self, seen: Evidence) -> str | None:
         """Compare the force along the wall that follows the motion with that along the normal."""
-        if not seen.parameters.kinematics.tip or not seen.contact.any():
-            return None
-        if seen.spread < CLEAR * seen.noise:
+        if not seen.is_arm or not seen.contact.any() or seen.spread < CLEAR * seen.noise:
             return None
         along = [spread_of(other.force) for other in seen.others if len(other.force)
                  and abs(loaded_correlation(other.x, other.force, seen.noise)) > _RELATED]
@@ -117,8 +159,7 @@ class ForceDirection(Check):
             return ''
         angle = np.degrees(np.arctan2(wall, seen.spread))
         return (f'the force of the contact is {angle:.0f} degrees off contact.normal '
-                f'({seen.spread:.3g} N along it, {wall:.3g} N along the wall); check '
-                'contact.normal and the frame of the force sensor')
+                f'({seen.spread:.3g} N along it, {wall:.3g} N along the wall); check {_FRAME}')
 
 
 class OutsideForce(Check):
@@ -140,9 +181,9 @@ class OutsideForce(Check):
             return ''
         pressing = -extremes(seen.force)[0]
         x = float(np.median(seen.x[seen.force <= -0.5 * pressing])) if pressing > 0.0 else 0.0
-        outside = seen.pipeline.location - x
+        outside = seen.location - x
         if (seen.slope_sign > -_RELATED or pressing < CLEAR * seen.noise
-                or not outside > seen.pipeline.location_margin):
+                or not outside > seen.location_margin):
             return None
         return (f'the tool presses with {pressing:.3g} N at x = {x:.4g} m, {millimetres(outside)} '
                 'outside the wall; set environment.location to the surface, or to nan to take it '
@@ -161,12 +202,12 @@ class ForceNoise(Check):
 
     def judge(self, seen: Evidence) -> str:
         """Compare the noise with the configured one."""
-        ratio = seen.pipeline.noise_std / seen.configured_noise
+        ratio = seen.noise_std / seen.configured_noise
         if ratio < _NOISY:
             return ''
-        return (f'force noise of {seen.pipeline.noise_std:.3g} N in free flight, {ratio:.3g} '
-                'times contact.force_noise; contact may be taken for noise: check sign, axis and '
-                'wall, or correct contact.force_noise')
+        return (f'force noise of {seen.noise_std:.3g} N in free flight, {ratio:.3g} times '
+                'contact.force_noise; contact may be taken for noise: check sign, axis and wall, '
+                'or correct contact.force_noise')
 
 
 class ForceBias(Check):
@@ -175,18 +216,18 @@ class ForceBias(Check):
     name = 'force_bias'
     message = 'the sensor reads 3.1 N in free flight; call ~/tare there'
     cause = 'The force sensor has an offset, or carries the weight of the tool.'
-    remedy = 'Call `~/tare` out of contact.'
+    remedy = 'Call `~/tare` out of contact, or set `physics.force_bias.bias` to the value given.'
 
     def judge(self, seen: Evidence) -> str | None:
-        """Compare the force of free flight with its noise."""
-        free = _free_flight(seen)
+        """Compare the force of free flight, less the declared bias, with its noise."""
+        free = seen.free
         if free.sum() < _LEAST_FREE:
             return None
         level, noise = _level(seen.force[free], seen)
-        if abs(level) <= max(_TARE_DUE * noise, 1e-3):
+        if abs(level) <= max(TARE_DUE * noise, 1e-3):
             return ''
         remedy = 'call ~/tare there'
-        if _may_be_weight(seen):
+        if seen.may_be_weight:
             remedy = f'run calibrate_tool, or without a tool {remedy}'
         return f'the sensor reads {level:.3g} N in free flight; {remedy}'
 
@@ -204,36 +245,32 @@ class WeakContact(Check):
 
     def judge(self, seen: Evidence) -> str | None:
         """Look for a steady force inside the wall that is no contact, and not the sensor's."""
-        inside = ~seen.contact & (seen.x > seen.pipeline.location)
+        inside = ~seen.contact & (seen.x > seen.location)
         if inside.sum() < _LEAST_FREE:
             return '' if seen.contact.any() else None
         level, noise = _level(seen.force[inside], seen)
-        free = _free_flight(seen)
-        if free.sum() >= _LEAST_FREE:
-            level -= _level(seen.force[free], seen)[0]
-        if level >= -_TARE_DUE * noise:
+        if seen.free.sum() >= _LEAST_FREE:
+            level -= _level(seen.force[seen.free], seen)[0]
+        if level >= -TARE_DUE * noise:
             return ''
-        depth = float(np.median(seen.x[inside])) - seen.pipeline.location
+        depth = float(np.median(seen.x[inside])) - seen.location
         return (f'the tool presses with {-level:.2g} N, {1e3 * depth:.2g} mm inside the wall, '
                 f'where contact begins above {seen.pipeline.contact_threshold:.2g} N; press '
                 'harder, or lower contact.force_noise or contact.on_ratio')
 
 
+def _level_outside(seen: Evidence) -> float:
+    """Return the steady force before the wall, such as a weight left by a wrong sign, or 0 [N]."""
+    force = seen.force[seen.x < seen.location - seen.location_margin]
+    steady = len(force) >= _LEAST_FREE and spread_of(force) < CLEAR * seen.noise
+    return median_of(force) if steady else 0.0
+
+
 def _unless_weight(seen: Evidence) -> str:
     """Return what else a force that follows the motion of an arm may be, '' without an arm."""
-    if not _may_be_weight(seen):
+    if not seen.may_be_weight:
         return ''
     return '; or, in free flight, run calibrate_tool: it is the weight of the tool, as it turns'
-
-
-def _may_be_weight(seen: Evidence) -> bool:
-    """Return whether the weight of a tool is in the force, which turns with an arm."""
-    return bool(seen.parameters.kinematics.tip) and not seen.parameters.tool.mass
-
-
-def _free_flight(seen: Evidence) -> NDArray[np.bool_]:
-    """Return the samples that touch nothing, as far as the location of the wall is known."""
-    return ~seen.contact & ~(seen.x > seen.pipeline.location)
 
 
 def _level(force: Array, seen: Evidence) -> tuple[float, float]:

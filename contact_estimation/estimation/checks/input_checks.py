@@ -19,10 +19,27 @@ from __future__ import annotations
 from collections import deque
 from typing import Any, Mapping, NamedTuple, Sequence
 
+import numpy as np
+
 from .check import Check, Evidence, Warned
+from .contact_checks import EstimatorHindrance, ModelMismatch
+from .contact_checks import Surface, SurfaceLine, SurfaceShifted, SurfaceUnchecked
 from .evidence_window import EvidenceWindow
-from .order import CHECKS
+from .force_checks import ForceBias, ForceDirection, ForceNoise, ForceSign, ForceStill
+from .force_checks import OtherAxis, OutsideForce, WeakContact
+from .joint_checks import JointStill, JointUnits, JointVelocity, PositionUnit
+from .lag_checks import StampSkew, StampSkewOrMass
+from .stream_checks import JointRate, SampleRate, StampBursts, TwoForces, TwoPositions, ZeroSteps
 from ..parameters import EstimationParameters
+
+CHECKS: tuple[Check, ...] = (
+    TwoForces(), TwoPositions(), StampBursts(), ForceStill(), JointStill(), JointUnits(),
+    PositionUnit(), JointVelocity(), ForceSign(), OtherAxis(), OutsideForce(), ForceDirection(),
+    Surface(), SurfaceLine(), StampSkew(), StampSkewOrMass(), JointRate(), ZeroSteps(),
+    ForceBias(), ForceNoise(), WeakContact(), SampleRate(), ModelMismatch(),
+    EstimatorHindrance(), SurfaceShifted(), SurfaceUnchecked(),
+)
+"""Every check of an axis, in the order of importance; the first active one is the headline."""
 
 _JUDGED_TOGETHER = 3  # checks after one sample: all at once would take longer than its period
 _RELEVANT = ('environment', 'further_axes', 'synchronisation', 'contact')
@@ -69,6 +86,9 @@ class InputChecks:
         Since the last judgement of a block; the session appends to them.
     due : int
         Number of them at which `judge` is due.
+    joints, limits : sequence of float, mapping of int to (str, float, float)
+        Of an arm, the last positions of its joints and, by place, names and limits of those that
+        turn [rad]; the inputs set both.
     found : dict
         By check and axis, every warning since the start or `reset`.
 
@@ -81,6 +101,8 @@ class InputChecks:
         self._window = EvidenceWindow(pipelines)
         self.joint_stamps, self.wrenches = self._window.joint_stamps, self._window.wrenches
         self.samples, self.estimates = self._window.samples, self._window.estimates
+        self.joints: Sequence[float] = ()
+        self.limits: Mapping[int, tuple[str, float, float]] = {}
         self.reset()
 
     def reset(self) -> None:
@@ -130,7 +152,7 @@ class InputChecks:
         self._stamp_ns = stamp_ns
         self._window.close_block(stamp_ns)
         for axis, pipeline in self._pipelines.items():
-            seen = self._window.evidence(axis, self._p, pipeline)
+            seen = self._window.evidence(axis, self._p, pipeline, self.joints, self.limits)
             self._waiting.extend(
                 (seen, CHECKS[first:first + _JUDGED_TOGETHER])
                 for first in range(0, len(CHECKS), _JUDGED_TOGETHER))
@@ -174,8 +196,9 @@ class InputChecks:
         return text if count >= check.confirmations else ''
 
     def _judge(self, seen: Evidence, checks: Sequence[Check]) -> None:
-        for check in checks:
-            self._note(check, seen.axis, check.judge(seen))
+        with np.errstate(all='ignore'):  # squares of huge values are not finite: no evidence
+            for check in checks:
+                self._note(check, seen.axis, check.judge(seen))
         if checks[-1] is CHECKS[-1]:
             invalid = [self._text(check, seen.axis) for check in CHECKS
                        if check.invalidates and not check.of_state]

@@ -12,24 +12,23 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Checks of the joint states: a joint that stands still, units, velocities, and the rate."""
+"""Checks of the joint states: a joint that stands still, units, velocities."""
 
 from __future__ import annotations
 
-from math import ceil, inf
-
 import numpy as np
 
-from .check import Check, CLEAR, Evidence
-from .robust_statistics import median_of
+from .check import Check, Evidence
+from ...signals.stream_faults import CLEAR
 
-_FEWEST_PER_CUTOFF = 2.0  # sampling theorem
-_SLOWER = 0.9  # than the wrench
 _FASTEST = 10.0  # of any arm [m/s]
 _DEEPEST = 0.5  # of any contact [m]
-_STEP_S = 0.02  # over which positions and velocities are compared
-_MOVES = 20.0  # steps over their noise, for a comparison
+_STEP_S, _STEP = 0.02, 10  # at least, over which positions and velocities are compared; samples
+# Steps over those of a tenth of the time: 10 of a motion, 3.2 of a random walk, 1 of white noise.
+_MOVES = 5.0
 _FACTOR = 2.0  # between measured velocities and those of the positions
+_SURE = 3.0  # standard deviations of that factor
+_BEYOND = 0.5  # of the range of a joint, beyond its limits: the controller would stop it earlier
 
 
 class JointStill(Check):
@@ -39,7 +38,7 @@ class JointStill(Check):
     message = ("position of joint 'gripper' has not changed since the start while the force "
                'changed by 20 N; set joint to that of the contact axis')
     cause = 'Another joint was chosen, or its driver repeats one position.'
-    remedy = 'Set `joint` and start again, or repair the driver.'
+    remedy = 'Set `joint` and start again, or repair the driver; for an arm, see `kinematics.*`.'
     invalidates = True
 
     def judge(self, seen: Evidence) -> str | None:
@@ -48,10 +47,39 @@ class JointStill(Check):
             return ''
         if seen.spread < CLEAR * seen.noise:
             return None
-        joint = seen.parameters.joints[seen.axis]
-        which = f'joint {joint!r}' if joint else 'the joint'
+        if seen.is_arm:
+            which, remedy = 'the tip of the arm', ('check that joint_states come from the driver, '
+                                                   'and kinematics.base and kinematics.tip')
+        else:
+            joint = seen.parameters.joints[seen.axis]
+            which = f'joint {joint!r}' if joint else 'the joint'
+            remedy = 'set joint to that of the contact axis'
         return (f'position of {which} has not changed since the start while the force changed by '
-                f'{seen.spread:.3g} N; set joint to that of the contact axis')
+                f'{seen.spread:.3g} N; {remedy}')
+
+
+class JointUnits(Check):
+    """Joints of an arm turn within the limits of its description."""
+
+    name = 'joint_units'
+    message = ("joint 'elbow' is at 97 rad, where the robot description allows -3.1 to 3.1 rad: "
+               'are these degrees? Publish joint states in radians')
+    cause = 'The driver publishes degrees, or names the joints in another order.'
+    remedy = 'Publish positions in radians and velocities in radians per second.'
+    invalidates = True
+    confirmations = 3
+
+    def judge(self, seen: Evidence) -> str | None:
+        """Compare the present positions with the limits."""
+        for place, (name, low, high) in seen.limits.items():
+            if place >= len(seen.joints):
+                return None
+            q, slack = seen.joints[place], _BEYOND * (high - low)
+            if not low - slack <= q <= high + slack:
+                return (f'joint {name!r} is at {q:.3g} rad, where the robot description allows '
+                        f'{low:.3g} to {high:.3g} rad: are these degrees? Publish joint states in '
+                        'radians')
+        return ''
 
 
 class PositionUnit(Check):
@@ -61,8 +89,8 @@ class PositionUnit(Check):
     message = ('the contact axis moves at up to 80 m/s, 12 m into the wall: no robot does; '
                'publish positions in metres')
     cause = 'Positions come in millimetres, or a revolute joint is taken for the contact axis.'
-    remedy = ('Publish positions in metres and velocities in metres per second; for an arm set '
-              '`kinematics.*` and `contact.normal`.')
+    remedy = ('Publish positions in metres and velocities in metres per second, of an arm in '
+              'radians; for an arm set `kinematics.*` and `contact.normal`.')
     invalidates = True
 
     def judge(self, seen: Evidence) -> str | None:
@@ -70,15 +98,15 @@ class PositionUnit(Check):
         x, t = seen.x, seen.t
         if len(x) < 3:
             return None
-        speeds = np.abs((x[2:] - x[:-2]) / (t[2:] - t[:-2]))
+        speeds = np.abs(x[2:] - x[:-2]) / np.maximum(t[2:] - t[:-2], 0.1 * seen.period)
         fast = int(0.95 * len(speeds))
         speed = float(np.partition(speeds, fast)[fast])
-        depths = seen.x[seen.contact] - seen.pipeline.location
-        depth = float(np.max(depths, initial=0.0))
-        if not (speed > _FASTEST or depth > _DEEPEST and not seen.pipeline.touch_down.text):
+        depth = float(np.max(seen.x[seen.contact] - seen.location, initial=0.0))
+        if not (speed > _FASTEST or depth > _DEEPEST and not seen.touch_text):
             return ''
+        unit = 'joint states in radians' if seen.is_arm else 'positions in metres'
         return (f'the contact axis moves at up to {speed:.3g} m/s, {depth:.3g} m into the wall: '
-                'no robot does; publish positions in metres')
+                f'no robot does; publish {unit}')
 
 
 class JointVelocity(Check):
@@ -93,52 +121,26 @@ class JointVelocity(Check):
     invalidates = True
 
     def judge(self, seen: Evidence) -> str | None:
-        """Compare what velocities add up to in 20 ms with the steps of the positions."""
-        if len(seen.x) < 3 or not np.isfinite(seen.v).all() or not seen.joint_rate > 0.0:
+        """Compare what velocities add up to with the steps of the positions."""
+        if not np.isfinite(seen.v).all() or not seen.joint_rate > 0.0 or seen.bursts:
             return None
-        t, x, v = seen.t, seen.x, seen.v
-        count = max(1, round(_STEP_S / seen.period))
-        path = np.zeros(len(t))
-        np.cumsum(0.5 * (v[1:] + v[:-1]) * (t[1:] - t[:-1]), out=path[1:])
-        whole = t[count:] - t[:-count] < 2.0 * _STEP_S  # no gap between samples
+        t, x, v, short = seen.t, seen.x, seen.v, seen.stride
+        count = max(_STEP * short, round(min(_STEP_S / seen.period, float(len(t)))))
+        if len(x) < 2 * count:
+            return None
+        path = np.append(0.0, np.cumsum(0.5 * (v[1:] + v[:-1]) * np.diff(t)))
+        whole = t[count:] - t[:-count] < 2.0 * count * seen.period  # no gap between samples
         steps, added = ((one[count:] - one[:-count])[whole] for one in (x, path))
-        noise = _noise_of_joints(seen)
         power = float(steps @ steps)
-        if power <= _MOVES**2 * noise**2 * len(steps):
+        at_once = float(np.mean(np.square(x[short:] - x[:-short])))
+        if not power > _MOVES**2 * at_once * len(steps) or not power > 0.0:
             return None
         factor = float(steps @ added) / power
+        rest = added - factor * steps
+        std = (count * float(rest @ rest) / len(steps) / power)**0.5  # steps overlap
         if 1.0 / _FACTOR < factor < _FACTOR:
             return ''
+        if not (factor - _SURE * std > _FACTOR or factor + _SURE * std < 1.0 / _FACTOR):
+            return None
         return (f'velocities of the joint states are {factor:.2g} times the rate of their '
                 'positions; publish them in the units of the positions, or leave them empty')
-
-
-def _noise_of_joints(seen: Evidence) -> float:
-    """Return the noise of positions: samples between joint states lie on straight lines."""
-    lag = max(1, ceil(0.99 / (seen.joint_rate * seen.period)))
-    bends = seen.x[2 * lag:] - 2.0 * seen.x[lag:-lag] + seen.x[:-2 * lag]
-    return median_of(np.abs(bends)) + 1e-12 if len(bends) else inf
-
-
-class JointRate(Check):
-    """Joint states come fast enough for the filter."""
-
-    name = 'joint_rate'
-    message = ('joint states come at 60 Hz, but the filter passes 50 Hz; publish them at 100 Hz '
-               'or more, or lower conditioning.cutoff_frequency to 15')
-    cause = ('Between joint states the position is interpolated by a straight line, which the '
-             'filter passes on as a wrong motion.')
-    remedy = 'Publish joint states faster, or lower `conditioning.cutoff_frequency`.'
-
-    def judge(self, seen: Evidence) -> str | None:
-        """Compare the rate with the cut-off frequency."""
-        rate, cutoff = seen.joint_rate, seen.parameters.conditioning.cutoff_frequency
-        if rate != rate:
-            return None
-        period = seen.pipeline.sample_period_s
-        needed = _FEWEST_PER_CUTOFF * cutoff
-        if cutoff == 0.0 or rate >= needed or rate * period >= _SLOWER:
-            return ''
-        return (f'joint states come at {rate:.3g} Hz, but the filter passes {cutoff:g} Hz; '
-                f'publish them at {needed:.3g} Hz or more, or lower '
-                f'conditioning.cutoff_frequency to {0.25 * rate:.2g}')

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Checks of the surface: where contacts begin, and what they show of it."""
+"""Checks of the contact: where its surface is, whether model and estimator suit it."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class Surface(Check):
 
     def judge(self, seen: Evidence) -> str:
         """Return what the touch-down has shown."""
-        return str(seen.pipeline.touch_down.text)
+        return seen.touch_text
 
 
 class SurfaceLine(Check):
@@ -58,11 +58,11 @@ class SurfaceLine(Check):
     def judge(self, seen: Evidence) -> str | None:
         """Fit K x + B v + c to the last contact."""
         chosen = np.flatnonzero(seen.contact)
-        if seen.pipeline.touch_down.text:
+        if seen.touch_text:
             return ''  # says the same of the same contact
         if len(chosen) < _LEAST_CONTACT:
             return None
-        x, y = seen.x[chosen] - seen.pipeline.location, -seen.force[chosen]
+        x, y = seen.x[chosen] - seen.location, -seen.force[chosen]
         table = np.stack([x, seen.rate[chosen], np.ones(len(x))], 1)
         scale = np.sqrt(np.mean(table**2, 0)) + 1e-15
         scaled = table / scale
@@ -71,16 +71,16 @@ class SurfaceLine(Check):
         K, _, c = theta
         residual = y - table @ theta
         noise = max(float(np.sqrt(np.mean(residual**2))), seen.noise)
-        if not K > 0.0 or noise > _FITS * max(seen.noise, seen.pipeline.noise_std):
+        if not K > 0.0 or noise > _FITS * max(seen.noise, seen.noise_std):
             return None
         inside, mean = float(-c / K), float(np.mean(x))
         std = noise * float(np.hypot(np.sqrt(square[2, 2]) / scale[2],
                                      mean * np.sqrt(square[0, 0]) / scale[0])) / float(K)
-        if inside < seen.pipeline.location_margin + _DEVIATIONS * std:
-            return '' if std < seen.pipeline.location_margin else None
+        if inside < seen.location_margin + _DEVIATIONS * std:
+            return '' if std < seen.location_margin else None
         if inside < _MOST_OF_DEPTH * mean:
             return None
-        place = seen.pipeline.location + inside
+        place = seen.location + inside
         return (f'the force in contact vanishes at x = {place:.4g} m, {millimetres(inside)} '
                 f'inside the wall; set environment.location to {place:.4g}')
 
@@ -96,7 +96,7 @@ class SurfaceShifted(Check):
 
     def judge(self, seen: Evidence) -> str:
         """Return the shift found by the wall tracker."""
-        shift, location = seen.pipeline.location_shift, seen.pipeline.location
+        shift, location = seen.pipeline.location_shift, seen.location
         environment = seen.parameters.of_axis(seen.axis).environment
         if abs(shift) <= _NOTABLE * environment.location_std or environment.location != location:
             return ''  # nowhere, or from a surface that the first touch has shown
@@ -119,3 +119,32 @@ class SurfaceUnchecked(Check):
         if seen.pipeline.contact and seen.pipeline.location_unchecked:
             return self.message
         return ''
+
+
+class ModelMismatch(Check):
+    """The model of the estimator fits the last 2 s of contact."""
+
+    name = 'model_fit'
+    message = 'residual 3.2 x noise, changes sign with velocity: friction? run diagnose'
+    cause = ('The contact has physics that the model lacks; the text says what the residual '
+             'depends on.')
+    remedy = 'Run `diagnose` on a recording; compensate what it names by `physics.*`.'
+    of_state = True
+
+    def judge(self, seen: Evidence) -> str:
+        """Return the judgement of the monitor."""
+        return str(seen.pipeline.model_fit.now.text)
+
+
+class EstimatorHindrance(Check):
+    """Nothing hinders the estimator that was chosen."""
+
+    name = 'estimator'
+    message = 'the gains of mrac are too small for this wall, or similar words of the estimator'
+    cause = 'The estimator has a limit that this contact exceeds; the text says which.'
+    remedy = 'Change the tuning as the text says, or choose another estimator.'
+    of_state = True
+
+    def judge(self, seen: Evidence) -> str:
+        """Return what the estimator says."""
+        return str(seen.pipeline.hindrance)

@@ -1,0 +1,195 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Checks of the streams themselves: sources, stamps, rates, a zero that steps; of the graph."""
+
+from __future__ import annotations
+
+from typing import Mapping, Sequence
+
+import numpy as np
+
+from .check import Check, Evidence
+from ...signals.stream_faults import CLEAR, Courses, courses_of, zero_steps, ZeroStep
+
+_COARSEST_M = 1e-4  # resolution of a robot's encoder: noise toggles between two neighbours
+_KEPT = 400  # samples of free flight before the present window
+_FEWEST_PER_CUTOFF = 2.0  # sampling theorem
+_SLOWER = 0.9  # than the wrench
+_RATE_OFF = 0.1
+
+
+class TwoForces(Check):
+    """All wrenches come from one sensor."""
+
+    name = 'two_forces'
+    message = Courses(-46.0, 0.0).text('force', 'wrench', 'N')
+    cause = ('Two publishers on the topic, a recording that is played beside the live sensor, or '
+             'a driver that publishes zeros between its measurements.')
+    remedy = 'Stop or remap the other publisher, or repair the driver.'
+    invalidates = True
+
+    def judge(self, seen: Evidence) -> str | None:
+        """Look for two courses of the force."""
+        found = courses_of(seen.force, CLEAR * seen.configured_noise)
+        return found.text('force', 'wrench', 'N') if found else ''
+
+
+class TwoPositions(Check):
+    """All positions of the joint come from one driver."""
+
+    name = 'two_positions'
+    message = Courses(0.0051, 0.0).text('position', 'joint_states', 'm')
+    cause = 'Two publishers of the joint, or a driver that publishes zeros in between.'
+    remedy = TwoForces.remedy
+    invalidates = True
+
+    def judge(self, seen: Evidence) -> str | None:
+        """Look for two courses of the position."""
+        least = max(CLEAR * seen.parameters.contact.position_noise, _COARSEST_M)
+        found = courses_of(seen.x, least)
+        return found.text('position', 'joint_states', 'm') if found else ''
+
+
+class StampBursts(Check):
+    """Stamps of the wrench come one by one."""
+
+    name = 'stamp_bursts'
+    message = ('stamps of the wrench come in bursts of about 5, one every 0.01 s, expected even '
+               'steps: they tell when a buffer was read; stamp each wrench when it is measured')
+    cause = ('The driver stamps on arrival, and a latency timer (USB: 16 ms) or a network hands '
+             'over several measurements at once; damping is then wrong.')
+    remedy = ('Let the driver stamp by the clock or the counter of the sensor; shorten the '
+              'latency timer.')
+    invalidates = True
+
+    def judge(self, seen: Evidence) -> str | None:
+        """Look at the stamps of all wrenches."""
+        return seen.bursts.text if seen.bursts else ''
+
+
+class ZeroSteps(Check):
+    """The zero of the force sensor stays."""
+
+    name = 'zero_step'
+    message = ('the zero of the force sensor stepped by -2 N between 4.8 and 4.94 s; call ~/tare '
+               'in free flight, and let nothing zero the sensor while the node runs')
+    cause = 'The driver zeroes the sensor, or the sensor was overloaded or has slipped.'
+    remedy = ('Call `~/tare` out of contact; zero the sensor before the node starts, and not '
+              'afterwards.')
+
+    def judge(self, seen: Evidence) -> str | None:
+        """Compare the levels of free flight; a step is told until a tare."""
+        steps = self._noted(seen)
+        bias, told = seen.memory.get('zero_steps', (seen.bias, []))
+        if bias != seen.bias:
+            bias, told = seen.bias, []
+            steps = []
+        known = [(one.begin, one.end) for one in told]
+        told = told + [one for one in steps
+                       if all(one.begin > end or one.end < begin for begin, end in known)]
+        seen.memory['zero_steps'] = bias, told
+        if not told:
+            return ''
+        times = ' and '.join(
+            f'by {one.size:+.2g} N {_when(one, seen.period)}' for one in told[-3:])
+        return (f'the zero of the force sensor stepped {times}; call ~/tare in free flight, and '
+                'let nothing zero the sensor while the node runs')
+
+    @staticmethod
+    def _noted(seen: Evidence) -> list[ZeroStep]:
+        """Add the samples of free flight to those before, and return the steps in them."""
+        free = seen.free | (seen.x < seen.location - seen.location_margin)
+        t, force = seen.start_s + seen.t[free], seen.force[free]
+        bias, before_t, before = seen.memory.get('free_flight', (seen.bias, t[:0], force[:0]))
+        old = before_t < (t[0] if len(t) else np.inf)
+        if bias == seen.bias:
+            t, force = np.append(before_t[old], t), np.append(before[old], force)
+        until = int(np.searchsorted(t, seen.start_s + 0.25 * (seen.end_s - seen.start_s)))
+        first = max(until - _KEPT, 0)
+        seen.memory['free_flight'] = seen.bias, t[first:], force[first:]
+        return zero_steps(t, force, seen.configured_noise, not seen.may_be_weight)
+
+
+def _when(step: ZeroStep, period: float) -> str:
+    if step.end - step.begin < 2.5 * period:
+        return f'at {step.end:.3f} s'
+    return f'between {step.begin:.2f} and {step.end:.2f} s'
+
+
+class JointRate(Check):
+    """Joint states come fast enough for the filter."""
+
+    name = 'joint_rate'
+    message = ('joint states come at 60 Hz, but the filter passes 50 Hz; publish them at 100 Hz '
+               'or more, or lower conditioning.cutoff_frequency to 15')
+    cause = ('Between joint states the position is interpolated by a straight line, which the '
+             'filter passes on as a wrong motion.')
+    remedy = 'Publish joint states faster, or lower `conditioning.cutoff_frequency`.'
+
+    def judge(self, seen: Evidence) -> str | None:
+        """Compare the rate with the cut-off frequency."""
+        rate, cutoff = seen.joint_rate, seen.parameters.conditioning.cutoff_frequency
+        if rate != rate:
+            return None
+        needed = _FEWEST_PER_CUTOFF * cutoff
+        if cutoff == 0.0 or rate >= needed or rate * seen.pipeline.sample_period_s >= _SLOWER:
+            return ''
+        return (f'joint states come at {rate:.3g} Hz, but the filter passes {cutoff:g} Hz; '
+                f'publish them at {needed:.3g} Hz or more, or lower '
+                f'conditioning.cutoff_frequency to {0.25 * rate:.2g}')
+
+
+class SampleRate(Check):
+    """Samples come at `sample_rate`."""
+
+    name = 'sample_rate'
+    message = 'samples come at 1000 Hz, but sample_rate is 500; correct it'
+    cause = '`sample_rate` is not the rate of the wrench, or samples are lost.'
+    remedy = ('Set `sample_rate`: filters and relations are built for it. Where the sensor does '
+              'send at this rate, find what drops samples: a machine or network that is too slow.')
+    of_state = True
+
+    def judge(self, seen: Evidence) -> str:
+        """Compare the spacing of the stamps with the nominal one."""
+        rate, period = seen.parameters.sample_rate, seen.pipeline.sample_period_s
+        if period <= 0.0 or abs(period * rate - 1.0) < _RATE_OFF:
+            return ''
+        dropped = ', or find why samples are dropped' if period * rate > 1.0 else ''
+        return (f'samples come at {1.0 / period:.4g} Hz, but sample_rate is {rate:g}; correct '
+                f'it{dropped}')
+
+
+def graph_warnings(
+    publishers: Mapping[str, Sequence[str]], node: str, nodes: Sequence[str]
+) -> dict[str, str]:
+    """
+    Return what the graph of ROS shows, texts by name, the most important first.
+
+    Of publishers, the nodes of each topic that needs exactly one; of nodes, all full names, one as
+    often as there are nodes of it.
+
+    """
+    found = {}
+    for topic, names in publishers.items():
+        if len(names) > 1:
+            found[f'several_publishers_{topic.rsplit("/", 1)[-1]}'] = (
+                f'{len(names)} publishers on the topic {topic} ({", ".join(sorted(names))}): '
+                'their samples mix; stop or remap all but one')
+    same = sum(name == node for name in nodes)
+    if same > 1:
+        found['node_name'] = (
+            f'{same} nodes are called {node}: their outputs mix, and services and parameters '
+            'reach any of them; start the others as -r __node:=NAME, or stop them')
+    return found
