@@ -40,6 +40,7 @@ _FREE, _ESTIMATING, _FROZEN = (  # an enumeration takes long to look up
     EstimateStatus.FREE, EstimateStatus.ESTIMATING, EstimateStatus.FROZEN)
 _MARGIN = 3.0  # standard deviations of the surface, beyond which it is elsewhere
 _LEAST_MARGIN = 1e-3  # [m]
+_SEEN = 4.0  # standard deviations of a force that CUSUM finds in four samples
 _UNCHECKED = 0.05  # share of K_e that an uncertain surface leaves open
 
 LOCATING = 'locating the surface'
@@ -246,6 +247,16 @@ class EstimationPipeline:
     def noise_std(self) -> float:
         """Return the standard deviation of the force noise [N]."""
         return sqrt(self.posterior.contact.variance)
+
+    @property
+    def contact_threshold(self) -> float:
+        """Pressing force at which a contact is seen within a few samples [N]."""
+        return max(_SEEN * self.noise_std, self.parameters.contact.minimum_force)
+
+    @property
+    def surface_std(self) -> float:
+        """Standard deviation of the surface [m]."""
+        return self.posterior.known.surface_std
 
     @property
     def free_flight_level(self) -> float:

@@ -154,7 +154,7 @@ class Evidence:
     @property
     def touch_text(self) -> str:
         """Return what touch-downs have shown of the surface; '' where all is well."""
-        return str(self.pipeline.touch_down.text)
+        return str(self.pipeline.surface_text)
 
     @property
     def bias(self) -> float:

@@ -232,33 +232,6 @@ class ForceBias(Check):
         return f'the sensor reads {level:.3g} N in free flight; {remedy}'
 
 
-class WeakContact(Check):
-    """The tool does not press without a contact being detected."""
-
-    name = 'weak_contact'
-    message = ('the tool presses with 1.6 N, 16 mm inside the wall, where contact begins above '
-               '2.4 N; press harder, or lower contact.force_noise or contact.on_ratio')
-    cause = ('A soft wall, or a slight touch: the force is below the threshold of contact. Or the '
-             'tool is free, and the sensor has an offset or the wall is elsewhere.')
-    remedy = ('Press harder; or set `contact.force_noise` to the noise of the sensor, or lower '
-              '`contact.on_ratio`. Do not tare there.')
-
-    def judge(self, seen: Evidence) -> str | None:
-        """Look for a steady force inside the wall that is no contact, and not the sensor's."""
-        inside = ~seen.contact & (seen.x > seen.location)
-        if inside.sum() < _LEAST_FREE:
-            return '' if seen.contact.any() else None
-        level, noise = _level(seen.force[inside], seen)
-        if seen.free.sum() >= _LEAST_FREE:
-            level -= _level(seen.force[seen.free], seen)[0]
-        if level >= -TARE_DUE * noise:
-            return ''
-        depth = float(np.median(seen.x[inside])) - seen.location
-        return (f'the tool presses with {-level:.2g} N, {1e3 * depth:.2g} mm inside the wall, '
-                f'where contact begins above {seen.pipeline.contact_threshold:.2g} N; press '
-                'harder, or lower contact.force_noise or contact.on_ratio')
-
-
 def _level_outside(seen: Evidence) -> float:
     """Return the steady force before the wall, such as a weight left by a wrong sign, or 0 [N]."""
     force = seen.force[seen.x < seen.location - seen.location_margin]

@@ -22,11 +22,10 @@ from typing import Any, Mapping, NamedTuple, Sequence
 import numpy as np
 
 from .check import Check, Evidence, Warned
-from .contact_checks import EstimatorHindrance, ModelMismatch
-from .contact_checks import Surface, SurfaceLine, SurfaceShifted, SurfaceUnchecked
+from .contact_checks import ModelMismatch, Surface, SurfaceShifted, SurfaceUnchecked
 from .evidence_window import EvidenceWindow
 from .force_checks import ForceBias, ForceDirection, ForceNoise, ForceSign, ForceStill
-from .force_checks import OtherAxis, OutsideForce, WeakContact
+from .force_checks import OtherAxis, OutsideForce
 from .joint_checks import JointStill, JointUnits, JointVelocity, PositionUnit
 from .lag_checks import StampSkew, StampSkewOrMass
 from .stream_checks import JointRate, SampleRate, StampBursts, TwoForces, TwoPositions, ZeroSteps
@@ -35,9 +34,9 @@ from ..parameters import EstimationParameters
 CHECKS: tuple[Check, ...] = (
     TwoForces(), TwoPositions(), StampBursts(), ForceStill(), JointStill(), JointUnits(),
     PositionUnit(), JointVelocity(), ForceSign(), OtherAxis(), OutsideForce(), ForceDirection(),
-    Surface(), SurfaceLine(), StampSkew(), StampSkewOrMass(), JointRate(), ZeroSteps(),
-    ForceBias(), ForceNoise(), WeakContact(), SampleRate(), ModelMismatch(),
-    EstimatorHindrance(), SurfaceShifted(), SurfaceUnchecked(),
+    Surface(), StampSkew(), StampSkewOrMass(), JointRate(), ZeroSteps(),
+    ForceBias(), ForceNoise(), SampleRate(), ModelMismatch(), SurfaceShifted(),
+    SurfaceUnchecked(),
 )
 """Every check of an axis, in the order of importance; the first active one is the headline."""
 
