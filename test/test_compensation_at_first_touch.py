@@ -21,7 +21,6 @@ from math import isfinite, isnan, nan, sin
 
 from contact_estimation.estimation.parameters import EstimationParameters
 from contact_estimation.estimation.pipeline import EstimationPipeline
-from contact_estimation.estimation.supervised_estimator import SupervisedEstimator
 from contact_estimation.estimators.estimate import EstimateStatus
 from contact_estimation.parameters.values import build
 from contact_estimation.physics import EFFECTS
@@ -32,7 +31,6 @@ from contact_estimation.plant.plant_parameters import PlantParameters
 from contact_estimation.reference.quintic import quintic
 from contact_estimation.signals.compensated_sample import CompensatedSample
 from contact_estimation.signals.contact_sample import ContactSample
-from contact_estimation.signals.relations import NO_GAIN
 from effect_examples import example, switched_on
 import numpy as np
 import pytest
@@ -192,11 +190,3 @@ def test_a_sample_without_a_finite_force_is_left_out_and_forgotten() -> None:
     assert all(not now.hindrance for k, now in enumerate(known) if k != 20)
     for now in known:
         assert np.isfinite([now.rest, now.travel, now.stiffness_column]).all()
-
-
-def test_a_row_that_is_not_finite_has_a_reason_of_its_own_and_changes_nothing() -> None:
-    supervised = SupervisedEstimator(EstimationParameters())
-    before = supervised.estimator.current()
-    _, status, reason = supervised.take(0.002, True, 0.1, (10.0, nan, 0.0, 1.0, 0.0), NO_GAIN)
-    assert status is EstimateStatus.FROZEN and 'not finite' in reason
-    assert repr(supervised.estimator.current()) == repr(before)

@@ -16,10 +16,11 @@
 
 from __future__ import annotations
 
-from math import isfinite, nan, sqrt
+from math import nan, sqrt
 from typing import Iterable, Mapping
 
 from .checks.check import millimetres
+from .first_touch import FirstTouch
 from .model_fit import ModelFitMonitor
 from .parameters import EstimationParameters
 from .robot_compliance import of_the_wall, with_joints
@@ -40,6 +41,7 @@ _FREE, _ESTIMATING, _FROZEN = (  # an enumeration takes long to look up
     EstimateStatus.FREE, EstimateStatus.ESTIMATING, EstimateStatus.FROZEN)
 _MARGIN = 3.0  # standard deviations of the surface, beyond which it is elsewhere
 _LEAST_MARGIN = 1e-3  # [m]
+_LEAST_NOISE = 0.01  # of the configured noise: simulated sensors have none
 _SEEN = 4.0  # standard deviations of a force that CUSUM finds in four samples
 _UNCHECKED = 0.05  # share of K_e that an uncertain surface leaves open
 
@@ -87,7 +89,8 @@ class EstimationPipeline:
         self.posterior = WallPosterior(
             environment.location, environment.location_std,
             told_lag(p.physics.force_lag.tau, p.synchronisation.timing_std),
-            p.contact.position_noise, p.contact.minimum_force)
+            p.contact.position_noise, p.contact.minimum_force,
+            _LEAST_NOISE * p.contact.force_noise)
         self._of_rows: RowEstimation | None = None
         if p.estimator != MULTIPLE_MODEL:
             self._of_rows = RowEstimation(p, self.posterior)
@@ -102,6 +105,7 @@ class EstimationPipeline:
             effects_that_are_on(p.physics), p.environment.initial_stiffness,
             p.contact.force_noise, p.sample_rate)
         self._conditioner.compensation = compensation if compensation.acts else None
+        self._first_touch = FirstTouch(compensation.forces)
 
     # -- parameters -------------------------------------------------------------------------
 
@@ -340,8 +344,8 @@ class EstimationPipeline:
             self._conditioner.note_contact()
         elif not x > location - self.location_margin:
             self._conditioner.note_free(pressing)
-        if location != location and posterior.known.valid:
-            self.location = self._compensation.nominal(posterior.known.surface)
+        if location != location:
+            self._locate(state, dt, x, v, pressing)
         if self._of_rows is not None:
             own, status, reason = self._by_rows(
                 dt, sample, shift, pressing, known, state, reference)
@@ -362,6 +366,14 @@ class EstimationPipeline:
         return new_tuple(Estimate, (
             stamp_ns, K, B, K_std, B_std, surface, inertia, status, reason,
             self.model_fit.now.ratio))
+
+    def _locate(self, state: int, dt: float, x: float, v: float, pressing: float) -> None:
+        """Take the surface that the first touch shows."""
+        found = self._first_touch.take(
+            state == CONTACT, x, v, pressing - self.free_flight_level, dt, self.noise_std)
+        if found is not None:
+            self.location = self._compensation.nominal(found[0])
+            self.posterior.expect(self.location, found[1])
 
     def _take_known(self, t: float, x: float, shift: float, known: CompensatedSample) -> int:
         """Let the posterior see what known physics leave, on a path on which K_e acts."""
@@ -399,16 +411,13 @@ class EstimationPipeline:
         estimator = rows.estimator
         if estimator.follows_reference and reference[0] == reference[0]:
             estimator.observe(dt, x, v if v == v else 0.0, force - self.bias, reference)
-        surface = now.surface if isfinite(now.surface) else self.location
         if state != CONTACT:
             self._held, status, reason = rows.leave()
             return self._held, status, reason if state == FREE else _NEITHER
-        if surface != surface or known is not None and known.hindrance:
+        if self.location != self.location or known is not None and known.hindrance:
             rows.restart()
             return self._held, _FROZEN, LOCATING
-        if known is not None:
-            known = known._replace(
-                stiffness_column=known.stiffness_column + self.location - surface)
+        found = now.surface - self.location if now.valid else 0.0
         self._held, status, reason = rows.take(
-            dt, x - shift - surface, v, pressing - self.free_flight_level, known)
+            dt, x - shift - self.location, v, pressing - self.free_flight_level, known, found)
         return self._held, status, reason

@@ -69,6 +69,7 @@ class RowEstimation:
             self.estimator.relation, conditioning.cutoff_frequency, p.sample_rate)
         self._changes = posterior.changes
         self._updated = self._touched = False
+        self._shift = 0.0
 
     def configure(self, parameters: EstimationParameters) -> None:
         """Set new tuning while running; the estimate stays."""
@@ -95,7 +96,7 @@ class RowEstimation:
 
     def take(
         self, dt: float, depth: float, v: float, pressing: float,
-        known: CompensatedSample | None,
+        known: CompensatedSample | None, found: float,
     ) -> tuple[ParameterEstimate, EstimateStatus, str]:
         """
         Update with a sample in contact.
@@ -105,9 +106,11 @@ class RowEstimation:
         dt : float
             Time since the last sample [s].
         depth, v, pressing : float
-            x less the surface [m], its measured rate (NaN without) [m/s], pressing force [N].
+            x less the nominal surface [m], its measured rate (NaN without) [m/s], force [N].
         known : CompensatedSample or None
-            What known physics leave, relative to the nominal surface; None without any.
+            What known physics leave; None without any.
+        found : float
+            Where the posterior finds the surface, less the nominal one [m].
 
         Returns
         -------
@@ -129,6 +132,10 @@ class RowEstimation:
         if row is None:
             return self._published(), _FROZEN, 'waiting for consecutive samples'
         self._follow_changes()
+        if abs(found - self._shift) > 2.0 * posterior.known.surface_std:
+            self._shift = found
+        y, f_K, f_B, f_c, f_M = row
+        row = y, f_K - self._shift * f_c, f_B, f_c, f_M  # the linear filter passes it unchanged
         frozen = self._frozen()
         if frozen.stiffness and frozen.damping:
             return self._published(), _FROZEN, _REASONS[frozen]

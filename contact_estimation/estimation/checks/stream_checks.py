@@ -143,6 +143,8 @@ class JointRate(Check):
         rate, cutoff = seen.joint_rate, seen.parameters.conditioning.cutoff_frequency
         if rate != rate:
             return None
+        if seen.pipeline.estimator is None:
+            return ''  # its kernel follows the rate
         needed = _FEWEST_PER_CUTOFF * cutoff
         if cutoff == 0.0 or rate >= needed or rate * seen.pipeline.sample_period_s >= _SLOWER:
             return ''
@@ -164,7 +166,8 @@ class SampleRate(Check):
     def judge(self, seen: Evidence) -> str:
         """Compare the spacing of the stamps with the nominal one."""
         rate, period = seen.parameters.sample_rate, seen.pipeline.sample_period_s
-        if period <= 0.0 or abs(period * rate - 1.0) < _RATE_OFF:
+        if (period <= 0.0 or abs(period * rate - 1.0) < _RATE_OFF
+                or seen.pipeline.estimator is None):  # it measures the rate
             return ''
         dropped = ', or find why samples are dropped' if period * rate > 1.0 else ''
         return (f'samples come at {1.0 / period:.4g} Hz, but sample_rate is {rate:g}; correct '

@@ -28,7 +28,6 @@ from .constants import (
 FREE, CONTACT, NEITHER = 0, 1, 2
 _MEDIAN_SQUARE = 0.455  # median of the square of a normal variable
 _SECOND = 6.0  # variance of a second difference of white noise
-_LEAST = 1e-12  # variance of a force without noise [N^2]
 _SAME = 3  # equal forces in a row, from which a sensor says nothing of its noise
 
 
@@ -69,6 +68,13 @@ class ContactFilter:
     neither: it teaches nothing, and becomes the level if it stays the same over the travel, or a
     wall if it grows with the depth.
 
+    Parameters
+    ----------
+    minimum_force : float
+        Contact begins above this force [N].
+    least_noise : float
+        Least standard deviation of the force [N]: simulated sensors have none.
+
     Attributes
     ----------
     state : int
@@ -80,10 +86,10 @@ class ContactFilter:
 
     """
 
-    def __init__(self, minimum_force: float = 0.0) -> None:
-        self.minimum_force = minimum_force
+    def __init__(self, minimum_force: float = 0.0, least_noise: float = 1e-3) -> None:
+        self.minimum_force, self._least = minimum_force, least_noise * least_noise
         self.state = FREE
-        self.variance, self.level, self.level_variance = _LEAST, 0.0, 0.0
+        self.variance, self.level, self.level_variance = self._least, 0.0, 0.0
         self._up = self._down = self._last = self._before = 0.0
         self._equal = 0
         self._segment = Segment()
@@ -92,7 +98,7 @@ class ContactFilter:
         """Learn noise, and the level where the tool is free, from the first samples [N]."""
         bends = np.diff(force, 2)
         variance = float(np.median(bends * bends)) / (_SECOND * _MEDIAN_SQUARE)
-        self.variance = max(variance, _LEAST)
+        self.variance = max(variance, self._least)
         self._before, self._last = float(force[-2]), float(force[-1])
         if free:
             self.set_level(float(np.median(force)), 1.6 * self.variance / len(force))
@@ -154,7 +160,7 @@ class ContactFilter:
             square, most = bend * bend / _SECOND, CLIPPED_SQUARE * variance
             square = square if square < most else most
             variance += (square - variance) / NOISE_SAMPLES
-            self.variance = variance if variance > _LEAST else _LEAST
+            self.variance = variance if variance > self._least else self._least
 
     def _in_free_flight(
         self, dt: float, pressing: float, z: float, place: float, deviation: float

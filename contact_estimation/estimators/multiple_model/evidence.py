@@ -139,14 +139,19 @@ def judge(grams: Array, scene: Scene, what: Hypotheses) -> Judged:
     pulled = (L @ mean[:, :, None])[:, :, 0]
     A = gram[:, :UNKNOWNS, :UNKNOWNS] + L
     eta = gram[:, :UNKNOWNS, UNKNOWNS] + pulled
-    unit = A[:, _DIAGONAL, _DIAGONAL] ** -0.5  # coefficients differ by ten powers of ten
+    unit = np.maximum(A[:, _DIAGONAL, _DIAGONAL], 1e-30) ** -0.5  # coefficients differ by ten powers of ten
     scaled = A * (unit[:, :, None] * unit[:, None, :])
     P = np.linalg.inv(scaled) * (unit[:, :, None] * unit[:, None, :])
     theta = (P @ eta[:, :, None])[:, :, 0]
     gained = (eta * theta).sum(1) - gram[:, UNKNOWNS, UNKNOWNS] - (mean * pulled).sum(1)
-    volume = np.linalg.slogdet(scaled)[1] - 2.0 * np.log(unit).sum(1)
+    sign, volume = np.linalg.slogdet(scaled)
+    volume = volume - 2.0 * np.log(unit).sum(1)
     evidence = 0.5 * (gained - volume) - np.log(std).sum(1)
-    return Judged(np.where(np.isfinite(evidence), evidence, -1e9), theta, P)
+    sound = (sign > 0.0) & np.isfinite(evidence)  # rounding may leave no positive matrix
+    if not sound.all():
+        evidence, theta = np.where(sound, evidence, -1e9), np.where(sound[:, None], theta, 0.0)
+        P = np.where(sound[:, None, None], P, 0.0)
+    return Judged(evidence, theta, P)
 
 
 def surfaces(judged: Judged) -> tuple[Array, Array]:

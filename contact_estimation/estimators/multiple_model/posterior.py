@@ -103,8 +103,8 @@ class WallPosterior:
         Prior of the lag of the force sensor [s].
     position_noise : float
         Least standard deviation of the position [m].
-    minimum_force : float
-        Contact begins above this force [N].
+    minimum_force, least_noise : float
+        Contact begins above this force; least standard deviation of the force [N].
 
     Attributes
     ----------
@@ -126,11 +126,11 @@ class WallPosterior:
     def __init__(
         self, location: float = nan, location_std: float = 2e-3,
         lag: tuple[float, float] = (1.2e-3, 1e-3), position_noise: float = 0.0,
-        minimum_force: float = 0.0,
+        minimum_force: float = 0.0, least_noise: float = 1e-3,
     ) -> None:
         self._told = location, max(location_std, AS_TOLD_M)
         self._least = position_noise * position_noise
-        self.contact, self.lag = ContactFilter(minimum_force), LagPosterior(*lag)
+        self.contact, self.lag = ContactFilter(minimum_force, least_noise), LagPosterior(*lag)
         self.period_s, self.outliers = 0.0, 0
         self._first: list[tuple[float, ...]] = []
         self._noise = nan, nan  # variances of position and rate
@@ -157,6 +157,13 @@ class WallPosterior:
         self._judged: tuple[Array, Judged, Hypotheses] | None = None
         self._touched = nan
         self._excited_at, self._excitation = -1, (inf, inf)
+
+    def expect(self, surface: float, std: float) -> None:
+        """Use a surface that the first touch has shown [m]."""
+        std = max(std, AS_TOLD_M)
+        self._surfaces = [(surface, std, NEAR), (surface, ANYWHERE_M, ELSEWHERE)]
+        if not self._blocks:
+            self._x0 = surface
 
     def keep(self, contact: ContactFilter) -> None:
         """Use the noise and the level of another posterior on the same samples."""
