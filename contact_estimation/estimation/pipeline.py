@@ -42,6 +42,7 @@ _FREE, _ESTIMATING, _FROZEN = (  # an enumeration takes long to look up
 _MARGIN = 3.0  # standard deviations of the surface, beyond which it is elsewhere
 _LEAST_MARGIN = 1e-3  # [m]
 _LEAST_NOISE = 0.01  # of the configured noise: simulated sensors have none
+_PRESSES = 2.0  # standard deviations of the force below which no row is used
 _SEEN = 4.0  # standard deviations of a force that CUSUM finds in four samples
 _UNCHECKED = 0.05  # share of K_e that an uncertain surface leaves open
 
@@ -186,7 +187,8 @@ class EstimationPipeline:
 
     def tare_refusal(self) -> str:
         """Return why no tare is possible now, '' where it is."""
-        return self._conditioner.tare_refusal(self.contact, self.location - self.location_margin)
+        return self._conditioner.tare_refusal(
+            self.contact, self.location, self.location_margin)
 
     def set_bias(self, bias: float) -> None:
         """Set the force that is subtracted from the measured F_e [N]."""
@@ -411,7 +413,9 @@ class EstimationPipeline:
         estimator = rows.estimator
         if estimator.follows_reference and reference[0] == reference[0]:
             estimator.observe(dt, x, v if v == v else 0.0, force - self.bias, reference)
-        if state != CONTACT:
+        pressing -= self.free_flight_level
+        # A contact ends a few samples before that is certain: without a force they tell nothing.
+        if state != CONTACT or pressing < _PRESSES * self.noise_std:
             self._held, status, reason = rows.leave()
             return self._held, status, reason if state == FREE else _NEITHER
         if self.location != self.location or known is not None and known.hindrance:
@@ -419,5 +423,5 @@ class EstimationPipeline:
             return self._held, _FROZEN, LOCATING
         found = now.surface - self.location if now.valid else 0.0
         self._held, status, reason = rows.take(
-            dt, x - shift - self.location, v, pressing - self.free_flight_level, known, found)
+            dt, x - shift - self.location, v, pressing, known, found)
         return self._held, status, reason

@@ -36,6 +36,7 @@ _REASONS = {
     Frozen(True, True): 'weak excitation',
 }
 _UNKNOWN_DAMPING_S = 1e-2  # prior of B_e / K_e at a restart [s]
+_DIFFERENT = 3.0  # standard deviations from which an estimate is that of another wall
 
 
 class RowEstimation:
@@ -152,7 +153,8 @@ class RowEstimation:
         """Let what was learned in the last contact be a prior: the wall may be another."""
         self._touched = True
         estimator, tracking = self.estimator, self._p.tracking
-        if tracking.restarts and estimator.may_restart and self._updated:
+        linear = estimator.linearisation() is None  # an exponent couples depths, if it is free
+        if tracking.restarts and estimator.may_restart and self._updated and linear:
             K, B, share = estimator.stiffness, estimator.damping, tracking.carried_std
             estimator.restart(K, B, share * K, share * max(B, _UNKNOWN_DAMPING_S * K))
 
@@ -162,7 +164,9 @@ class RowEstimation:
         if posterior.changes != self._changes:
             self._changes = posterior.changes
             now, estimator = posterior.known, self.estimator
-            if self._p.tracking.restarts and estimator.may_restart and now.valid:
+            off = abs(estimator.stiffness - now.stiffness)
+            if (self._p.tracking.restarts and estimator.may_restart and now.valid
+                    and off > _DIFFERENT * now.stiffness_std):
                 K, B = estimator.within_limits(now.stiffness, now.damping)
                 estimator.restart(K, B, now.stiffness_std, now.damping_std)
 

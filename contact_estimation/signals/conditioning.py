@@ -135,7 +135,7 @@ class Conditioner:
         self.set_bias(self.bias - sum(self._free) / len(self._free))
         return f'force bias is now {self.bias:.6g} N'
 
-    def tare_refusal(self, contact: bool, outermost: float) -> str:
+    def tare_refusal(self, contact: bool, location: float, margin: float) -> str:
         """
         Return why no tare is possible now, '' where it is.
 
@@ -143,14 +143,14 @@ class Conditioner:
         ----------
         contact : bool
             Whether there is one.
-        outermost : float
-            Position beyond which a force may be that of the wall [m]; NaN where it is not known.
+        location, margin : float
+            x_e, NaN where it is not known, and how far from it the surface may be [m].
 
         """
         if contact:
             return 'in contact; move away from the wall and try again'
-        inside_m = self._position - outermost
-        if inside_m > 0.0:
+        inside_m = self._position - location
+        if inside_m > -margin:
             return (f'x is {1e3 * inside_m:.3g} mm inside environment.location, where a force may '
                     'be that of the wall; move away from it, or correct the location')
         if len(self._free) < (self._free.maxlen or 0):

@@ -34,8 +34,8 @@ RELEASE = 8.0
 CLIP = 8.0
 """Largest |z| that counts: a single outlier stays below TOUCH."""
 
-NOISE_SAMPLES = 150.0
-"""Samples over which the noise is averaged: 0.3 s at 500 Hz, standard error of 8 %."""
+NOISE_SAMPLES = 300.0
+"""Samples over which the noise is averaged: 0.6 s at 500 Hz, standard error of 6 %."""
 
 CLIPPED_SQUARE = 9.0
 """Largest second difference that counts, in variances: 0.3 % of Gaussian ones are larger."""
