@@ -208,8 +208,8 @@ class ContactFilter:
         if count % 10:
             return
         noise = count * self.variance
-        if (z > SLOPE_STD and xf > 0.0 and xf * xf > 0.5 * xx * ff
-                and ff > CLIP * CLIP * self.variance):
+        explained = xf * xf / xx if xf > 0.0 < xx else 0.0
+        if z > SLOPE_STD and explained > max(0.5 * ff, CLIP * CLIP * self.variance):
             self.state = CONTACT  # it grows with the depth: a wall that is nearer
         elif segment.seconds > SEGMENT_S:
             if self._is_level() or ff < SLOPE_STD * noise and place < -1.0:

@@ -17,7 +17,7 @@
 from __future__ import annotations
 
 from math import exp, inf, isfinite, log, nan, sqrt
-from typing import NamedTuple, Sequence
+from typing import Iterator, NamedTuple, Sequence
 
 import numpy as np
 
@@ -41,12 +41,20 @@ _STEEP, _STEEP_POSITION = 0.15, 0.5  # of a step of that median, by which a touc
 _PRESSES = 3.0  # standard deviations of the force, from which rows are used
 _GREATEST = 1e5  # [N]; a larger force is no measurement
 _LAWS = len(NAMES)
-_EARLY = 5  # blocks of a contact in which all laws are judged, later
-_EVERY = 4  # blocks
+_LONG = 2  # short blocks in a long one
+_EARLY = 20  # short blocks of a contact, each judged; later every fifth long one is
+_EVERY = 5
+_ALERT = 5  # blocks judged after a surprise
+_SURPRISE = 4.0  # mean square of a block, over the noise's: chi^2 of 5 to 10 rows, below 1e-3
+_CLIPPED = 4.0  # times the mean so far: a change is no misfit
+_OUTSIDE, _OUTSIDE_M = 4.0, 5e-4  # of a surface [deviations, m]: no force is that of the wall
 _START = 3  # blocks in which the scale of the priors is not known
-_SETTLED = 10  # blocks, from which lags are learned
-_DEPTHS = 50  # blocks over which the mean depth is taken: 1 s
-_RESIDUALS = 100  # blocks over which residuals are averaged: the 2 s of `model_fit`
+_SETTLED = 10  # blocks, from which the lag is learned
+_DEPTH_S = 1.0  # over which the mean depth is taken
+_RESIDUAL_S = 2.0  # over which residuals are averaged
+_RECENT = 25  # blocks of the last half second to second
+_PARTS = 8  # at most, of the work on a block
+_DONE = object()
 _FAR = 40.0  # log odds against a moving wall, from which it starts anew
 _SURE = 0.3  # relative standard deviation above which there is no estimate
 
@@ -148,13 +156,14 @@ class WallPosterior:
         self._gram, self._moving = np.zeros((2, COLUMNS, COLUMNS))
         self._moving_norm = self._moving_odds = 0.0
         self._odds = LOG_PRIOR.copy()
-        self.changes = self._blocks = self._of_contact = self._depths = 0
+        self.changes = self._blocks = self._of_contact = self._alert = 0
+        self._depth_s = 0.0
         self._x0 = location if location == location else 0.0
         self._depth, self._residual = 1e-3, nan
         self._scale, self._seconds = 1e3, 0.0  # K_e and B_e / K_e for the priors
         self._surfaces = [(location, AS_TOLD_M, AS_TOLD), (location, std, NEAR),
                           (location, ANYWHERE_M, ELSEWHERE)]
-        self._judged: tuple[Array, Judged, Hypotheses] | None = None
+        self._top: tuple[Ints, Array, Scene] | None = None
         self._touched = nan
         self._excited_at, self._excitation = -1, (inf, inf)
 
@@ -189,7 +198,7 @@ class WallPosterior:
         return self._excitation
 
     def _bounds(self) -> tuple[float, float]:
-        gram = self._runs.recent(_DEPTHS) if self._blocks else self._gram
+        gram = self._runs.recent(_RECENT) if self._blocks else self._gram
         K, B = self._scale, max(self._seconds, DAMPING_S) * self._scale
         (kk, kb), (_, bb) = gram[np.ix_([DEPTH, RATE], [DEPTH, RATE])].tolist()
         determinant = kk * bb - kb * kb
@@ -204,7 +213,7 @@ class WallPosterior:
         self._last_t = -inf
         self._raw: list[tuple[float, ...]] = []
         self._filled = 0
-        self._waiting: Array | None = None
+        self._work: Iterator[None] | None = None
 
     # -- samples ----------------------------------------------------------------------------
 
@@ -240,9 +249,8 @@ class WallPosterior:
         if not self.period_s:
             self._begin(t, felt_force, felt_x)
             return FREE
-        if self._waiting is not None:
-            phi, self._waiting = self._waiting, None
-            self._learn(phi)
+        if self._work is not None:
+            self._go_on()
         T, known = self.period_s, self.known
         before = self.contact.state
         if dt > _FILLED * T:
@@ -254,10 +262,21 @@ class WallPosterior:
         state = self.contact.take(dt, felt_force, felt_x, known.surface, known.surface_std)
         if state == CONTACT and before != CONTACT:
             self._touch(felt_x)
-        self._raw.append((force, x, v, float(state == CONTACT and usable)))
+            known = self.known
+        outermost = known.surface - _OUTSIDE * known.surface_std - _OUTSIDE_M
+        taught = state == CONTACT and usable and not felt_x < outermost
+        self._raw.append((force, x, v, float(taught)))
         if len(self._raw) >= self._block:
             self._close()
         return state
+
+    def _go_on(self, to_end: bool = False) -> None:
+        """Do the next part of the work on the last block, so that no sample takes long."""
+        assert self._work is not None
+        for _ in range(_PARTS if to_end else self._parts):
+            if next(self._work, _DONE) is _DONE:
+                self._work = None
+                return
 
     def _begin(self, t: float, force: float, x: float) -> None:
         """Collect the samples that tell period and noise."""
@@ -273,10 +292,10 @@ class WallPosterior:
     def _set_period(self, period_s: float) -> None:
         self.period_s = period_s
         self._smoothing = smooth = Smoothing(period_s)
-        self._windows = max(1, round(_BLOCK_S / period_s) // smooth.hop)
-        self._block = self._windows * smooth.hop
-        self._length = smooth.length(self._windows)
-        self._buffer = np.zeros((4, self._length + 4))
+        self._short = max(1, round(_BLOCK_S / period_s) // smooth.hop) * smooth.hop
+        self._block = self._long = _LONG * self._short
+        self._parts = -(-_PARTS // max(self._short - 1, 1))
+        self._buffer = np.zeros((4, smooth.length(self._long // smooth.hop) + 4))
         self._filled = 0
 
     def _bridge(self, steps: int, now: tuple[float, float, float]) -> None:
@@ -288,26 +307,29 @@ class WallPosterior:
 
     def _touch(self, x: float) -> None:
         """Begin a contact: the wall may be another."""
-        self._of_contact = 0
-        if self.known.surface != self.known.surface:
+        self._of_contact, self._block = 0, self._short
+        known = self.known
+        if known.surface != known.surface:
             self._x0 = x
             self._surfaces = [(x, ANYWHERE_M, 1.0)]
+        elif x < known.surface - _OUTSIDE * known.surface_std - _OUTSIDE_M:  # another wall
+            self.known = known._replace(surface=x, surface_std=ANYWHERE_M)
         self._touched = x
 
     def _close(self) -> None:
-        """Turn a block of samples into rows."""
+        """Begin the work on a block of samples."""
+        if self._work is not None:
+            self._go_on(to_end=True)
         new = np.array(self._raw).T
         self._raw.clear()
-        buffer, count = self._buffer, new.shape[1]
-        if count >= buffer.shape[1]:
-            new = new[:, -buffer.shape[1]:]
-            count = new.shape[1]
+        buffer, count = self._buffer, min(new.shape[1], self._long)
         buffer[:, :-count] = buffer[:, count:]
-        buffer[:, -count:] = new
+        buffer[:, -count:] = new[:, -count:]
         self._filled += count
         self._learn_noise(buffer[1:3, -(count + 4):])
-        if self._filled >= buffer.shape[1] and buffer[3].any():
-            self._waiting = self._rows()
+        windows = count // self._smoothing.hop
+        if self._filled >= self._smoothing.length(windows) + 4 and buffer[3].any():
+            self._work = self._parts_of(windows)
 
     def _learn_noise(self, recent: Array) -> None:
         """Learn the noise of position and rate from second differences, as that of the force."""
@@ -322,27 +344,32 @@ class WallPosterior:
             noise.append(max(known, 1e-20))
         self._noise = max(noise[0], self._least), noise[1]
 
-    def _rows(self) -> Array | None:
+    def _rows(self, windows: int) -> Array | None:
         """Return the rows of windows that are in contact throughout."""
         smooth, deviation = self._smoothing, sqrt(self.contact.variance)
-        force, x, course = self._without_outliers(deviation)
-        v, usable = self._buffer[2:, 2:-2]
+        recent = self._buffer[:, -(smooth.length(windows) + 4):]
+        force, x, course = self._without_outliers(recent[:2], deviation)
+        v, usable = recent[2:, 2:-2]
         inside = (usable > 0.0) & (course > _PRESSES * deviation)
-        whole = (~inside).astype(float) @ smooth.bands(self._windows)[2] < 0.5
+        whole = ~(~inside @ smooth.bands(windows)[2])
         if not whole.any() or self._is_frozen(force, x, deviation):
             return None
-        return smooth.rows(force, x, v, self._x0, self._noise)[:, whole]
+        phi = smooth.rows(force, x, v, self._x0, self._noise)
+        return phi if whole.all() else phi[:, whole]
 
-    def _without_outliers(self, deviation: float) -> tuple[Array, Array, Array]:
+    def _without_outliers(self, both: Array, deviation: float) -> tuple[Array, Array, Array]:
         """Return force and position with the median of five for outliers, and that of the force."""
-        both = self._buffer[:2]
-        window = np.lib.stride_tricks.sliding_window_view(both, 5, axis=1)
-        median = np.sort(window, axis=2)[:, :, 2]
+        level, middle = self.contact.level, both[:, 2:-2]
         bound = np.array([[_OUTLIER * deviation],
                           [_POSITION_OUTLIER * sqrt(self._noise[0]) + 1e-7]])
+        bends = np.abs(both[:, 1:-3] - 2.0 * middle + both[:, 3:-1])
+        if not (bends > bound).any():  # an outlier bends the course at least as much
+            force, x = middle
+            return force - level, x, force - level
+        window = np.lib.stride_tricks.sliding_window_view(both, 5, axis=1)
+        median = np.sort(window, axis=2)[:, :, 2]
         bound = bound + np.array([[_STEEP], [_STEEP_POSITION]]) * np.abs(
             np.diff(median, axis=1, prepend=median[:, :1]))
-        middle, level = both[:, 2:-2], self.contact.level
         outside = np.abs(middle - median) > bound
         self.outliers += int(np.count_nonzero(outside[0, -self._block:]))
         force, x = np.where(outside, median, middle)
@@ -366,23 +393,24 @@ class WallPosterior:
         """What all hypotheses share now."""
         return Scene(self._x0, self._depth, self._seconds, self.lag.lag)
 
-    def _learn(self, phi: Array) -> None:
-        """Add the rows of a block and judge all hypotheses that it concerns."""
-        seconds = phi.shape[1] * self._smoothing.hop * self.period_s
-        gram = (phi * self._weights(phi)) @ phi.T
-        if self._touched == self._touched:
-            if self._blocks:
-                self._runs.begin(self._touched)
-            self._touched = nan
-        fade = exp(-seconds / FADE_S)
-        self._add(gram, fade, seconds)
-        self._blocks += 1
-        self._of_contact += 1
-        self._depths = min(self._depths + 1, _DEPTHS)
-        self._depth += (max(float(phi[DEPTH].mean()), 1e-5) - self._depth) / self._depths
-        if self._blocks <= _START:
-            self._find_scale()
-        self._judge(phi)
+    def _parts_of(self, windows: int) -> Iterator[None]:
+        """Add a block and judge all hypotheses that it concerns, in parts of a tenth of a ms."""
+        phi = self._rows(windows)
+        if phi is None:
+            return
+        yield
+        weights = self._weights(phi)
+        surprise = self._surprise(phi, weights)
+        self._add((phi * weights) @ phi.T, phi)
+        early = self._of_contact <= _EARLY or self._blocks <= _SETTLED
+        self._alert = _ALERT if surprise else max(self._alert - 1, 0)
+        self._block = self._short if early or self._alert else self._long
+        if early or self._alert or self._blocks % _EVERY == 0:
+            yield
+            if self._blocks <= _START:
+                self._find_scale()
+                yield
+            yield from self._judge()
         self._runs.begin()
 
     def _weights(self, phi: Array) -> Array:
@@ -395,7 +423,19 @@ class WallPosterior:
                     + self._noise[0] * (K * K + B * B * smooth.rate_noise / smooth.noise))
         return np.asarray(smooth.hop / variance)
 
-    def _add(self, gram: Array, fade: float, seconds: float) -> None:
+    def _add(self, gram: Array, phi: Array) -> None:
+        """Add a block to all that is known; the older, the less."""
+        seconds = phi.shape[1] * self._smoothing.hop * self.period_s
+        fade = exp(-seconds / FADE_S)
+        if self._touched == self._touched:
+            if self._blocks:
+                self._runs.begin(self._touched)
+            self._touched = nan
+        self._blocks += 1
+        self._of_contact += 1
+        self._depth_s = min(self._depth_s + seconds, _DEPTH_S)
+        depth = max(float(phi[DEPTH].mean()), 1e-5)
+        self._depth += (depth - self._depth) * min(seconds / self._depth_s, 1.0)
         self._gram *= fade
         self._gram += gram
         self._runs.add(gram, fade, seconds)
@@ -427,32 +467,41 @@ class WallPosterior:
         centre, std, _ = np.tile(np.array(surfaces).T, len(laws))
         return Hypotheses(np.repeat(laws, count), np.full(len(centre), self._scale), centre, std)
 
-    def _judge(self, phi: Array) -> None:
+    def _judge(self) -> Iterator[None]:
         """Weigh laws and surfaces, and the changes of the best of them that is at rest."""
         scene = self.scene
         what = self._hypotheses(np.arange(_LAWS), self._surfaces)
         moves = what.law == MOVING
-        judged = judge(np.where(moves[:, None, None], self._moving, self._gram), scene, what)
+        grams = np.repeat(self._gram[None], len(moves), axis=0)
+        grams[moves] = self._moving
+        judged = judge(grams, scene, what)
         odds = judged.evidence + self._prior_odds(what, moves) - _signs(judged, what.law, scene)
         still = int(np.argmax(np.where(moves, -inf, odds)))
+        yield
+        best = Hypotheses(*(one[still:still + 1] for one in what))
         change = None
-        if self._of_contact > 1 or self._blocks > _START:
-            change = self._runs.judge(
-                self._gram, scene, Hypotheses(*(one[still:still + 1] for one in what)),
-                float(judged.evidence[still]), self._block * self.period_s)
-        if change is not None:  # a wall at rest may have changed instead of moving
-            odds = odds + np.where(moves, 0.0, np.logaddexp.reduce(np.append(change.odds, 0.0)))
+        before = self._runs.before(self._gram, scene, best)
+        if before is not None:
+            yield
+            change = self._runs.since(before, scene, float(judged.evidence[still]),
+                                      self._block * self.period_s)
+            # A wall at rest may have changed instead of moving.
+            odds = odds + np.where(
+                moves, 0.0, np.logaddexp.reduce(np.append(change.odds, 0.0)))
+        yield
         self._restart_moving(odds, judged.evidence, moves)
         weights = np.exp(odds - odds.max())
         weights /= weights.sum()
-        self._note_residual(phi, judged, what, int(np.argmax(odds)), scene)
-        self._tell(weights, judged, what, change, what.law[still], scene)
-        if self._blocks % _SETTLED == 0:
-            self._learn_lag(weights, judged, what)
-        best = decided(change)
-        if change is not None and best >= 0:
+        top = int(np.argmax(odds))
+        self._top = what.law[top:top + 1], judged.theta[top], scene
+        self._tell(weights, judged, what, change, int(what.law[still]), scene)
+        if self._blocks > _SETTLED:
+            self._learn_lag(weights, judged)
+        certain = decided(change)
+        if change is not None and certain >= 0:
+            yield
             gap = float(odds[moves].max() - odds[~moves].max())
-            self._commit(change, best, what, still, scene, max(gap, -_FAR))
+            self._commit(change, certain, best, scene, max(gap, -_FAR))
         self._follow_surface()
 
     def _prior_odds(self, what: Hypotheses, moves: Array) -> Array:
@@ -469,7 +518,7 @@ class WallPosterior:
             self._moving_odds = best - float(evidence[~moves].max()) - _FAR
 
     def _commit(
-        self, change: Change, best: int, what: Hypotheses, still: int, scene: Scene, gap: float
+        self, change: Change, best: int, still: Hypotheses, scene: Scene, gap: float
     ) -> None:
         """Drop the wall before a change; what was told of laws and motion stays a prior."""
         run = int(change.run[best])
@@ -477,8 +526,8 @@ class WallPosterior:
         gram = self._runs.commit(run)
         before = judge(
             np.repeat((self._gram - gram)[None], _LAWS, axis=0), scene,
-            self._hypotheses(np.arange(_LAWS), [(float(what.centre[still]),
-                                                 float(what.std[still]), 1.0)])).evidence
+            self._hypotheses(np.arange(_LAWS), [(float(still.centre[0]),
+                                                 float(still.std[0]), 1.0)])).evidence
         most = float(before[:MOVING].max())
         self._odds = np.maximum(self._odds + before - most, LOG_PRIOR - 0.5 * _FAR)
         self._gram, self._moving, self._moving_norm = gram, gram.copy(), 0.0
@@ -490,23 +539,26 @@ class WallPosterior:
         K, B = change.judged.theta[best, :2].tolist()
         self._scale = max(K, 1.0)
         self._seconds = max(B / self._scale + self.lag.lag[0], 0.0)
-        self._depths = 1
+        self._depth_s = 0.0
 
-    def _note_residual(
-        self, phi: Array, judged: Judged, what: Hypotheses, top: int, scene: Scene
-    ) -> None:
-        """Average the residual of the best law over the noise, of rows not yet averaged."""
-        law = what.law[top:top + 1]
+    def _surprise(self, phi: Array, weights: Array) -> bool:
+        """Average the residual of a block under what was known before; is it surprising?"""
+        if self._top is None:
+            return False
+        law, theta, scene = self._top
+        if scene.x0 != self._x0:
+            return True
         columns = phi[CHOSEN[law[0], :UNKNOWNS]] * scales(law, scene.depth)[0, :UNKNOWNS, None]
         tau = scene.lag[0] if DEEP[law[0]] else 0.0
-        error = phi[FORCE] + tau * phi[FORCE_RATE] - judged.theta[top] @ columns
-        ratio = float(np.mean(error * error)) / (self.contact.variance * self._smoothing.noise)
-        if self._blocks > _START:
-            before = self._residual if self._residual == self._residual else ratio
-            share = 1.0 / min(self._blocks - _START, _RESIDUALS)
-            self._residual = before + share * (ratio - before)
+        error = phi[FORCE] + tau * phi[FORCE_RATE] - theta @ columns
+        smooth = self._smoothing
+        ratio = float(np.mean(error * error * weights)) / (smooth.hop * smooth.noise)
+        before = self._residual if self._residual == self._residual else ratio
+        share = phi.shape[1] * smooth.hop * self.period_s / _RESIDUAL_S
+        self._residual = before + share * (min(ratio, _CLIPPED * before + 1.0) - before)
+        return ratio > _SURPRISE
 
-    def _learn_lag(self, weights: Array, judged: Judged, what: Hypotheses) -> None:
+    def _learn_lag(self, weights: Array, judged: Judged) -> None:
         """Learn the lag where a spring and a damper are all that is there."""
         of_law = weights.reshape(_LAWS, -1)
         if of_law[KELVIN_VOIGT].sum() > 0.5:
@@ -533,11 +585,14 @@ class WallPosterior:
             stds.append(float(weights @ (variances + np.square(values - mean))))
         K, B, delta = means
         mass = judged.theta[MASS * (len(judged.theta) // _LAWS), 2]
+        K_std = sqrt(stds[0] + (STIFFNESS_FLOOR * K) ** 2)
+        surface, surface_std = self.known.surface, self.known.surface_std
+        if K_std < _SURE * K:  # else nothing is found of it
+            surface, surface_std = self._x0 + delta, sqrt(stds[2]) + 2e-6
         self.known = Knowledge(
-            K, B, sqrt(stds[0] + (STIFFNESS_FLOOR * K) ** 2),
-            sqrt(stds[1] + (DAMPING_FLOOR * B) ** 2), self._x0 + delta, sqrt(stds[2]) + 2e-6,
+            K, B, K_std, sqrt(stds[1] + (DAMPING_FLOOR * B) ** 2), surface, surface_std,
             float(mass) if of_law[MASS] > 0.5 else nan, tuple(of_law.tolist()),
-            sqrt(max(self._residual, 0.0)))
+            sqrt(self._residual) if self._residual == self._residual else nan)
         self._scale = max(K, 1.0)
         self._seconds = max(B / self._scale, 0.0)
 
@@ -545,7 +600,7 @@ class WallPosterior:
         """Move the reference of the columns to the surface where that is known better."""
         known = self.known
         delta = known.surface - self._x0
-        if abs(delta) > max(2.0 * known.surface_std, AS_TOLD_M) and (
+        if known.valid and abs(delta) > max(2.0 * known.surface_std, AS_TOLD_M) and (
                 known.surface_std < 0.3 * self._depth):
             table = shifted_table(delta)
             self._gram = table @ self._gram @ table.T

@@ -54,6 +54,29 @@ class Change(NamedTuple):
     run: Ints
 
 
+class Before(NamedTuple):
+    """
+    What was before each run.
+
+    Attributes
+    ----------
+    used : ndarray of int, shape (N,)
+        Indices of the runs.
+    since : ndarray, shape (N, 15, 15)
+        Gram matrices since then.
+    judged : Judged
+        The wall before.
+    law : int
+        Index of the law.
+
+    """
+
+    used: Ints
+    since: Array
+    judged: Judged
+    law: int
+
+
 class Runs:
     """
     Gram matrices since up to RUNS times, spaced like powers.
@@ -121,11 +144,9 @@ class Runs:
         old = [k for k, age in enumerate(self._ages) if age >= blocks]
         return self._grams[old[-1] if old else 0]
 
-    def judge(
-        self, gram: Array, scene: Scene, what: Hypotheses, evidence: float, block_s: float
-    ) -> Change | None:
+    def before(self, gram: Array, scene: Scene, what: Hypotheses) -> Before | None:
         """
-        Compare the hypotheses of a change.
+        Judge what was before each run.
 
         Parameters
         ----------
@@ -135,14 +156,10 @@ class Runs:
             As of `evidence.judge`.
         what : Hypotheses
             One: the law with its surface.
-        evidence : float
-            Of that on all data.
-        block_s : float
-            Duration of a block [s].
 
         Returns
         -------
-        change : Change or None
+        before : Before or None
             None where there is no run of sufficient length.
 
         """
@@ -150,21 +167,52 @@ class Runs:
         if not len(used):
             return None
         since = self._grams[used]
-        before = judge(gram - since, scene, Hypotheses(*(np.repeat(one, len(used))
-                                                         for one in what)))
-        delta, variance = surfaces(before)
+        ones = np.ones(len(used))
+        judged = judge(gram - since, scene, Hypotheses(
+            np.repeat(what.law, len(used)), *(one * ones for one in what[1:])))
+        return Before(used, since, judged, int(what.law[0]))
+
+    def since(
+        self, before: Before, scene: Scene, evidence: float, block_s: float
+    ) -> Change:
+        """
+        Judge the wall since each run, and whether it is another one.
+
+        Parameters
+        ----------
+        before : Before
+            Of `before`.
+        scene : Scene
+            As of `evidence.judge`.
+        evidence : float
+            Of the law on all data.
+        block_s : float
+            Duration of a block [s].
+
+        Returns
+        -------
+        change : Change
+            The hypotheses of a change.
+
+        """
+        used, since, judged, law = before
+        delta, variance = surfaces(judged)
+        delta = np.clip(delta, -ANYWHERE_M, ANYWHERE_M)
+        variance = np.minimum(variance, ANYWHERE_M * ANYWHERE_M)
         touches = np.array(self._touches)[used]
-        touched = np.flatnonzero(touches == touches)  # there, the surface may be another one too
+        at_touch = touches == touches
+        touched = np.flatnonzero(at_touch)  # there, the surface may be another one too
         run = np.concatenate([np.arange(len(used)), touched])
         centre = np.concatenate([scene.x0 + delta, touches[touched]])
         std = np.concatenate([np.sqrt(variance) + _KEPT_STD, np.full(len(touched), ANYWHERE_M)])
         new = log(0.5 * NEW_WALL)
-        hazard = np.where(touches == touches, new, log(self.changes / self.seconds * block_s))
+        hazard = np.where(at_touch, new, log(self.changes / self.seconds * block_s))
         prior = np.concatenate([hazard, np.full(len(touched), new)])
-        stiffness = np.maximum(_secant(since[run], centre - scene.x0), 1.0)
-        law = np.repeat(what.law, len(run))
-        found = judge(since[run], scene, Hypotheses(law, stiffness, centre, std))
-        odds = before.evidence[run] + found.evidence - evidence + prior
+        grams = since[run]
+        stiffness = np.maximum(_secant(grams, centre - scene.x0), 1.0)
+        found = judge(grams, scene, Hypotheses(
+            np.full(len(run), law), stiffness, centre, std))
+        odds = judged.evidence[run] + found.evidence - evidence + prior
         return Change(odds, found, centre, std, used[run])
 
     def commit(self, run: int) -> Array:

@@ -72,20 +72,20 @@ class Smoothing:
         self._kernels = np.stack([
             mean / mean.sum(), first / (first @ t), second / (0.5 * second @ (t * t))])
         self.noise, self.rate_noise = np.square(self._kernels[:2]).sum(1).tolist()
-        self._bands: dict[int, tuple[Array, Array, Array]] = {}
+        self._bands: dict[int, tuple[Array, Array, NDArray[np.bool_]]] = {}
 
     def length(self, windows: int) -> int:
         """Return the number of samples that so many windows cover."""
         return (windows - 1) * self.hop + 2 * self.half + 1
 
-    def bands(self, windows: int) -> tuple[Array, Array, Array]:
+    def bands(self, windows: int) -> tuple[Array, Array, NDArray[np.bool_]]:
         """Return S0, S1 and S2 side by side, S0, and which samples a window covers."""
         if windows not in self._bands:
             width = 2 * self.half + 1
             table = np.zeros((3, self.length(windows), windows))
             for k in range(windows):
                 table[:, k * self.hop:k * self.hop + width, k] = self._kernels
-            self._bands[windows] = np.hstack(list(table)), table[0], (table[0] > 0.0).astype(float)
+            self._bands[windows] = np.hstack(list(table)), table[0], table[0] > 0.0
         return self._bands[windows]
 
     def rows(
@@ -125,18 +125,22 @@ class Smoothing:
         smooth = (signals @ table).reshape(7, 3, windows)
         phi = np.zeros((COLUMNS, windows))
         phi[ONE] = (y > 0.0) @ mean if touching else 1.0
-        phi[[DEPTH, RATE, ACCELERATION]] = smooth[0]
-        phi[[SQUARE, SQUARE_RATE]] = 2.0 * smooth[1, 0], smooth[1, 1]
-        phi[[POWER, POWER_RATE]] = smooth[2, :2]
-        phi[[POWER_DAMPING, CUBE_RATE]] = smooth[[3, 5], 1]
-        phi[[POWER_SLOPE, FORCE]] = smooth[[4, 6], 0]
-        phi[FORCE_RATE] = smooth[6, 1]
+        phi[DEPTH:ACCELERATION + 1] = smooth[0]
+        phi[SQUARE] = 2.0 * smooth[1, 0]
+        phi[SQUARE_RATE] = smooth[1, 1]
+        phi[POWER:POWER_RATE + 1] = smooth[2, :2]
+        phi[POWER_DAMPING] = smooth[3, 1]
+        phi[POWER_SLOPE] = smooth[4, 0]
+        phi[CUBE_RATE] = smooth[5, 1]
+        phi[FORCE:] = smooth[6, :2]
         if v[0] == v[0] and not touching:
             phi[RATE] = self._fused(phi[RATE], v @ mean, noise)
-        rate = np.gradient(x) / self.period_s
+        rate = np.empty_like(x)
+        rate[1:-1] = (0.5 / self.period_s) * (x[2:] - x[:-2])
+        rate[0], rate[-1] = rate[1], rate[-2]
         blur = sqrt(0.5 * noise[0]) / self.period_s
         phi[SIGN] = (erf(rate / sqrt(2.0 * (blur * blur + _SHARP * _SHARP))) * (inside > 0.0)) @ mean
-        if np.mean(np.square(phi[RATE])) < _MOVES * noise[0] * self.rate_noise:
+        if phi[RATE] @ phi[RATE] / windows < _MOVES * noise[0] * self.rate_noise:
             phi[list(_MOTION)] = 0.0  # the noise of a rate would bias what it multiplies
         return phi
 
