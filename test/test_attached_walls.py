@@ -69,7 +69,7 @@ def drive() -> Signals:
     """Record a drive without a spring that is controlled in position, integrated here."""
     rate, fine = 500, 10
     h = 1.0 / rate / fine
-    t = np.arange(8 * rate) / rate
+    t = np.arange(6 * rate) / rate
     wanted = 0.05 * np.sin(2.0 * t) + 0.02 * np.sin(5.3 * t + 1.0)
     wanted_rate = 0.1 * np.cos(2.0 * t) + 0.106 * np.cos(5.3 * t + 1.0)
     x, v = float(wanted[0]), float(wanted_rate[0])

@@ -85,7 +85,7 @@ def test_a_command_that_arrives_late_is_named() -> None:
 def of_driven_wall(late: float, held: bool = False) -> Diagnosis:
     """Diagnose a hardening wall that a force drives, with joint states that are stamped late."""
     rng = np.random.default_rng(3)
-    t = np.arange(round(6.0 * DRIVE_HZ)) / DRIVE_HZ
+    t = np.arange(round(4.0 * DRIVE_HZ)) / DRIVE_HZ
     tones, phases = 2.0 * np.pi * rng.uniform(0.3, 25.0, 40), rng.uniform(0.0, 2.0 * np.pi, 40)
     force = 2.5 * np.sum(np.sin(np.outer(tones, t) + phases[:, np.newaxis]), axis=0)
     fine = t[0] + np.arange(16 * len(t)) / (16.0 * DRIVE_HZ)
