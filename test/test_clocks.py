@@ -140,30 +140,3 @@ def test_a_shift_that_takes_the_place_of_damping_is_none(
     misfits = iter((100.0, 1.0, 1.0))  # as stamped, and shifted
     assert is_told(monkeypatch, Offset('joint_states', LATE_S), base, base.at((4800.0, damping)),
                    lambda model: next(misfits)) is found
-
-
-@pytest.mark.parametrize('left, found', [(1.0, True), (90.0, False)])
-def test_an_offset_is_tried_without_the_memory_that_makes_up_for_an_inexact_one(
-    monkeypatch: pytest.MonkeyPatch, left: float, found: bool
-) -> None:
-    remembering = Model.of(nominal()).with_effect('viscoelastic_relaxation', (1000.0, 0.1))
-    misfits = {(): left, remembering.effects: 100.0}
-    assert is_told(monkeypatch, Offset('joint_states', -LATE_S), remembering, remembering,
-                   lambda model: misfits[model.effects]) is found
-
-
-@pytest.mark.parametrize('scanned, found', [(90.0, True), (99.0, False)])
-def test_early_stamps_are_refined_only_where_they_leave_less_than_those_recorded(
-    monkeypatch: pytest.MonkeyPatch, scanned: float, found: bool
-) -> None:
-    base, refined = Model.of(nominal()), Offset('joint_states', -0.002)
-    left = {0.0: 100.0, refined.seconds: 1.0}
-    monkeypatch.setattr(clocks, 'fit', lambda recordings, model: Fit(
-        model, 1100.0, np.ones(2), 1000))
-    monkeypatch.setattr(Clocks, '_left', lambda self, offset, model, prepared=(): left.get(
-        offset.seconds, scanned))
-    monkeypatch.setattr(Clocks, '_refined', lambda self, offset, model: refined)
-    monkeypatch.setattr(Clocks, '_prepared', lambda self, offset: [])
-    tested = Clocks([Recording('early.mcap', recorded())], [], base, base, 0)
-    nearest = tested._nearest('joint_states', -1.0, (base,), 4.0, 0.9)
-    assert nearest == (refined if found else None)
