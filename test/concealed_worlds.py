@@ -49,7 +49,7 @@ SENSORS: dict[str, Any] = {
     'sensors.position_quantisation': QUANTUM,
 }
 RATE_HZ, FREE = 250.0, -0.012
-INTEGRATION_HZ = 1000.0  # fine enough for friction, see test_effect_worlds.py
+INTEGRATION_HZ = 2000.0  # fine enough for friction, see test_effect_worlds.py
 
 _TONES_HZ = (0.7, 1.3, 2.1, 3.3, 4.7, 6.1)
 _SWING = Multisine(1.0, [2.0 * pi * f for f in _TONES_HZ])

@@ -30,9 +30,9 @@ from scipy.interpolate import CubicSpline
 
 Array = NDArray[np.float64]
 
-# One or two of a family; test_diagnosis_names.py has a world of each effect, with a robot.
+# One or two of a family, and friction of the drive below; test_diagnosis_names.py has a world of
+# each effect, with a robot.
 WORLDS: dict[str, tuple[float, ...]] = {
-    'coulomb_friction': (3.0,),
     'cubic_stiffness': (1e6,),
     'viscoelastic_relaxation': (800.0, 0.1),
     'bouc_wen_hysteresis': (1500.0, 150.0, 40.0),

@@ -298,15 +298,6 @@ def test_free_run_of_a_strongly_bent_wall_does_not_run_away() -> None:
     assert motion.corrected < 0.02 * motion.recalibrated
 
 
-def test_recordings_are_fitted_together() -> None:
-    both = [Recording(str(seed), recorded(seed=seed, **physics('coulomb_friction', 2.0)))
-            for seed in (1, 2)]
-    other = Recording('other', recorded(seed=3, **physics('coulomb_friction', 2.0)))
-    found = diagnose(both, nominal(), held_out=[other])
-    assert named(found) == ['coulomb_friction']
-    assert [part.name for part in found.holdouts] == ['other']
-
-
 def test_recording_that_is_explained_worst_is_the_one_that_is_located() -> None:
     smooth = Recording('smooth', recorded(seed=4))
     rough = Recording('rough', recorded(seed=1, **physics('coulomb_friction', 4.0)))
