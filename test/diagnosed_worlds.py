@@ -37,7 +37,7 @@ MODEL: dict[str, Any] = {
     'environment': {'stiffness': 5000.0, 'damping': 100.0},
     'robot': {'mass': 12.0, 'damping': 350.0, 'stiffness': 2500.0},
 }
-RATE_HZ, INTEGRATION_HZ = 250.0, 2000.0
+RATE_HZ, INTEGRATION_HZ = 250.0, 1000.0  # see test_effect_worlds.py
 BEGIN_NS = 1_750_000_000_000_000_000
 _TOUCH = (
     Segment(0.8, -0.01),

@@ -24,7 +24,7 @@ from __future__ import annotations
 from itertools import count
 from pathlib import Path
 import time
-from typing import Any, Callable, Iterator, Mapping, Sequence
+from typing import Any, Callable, Iterable, Iterator, Mapping, Sequence
 
 from contact_estimation.signals.contact_sample import ContactSample
 import pytest
@@ -122,9 +122,7 @@ class Peer(Listener):
             Before all stamps so far, which tells the node that time was set back [ns].
 
         """
-        if self._changed:
-            self.set({name: self._defaults[name] for name in self._changed})
-            self._changed.clear()
+        self.restore_parameters()
         assert self.trigger('reset').success
         for kept in self.heard.values():
             kept.clear()
@@ -205,25 +203,35 @@ class Peer(Listener):
             for name, value in zip(names, answer.values)
         }
 
-    def set(self, values: Mapping[str, Any]) -> list[SetParametersResult]:  # noqa: A003
-        """Set parameters, each by itself."""
-        new = [name for name in values if name not in self._defaults]
+    def _remember(self, names: Iterable[str]) -> None:
+        """Keep what parameters are before their first change."""
+        new = [name for name in names if name not in self._defaults]
         if new:
             self._defaults.update(self.get(new))
-        self._changed.update(values)
+        self._changed.update(names)
+
+    def set(self, values: Mapping[str, Any]) -> list[SetParametersResult]:  # noqa: A003
+        """Set parameters, each by itself."""
+        self._remember(values)
         request = _set_request(values)
         return list(self.call(SetParameters, f'{self.name}/set_parameters', request).results)
 
     def set_together(self, values: Mapping[str, Any]) -> SetParametersResult:
         """Set parameters, all or none."""
         request = SetParametersAtomically.Request(parameters=_set_request(values).parameters)
-        self._defaults.update(self.get([name for name in values if name not in self._defaults]))
-        self._changed.update(values)
+        self._remember(values)
         service = f'{self.name}/set_parameters_atomically'
         return self.call(SetParametersAtomically, service, request).result
 
+    def restore_parameters(self) -> None:
+        """Set back what was changed."""
+        if self._changed:
+            self.set({name: self._defaults[name] for name in self._changed})
+            self._changed.clear()
+
     def begin_change(self, **values: Any) -> Callable[[], bool]:
         """Ask for a change of parameters without waiting; tells when it is done."""
+        self._remember(values)
         request = _set_request(values)
         future = self.begin_call(SetParameters, f'{self.name}/set_parameters', request)
         return lambda: bool(future.done() and future.result().results[0].successful)

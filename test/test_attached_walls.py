@@ -30,9 +30,9 @@ from scipy.interpolate import CubicSpline
 
 Array = NDArray[np.float64]
 
-# One or two of a family; test_diagnosis_names.py has a world of each effect, with a robot.
+# One or two of a family, and friction of the drive below; test_diagnosis_names.py has a world of
+# each effect, with a robot.
 WORLDS: dict[str, tuple[float, ...]] = {
-    'coulomb_friction': (3.0,),
     'cubic_stiffness': (1e6,),
     'viscoelastic_relaxation': (800.0, 0.1),
     'bouc_wen_hysteresis': (1500.0, 150.0, 40.0),
@@ -69,7 +69,7 @@ def drive() -> Signals:
     """Record a drive without a spring that is controlled in position, integrated here."""
     rate, fine = 500, 10
     h = 1.0 / rate / fine
-    t = np.arange(8 * rate) / rate
+    t = np.arange(6 * rate) / rate
     wanted = 0.05 * np.sin(2.0 * t) + 0.02 * np.sin(5.3 * t + 1.0)
     wanted_rate = 0.1 * np.cos(2.0 * t) + 0.106 * np.cos(5.3 * t + 1.0)
     x, v = float(wanted[0]), float(wanted_rate[0])

@@ -47,9 +47,8 @@ def diagnosed(late: float, wrench: float = 0.0, **physics: Any) -> Diagnosis:
     return diagnose(Recording('late.mcap', late_ones), nominal())
 
 
-@pytest.mark.parametrize('physics', [{}, {'cubic_stiffness__K_3': 2e7}])
-def test_late_joint_states_are_no_delay_of_the_command(physics: dict[str, float]) -> None:
-    found = diagnosed(LATE_S, **physics)
+def test_late_joint_states_are_no_delay_of_the_command() -> None:
+    found = diagnosed(LATE_S)
     failed = {check.name: check.text for check in found.checks if not check.ok}
     assert (list(failed), found.effects, found.verdict) == (['clock_offset'], [], 'unexplained')
     remedy = re.search(r'set synchronisation.offset to (-[\d.]+) s', failed['clock_offset'])
@@ -85,7 +84,7 @@ def test_a_command_that_arrives_late_is_named() -> None:
 def of_driven_wall(late: float, held: bool = False) -> Diagnosis:
     """Diagnose a hardening wall that a force drives, with joint states that are stamped late."""
     rng = np.random.default_rng(3)
-    t = np.arange(round(6.0 * DRIVE_HZ)) / DRIVE_HZ
+    t = np.arange(round(4.0 * DRIVE_HZ)) / DRIVE_HZ
     tones, phases = 2.0 * np.pi * rng.uniform(0.3, 25.0, 40), rng.uniform(0.0, 2.0 * np.pi, 40)
     force = 2.5 * np.sum(np.sin(np.outer(tones, t) + phases[:, np.newaxis]), axis=0)
     fine = t[0] + np.arange(16 * len(t)) / (16.0 * DRIVE_HZ)
@@ -106,9 +105,8 @@ def test_late_joint_states_of_a_driven_wall_are_told() -> None:
     assert 'command that the drive follows late' in failed['clock_offset']
 
 
-@pytest.mark.parametrize('held', [False, True])
-def test_a_force_that_is_held_between_samples_is_no_late_stamp(held: bool) -> None:
-    found = of_driven_wall(0.0, held)
+def test_a_force_that_is_held_between_samples_is_no_late_stamp() -> None:
+    found = of_driven_wall(0.0, held=True)
     assert [effect.name for effect in found.effects] == ['cubic_stiffness']
     assert all(check.ok for check in found.checks)
 
@@ -140,30 +138,3 @@ def test_a_shift_that_takes_the_place_of_damping_is_none(
     misfits = iter((100.0, 1.0, 1.0))  # as stamped, and shifted
     assert is_told(monkeypatch, Offset('joint_states', LATE_S), base, base.at((4800.0, damping)),
                    lambda model: next(misfits)) is found
-
-
-@pytest.mark.parametrize('left, found', [(1.0, True), (90.0, False)])
-def test_an_offset_is_tried_without_the_memory_that_makes_up_for_an_inexact_one(
-    monkeypatch: pytest.MonkeyPatch, left: float, found: bool
-) -> None:
-    remembering = Model.of(nominal()).with_effect('viscoelastic_relaxation', (1000.0, 0.1))
-    misfits = {(): left, remembering.effects: 100.0}
-    assert is_told(monkeypatch, Offset('joint_states', -LATE_S), remembering, remembering,
-                   lambda model: misfits[model.effects]) is found
-
-
-@pytest.mark.parametrize('scanned, found', [(90.0, True), (99.0, False)])
-def test_early_stamps_are_refined_only_where_they_leave_less_than_those_recorded(
-    monkeypatch: pytest.MonkeyPatch, scanned: float, found: bool
-) -> None:
-    base, refined = Model.of(nominal()), Offset('joint_states', -0.002)
-    left = {0.0: 100.0, refined.seconds: 1.0}
-    monkeypatch.setattr(clocks, 'fit', lambda recordings, model: Fit(
-        model, 1100.0, np.ones(2), 1000))
-    monkeypatch.setattr(Clocks, '_left', lambda self, offset, model, prepared=(): left.get(
-        offset.seconds, scanned))
-    monkeypatch.setattr(Clocks, '_refined', lambda self, offset, model: refined)
-    monkeypatch.setattr(Clocks, '_prepared', lambda self, offset: [])
-    tested = Clocks([Recording('early.mcap', recorded())], [], base, base, 0)
-    nearest = tested._nearest('joint_states', -1.0, (base,), 4.0, 0.9)
-    assert nearest == (refined if found else None)

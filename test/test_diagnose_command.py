@@ -123,15 +123,6 @@ def test_recording_without_reference_is_diagnosed_in_contact_alone(
     assert report['fit']['motion_rmse_m'] is None
 
 
-def test_recording_held_out_is_named(folder: Path, tmp_path: Path, command: Command) -> None:
-    path = tmp_path / 'r.json'
-    other = write_recording(tmp_path / 'other.mcap', recorded(seed=2))
-    command(folder / 'clean.mcap', '--nominal', folder / 'model.yaml', '--holdout', other,
-            '--json', path)
-    (part,) = json.loads(path.read_text())['fit']['holdouts']
-    assert part['name'] == 'other.mcap'
-
-
 BAD_SIGNALS: dict[str, tuple[Any, str]] = {
     'constant force': (lambda s: s._replace(force=np.full(len(s.force), -3.0)),
                        r'wrench is constant at -3, expected a signal that changes'),

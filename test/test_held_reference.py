@@ -93,12 +93,6 @@ def test_a_delay_beyond_the_hold_is_named() -> None:
     assert found['command_delay'] == pytest.approx(0.02, abs=0.5 / RATE_HZ)
 
 
-def test_friction_of_a_robot_that_holds_its_reference_is_named_alone() -> None:
-    found = named(recorded_with_hold(1.0 / RATE_HZ, physics__robot_friction__F_c=3.0))
-    assert list(found) == ['robot_friction']
-    assert found['robot_friction'] == pytest.approx(3.0, rel=0.05)
-
-
 def test_a_law_of_the_contact_is_named_alone_where_the_reference_is_held() -> None:
     # On straight lines the hold is half a period of delay beside the law.
     found = named(recorded_with_hold(1.0 / RATE_HZ, physics__quadratic_damping__B_2=1500.0))

@@ -12,6 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
+from importlib import util
 from pathlib import Path
 import shutil
 import subprocess
@@ -37,8 +38,14 @@ PLACES = [
 ]
 
 
+# The same rules by another program, which says it better where ROS is installed.
+BY_AMENT = {'flake8': 'ament_flake8', 'pydocstyle': 'ament_pep257'}
+
+
 @pytest.mark.parametrize('linter', LINTERS)
 def test_source_passes(linter: str) -> None:
+    if linter in BY_AMENT and util.find_spec(BY_AMENT[linter]):
+        pytest.skip(f'{BY_AMENT[linter]} says so')
     command = [sys.executable, *LINTERS[linter], *PLACES]
     run = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
     assert run.returncode == 0, f'{" ".join(command)}\n{run.stdout}{run.stderr}'

@@ -120,4 +120,3 @@ def test_adhesion_is_named_beside_something_larger() -> None:
     assert adhesion.mark is not None and 'dmt_adhesion' in (
         adhesion.name, *adhesion.indistinguishable_from)
     assert 'but the wall pulls by 7.9' in as_text(found).replace('\n', ' ')
-    assert 'adhesion' not in named(diagnosed(pulled(0.0), SOFT))

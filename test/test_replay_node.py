@@ -19,7 +19,7 @@ from __future__ import annotations
 from itertools import count
 from pathlib import Path
 import signal
-from typing import Iterator
+from typing import Callable, NamedTuple
 
 from contact_estimation.estimation.replay import RecordingReplay
 from contact_estimation.exceptions import RecordingError
@@ -52,7 +52,7 @@ def biased(samples: list[ContactSample], begin_ns: int) -> list[ContactSample]:
 
 class Recording:
     """
-    An estimator of its own, its peer, and a recorder; compares the recording with its replay.
+    A recorder of what a peer and its estimator say.
 
     Attributes
     ----------
@@ -60,14 +60,11 @@ class Recording:
         Runs the recorder.
     begin_ns : int
         After the stamps with which the nodes have got to know each other [ns].
-    rejected : dict
-        Number of messages that the last replay rejected, by reason.
 
     """
 
     def __init__(self, peer: Peer, folder: Path, recorder: ModuleProcess) -> None:
-        self.peer, self.recorder, self._folder = peer, recorder, folder
-        self.rejected: dict[str, int] = {}
+        self.recorder, self._peer, self._folder = recorder, peer, folder
         for name in VALUES[2:]:
             peer.listen(name, Vector3Stamped, f'{peer.name}/{name}')
         stamps = count(peer.begin_ns + 10**9, PERIOD_NS)
@@ -89,50 +86,43 @@ class Recording:
             return set()
 
     def _recorded(self, name: str) -> dict[int, float]:
-        decode, topic = Vector3StampedDecoder().decode, f'/{self.peer.name}/{name}'
+        decode, topic = Vector3StampedDecoder().decode, f'/{self._peer.name}/{name}'
         messages = RecordingReader(self._folder).messages([topic])
         return dict(decode(message.data)[:2] for message in messages)
 
-    def finish(self, last_ns: int) -> dict[str, dict[int, float]]:
-        """End the recorder when the last sample is in; return what was recorded."""
-        outputs = [f'/{self.peer.name}/{name}' for name in VALUES]
+    def finish(self, last_ns: int) -> 'Compared':
+        """End the recorder when the last sample is in, and replay what was recorded."""
+        outputs = [f'/{self._peer.name}/{name}' for name in VALUES]
         wait_until_recorded(self._folder, ['/wrench', '/joint_states', *outputs], last_ns)
         self.recorder.signal(signal.SIGINT)
         assert self.recorder.end().code == 0
-        return {name: self._recorded(name) for name in VALUES}
-
-    def replayed(self) -> dict[str, dict[int, float]]:
-        """Replay the recording."""
         replay = RecordingReplay(RecordingReader(self._folder), RecordingSource(), {})
         estimates = [estimate for batch in replay.estimates() for estimate, in batch]
-        self.rejected = dict(replay.session.rejected)
-        return {name: {e.stamp_ns: getattr(e, name) for e in estimates} for name in VALUES}
+        replayed = {name: {e.stamp_ns: getattr(e, name) for e in estimates} for name in VALUES}
+        return Compared({name: self._recorded(name) for name in VALUES}, replayed,
+                        dict(replay.session.rejected))
 
 
-@pytest.fixture
-def recording(tmp_path: Path) -> Iterator[Recording]:
-    folder = tmp_path / 'recording'
-    with node_process(tmp_path / 'recorder', 'recorder_node', output=folder) as recorder:
-        for peer in estimator_and_peer(tmp_path / 'estimator', diagnostics_rate=10.0):
-            yield Recording(peer, folder, recorder)
+class Compared(NamedTuple):
+    """Recorded and replayed values by name and stamp; messages that the replay rejected."""
+
+    recorded: dict[str, dict[int, float]]
+    replayed: dict[str, dict[int, float]]
+    rejected: dict[str, int]
+
+    def assert_same(self, samples: list[ContactSample]) -> None:
+        """Compare all values of samples to the bit."""
+        for name in VALUES:
+            recorded, replayed = self.recorded[name], self.replayed[name]
+            pairs = [(recorded.get(s.stamp_ns), replayed.get(s.stamp_ns)) for s in samples]
+            wrong = [(k, *pair) for k, pair in enumerate(pairs) if repr(pair[0]) != repr(pair[1])]
+            assert wrong[:1] == [], (
+                f'{name} of {len(wrong)} samples: number, recorded, replayed; rejected by the '
+                f'replay, which has {len(replayed)}: {self.rejected}')
 
 
-def assert_same(recording: Recording, samples: list[ContactSample]) -> dict[str, dict[int, float]]:
-    """End the recording and compare all values of all samples to the bit; return the recorded."""
-    stamps = [sample.stamp_ns for sample in samples]
-    recorded = recording.finish(stamps[-1])
-    replayed = recording.replayed()
-    for name in VALUES:
-        pairs = [(recorded[name].get(stamp), replayed[name].get(stamp)) for stamp in stamps]
-        wrong = [(k, *pair) for k, pair in enumerate(pairs) if repr(pair[0]) != repr(pair[1])]
-        assert wrong[:1] == [], (
-            f'{name} of {len(wrong)} samples: number, recorded, replayed; rejected by the replay, '
-            f'which has {len(replayed[name])}: {recording.rejected}')
-    return recorded
-
-
-def test_replay_repeats_changes_reset_and_tare(recording: Recording) -> None:
-    peer, samples = recording.peer, biased(CONTACT, recording.begin_ns)
+def changes_reset_and_tare(peer: Peer, begin_ns: int) -> list[ContactSample]:
+    samples = biased(CONTACT, begin_ns)
     peer.feed(samples[:290])
     assert peer.trigger('tare').success
     peer.feed(samples[290:590])
@@ -146,68 +136,115 @@ def test_replay_repeats_changes_reset_and_tare(recording: Recording) -> None:
     peer.feed(samples[800:900])
     peer.change(estimator='kalman', contact__force_noise=0.7)
     peer.feed(samples[900:])
-    recorded = assert_same(recording, samples)
-    assert recorded['stiffness'][samples[-1].stamp_ns] == pytest.approx(4800.0, rel=0.05)
+    return samples
 
 
-def test_replay_repeats_a_change_amid_a_stream(recording: Recording) -> None:
-    peer, samples = recording.peer, moved(CONTACT, recording.begin_ns)
+def change_amid_a_stream(peer: Peer, begin_ns: int) -> list[ContactSample]:
+    samples = moved(CONTACT, begin_ns)
     peer.feed(samples[:400])
     done = peer.begin_change(estimator='rls')
     peer.feed(samples[400:500])
     peer.spin_until(done, 'the change')
     peer.feed(samples[500:])
-    assert_same(recording, samples)
+    return samples
 
 
-def test_replay_of_mrac_equals_the_node(recording: Recording) -> None:
-    peer, samples = recording.peer, moved(CONTACT, recording.begin_ns)
+def mrac(peer: Peer, begin_ns: int) -> list[ContactSample]:
+    samples = moved(CONTACT, begin_ns)
     peer.change(estimator='mrac')
     peer.wish(samples[0].stamp_ns, 0.01, 30.0)
     peer.feed(samples[:600])
     peer.change(tuning__mrac__stiffness_gain=2e4)
     peer.feed(samples[600:])
-    assert_same(recording, samples)
+    return samples
 
 
-def test_replay_over_a_time_set_back_equals_the_node(recording: Recording) -> None:
-    peer, samples = recording.peer, moved(CONTACT, recording.begin_ns)
+def time_set_back(peer: Peer, begin_ns: int) -> list[ContactSample]:
+    samples = moved(CONTACT, begin_ns)
     peer.feed(samples)
-    again = moved(CONTACT[:-20], recording.begin_ns - PERIOD_NS // 2)
+    again = moved(CONTACT[:-20], begin_ns - PERIOD_NS // 2)
     peer.feed(again[:500])
     peer.change(estimator='rls')
     peer.feed(again[500:])
-    assert_same(recording, samples + again)
+    return samples + again
 
 
-def test_replay_leaves_out_what_the_node_has_rejected(recording: Recording) -> None:
-    peer, samples = recording.peer, moved(CONTACT, recording.begin_ns)
+def rejected_messages(peer: Peer, begin_ns: int) -> list[ContactSample]:
+    samples = moved(CONTACT, begin_ns)
     peer.feed(samples[:500])
     last = samples[499].stamp_ns
     peer.wrenches.publish(wrench(last + 1_000_000, float('nan')))
     peer.wrenches.publish(wrench(last - PERIOD_NS, -99.0))
     peer.joints.publish(joint_state(last, 9.0, 9.0))
     peer.feed(samples[500:])
-    assert_same(recording, samples)
+    return samples
 
 
-def test_a_recorder_without_cpu_for_a_while_loses_nothing(recording: Recording) -> None:
-    peer, samples = recording.peer, moved(CONTACT, recording.begin_ns)
-    peer.feed(samples[:200])
-    recording.recorder.signal(signal.SIGSTOP)
-    peer.feed(samples[200:700])
-    recording.recorder.signal(signal.SIGCONT)
-    peer.feed(samples[700:])
-    assert_same(recording, samples)
-
-
-def test_replay_leaves_out_a_wrench_of_another_frame(recording: Recording) -> None:
-    peer, samples = recording.peer, moved(CONTACT, recording.begin_ns)
+def wrench_of_another_frame(peer: Peer, begin_ns: int) -> list[ContactSample]:
+    samples = moved(CONTACT, begin_ns)
     peer.feed(samples[:500])
     peer.joints.publish(joint_state(samples[500].stamp_ns, samples[500].position, 0.0))
     peer.wrenches.publish(wrench(samples[500].stamp_ns, -99.0, 'elsewhere'))
     peer.feed(samples[501:])
-    assert_same(recording, samples)
+    return samples
+
+
+HAPPENINGS: dict[str, Callable[[Peer, int], list[ContactSample]]] = {
+    happening.__name__: happening for happening in (
+        changes_reset_and_tare, change_amid_a_stream, mrac, time_set_back, rejected_messages,
+        wrench_of_another_frame)
+}
+"""What is done to the node, one after the other in one recording."""
+
+
+@pytest.fixture(scope='module')
+def whole(
+    tmp_path_factory: pytest.TempPathFactory
+) -> tuple[Compared, dict[str, list[ContactSample]]]:
+    """Let everything happen, and replay it."""
+    place, samples = tmp_path_factory.mktemp('whole'), dict[str, list[ContactSample]]()
+    for peer in estimator_and_peer(place / 'estimator', diagnostics_rate=10.0):
+        folder = place / 'recording'
+        with node_process(place / 'recorder', 'recorder_node', output=folder) as recorder:
+            recording = Recording(peer, folder, recorder)
+            peer.begin_ns = recording.begin_ns
+            for name, happen in HAPPENINGS.items():
+                samples[name] = happen(peer, peer.begin_ns)
+                peer.restore_parameters()
+                assert peer.trigger('reset').success
+                peer.begin_ns = max(sample.stamp_ns for sample in samples[name]) + 10**9
+            compared = recording.finish(samples[name][-1].stamp_ns)
+    return compared, samples  # the node has ended
+
+
+@pytest.mark.parametrize('name', HAPPENINGS)
+def test_replay_equals_the_node_whatever_happened(
+    whole: tuple[Compared, dict[str, list[ContactSample]]], name: str
+) -> None:
+    compared, samples = whole
+    compared.assert_same(samples[name])
+
+
+def test_the_estimates_that_are_compared_are_those_of_the_wall(
+    whole: tuple[Compared, dict[str, list[ContactSample]]]
+) -> None:
+    compared, samples = whole
+    last = samples['changes_reset_and_tare'][-1].stamp_ns
+    assert compared.recorded['stiffness'][last] == pytest.approx(4800.0, rel=0.05)
+
+
+def test_a_recorder_without_cpu_for_a_while_loses_nothing(tmp_path: Path) -> None:
+    folder = tmp_path / 'recording'
+    with node_process(tmp_path / 'recorder', 'recorder_node', output=folder) as recorder:
+        for peer in estimator_and_peer(tmp_path / 'estimator', diagnostics_rate=10.0):
+            recording = Recording(peer, folder, recorder)
+            samples = moved(CONTACT, recording.begin_ns)
+            peer.feed(samples[:200])
+            recorder.signal(signal.SIGSTOP)
+            peer.feed(samples[200:700])
+            recorder.signal(signal.SIGCONT)
+            peer.feed(samples[700:])
+            recording.finish(samples[-1].stamp_ns).assert_same(samples)
 
 
 def test_replay_of_a_recording_begun_after_a_tare_equals_the_node(tmp_path: Path) -> None:
@@ -215,10 +252,9 @@ def test_replay_of_a_recording_begun_after_a_tare_equals_the_node(tmp_path: Path
         begin_ns = peer.begin_ns + 10**9
         peer.feed([ContactSample(begin_ns + k * PERIOD_NS, -0.01, 0.0, -2.0) for k in range(300)])
         assert peer.trigger('tare').success
-        peer.begin_ns = begin_ns + 10**9
-        folder = tmp_path / 'recording'
+        peer.begin_ns, folder = begin_ns + 10**9, tmp_path / 'recording'
         with node_process(tmp_path / 'recorder', 'recorder_node', output=folder) as recorder:
             recording = Recording(peer, folder, recorder)
             samples = moved(CONTACT, recording.begin_ns)
             peer.feed([sample._replace(force=sample.force - 2.0) for sample in samples])
-            assert_same(recording, samples)
+            recording.finish(samples[-1].stamp_ns).assert_same(samples)

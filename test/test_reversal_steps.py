@@ -41,7 +41,7 @@ def model() -> PlantParameters:
 @lru_cache(maxsize=None)
 def joint(friction: float, pushed: float) -> Signals:
     """Record the torque of a joint that moves as the others do; the motion is exact."""
-    t = np.arange(0.0, 30.0, 0.004)
+    t = np.arange(0.0, 30.0, 0.008)
     wave, push = np.exp(1j * np.outer(RAD_S, t)), np.exp(1j * np.outer(PUSHING, t))
     x, v, a = (0.3 * np.sum((1j * RAD_S[:, None])**n * wave, axis=0).real for n in range(3))
     torque = MASS * a + DRAG * v + friction * np.sign(v) + pushed * push.sum(axis=0).imag

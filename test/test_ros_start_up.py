@@ -31,14 +31,8 @@ pytestmark = pytest.mark.slow
 WRONG: list[tuple[str, dict[str, Any], list[str]]] = [
     ('estimator_node', {'conditioning.cutoff_frequenzy': 30.0},
      ["did you mean 'conditioning.cutoff_frequency'"]),
-    ('estimator_node', {'environment.initial_stiffness': -5.0},
-     ['environment.initial_stiffness', '-5', 'N/m']),
     ('estimator_node', {'sample_rate': 'fast'}, ['sample_rate', "'fast'"]),
     ('estimator_node', {'estimator': 'fft'}, ["'fft'", 'indirect_adaptive', 'kalman', 'rls']),
-    ('estimator_node', {'reference_law': 'series', 'reference.robot_force_tracking': True},
-     ['series', 'force_tracking']),
-    ('plant_node', {'environment.stifness': 1.0}, ["did you mean 'environment.stiffness'"]),
-    ('plant_node', {'experiment': 'sinus'}, ["'sinus'", "did you mean 'sine'"]),
     ('plant_node', {'experiment': 'missing.yaml'}, ['missing.yaml', 'cannot be read']),
     ('plant_node', {'robot.control': 'force'}, ['robot.control', 'impedance', 'force']),
     ('recorder_node', {}, ['output']),
@@ -71,10 +65,9 @@ def test_unknown_parameter_in_a_file_names_the_nearest(tmp_path: Path) -> None:
     assert_one_line(finished, "did you mean 'tuning.rls.forgetting_factor'")
 
 
-@pytest.mark.parametrize('text', ['estimator_node: [', 'estimator_node: {estimator: rls}\n'])
-def test_malformed_parameter_file_ends_a_node_with_one_line(tmp_path: Path, text: str) -> None:
+def test_malformed_parameter_file_ends_a_node_with_one_line(tmp_path: Path) -> None:
     file = tmp_path / 'parameters.yaml'
-    file.write_text(text)
+    file.write_text('estimator_node: [')
     finished = run_module(
         tmp_path, 'ros.estimator_node', '--ros-args', '--params-file', str(file)
     )

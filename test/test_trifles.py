@@ -22,7 +22,6 @@ from concealed_worlds import diagnosed, nominal, prepared_from
 from contact_estimation.diagnosis.conclude.trifles import without_unconfirmed_trifles
 from contact_estimation.diagnosis.fit.discrepancy import correlation_time, has_discrepancy, weighed
 from contact_estimation.diagnosis.fit.fitting import fit
-from contact_estimation.diagnosis.fit.selection import select
 from contact_estimation.diagnosis.observe.model import Model
 from contact_estimation.diagnosis.observe.prepared_recording import PreparedRecording
 from contact_estimation.diagnosis.observe.residuals import residuals
@@ -85,18 +84,6 @@ def test_nor_does_one_in_which_something_else_is_missing(cubic: float, trifle: b
     base, best = fit(recordings, model), fit(recordings, lawful)
     rest = without_unconfirmed_trifles(recordings, base, best)
     assert (rest is base) is trifle and (rest is None) is not trifle
-
-
-@pytest.mark.parametrize('cubic, named', [(3e5, False), (7e5, False), (1e6, True)])
-def test_a_single_stroke_with_a_rest_needs_more_than_a_trifle_too(
-    cubic: float, named: bool
-) -> None:
-    noise = NOISE * np.random.default_rng(3).standard_normal(len(T))
-    stray = 6.0 * NOISE * np.sin(1.1 * T) + noise
-    prepared, model = specimen(9e-3 * T / T[-1], cubic, stray)
-    base = fit([prepared], model)
-    assert base.cost > 100.0 * base.residual_count
-    assert (select([prepared], base).best.model.effects == ('cubic_stiffness',)) is named
 
 
 def test_what_is_too_little_for_a_name_in_a_single_stroke_is_not_unexplained_either() -> None:

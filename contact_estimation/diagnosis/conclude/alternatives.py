@@ -24,9 +24,9 @@ from ..fit.criteria import EXPLAINED
 from ..fit.discrepancy import has_discrepancy
 from ..fit.first_step import fit_without
 from ..fit.fitting import Fit
+from ..fit.order import ZEROS
 from ..fit.search import Progress, search_family
 from ..fit.selection import Selection
-from ..fit.zeros import ZEROS
 from ..observe.prepared_recording import Recordings
 from ...physics import EFFECTS
 

@@ -40,13 +40,13 @@ from ..fit.first_step import fit_without
 from ..fit.fitting import Fit, fit
 from ..fit.flexible import autocorrelation, predictable_share
 from ..fit.model_uncertainty import discounted
+from ..fit.order import ZEROS
 from ..fit.pairs import is_pair
 from ..fit.pull_offs import is_pulled_off
 from ..fit.same_effects import fitted_again
 from ..fit.search import may_show, Progress
 from ..fit.selection import select, Selection, weigh
 from ..fit.uncertainty import standard_deviations
-from ..fit.zeros import ZEROS
 from ..observe.model import Model, names_of
 from ..observe.prepared_recording import Recordings
 from ...physics import EFFECTS

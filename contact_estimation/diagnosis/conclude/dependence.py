@@ -39,6 +39,7 @@ Places = NDArray[np.int_]
 _STRETCH_S = 0.5
 _DRAWS = 400
 _BAND = (2.5, 97.5)
+_AT_ONCE = 1_000_000  # values of permuted stretches: 8 MB
 _SIGNIFICANCE = 99.0  # percentile of the distribution without dependence
 _BINS = 12
 _PAST = 5  # blocks
@@ -133,8 +134,9 @@ def dependences(
             continue
         use = use[:count * span]
         residual = part[use]
+        orders = generator.permuted(np.tile(np.arange(count), (_DRAWS, 1)), axis=1)
         for binned in _quantities(recording, model, use):
-            found.append(_dependence(name, residual, binned, count, generator))
+            found.append(_dependence(name, residual, binned, orders, generator))
         found.append(_on_frequency(name, residual, recording.block_s, count, generator))
         found.append(_on_past(name, residual, recording.block_s, count, generator))
     return found
@@ -175,9 +177,10 @@ def _named(on: str, names: tuple[str, ...], bins: Places) -> _Binned:
 
 
 def _dependence(
-    channel: str, residual: Array, binned: _Binned, count: int, generator: Generator
+    channel: str, residual: Array, binned: _Binned, orders: Places, generator: Generator
 ) -> Dependence:
-    bins, size = binned.bins, len(binned.middle)
+    """Compare the means of bins with those of stretches in random orders, (draws, count)."""
+    bins, size, count = binned.bins, len(binned.middle), orders.shape[1]
     rows = residual.reshape(count, -1)
     place = bins.reshape(count, -1) + size * np.arange(count)[:, None]
     sums = np.bincount(place.ravel(), residual, count * size).reshape(count, size)
@@ -188,16 +191,22 @@ def _dependence(
     low, high = np.nanpercentile(means, _BAND, axis=0)
     mean = sums.sum(axis=0) / counts.sum(axis=0)
     total = counts.sum(axis=0)
-    permuted = []
-    for _ in range(_DRAWS):
-        other = np.bincount(bins, rows[generator.permutation(count)].ravel(), size) / total
-        permuted.append(float(total @ other**2))
+    permuted = np.concatenate([
+        np.sum(_sums(rows[some].reshape(len(some), -1), bins, size)**2 / total, axis=1)
+        for some in np.array_split(orders, 1 + residual.size * _DRAWS // _AT_ONCE)])
     square = max(float(residual @ residual), 1e-300)
     return Dependence(
         channel, binned.on, binned.unit, float(total @ mean**2) / square,
         float(np.percentile(permuted, _SIGNIFICANCE)) / square, binned.names, binned.middle, mean,
         low, high,
     )
+
+
+def _sums(series: Array, bins: Places, size: int) -> Array:
+    """Sum each of several series over its bins, (series, size)."""
+    place = bins + size * np.arange(len(series))[:, None]
+    sums = np.bincount(place.ravel(), series.ravel(), len(series) * size)
+    return np.asarray(sums.reshape(len(series), size), np.float64)
 
 
 def _drawn(count: int, generator: Generator) -> Array:

@@ -33,6 +33,7 @@ from ..fit.discrepancy import has_discrepancy
 from ..fit.fitting import cost_of, Fit, fit
 from ..fit.free_run import free_run
 from ..fit.model_uncertainty import discounted
+from ..fit.order import ranked_by
 from ..fit.reference_hold import ReferenceHold
 from ..fit.ripple import without_ripple
 from ..fit.same_effects import fitted_again, of_model, with_effects_kept
@@ -160,8 +161,8 @@ def _diagnosed(given: Given, hold: int) -> tuple[Diagnosis, bool]:
 
     def concluded(selected: Selection) -> Diagnosis:
         # The largest misfit first: that recording is located and shown.
-        largest = sorted(selected.recordings, key=lambda one: -cost_of([one], selected.base.model)
-                         / one.residual_count)
+        largest = ranked_by(selected.recordings, lambda one: -cost_of([one], selected.base.model)
+                            / one.residual_count)
         fits = Fitted(nominal, nominal_cost, selected._replace(recordings=largest), others)
         return replace(conclude(fits, given.seed, progress), checks=given.checks,
                        holds_reference=found.holds_reference)
@@ -287,7 +288,7 @@ def _likeliest_between_samples(recordings: Recordings, selection: Selection) -> 
     likeliest = next(iter(BETWEEN))
     least = SHARE * max(costs[likeliest] - best.residual_count, 0.0)
     costs[likeliest] -= max(THRESHOLD * best.residual_count, least)
-    return min(costs, key=lambda name: costs[name])
+    return ranked_by(costs, lambda name: costs[name])[0]
 
 
 def _with_force_between_samples(

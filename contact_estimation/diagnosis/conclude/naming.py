@@ -29,6 +29,7 @@ from .rivals import indistinguishable, is_other, other_families
 from .shares import Shares
 from ..fit.discrepancy import has_discrepancy
 from ..fit.fitting import Fit, fit
+from ..fit.order import prior, ranked_by
 from ..fit.selection import Selection
 from ..observe.model import Model, names_of
 from ..observe.prepared_recording import PreparedRecording, Recordings
@@ -100,7 +101,7 @@ def name_effects(
     told = selection.marked
     if selection.mark is not None and told in best.model.effects:
         likely[told] = probability_of(1.0 - selection.mark.spread)
-    for name in sorted(best.model.effects, key=lambda name: -shares.of[name].share):
+    for name in ranked_by(best.model.effects, lambda name: -shares.of[name].share, prior):
         dropped = fit(recordings, best.model.without(name), steps=8)
         alike = indistinguishable(best, name, selection, recordings, generator)
         cls, share = EFFECTS[name], shares.of[name]

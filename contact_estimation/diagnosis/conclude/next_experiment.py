@@ -37,6 +37,7 @@ from ..fit.fitting import residual_function
 from ..fit.free_run import plant_of, steps_a_sample
 from ..fit.jacobian import differentiate_by
 from ..fit.model_uncertainty import discounted
+from ..fit.order import ranked_by
 from ..observe.episodes import episodes
 from ..observe.model import Model
 from ..observe.observed import Observed
@@ -150,7 +151,7 @@ def _separating(diagnosis: Diagnosis) -> Proposal:
     judge = Judge(diagnosis)
     judged = [(judge.least_difference(candidate.experiment), candidate)
               for candidate in candidates(reach_of(diagnosis))]
-    difference, best = max(judged, key=lambda pair: pair[0].strength)
+    difference, best = ranked_by(judged, lambda pair: -pair[0].strength)[0]
     pairs, noise = (indistinguishable_pairs(diagnosis.effects, diagnosis.rivals),
                     diagnosis.recordings[0].force_noise)
     return Proposal(_sentence(pairs, best, difference, len(judged), noise), best.repeated())

@@ -27,6 +27,7 @@ from ..fit.discrepancy import has_discrepancy
 from ..fit.first_step import fit_without
 from ..fit.fitting import Fit, fit
 from ..fit.model_uncertainty import discounted
+from ..fit.order import ranked
 from ..fit.search import search, search_family
 from ..fit.selection import Selection
 from ..fit.zeros import beside, zeros_lacking
@@ -90,7 +91,7 @@ def _rivals(selection: Selection, name: str, recordings: Recordings) -> list[Fit
     fits += _until_a_return(selection, name, recordings)
     fits.sort(key=lambda found: found.cost, reverse=True)
     best_of = {found.model.effects[-1]: found for found in fits if found.model.plausible()}
-    return sorted(best_of.values(), key=lambda found: found.cost)
+    return ranked(best_of.values(), lambda found: found.cost)
 
 
 def beside_zeros(selection: Selection, name: str, recordings: Recordings) -> list[Fit]:

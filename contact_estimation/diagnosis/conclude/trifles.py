@@ -24,7 +24,7 @@ from ..fit.criteria import EXPLAINED, OF_LITTLE, SURELY_MOST
 from ..fit.discrepancy import correlation_time, has_discrepancy, material, weighed
 from ..fit.first_step import fit_without
 from ..fit.fitting import Fit
-from ..fit.zeros import ZEROS
+from ..fit.order import ZEROS
 from ..observe.prepared_recording import Recordings
 from ..observe.residuals import residuals
 from ...physics import EFFECTS

@@ -21,6 +21,7 @@ from typing import Sequence
 from .criteria import ADEQUATE, enough, LEFT, noise_scale, penalty
 from .first_step import fit_without
 from .fitting import cost_of, Fit, fit, fit_to_end
+from .order import best as best_of, prior, ranked, ranked_by
 from .search import is_credible, is_curve, Progress, search
 from .simplest import FLEXIBLE_LEAD
 from ..observe.prepared_recording import Recordings
@@ -106,7 +107,7 @@ def exact_pair(
     fits = [fit_to_end(recordings, fit(recordings, one.model)) for _, one in nearest]
     laws = [one for one in fits
             if not is_curve(recordings, one)]
-    best = min(laws, key=lambda one: one.cost + penalty(one.model), default=None)
+    best = best_of(laws, lambda one: one.cost + penalty(one.model))
     if best is None or best.cost > most:
         return []
     beside = search(recordings, best, progress)
@@ -121,7 +122,7 @@ def exact_pair(
 def _nearest(recordings: Recordings, found: Sequence[Fit]) -> list[tuple[float, Fit]]:
     """Return the best candidates by their cost without a discrepancy, and that cost."""
     costs = [(cost_of(recordings, one.model), one) for one in found[:_ASSESSED]]
-    return sorted(costs, key=lambda pair: pair[0])
+    return ranked_by(costs, lambda pair: pair[0], lambda pair: prior(pair[1].name))
 
 
 def simplest_first(fits: Sequence[Fit], present: float) -> list[Fit]:
@@ -180,7 +181,7 @@ def laws_before_curves(
         return (one.cost + scale * penalty(one.model)
                 + lead * is_curve(recordings, one))
 
-    return sorted(fits, key=charged)
+    return ranked(fits, charged)
 
 
 def exchange(

@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 
 from .fitting import Fit, fit, residual_function, sum_of_squares
 from .jacobian import differentiate_by
+from .order import ranked_by
 from ..observe.model import Model, names_of
 from ..observe.prepared_recording import Recordings
 from ..observe.residuals import bends, huber
@@ -131,15 +132,15 @@ def steps(
     """
     made = [_Start(recordings, model, before) for model in starts]
     if before is not None and len(made) > _DIFFERENTIATED and made[0].has_size_and_shape:
-        made = sorted(made, key=lambda start: start.in_size)[:_DIFFERENTIATED]
-    near = sorted(made, key=lambda start: start.foretold)
+        made = ranked_by(made, lambda start: start.in_size)[:_DIFFERENTIATED]
+    near = ranked_by(made, lambda start: start.foretold)
     taken: list[Step] = []
     for start in near:
         if taken and start.foretold > min(step.cost for step in taken):
             taken.append(Step(start.foretold, start.model, start.model, None))
         else:
             taken.append(start.step())
-    return sorted(taken, key=lambda step: step.cost)
+    return ranked_by(taken, _cost_of)
 
 
 def fit_without(recordings: Recordings, model: Model, names: Sequence[str]) -> Fit:

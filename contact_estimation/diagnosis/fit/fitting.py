@@ -60,6 +60,11 @@ class Fit(NamedTuple):
     residual_count: int
     ended: bool = True
 
+    @property
+    def name(self) -> str:
+        """Return the last effect of the model; '' if it has none."""
+        return self.model.effects[-1] if self.model.effects else ''
+
 
 def residual_function(
     recordings: Recordings, model: Model, robust: bool = True,

@@ -31,6 +31,7 @@ from numpy.typing import NDArray
 
 from .candidate import Candidate
 from .invariance import errors_with_own_size
+from .order import prior, ranked, ranked_by
 from .parts import Part
 from .share import Share, share_of
 from .zeros import resembles_zero
@@ -94,7 +95,8 @@ def law_in_form(
                and (one.total <= most or float(np.min(share.parts)) >= _SURE)]
     if not holding:
         return None
-    best, leading = max(holding, key=lambda pair: pair[1].share)
+    best, leading = ranked_by(
+        holding, lambda pair: -pair[1].share, lambda pair: prior(pair[0].name))[0]
     family = EFFECTS[best.name].family
     others = [share.share for one, share in zip(candidates, shares)
               if EFFECTS[one.name].family != family]
@@ -102,4 +104,4 @@ def law_in_form(
         return None
     alike = [one for one, share in holding
              if EFFECTS[one.name].family == family and share.share > leading.share - _LEAD]
-    return min(alike, key=lambda one: (one.size, one.total))
+    return min(ranked(alike, lambda one: one.total), key=lambda one: one.size)

@@ -32,10 +32,10 @@ from .criteria import ADEQUATE, predicts_enough, SHARE_OF_WHOLE
 from .discrepancy import noise_by_channel
 from .fitting import Fit
 from .invariance import left_out_errors
+from .order import ranked, ZEROS
 from .parts import Part
 from .search import is_curve, search
 from .share import share_of
-from .zeros import ZEROS
 from ..observe.prepared_recording import Recordings
 from ...physics import EFFECTS
 
@@ -111,19 +111,19 @@ def pairs_that_predict(
     pairs = [pair for law in elastic
              for pair in search(recordings, law, lambda name: None, losses)]
     excess = present.cost - float(noise_by_channel(recordings, present.model).sum())
-    fitting = sorted((pair for pair in pairs if present.cost - pair.cost > _LEAST_FIT * excess),
-                     key=lambda pair: pair.cost)
-    assessed = [pair for pair in assess(recordings, fitting[:_ASSESSED], parts, before, None)
-                if not pair.flexible]
+    fitting = ranked((pair for pair in pairs if present.cost - pair.cost > _LEAST_FIT * excess),
+                     lambda pair: pair.cost)
+    tried = assess(recordings, fitting[:_ASSESSED], parts, before, None)
+    assessed = ranked((pair for pair in tried if not pair.flexible), lambda pair: pair.total)
     if not assessed:
         return []
-    best = min(assessed, key=lambda pair: pair.total)
+    best = assessed[0]
     share = share_of(before, best.errors, parts, before)
     if share.share < least or not predicts_enough(share, share):
         return []
     most = best.total + ADEQUATE * (squares - best.total)
     adequate = [pair for pair in assessed if pair.total <= most]
-    pair = min(adequate, key=lambda pair: (len(pair.found.model.values), pair.total))
+    pair = min(adequate, key=lambda pair: len(pair.found.model.values))
     law, loss = pair.found.model.effects[-2:]
     alone = (_alone(recordings, found, name, parts, before) for name in (law, loss))
     if any(errors - pair.total <= SHARE_OF_WHOLE * misfit for errors in alone):
@@ -131,8 +131,8 @@ def pairs_that_predict(
     if any(float(fitted_errors(one, parts).sum()) <= pair.expected for one in found
            if not is_curve(recordings, one)):
         return []  # one law may be all, though parts of a single cycle do not confirm it
-    others = [one for one in adequate if one is not pair and law in one.found.model.effects]
-    return [pair, *sorted(others, key=lambda other: other.total)]
+    others = (one for one in adequate if one is not pair and law in one.found.model.effects)
+    return [pair, *others]
 
 
 def _alone(

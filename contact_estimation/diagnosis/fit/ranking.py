@@ -34,11 +34,12 @@ from .fitting import Fit
 from .form import law_in_form
 from .invariance import channel_by_gain, judged_by_channel, left_out_errors, ROBOT
 from .marks import Mark
+from .order import best as best_of, prior, ranked, ranked_by, ZEROS
 from .pairs import pairs_that_predict
 from .parts import counts_of, evened, parts_of
 from .share import share_of
 from .simplest import adequate, simplest_curve
-from .zeros import is_zero, resembles_zero, without_laws, ZEROS, Zeros
+from .zeros import is_zero, resembles_zero, without_laws, Zeros
 from ..observe.prepared_recording import Recordings
 
 Array = NDArray[np.float64]
@@ -151,7 +152,7 @@ def _channel(recordings: Recordings, present: Fit, found: Fit) -> int | None:
 
 def _best(taken: Sequence[Candidate], before: float) -> Candidate | None:
     """Return the best of the channels' candidates; of curves the simplest that is adequate."""
-    best = min(taken, key=lambda one: one.expected, default=None)
+    best = best_of(taken, lambda one: one.expected)
     return simplest_curve(taken, before) if best is not None and best.flexible else best
 
 
@@ -162,7 +163,7 @@ def _others(
     most = best.total + ADEQUATE * (before - best.total)
     rest = (one for one in assessed
             if one.name != best.name and one.flexible <= best.flexible and one.total <= most)
-    return sorted(rest, key=lambda one: one.total)
+    return ranked(rest, lambda one: one.total)
 
 
 def first_that_predicts(
@@ -199,7 +200,7 @@ def first_that_predicts(
                     return beside
     # Where neither a law nor an offset predicts enough alone, both together may.
     laws = [one for one in candidates if not one.flexible and not resembles_zero(one.name)]
-    for one in sorted(laws, key=lambda one: one.total)[:_BESIDE_ZEROS * len(zeros.names)]:
+    for one in ranked(laws, lambda one: one.total)[:_BESIDE_ZEROS * len(zeros.names)]:
         beside = zeros.beside(one)
         if beside is not None and len(beside.found.model.effects) > len(one.found.model.effects):
             return beside
@@ -230,8 +231,8 @@ def _promising(
     gains = [float(np.sum((before - costs_by_channel(recordings, one, counts))[columns]))
              for one in found]
     least = max(least_share * misfit, _PROMISING * max(gains, default=0.0))
-    order = np.argsort(gains, kind='stable')[::-1][:_ASSESSED]
-    return [found[k] for k in sorted(order) if gains[k] > least]
+    order = ranked_by(range(len(found)), lambda k: -gains[k], lambda k: prior(found[k].name))
+    return [found[k] for k in sorted(order[:_ASSESSED]) if gains[k] > least]
 
 
 def _is_little(recordings: Recordings, present: Fit, channel: int | None) -> bool:

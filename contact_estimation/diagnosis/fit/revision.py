@@ -25,9 +25,9 @@ from .exact_laws import BEYOND_DOUBT
 from .first_step import fit_without
 from .fitting import Fit
 from .invariance import left_out_errors
+from .order import best as best_of, ranked, ZEROS
 from .parts import parts_of
 from .search import may_show, Progress, search, search_family
-from .zeros import ZEROS
 from ..observe.prepared_recording import Recordings
 from ...physics import EFFECTS
 
@@ -58,7 +58,7 @@ def narrowest(recordings: Recordings, base: Fit, best: Fit, progress: Progress) 
         laws = [law for law in candidates_in(recordings, rest.model)
                 if EFFECTS[law].family == EFFECTS[name].family and not EFFECTS[law].is_series]
         fits = search(recordings, rest, progress, laws)
-        found = min(fits, key=lambda one: one.cost, default=best)
+        found = best_of(fits, lambda one: one.cost) or best
         sharply = best.cost < best.residual_count and found.cost > best.cost + BEYOND_DOUBT
         if base.cost - found.cost >= _OF_WIDER * (base.cost - best.cost) and not sharply:
             best = found
@@ -92,7 +92,7 @@ def _of_family(recordings: Recordings, best: Fit, laws: Sequence[Fit]) -> Fit:
     if len(laws) < 2 or not has_discrepancy(recordings):
         return next(iter(laws), best)
     parts = parts_of(recordings, best)
-    return min(laws, key=lambda one: float(left_out_errors(recordings, one, parts).sum()))
+    return ranked(laws, lambda one: float(left_out_errors(recordings, one, parts).sum()))[0]
 
 
 def without_trifles(recordings: Recordings, best: Fit) -> Fit:

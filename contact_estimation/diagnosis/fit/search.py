@@ -26,6 +26,7 @@ from .criteria import noise_scale, penalty
 from .discrepancy import costs_by_channel, has_discrepancy
 from .first_step import fit_without, Step, steps, Straight, straight_at
 from .fitting import cost_of, Fit, fit, fit_at, fit_to_end
+from .order import prior, ranked, ranked_by
 from .scales import measure_scales
 from ..observe.cycle import keeps_step
 from ..observe.model import Model, names_of
@@ -91,8 +92,8 @@ def search(
         if EFFECTS[name].resonates and not scales.driven:
             start = _fit_on(recordings, start, 4)
         near.append(start)
-    started = [_fit_on(recordings, one, 4) for one in nearest(recordings, near)]
-    started.sort(key=lambda found: found.cost + penalty(found.model))
+    started = ranked((_fit_on(recordings, one, 4) for one in nearest(recordings, near)),
+                     lambda found: found.cost + penalty(found.model))
     law = min((found.cost for found in started if not is_curve(recordings, found)), default=np.inf)
     fits, rest = list[Fit](), started[_FOLLOWED:]
     for found in started[:_FOLLOWED]:  # a curve that does not lead the laws is not taken
@@ -100,11 +101,11 @@ def search(
             rest.append(found)
         else:
             fits.append(_fit_on(recordings, found, 8))
-    fits.sort(key=lambda found: found.cost)
+    fits = ranked(fits, lambda found: found.cost)
     fits[:_TO_END] = [fit_to_end(recordings, found) for found in fits[:_TO_END]]
     fits = [found for found in fits + rest if is_credible(recordings, found.model)]
     scale = noise_scale(min(fits, key=lambda found: found.cost)) if fits else 1.0
-    return sorted(fits, key=lambda found: found.cost + scale * penalty(found.model))
+    return ranked(fits, lambda found: found.cost + scale * penalty(found.model))
 
 
 def _starts(model: Model, name: str, scales: Scales) -> list[Model]:
@@ -164,7 +165,7 @@ def search_family(
     rest = fit_without(recordings, model, (name,))
     laws = [law for law in candidates_in(recordings, rest.model)
             if EFFECTS[law].family == EFFECTS[name].family and law != name]
-    return sorted(search(recordings, rest, progress, laws), key=lambda found: found.cost)
+    return ranked(search(recordings, rest, progress, laws), lambda found: found.cost)
 
 
 def is_credible(recordings: Recordings, model: Model) -> bool:
@@ -313,15 +314,20 @@ def nearest(recordings: Recordings, near: Sequence[Fit]) -> list[Fit]:
         return []
     price = [penalty(one.model) for one in near]
     costs = np.array([costs_by_channel(recordings, one) for one in near])
-    order = np.argsort(costs.sum(axis=1) + price, kind='stable').tolist()
-    names = [one.model.effects[-1] for one in near]
+    names = [one.name for one in near]
+
+    def by(cost: Array) -> list[int]:
+        charged = (cost + price).tolist()
+        return ranked_by(range(len(near)), lambda k: charged[k], lambda k: prior(names[k]))
+
+    order = by(costs.sum(axis=1))
     curves = [is_curve(recordings, one) for one in near]
     laws_first = sorted(order, key=lambda k: curves[k])
     of_family = {EFFECTS[names[k]].family: k for k in reversed(laws_first)}
     kept = {*order[:_STARTED], *of_family.values()}
     for of_channel in costs.T if has_discrepancy(recordings) else ():
         if of_channel.any():
-            kept |= set(np.argsort(of_channel + price, kind='stable')[:_OF_CHANNEL].tolist())
+            kept |= set(by(of_channel)[:_OF_CHANNEL])
     return [near[k] for k in sorted(kept)]
 
 
@@ -354,4 +360,5 @@ def _likeliest(recordings: Recordings, starts: Sequence[Model], taken: Sequence[
     brief = [fit(recordings, step.start, steps=8, briefly=True).model
              for step in taken[:1 + len(starts) // _MANY]]
     costs += [cost, *(cost_of(recordings, model) for model in brief)]
-    return [*starts, near, *brief][int(np.argmin(costs))]
+    every = [*starts, near, *brief]
+    return every[ranked_by(range(len(every)), lambda k: costs[k])[0]]

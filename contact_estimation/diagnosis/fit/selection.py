@@ -40,11 +40,12 @@ from .exact_laws import exact_laws, exact_pair, exchange, laws_before_curves, pr
 from .fitting import Fit, fit
 from .flexible import predictable_share
 from .marks import law_by_mark, Mark
+from .order import ZEROS
 from .ranking import rank_by_prediction, Ranking
 from .revision import as_shown, narrowest, without_trifles
 from .search import is_curve, Progress, search
 from .simplest import FLEXIBLE_LEAD
-from .zeros import beside, ZEROS, zeros_lacking
+from .zeros import beside, zeros_lacking
 from ..observe.model import Model
 from ..observe.prepared_recording import Recordings
 from ...physics import EFFECTS

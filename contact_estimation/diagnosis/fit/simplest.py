@@ -30,6 +30,7 @@ from .candidate import Candidate
 from .criteria import ADEQUATE
 from .fitting import fit
 from .invariance import left_out_errors
+from .order import best, is_tie, ranked
 from .parts import Part
 from .share import share_of
 from .zeros import resembles_zero
@@ -72,7 +73,7 @@ def adequate(
 
     """
     laws = [one for one in assessed if not one.flexible]
-    winner = min(laws, key=lambda one: one.total, default=None)
+    winner = best(laws, _total)
     curve = simplest_curve(assessed, float(before.sum()))
     if curve is not None and _leads(curve, winner, before, parts):
         share = share_of(before, curve.errors, parts, before, curve.channel)
@@ -83,11 +84,10 @@ def adequate(
             return []
     if winner is None:
         return []
-    best = min(laws, key=lambda one: one.expected)
-    most = best.expected + ADEQUATE * (float(before.sum()) - best.expected)
-    listed = sorted((one for one in laws if one.expected <= most), key=lambda one: one.expected)
-    simpler = [one for one in listed if one.size < best.size]
-    first = min(simpler, key=lambda one: (one.size, one.expected), default=best)
+    ordered = ranked(laws, lambda one: one.expected)
+    most = (1.0 - ADEQUATE) * ordered[0].expected + ADEQUATE * float(before.sum())
+    listed = [one for one in ordered if one.expected <= most]
+    first = min(listed, key=lambda one: one.size, default=ordered[0])
     first = _bias_instead(laws, first)
     first = _instead_of_series(laws, first, float(before.sum()))
     first = _simpler_beside_an_offset(recordings, laws, first, before, parts)
@@ -113,8 +113,8 @@ def simplest_curve(assessed: Sequence[Candidate], before: float) -> Candidate | 
     """
     curves = [one for one in assessed if one.flexible]
     least = min((one.total for one in curves), default=0.0)
-    return min((one for one in curves if one.total <= least + ADEQUATE * (before - least)),
-               key=lambda one: (one.size, one.total), default=None)
+    alike = (one for one in curves if one.total <= least + ADEQUATE * (before - least))
+    return min(ranked(alike, _total), key=lambda one: one.size, default=None)
 
 
 def _leads(
@@ -145,9 +145,8 @@ def _instead_of_series(
         return winner
     most = winner.total + (1.0 - _OF_LAW) * (before - winner.total)
     family = EFFECTS[winner.name].family
-    return min((one for one in laws if not EFFECTS[one.name].is_series
-                and EFFECTS[one.name].family == family and one.total <= most),
-               key=lambda one: one.total, default=winner)
+    return best((one for one in laws if not EFFECTS[one.name].is_series
+                 and EFFECTS[one.name].family == family and one.total <= most), _total) or winner
 
 
 def _simpler_beside_an_offset(
@@ -158,13 +157,18 @@ def _simpler_beside_an_offset(
     if 'force_bias' in taken.found.model.effects:
         return taken
     gain = float(before.sum()) - taken.total
-    for one in sorted(assessed, key=lambda one: one.total):
+    for one in ranked(assessed, _total):
         # A clearance and a bias are two zeros: they replace a law only if the one does already.
         weak = resembles_zero(one.name) and one.total > taken.total + (1.0 - _OF_LAW) * gain
         if one.size < taken.size and not one.flexible and not weak:
             model = one.found.model.with_effect('force_bias', (0.0,))
             errors = left_out_errors(recordings, fit(recordings, model), parts)
             slack = ADEQUATE * gain if one.size + 1 < taken.size else 0.0
-            if float(errors.sum()) <= taken.total + slack:
+            total, most = float(errors.sum()), taken.total + slack
+            if total <= most or is_tie(total, most):
                 return one
     return taken
+
+
+def _total(one: Candidate) -> float:
+    return one.total

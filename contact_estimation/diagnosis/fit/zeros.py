@@ -33,6 +33,7 @@ from .discrepancy import material, weighed
 from .first_step import fit_without
 from .fitting import Fit, fit, fit_to_end
 from .invariance import left_out_errors
+from .order import ZEROS
 from .parts import Part
 from .share import Share, share_of
 from ..observe.model import Model
@@ -40,9 +41,6 @@ from ..observe.prepared_recording import Recordings
 from ...physics import EFFECTS
 
 Array = NDArray[np.float64]
-
-ZEROS = ('force_bias', 'contact_offset')
-"""Constants of sensor and surface that every rig has to some extent."""
 
 
 class Zeros(NamedTuple):

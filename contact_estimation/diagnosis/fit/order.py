@@ -1,0 +1,162 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+The order of candidates: by score, and where scores are equal, by a prior order of the effects.
+
+On some motions two laws are the same force, as a bias and an offset of an attached spring are.
+Rounding alone, which differs between processors, would then decide which of them is named.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Callable, Iterable, Protocol, TypeVar
+
+from ..observe.model import names_of
+from ...physics import EFFECTS
+
+ZEROS = ('force_bias', 'contact_offset')
+"""Constants of sensor and surface that every rig has to some extent."""
+
+TIE = 1e-6
+"""
+Relative difference up to which scores are equal, and absolute one of scores below 1.
+
+A search ends at this relative gain, and sums of squares in variances of the noise that differ by
+less than 1 are equally likely for any data.
+"""
+
+_BY_PRIOR = (*ZEROS, *(name for name in EFFECTS if name not in ZEROS))
+
+
+class Named(Protocol):
+    """What adds one effect to a model."""
+
+    @property
+    def name(self) -> str:
+        """Return the name of that effect."""
+
+
+Item = TypeVar('Item')
+Law = TypeVar('Law', bound=Named)
+
+
+def prior(name: str) -> tuple[int, int]:
+    """
+    Return the rank of an effect where the data cannot tell it from another.
+
+    Parameters
+    ----------
+    name : str
+        Of the effect; '' for none.
+
+    Returns
+    -------
+    rank : (int, int)
+        Fewest parameters first; then the zero of the sensor, that of the surface, and the others
+        in the order of EFFECTS.
+
+    """
+    return (len(names_of(name)), _BY_PRIOR.index(name)) if name else (0, 0)
+
+
+def ranked(laws: Iterable[Law], score: Callable[[Law], float]) -> list[Law]:
+    """
+    Sort candidates by score, those with equal scores by their prior order.
+
+    Parameters
+    ----------
+    laws : iterable of Fit or Candidate
+        Each with an effect.
+    score : callable
+        The less, the better.
+
+    Returns
+    -------
+    laws : list
+        Best first.
+
+    """
+    return ranked_by(laws, score, lambda law: prior(law.name))
+
+
+def best(laws: Iterable[Law], score: Callable[[Law], float]) -> Law | None:
+    """
+    Return the first candidate of `ranked`.
+
+    Parameters
+    ----------
+    laws, score
+        As of `ranked`.
+
+    Returns
+    -------
+    law : Fit or Candidate, or None
+        None if there is none.
+
+    """
+    return next(iter(ranked(laws, score)), None)
+
+
+def ranked_by(
+    items: Iterable[Item], score: Callable[[Item], float],
+    first: Callable[[Item], Any] = lambda item: 0,
+) -> list[Item]:
+    """
+    Sort by score, equal scores by what goes first, else in the order given.
+
+    Parameters
+    ----------
+    items : iterable
+        Of any kind.
+    score : callable
+        The less, the better.
+    first : callable
+        Key of the items with equal scores.
+
+    Returns
+    -------
+    items : list
+        Best first.
+
+    """
+    given = list(items)
+    scores = [score(item) for item in given]
+    groups = list[list[int]]()
+    for k in sorted(range(len(given)), key=lambda k: scores[k]):
+        if groups and is_tie(scores[k], scores[groups[-1][0]]):
+            groups[-1].append(k)
+        else:
+            groups.append([k])
+    for group in groups:
+        group.sort(key=lambda k: (first(given[k]), k))
+    return [given[k] for group in groups for k in group]
+
+
+def is_tie(score: float, other: float) -> bool:
+    """
+    Return whether two scores differ by no more than rounding and the end of a search.
+
+    Parameters
+    ----------
+    score, other : float
+        The less, the better.
+
+    Returns
+    -------
+    tie : bool
+        If so, neither is better.
+
+    """
+    return score == other or abs(score - other) <= TIE * max(1.0, abs(other))

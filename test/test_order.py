@@ -1,0 +1,92 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Rounding, which differs between processors, decides nothing that a diagnosis says."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from concealed_worlds import nominal
+from contact_estimation.diagnosis.conclude.diagnose import diagnose
+from contact_estimation.diagnosis.fit.order import best, ranked, ranked_by
+from contact_estimation.diagnosis.observe.signals import Recording, Signals
+from contact_estimation.physics import EFFECTS
+import numpy as np
+import pytest
+
+ATTACHED = nominal(environment__unilateral=False, environment__stiffness=60.0,
+                   environment__damping=20.0)
+
+
+class Scored(NamedTuple):
+    """A candidate with its score."""
+
+    name: str
+    score: float
+
+
+def score_of(one: Scored) -> float:
+    return one.score
+
+
+def names(*given: tuple[str, float]) -> list[str]:
+    return [one.name for one in ranked((Scored(*each) for each in given), score_of)]
+
+
+def test_the_better_score_goes_first() -> None:
+    assert names(('force_bias', 2.0), ('stribeck_friction', 1.0)) == [
+        'stribeck_friction', 'force_bias']
+
+
+@pytest.mark.parametrize('score', [1e-30, 0.2, 2.0, 1e6])
+@pytest.mark.parametrize('rounding', [-1e-9, 0.0, 1e-9])
+def test_of_equal_scores_the_zero_of_the_sensor_goes_before_that_of_the_surface(
+    score: float, rounding: float
+) -> None:
+    given = ('contact_offset', score), ('force_bias', score * (1.0 + rounding))
+    assert names(*given) == names(*reversed(given)) == ['force_bias', 'contact_offset']
+
+
+def test_of_equal_scores_fewest_parameters_go_first_then_the_order_of_effects() -> None:
+    order = ['force_bias', 'coulomb_friction', 'force_gain', 'presliding_friction']
+    assert names(*((name, 1.0) for name in sorted(order, reverse=True))) == order
+    assert len(set(names(*((name, 1.0) for name in EFFECTS)))) == len(EFFECTS)
+
+
+def test_what_has_no_prior_keeps_its_order_at_equal_scores() -> None:
+    scores = [1.0 + 1e-9, 1.0, 0.5]
+    assert ranked_by(range(3), lambda k: scores[k]) == [2, 0, 1]
+
+
+def test_none_is_the_best_of_none() -> None:
+    assert best([], score_of) is None
+
+
+def told(perturbation: float) -> list[tuple[str, list[str], float]]:
+    """Diagnose a biased sensor on an attached wall, pushed one way, with data rounded anew."""
+    t, draw = np.arange(0.0, 30.0, 0.02), np.random.default_rng(5)
+    x = 0.1 * t / 30.0 + 0.002 * np.sin(t)
+    force = -60.0 * x - 20.0 * np.gradient(x, t) - 12.0 + draw.normal(0.0, 0.05, len(t))
+    x, force = (each * (1.0 + perturbation * draw.uniform(-1.0, 1.0, len(t)))
+                for each in (x, force))
+    found = diagnose(Recording('', Signals(t, force, t, x, t[:0], np.empty((4, 0)))), ATTACHED)
+    return [(one.name, one.indistinguishable_from, round(one.probability, 2))
+            for one in found.effects]
+
+
+@pytest.mark.parametrize('perturbation', [0.0, 2e-12, 3e-12])
+def test_rounding_of_the_data_changes_neither_names_nor_their_order(perturbation: float) -> None:
+    # A bias is the same force as an offset of the spring, and one way as a dry friction.
+    assert told(perturbation) == [('force_bias', ['contact_offset', 'coulomb_friction'], 0.32)]
