@@ -16,6 +16,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from math import exp, inf, isfinite, log, nan, sqrt
 from typing import Iterator, NamedTuple, Sequence
 
@@ -32,6 +33,7 @@ from .laws import (
     MOVING, NAMES, ONE, RATE, scales, shifted_table, UNKNOWNS)
 from .runs import Change, decided, Runs
 from .smoothing import Smoothing
+from .touch import surface_of_touch
 
 _FIRST = 20  # samples from which period and noise are learned
 _BLOCK_S = 0.020  # of samples that are processed together
@@ -48,6 +50,8 @@ _ALERT = 5  # blocks judged after a surprise
 _SURPRISE = 4.0  # mean square of a block, over the noise's: chi^2 of 5 to 10 rows, below 1e-3
 _CLIPPED = 4.0  # times the mean so far: a change is no misfit
 _OUTSIDE, _OUTSIDE_M = 4.0, 5e-4  # of a surface [deviations, m]: no force is that of the wall
+_TAP_S = 0.06  # contact that is shorter has few rows or none beside those of its touch
+_STRADDLES = 0.3  # of the depth: as well must the surface be known for rows across it
 _START = 3  # blocks in which the scale of the priors is not known
 _SETTLED = 10  # blocks, from which the lag is learned
 _DEPTH_S = 1.0  # over which the mean depth is taken
@@ -214,6 +218,7 @@ class WallPosterior:
         self._raw: list[tuple[float, ...]] = []
         self._filled = 0
         self._work: Iterator[None] | None = None
+        self._tap: list[tuple[float, float]] | None = None
 
     # -- samples ----------------------------------------------------------------------------
 
@@ -266,9 +271,60 @@ class WallPosterior:
         outermost = known.surface - _OUTSIDE * known.surface_std - _OUTSIDE_M
         taught = state == CONTACT and usable and not felt_x < outermost
         self._raw.append((force, x, v, float(taught)))
+        self._follow_tap(force, x, before, state)
         if len(self._raw) >= self._block:
             self._close()
         return state
+
+    def _follow_tap(self, force: float, x: float, before: int, state: int) -> None:
+        """Keep the samples around a touch; a contact that was shorter than rows has no others."""
+        tap = self._tap
+        if state == CONTACT:
+            if before != CONTACT:
+                self._tap = tap = list(self._recent)
+            if tap is not None:
+                tap.append((force, x))
+                if len(tap) > self._longest_tap:
+                    self._tap = None
+        elif tap is not None:
+            self._tap = None
+            if self._work is not None:
+                self._go_on(to_end=True)
+            self._work = self._learn_tap(np.array(tap).T)
+        self._recent.append((force, x))
+
+    def _learn_tap(self, samples: Array) -> Iterator[None]:
+        """Add the rows of a short contact, about the surface that it shows."""
+        smooth = self._smoothing
+        force, x = samples
+        force = force - self.contact.level
+        deviation = sqrt(self.contact.variance)
+        pressing = np.flatnonzero(force > _PRESSES * deviation)
+        if not len(pressing):
+            return
+        end = int(pressing[-1])  # the release, where the wall lets go, is not used
+        force, x = force[:end], x[:end]
+        windows = (len(x) - 2 * smooth.half - 1) // smooth.hop + 1
+        if windows < 1:
+            return
+        length = smooth.length(windows)
+        force, x = force[-length:], x[-length:]
+        yield
+        found = surface_of_touch(
+            smooth, force, x, smooth.hop / self.contact.variance, self._gram, self._x0,
+            self._scale, tuple(np.array(self._surfaces).T))  # type: ignore[arg-type]
+        if found is None:
+            return
+        yield
+        surface, std = found
+        if std < _STRADDLES * self._move_to(surface):
+            phi = smooth.rows(force, x, np.full(len(x), nan), self._x0, self._noise, True)
+            self._add((phi * self._weights(phi)) @ phi.T, phi)
+            yield
+            if self._blocks <= _START:
+                self._find_scale()
+            yield from self._judge()
+            self._runs.begin()
 
     def _go_on(self, to_end: bool = False) -> None:
         """Do the next part of the work on the last block, so that no sample takes long."""
@@ -296,6 +352,8 @@ class WallPosterior:
         self._block = self._long = _LONG * self._short
         self._parts = -(-_PARTS // max(self._short - 1, 1))
         self._buffer = np.zeros((4, smooth.length(self._long // smooth.hop) + 4))
+        self._recent: deque[tuple[float, float]] = deque(maxlen=3 * smooth.half)
+        self._longest_tap = 3 * smooth.half + round(_TAP_S / period_s)
         self._filled = 0
 
     def _bridge(self, steps: int, now: tuple[float, float, float]) -> None:
@@ -599,15 +657,21 @@ class WallPosterior:
     def _follow_surface(self) -> None:
         """Move the reference of the columns to the surface where that is known better."""
         known = self.known
-        delta = known.surface - self._x0
-        if known.valid and abs(delta) > max(2.0 * known.surface_std, AS_TOLD_M) and (
+        off = abs(known.surface - self._x0)
+        if known.valid and off > max(2.0 * known.surface_std, AS_TOLD_M) and (
                 known.surface_std < 0.3 * self._depth):
-            table = shifted_table(delta)
-            self._gram = table @ self._gram @ table.T
-            self._moving = table @ self._moving @ table.T
-            self._runs.move(table)
-            self._x0 += delta
-            self._depth = max(self._depth - delta, 1e-5)
+            self._move_to(known.surface)
+
+    def _move_to(self, surface: float) -> float:
+        """Move the reference of the columns to a place [m]; return the mean depth from there."""
+        delta = surface - self._x0
+        table = shifted_table(delta)
+        self._gram = table @ self._gram @ table.T
+        self._moving = table @ self._moving @ table.T
+        self._runs.move(table)
+        self._x0 += delta
+        self._depth = max(self._depth - delta, 1e-5)
+        return self._depth
 
 
 def _signs(judged: Judged, laws: Ints, scene: Scene) -> Array:
