@@ -52,6 +52,11 @@ _CLIPPED = 4.0  # times the mean so far: a change is no misfit
 _OUTSIDE, _OUTSIDE_M = 4.0, 5e-4  # of a surface [deviations, m]: no force is that of the wall
 _TAP_S = 0.06  # contact that is shorter has few rows or none beside those of its touch
 _STRADDLES = 0.3  # of the depth: as well must the surface be known for rows across it
+_FASTEST, _REACH = 20.0, 1e-3  # twice any arm [m/s], a step of a coarse sensor [m]
+_BELIEVED = 10  # samples in a row
+_SAME_RATE, _OTHER_RATE = 1e-4, 0.1  # relative errors of the period
+_LONGEST_STEPS = 5000  # over which it is measured, of samples with errors of a tenth
+_JUMP = 12.0  # standard deviations of a difference that is no noise
 _START = 3  # blocks in which the scale of the priors is not known
 _SETTLED = 10  # blocks, from which the lag is learned
 _DEPTH_S = 1.0  # over which the mean depth is taken
@@ -214,7 +219,7 @@ class WallPosterior:
 
     def restart(self) -> None:
         """Begin anew with the next sample, as after a gap or a jump of the clock."""
-        self._last_t = -inf
+        self._last_t, self._last_x, self._jumped = -inf, nan, 0
         self._raw: list[tuple[float, ...]] = []
         self._filled = 0
         self._work: Iterator[None] | None = None
@@ -250,6 +255,8 @@ class WallPosterior:
         felt_force, felt_x = felt or (force, x)
         if not (isfinite(force) and isfinite(x) and dt > 0.0 and abs(felt_force) < _GREATEST):
             return self.contact.state
+        if self._jumps(dt, felt_x):
+            return self.contact.state
         self._last_t = t
         if not self.period_s:
             self._begin(t, felt_force, felt_x)
@@ -262,8 +269,10 @@ class WallPosterior:
             self._raw.clear()
             self._filled = 0
             dt = T
-        elif dt > 1.5 * T and self._raw:
-            self._bridge(round(dt / T), (force, x, v))
+        else:
+            self._measure_period(dt)
+            if dt > 1.5 * T and self._raw:
+                self._bridge(round(dt / T), (force, x, v))
         state = self.contact.take(dt, felt_force, felt_x, known.surface, known.surface_std)
         if state == CONTACT and before != CONTACT:
             self._touch(felt_x)
@@ -334,6 +343,17 @@ class WallPosterior:
                 self._work = None
                 return
 
+    def _jumps(self, dt: float, x: float) -> bool:
+        """Return whether the tool cannot have moved so fast; so often in a row, it is elsewhere."""
+        if abs(x - self._last_x) > _FASTEST * min(dt, 1.0) + _REACH and self._jumped < _BELIEVED:
+            self._jumped += 1
+            return True
+        if self._jumped >= _BELIEVED:
+            self._raw.clear()
+            self._filled = 0
+        self._jumped, self._last_x = 0, x
+        return False
+
     def _begin(self, t: float, force: float, x: float) -> None:
         """Collect the samples that tell period and noise."""
         self._first.append((t, force, x))
@@ -343,6 +363,7 @@ class WallPosterior:
         self._first.clear()
         location, std = self._told
         self._set_period(float(np.median(np.diff(stamps))))
+        self._measure_period(float(stamps[-1] - stamps[0]))
         self.contact.start(forces, not places[-1] > location - 2.0 * std)
 
     def _set_period(self, period_s: float) -> None:
@@ -355,6 +376,26 @@ class WallPosterior:
         self._recent: deque[tuple[float, float]] = deque(maxlen=3 * smooth.half)
         self._longest_tap = 3 * smooth.half + round(_TAP_S / period_s)
         self._filled = 0
+        self._elapsed, self._steps, self._measured = 0.0, 0, _FIRST - 1
+
+    def _measure_period(self, dt: float) -> None:
+        """Refine the period with the time that passes: an error of it is one of B_e."""
+        steps = round(dt / self.period_s)
+        self._elapsed += dt
+        self._steps += steps
+        if self._steps < self._measured:
+            return
+        period = self._elapsed / self._steps
+        off = abs(period / self.period_s - 1.0)
+        if off > _OTHER_RATE:
+            self._set_period(period)
+        elif off > _SAME_RATE:
+            self._smoothing = Smoothing(period)
+            self.period_s = period
+        if self._measured < _LONGEST_STEPS:
+            self._measured *= 4
+        else:
+            self._elapsed, self._steps = 0.0, 0
 
     def _bridge(self, steps: int, now: tuple[float, float, float]) -> None:
         """Fill in samples that were lost, on a straight line."""
@@ -412,8 +453,23 @@ class WallPosterior:
         whole = ~(~inside @ smooth.bands(windows)[2])
         if not whole.any() or self._is_frozen(force, x, deviation):
             return None
+        self._samples = force, x, whole
         phi = smooth.rows(force, x, v, self._x0, self._noise)
         return phi if whole.all() else phi[:, whole]
+
+    def _beside_jumps(self, windows: int) -> Array:
+        """Return 0 for rows across a jump of the force, which are those of no wall, 1 for others."""
+        force, x, whole = self._samples
+        known, smooth = self.known, self._smoothing
+        if not known.valid:
+            return np.ones(np.count_nonzero(whole))
+        rate = np.gradient(x) / self.period_s
+        left = force - known.stiffness * (x - known.surface) - known.damping * rate
+        steps = np.abs(left[2:] - left[:-2])  # over two samples: a jump is one, motion is not
+        usual = 3.0 * float(np.median(steps)) + _JUMP * sqrt(self.contact.variance)
+        jumps = np.zeros(len(x))
+        jumps[1:-1] = steps > usual
+        return np.asarray((jumps @ smooth.bands(windows)[2] < 0.5)[whole], float)
 
     def _without_outliers(self, both: Array, deviation: float) -> tuple[Array, Array, Array]:
         """Return force and position with the median of five for outliers, and that of the force."""
@@ -459,6 +515,8 @@ class WallPosterior:
         yield
         weights = self._weights(phi)
         surprise = self._surprise(phi, weights)
+        if surprise:
+            weights = weights * self._beside_jumps(windows)
         self._add((phi * weights) @ phi.T, phi)
         early = self._of_contact <= _EARLY or self._blocks <= _SETTLED
         self._alert = _ALERT if surprise else max(self._alert - 1, 0)
@@ -559,7 +617,7 @@ class WallPosterior:
         if change is not None and certain >= 0:
             yield
             gap = float(odds[moves].max() - odds[~moves].max())
-            self._commit(change, certain, best, scene, max(gap, -_FAR))
+            self._commit(change, certain, best, scene, min(max(gap, -_FAR), 0.0))
         self._follow_surface()
 
     def _prior_odds(self, what: Hypotheses, moves: Array) -> Array:
@@ -611,7 +669,9 @@ class WallPosterior:
         error = phi[FORCE] + tau * phi[FORCE_RATE] - theta @ columns
         smooth = self._smoothing
         ratio = float(np.mean(error * error * weights)) / (smooth.hop * smooth.noise)
-        before = self._residual if self._residual == self._residual else ratio
+        if self._blocks <= _SETTLED or self._of_contact <= _EARLY:
+            return ratio > _SURPRISE
+        before = self._residual if self._residual == self._residual else 1.0
         share = phi.shape[1] * smooth.hop * self.period_s / _RESIDUAL_S
         self._residual = before + share * (min(ratio, _CLIPPED * before + 1.0) - before)
         return ratio > _SURPRISE

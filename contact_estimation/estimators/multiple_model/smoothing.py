@@ -133,7 +133,7 @@ class Smoothing:
         phi[POWER_SLOPE] = smooth[4, 0]
         phi[CUBE_RATE] = smooth[5, 1]
         phi[FORCE:] = smooth[6, :2]
-        if v[0] == v[0] and not touching:
+        if not touching and np.isfinite(v).all():
             phi[RATE] = self._fused(phi[RATE], v @ mean, noise)
         rate = np.empty_like(x)
         rate[1:-1] = (0.5 / self.period_s) * (x[2:] - x[:-2])
