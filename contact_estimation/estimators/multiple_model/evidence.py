@@ -26,6 +26,7 @@ _DIAGONAL = np.arange(UNKNOWNS)
 _SOFTEST = 1e-2  # scale of the priors [N/m]
 _DOUBT = 3.0  # times the stiffness so far: the prior of the next
 _WIDE = 1e4  # at least [N/m]
+_RIDGE = 1e-10  # of a unit diagonal, so that columns that are the same leave no singular matrix
 
 
 class Scene(NamedTuple):
@@ -141,10 +142,11 @@ def judge(grams: Array, scene: Scene, what: Hypotheses) -> Judged:
     eta = gram[:, :UNKNOWNS, UNKNOWNS] + pulled
     unit = np.maximum(A[:, _DIAGONAL, _DIAGONAL], 1e-30) ** -0.5  # coefficients differ by ten powers of ten
     scaled = A * (unit[:, :, None] * unit[:, None, :])
+    scaled[:, _DIAGONAL, _DIAGONAL] += _RIDGE
+    sign, volume = np.linalg.slogdet(scaled)
     P = np.linalg.inv(scaled) * (unit[:, :, None] * unit[:, None, :])
     theta = (P @ eta[:, :, None])[:, :, 0]
     gained = (eta * theta).sum(1) - gram[:, UNKNOWNS, UNKNOWNS] - (mean * pulled).sum(1)
-    sign, volume = np.linalg.slogdet(scaled)
     volume = volume - 2.0 * np.log(unit).sum(1)
     evidence = 0.5 * (gained - volume) - np.log(std).sum(1)
     sound = (sign > 0.0) & np.isfinite(evidence)  # rounding may leave no positive matrix
