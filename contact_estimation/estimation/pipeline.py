@@ -380,14 +380,13 @@ class EstimationPipeline:
     def _take_known(self, t: float, x: float, shift: float, known: CompensatedSample) -> int:
         """Let the posterior see what known physics leave, on a path on which K_e acts."""
         location, v = self.location, known.velocity
-        path, felt = x, x - shift
+        path, felt, bent = x, x - shift, (0.0, 0.0)
         if location == location:
             path = location + known.stiffness_column
-            if known.constant_column != 1.0:
-                v = nan
+            bent = known.travel - known.stiffness_column, known.constant_column - 1.0
         # Without a force the known physics that are taken out would pass for one.
         usable = not known.hindrance and self._presses(known.pressing)
-        return self.posterior.take(t, known.rest, path, v, usable, (known.pressing, felt))
+        return self.posterior.take(t, known.rest, path, v, usable, (known.pressing, felt), bent)
 
     def _presses(self, pressing: float) -> bool:
         """Return whether a force is above the noise: the end of a contact is seen late."""
