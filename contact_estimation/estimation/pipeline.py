@@ -380,13 +380,17 @@ class EstimationPipeline:
     def _take_known(self, t: float, x: float, shift: float, known: CompensatedSample) -> int:
         """Let the posterior see what known physics leave, on a path on which K_e acts."""
         location, v = self.location, known.velocity
-        path, felt = x, x - shift
+        path, felt, bent = x, x - shift, (0.0, 0.0)
         if location == location:
             path = location + known.stiffness_column
-            if known.constant_column != 1.0:
-                v = nan
-        return self.posterior.take(
-            t, known.rest, path, v, not known.hindrance, (known.pressing, felt))
+            bent = known.travel - known.stiffness_column, known.constant_column - 1.0
+        # Without a force the known physics that are taken out would pass for one.
+        usable = not known.hindrance and self._presses(known.pressing)
+        return self.posterior.take(t, known.rest, path, v, usable, (known.pressing, felt), bent)
+
+    def _presses(self, pressing: float) -> bool:
+        """Return whether a force is above the noise: the end of a contact is seen late."""
+        return pressing - self.free_flight_level > _PRESSES * self.noise_std
 
     def _by_posterior(self, state: int) -> tuple[ParameterEstimate, EstimateStatus, str]:
         now, p = self.posterior.known, self.parameters
@@ -413,9 +417,7 @@ class EstimationPipeline:
         estimator = rows.estimator
         if estimator.follows_reference and reference[0] == reference[0]:
             estimator.observe(dt, x, v if v == v else 0.0, force - self.bias, reference)
-        pressing -= self.free_flight_level
-        # A contact ends a few samples before that is certain: without a force they tell nothing.
-        if state != CONTACT or pressing < _PRESSES * self.noise_std:
+        if state != CONTACT or not self._presses(pressing):
             self._held, status, reason = rows.leave()
             return self._held, status, reason if state == FREE else _NEITHER
         if self.location != self.location or known is not None and known.hindrance:
@@ -423,5 +425,5 @@ class EstimationPipeline:
             return self._held, _FROZEN, LOCATING
         found = now.surface - self.location if now.valid else 0.0
         self._held, status, reason = rows.take(
-            dt, x - shift - self.location, v, pressing, known, found)
+            dt, x - shift - self.location, v, pressing - self.free_flight_level, known, found)
         return self._held, status, reason

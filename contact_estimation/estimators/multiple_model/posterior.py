@@ -229,7 +229,7 @@ class WallPosterior:
 
     def take(
         self, t: float, force: float, x: float, v: float = nan, usable: bool = True,
-        felt: tuple[float, float] | None = None,
+        felt: tuple[float, float] | None = None, bent: tuple[float, float] = (0.0, 0.0),
     ) -> int:
         """
         Process a sample.
@@ -244,6 +244,9 @@ class WallPosterior:
             Whether the wall is to be learned from it.
         felt : (float, float), optional
             Force and position by which contact is judged, where these are others.
+        bent : (float, float)
+            Where known physics bend the wall: how much more than x the displacement is that B_e
+            damps [m], and the slope of x over the depth less 1.
 
         Returns
         -------
@@ -272,15 +275,16 @@ class WallPosterior:
         else:
             self._measure_period(dt)
             if dt > 1.5 * T and self._raw:
-                self._bridge(round(dt / T), (force, x, v))
+                self._bridge(round(dt / T), (force, x, v, *bent))
         state = self.contact.take(dt, felt_force, felt_x, known.surface, known.surface_std)
         if state == CONTACT and before != CONTACT:
             self._touch(felt_x)
             known = self.known
         outermost = known.surface - _OUTSIDE * known.surface_std - _OUTSIDE_M
         taught = state == CONTACT and usable and not felt_x < outermost
-        self._raw.append((force, x, v, float(taught)))
-        self._follow_tap(force, x, before, state)
+        self._raw.append((force, x, v, *bent, float(taught)))
+        if felt is None:  # out of contact, a force less known physics is that of no wall
+            self._follow_tap(force, x, before, state)
         if len(self._raw) >= self._block:
             self._close()
         return state
@@ -372,7 +376,7 @@ class WallPosterior:
         self._short = max(1, round(_BLOCK_S / period_s) // smooth.hop) * smooth.hop
         self._block = self._long = _LONG * self._short
         self._parts = -(-_PARTS // max(self._short - 1, 1))
-        self._buffer = np.zeros((4, smooth.length(self._long // smooth.hop) + 4))
+        self._buffer = np.zeros((6, smooth.length(self._long // smooth.hop) + 4))
         self._recent: deque[tuple[float, float]] = deque(maxlen=3 * smooth.half)
         self._longest_tap = 3 * smooth.half + round(_TAP_S / period_s)
         self._filled = 0
@@ -397,7 +401,7 @@ class WallPosterior:
         else:
             self._elapsed, self._steps = 0.0, 0
 
-    def _bridge(self, steps: int, now: tuple[float, float, float]) -> None:
+    def _bridge(self, steps: int, now: tuple[float, ...]) -> None:
         """Fill in samples that were lost, on a straight line."""
         *last, usable = self._raw[-1]
         for k in range(1, steps):
@@ -427,7 +431,7 @@ class WallPosterior:
         self._filled += count
         self._learn_noise(buffer[1:3, -(count + 4):])
         windows = count // self._smoothing.hop
-        if self._filled >= self._smoothing.length(windows) + 4 and buffer[3].any():
+        if self._filled >= self._smoothing.length(windows) + 4 and buffer[-1].any():
             self._work = self._parts_of(windows)
 
     def _learn_noise(self, recent: Array) -> None:
@@ -448,13 +452,13 @@ class WallPosterior:
         smooth, deviation = self._smoothing, sqrt(self.contact.variance)
         recent = self._buffer[:, -(smooth.length(windows) + 4):]
         force, x, course = self._without_outliers(recent[:2], deviation)
-        v, usable = recent[2:, 2:-2]
+        v, *bent, usable = recent[2:, 2:-2]
         inside = (usable > 0.0) & (course > _PRESSES * deviation)
         whole = ~(~inside @ smooth.bands(windows)[2])
         if not whole.any() or self._is_frozen(force, x, deviation):
             return None
         self._samples = force, x, whole
-        phi = smooth.rows(force, x, v, self._x0, self._noise)
+        phi = smooth.rows(force, x, v, self._x0, self._noise, bent=bent)
         return phi if whole.all() else phi[:, whole]
 
     def _beside_jumps(self, windows: int) -> Array:

@@ -23,6 +23,8 @@ noise of the force keeps its variance in the sums.
 from __future__ import annotations
 
 from math import sqrt
+from typing import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.special import erf
@@ -90,7 +92,7 @@ class Smoothing:
 
     def rows(
         self, force: Array, x: Array, v: Array, x0: float, noise: tuple[float, float],
-        touching: bool = False,
+        touching: bool = False, bent: Sequence[Array] = (),
     ) -> Array:
         """
         Return the rows of successive samples.
@@ -105,6 +107,8 @@ class Smoothing:
             Variance of position [m^2] and measured rate [m^2/s^2].
         touching : bool
             Whether the tool is outside the wall in some of the samples.
+        bent : two of ndarray, shape (length(N),)
+            As of `WallPosterior.take`; () where no known physics bend the wall.
 
         Returns
         -------
@@ -133,6 +137,9 @@ class Smoothing:
         phi[POWER_SLOPE] = smooth[4, 0]
         phi[CUBE_RATE] = smooth[5, 1]
         phi[FORCE:] = smooth[6, :2]
+        if any(column.any() for column in bent):
+            phi[RATE:ACCELERATION + 1] += (bent[0] @ table).reshape(3, windows)[1:]
+            phi[ONE] += bent[1] @ mean
         if not touching and np.isfinite(v).all():
             phi[RATE] = self._fused(phi[RATE], v @ mean, noise)
         rate = np.empty_like(x)
