@@ -248,9 +248,10 @@ def test_unknown_surface_is_found() -> None:
     assert within(known.stiffness, K, known.stiffness_std)
 
 
-@pytest.mark.parametrize('lag', [{'pole_s': 1e-3}, {'delay_s': 1e-3}])
-def test_lag_of_the_sensor_is_learned(lag: dict[str, float]) -> None:
-    posterior = fed(contact(spring_damper(K, 250.0), 4.0, shaken=0.003, **lag))
+@pytest.mark.parametrize('pole_s, delay_s', [(1e-3, 0.0), (0.0, 1e-3)])
+def test_lag_of_the_sensor_is_learned(pole_s: float, delay_s: float) -> None:
+    posterior = fed(contact(
+        spring_damper(K, 250.0), 4.0, shaken=0.003, pole_s=pole_s, delay_s=delay_s))
     known = posterior.known
     assert within(known.damping, 250.0, known.damping_std)
     assert within(posterior.lag.lag[0], 1e-3, posterior.lag.lag[1])
