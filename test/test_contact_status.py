@@ -109,9 +109,9 @@ def test_released_contact_is_free_within_twenty_milliseconds() -> None:
     'RowEstimation reopens the estimate to carried_std'))
 def test_force_that_flickers_at_the_release_leaves_the_deviations() -> None:
     samples = two_presses()
-    leaving = np.flatnonzero((K * samples.depth < 3.0) & (samples.t > 1.9))[:2]
+    leaving = np.flatnonzero((samples.force < 3.0) & (samples.t > 1.8))[:3]
     force = samples.force.copy()
-    force[leaving] = 0.0, 2.0  # below, then above three standard deviations of 0.2 N
+    force[leaving] = 0.0, 2.0, 2.0  # below, then above three standard deviations of 0.2 N
     before, after = (
         next(one for one, t in zip(estimates, samples.t) if t > 2.2)
         for estimates in (estimates_of(samples, estimator='kalman'),

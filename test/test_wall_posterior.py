@@ -272,13 +272,15 @@ def test_rate_of_the_samples_is_measured(rate: float) -> None:
 
 
 def taps(count: int) -> Samples:
-    """Tap for 40 ms each, on a path of half sines [m]."""
+    """Tap for 40 ms each, on a path of half sines [m]; the touches are between samples."""
     t = np.arange(0.0, 0.5 * (count + 1), 2e-3)
-    phase = (t % 0.5 - 0.46) / 0.04 * np.pi  # each ends the half second
-    tapping = (phase > 0.0) & (t > 0.5)
-    d = np.where(tapping, 5e-3 * np.sin(phase), -5e-3 * np.abs(np.sin((t % 0.5) / 0.46 * np.pi)))
+    within_period = t % 0.4993
+    phase = (within_period - 0.4593) / 0.04 * np.pi  # each ends the period
+    tapping = (phase > 0.0) & (t > 0.4993)
+    d = np.where(tapping, 5e-3 * np.sin(phase), -5e-3 * np.sin(within_period / 0.4593 * np.pi))
+    d[(phase > 0.0) & (t < 0.4993)] = 0.0
     v = np.where(tapping, 5e-3 * np.pi / 0.04 * np.cos(phase), 0.0)
-    force = np.where(d > 0.0, np.maximum(K * d + 10.0 * v, 0.0), 0.0)
+    force = np.where(tapping, np.maximum(K * d + 10.0 * v, 0.0), 0.0)
     draw = np.random.default_rng(2)
     return Samples(t, force + 0.1 * draw.standard_normal(len(t)),
                    d + 1e-6 * draw.standard_normal(len(t)), d)
