@@ -18,7 +18,7 @@ from pathlib import Path
 from tempfile import NamedTemporaryFile
 from typing import Any
 
-from contact_estimation.estimators import ESTIMATORS
+from contact_estimation.estimators import ONLINE_ESTIMATORS
 from contact_estimation.exceptions import ContactEstimationError
 from contact_estimation.reference.laws import LAWS
 from contact_estimation.ros.loop_configuration import configure, LoopConfiguration
@@ -43,7 +43,7 @@ ARGUMENTS: dict[str, dict[str, Any]] = {
     'params': {'default_value': '', 'description': 'parameter file with sections estimator_node '
                'and plant_node; empty: defaults'},
     'seed': {'default_value': '', 'description': 'of all noise; empty: that of params'},
-    'estimator': {'default_value': '', 'choices': ['', *ESTIMATORS],
+    'estimator': {'default_value': '', 'choices': ['', *ONLINE_ESTIMATORS],
                   'description': 'empty: that of params'},
     'reference_law': {'default_value': '', 'choices': ['', *LAWS],
                       'description': 'empty: that of params'},

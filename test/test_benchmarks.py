@@ -32,7 +32,7 @@ import pytest
 from reference_messages import header, new, serialized
 
 COMMANDS = ('__main__', 'arms.__main__', 'estimators_study', 'fleet', 'input_checks',
-            'model_fit_study', 'records')
+            'online_study', 'records')
 
 
 @pytest.mark.parametrize('name', COMMANDS)

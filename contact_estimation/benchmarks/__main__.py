@@ -23,7 +23,7 @@ from typing import Any
 
 from ..commands.command_line import command, new_file, Parser
 from ..estimation.parameters import EstimationParameters
-from ..estimators import ESTIMATORS
+from ..estimators import ONLINE_ESTIMATORS
 from ..exceptions import ParameterRangeError
 
 BENCHMARKS = ('estimators', 'node', 'watch', 'replay')
@@ -48,7 +48,7 @@ def make_parser() -> Parser:
     parser.add_argument('--rounds', type=int, help='repetitions (node and watch 2, replay 3)')
     node = parser.add_argument_group('node and watch')
     node.add_argument('--seconds', type=float, default=15.0, help='duration of each run [s] (15)')
-    node.add_argument('--estimator', choices=tuple(ESTIMATORS), default=_DEFAULT,
+    node.add_argument('--estimator', choices=ONLINE_ESTIMATORS, default=_DEFAULT,
                       help=f'estimator of the node, but for watch ({_DEFAULT})')
     replay = parser.add_argument_group('replay')
     replay.add_argument('--recording',

@@ -29,7 +29,7 @@ from .estimator_steps import (
     Steps,
 )
 from .table import print_table
-from ..estimators import ESTIMATORS
+from ..estimators import ONLINE_ESTIMATORS
 
 _BLOCK = 250  # samples; short, so that all candidates see the same load of the machine
 FILTERPY = 'filterpy KalmanFilter'
@@ -54,14 +54,14 @@ def run_estimator_benchmark(seconds: float) -> dict[str, Any]:
     """
     data = contact_data(seconds)
     candidates: dict[str, Steps] = {FILTERPY: filterpy_step(data)}
-    for name in ESTIMATORS:
+    for name in ONLINE_ESTIMATORS:
         candidates[f'{name} session_us'] = session_steps(data, name)
         for part, prepare in (('pipeline', pipeline_steps), ('update', learning_steps)):
             one_by_one, in_runs = prepare(data, name)
             candidates[f'{name} {part}_us'] = one_by_one
             candidates[f'{name} {part}_run_us'] = in_runs
     spent = _alternate(candidates, len(data.samples))
-    rows = [_row(name, spent, estimator_input(data, name)[1]) for name in ESTIMATORS]
+    rows = [_row(name, spent, estimator_input(data, name)[1]) for name in ONLINE_ESTIMATORS]
     rows.append({**dict.fromkeys(rows[0]), 'estimator': FILTERPY, 'update_us': spent[FILTERPY],
                  'update/filterpy': 1.0})
     print_table('estimators in contact: us per sample, ratios to filterpy predict + update (3x1)',

@@ -33,7 +33,7 @@ from ..commands.command_line import command, new_file, Parser
 from ..commands.progress import Progress
 from ..estimation.parameters import EstimationParameters
 from ..estimation.session import ContactSession
-from ..estimators import ESTIMATORS
+from ..estimators import ONLINE_ESTIMATORS
 from ..parameters.values import build
 from ..plant.closed_loop import run_closed_loop
 from ..plant.plant_parameters import PAPER_NOISE, PlantParameters
@@ -232,7 +232,7 @@ def run(options: Any) -> int:
     """
     progress = Progress('input_checks')
     worlds = list(islice(cycle(product(WALLS, EXPERIMENTS)), options.loops))
-    names, said, examples = list(ESTIMATORS), [], []
+    names, said, examples = ONLINE_ESTIMATORS, [], []
     for k, (wall, experiment) in enumerate(worlds):
         estimator = names[k % len(names)]
         session, samples = healthy_session(estimator, experiment, wall, options.seed + k)

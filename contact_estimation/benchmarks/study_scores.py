@@ -27,7 +27,7 @@ from .study_peers import PEERS, Trace
 from .study_worlds import Array, RATE, World
 from ..estimation.parameters import EstimationParameters
 from ..estimation.pipeline import EstimationPipeline
-from ..estimators import ESTIMATORS, MULTIPLE_MODEL
+from ..estimators import ONLINE_ESTIMATORS
 from ..exceptions import MissingPackageError
 from ..parameters.values import changed
 
@@ -89,7 +89,7 @@ def candidates() -> dict[str, Callable[[World], Trace]]:
         peers that are installed.
 
     """
-    variants: dict[str, Mapping[str, Any]] = {name: {'estimator': name} for name in (MULTIPLE_MODEL, *ESTIMATORS)}
+    variants: dict[str, Mapping[str, Any]] = {name: {'estimator': name} for name in ONLINE_ESTIMATORS}
     variants[NORMALISED] = {'estimator': 'indirect_adaptive',
                             'tuning.indirect_adaptive.normalised': True}
     ours = {name: _traced_by(changes) for name, changes in variants.items()}

@@ -28,7 +28,7 @@ from typing import Any, Iterator, Mapping
 from .command_line import command, new_folder, Parser
 from .progress import Progress
 from .watch import rerun_file
-from ..estimators import ESTIMATORS
+from ..estimators import ONLINE_ESTIMATORS
 from ..exceptions import RecordingError
 from ..figures import as_png, require_matplotlib
 from ..recordings.definitions import jazzy_typestore
@@ -55,7 +55,7 @@ def make_parser() -> Parser:
     parser.add_argument('--duration', type=float,
                         help='length of the run in seconds (default: one experiment)')
     parser.add_argument('--output', required=True, metavar='DIR', help='new folder for results')
-    parser.add_argument('--estimator', help='one of ' + ', '.join(ESTIMATORS))
+    parser.add_argument('--estimator', help='one of ' + ', '.join(ONLINE_ESTIMATORS))
     parser.add_argument(
         '--experiment', default='sine', metavar='NAME|FILE.yaml',
         help='one of ' + ', '.join(EXPERIMENTS) + ', or a YAML file of segments',

@@ -38,7 +38,7 @@ from .replayed_parameters import replayed_parameters
 from ..estimation.estimate_files import CsvEstimates, McapEstimates
 from ..estimation.replay import RecordingReplay
 from ..estimation.result import AxesEstimates
-from ..estimators import ESTIMATORS
+from ..estimators import ONLINE_ESTIMATORS
 from ..estimators.stiffness_matrix import MatrixEstimate
 from ..exceptions import ParameterRangeError, UnknownNameError
 from ..recordings import RecordingReader
@@ -62,7 +62,7 @@ def make_parser() -> Parser:
         'their changes at run time are taken from the recording where it has them.',
     )
     parser.add_argument('recording', metavar='RECORDING', help='an .mcap file or rosbag2 folder')
-    parser.add_argument('--estimator', help='one of ' + ', '.join(ESTIMATORS))
+    parser.add_argument('--estimator', help='one of ' + ', '.join(ONLINE_ESTIMATORS))
     add_params_option(parser, '')
     parser.add_argument('--output', help='write the estimates as MCAP')
     parser.add_argument('--csv', help='write the estimates as CSV')

@@ -19,7 +19,7 @@ from __future__ import annotations
 from typing import Any
 
 from .command_line import chosen_parameters
-from ..estimators import ESTIMATORS
+from ..estimators import ONLINE_ESTIMATORS
 from ..exceptions import UnknownNameError
 from ..parameters.values import without
 from ..ros.estimator_node_parameters import EstimatorNodeParameters
@@ -49,8 +49,8 @@ def replayed_parameters(options: Any) -> dict[str, Any]:
     """
     chosen = without(EstimatorNodeParameters, chosen_parameters(options))
     if options.estimator:
-        if options.estimator not in ESTIMATORS:
-            raise UnknownNameError.among('estimator', options.estimator, ESTIMATORS)
+        if options.estimator not in ONLINE_ESTIMATORS:
+            raise UnknownNameError.among('estimator', options.estimator, ONLINE_ESTIMATORS)
         chosen['estimator'] = options.estimator
     for name in ('axis', 'joint'):
         if getattr(options, name) is not None:

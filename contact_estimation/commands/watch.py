@@ -34,7 +34,7 @@ from .command_line import (
 from .progress import Progress
 from .replayed_parameters import replayed_parameters
 from ..estimation.replay import RecordingReplay
-from ..estimators import ESTIMATORS
+from ..estimators import ONLINE_ESTIMATORS
 from ..exceptions import ParameterRangeError, RecordingError
 from ..recordings import RecordingReader
 from ..ros.loop_processes import require_rclpy
@@ -66,7 +66,7 @@ def make_parser() -> Parser:
                         help='show the RECORDING while it is written, with its own estimates')
     parser.add_argument('--node', default='estimator_node', metavar='NAME',
                         help='name of the running or recorded estimator (estimator_node)')
-    parser.add_argument('--estimator', help='for a recording: one of ' + ', '.join(ESTIMATORS))
+    parser.add_argument('--estimator', help='for a recording: one of ' + ', '.join(ONLINE_ESTIMATORS))
     add_params_option(parser, ', for a recording')
     add_source_options(parser)
     return parser

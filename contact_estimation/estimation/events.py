@@ -166,13 +166,12 @@ def caution_on_location(session: ContactSession) -> str:
     if not pipeline.contact:
         return ('caution: the tool is not in contact, so that the surface is here only if the '
                 'tool just reaches it; touch lightly and call again')
-    pressing = pipeline.bias - session.last_force
-    depth = pressing / pipeline.estimator.stiffness
-    if depth <= std:
+    pressing, K_hat = pipeline.bias - session.last_force, session.estimates[0].stiffness
+    if pressing <= std * K_hat:
         return ''
     return (f'caution: the tool presses with {pressing:.3g} N, which takes it '
-            f'{1e3 * depth:.3g} mm into the wall at K_hat = '
-            f'{pipeline.estimator.stiffness:.4g} N/m; touch lightly and call again')
+            f'{1e3 * pressing / K_hat:.3g} mm into the wall at K_hat = {K_hat:.4g} N/m; touch '
+            'lightly and call again')
 
 
 def biases(session: ContactSession) -> dict[str, float]:

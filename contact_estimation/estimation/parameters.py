@@ -23,7 +23,7 @@ from typing import Any
 from .arm import check_arm
 from .axis_parameters import check_axes, check_matrix, FurtherAxesParameters
 from .robot_compliance import RobotParameters
-from ..estimators import ESTIMATORS, EstimatorsTuning, MATRIX_ESTIMATORS, MULTIPLE_MODEL
+from ..estimators import EstimatorsTuning, MATRIX_ESTIMATORS, MULTIPLE_MODEL, ONLINE_ESTIMATORS
 from ..estimators.environment_parameters import EnvironmentParameters
 from ..estimators.supervision_parameters import ExcitationParameters, TrackingParameters
 from ..estimators.stiffness_matrix import StiffnessMatrixParameters
@@ -44,7 +44,7 @@ class EstimationParameters(ParameterGroup):
     """Parameters that determine estimates and reference, shared by node and replay."""
 
     estimator: str = parameter(
-        MULTIPLE_MODEL, 'Which estimator runs', choices=(MULTIPLE_MODEL, *ESTIMATORS)
+        MULTIPLE_MODEL, 'Which estimator runs', choices=ONLINE_ESTIMATORS
     )
     reference_law: str = parameter(
         'eq20', 'Force law: how the desired force sets the reference position', choices=tuple(LAWS)

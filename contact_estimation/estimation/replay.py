@@ -124,7 +124,7 @@ class RecordingReplay:
         """Return whether the estimator, or one that a recorded event switches to, needs x_r."""
         fixed = 'estimator' in self._chosen
         used = [self.session.parameters.estimator] if fixed else list(ESTIMATORS)
-        return any(ESTIMATORS[name].follows_reference for name in used)
+        return any(name in ESTIMATORS and ESTIMATORS[name].follows_reference for name in used)
 
     def _ahead(
         self, batches: Iterator[list[RecordedMessage]]

@@ -73,6 +73,8 @@ class ContactSession:
         By reason, the last text of a rejection; by name, warnings that stay until taken out.
     last_stamp_ns, last_position, last_force : int, float, float
         Stamp [ns], position [m] and force [N] along the contact axis of the last sample processed.
+    estimates : tuple of Estimate
+        After that sample, of each axis; empty before the first.
 
     """
 
@@ -88,6 +90,7 @@ class ContactSession:
         self.rejection_texts: dict[str, str] = {}
         self.notices: dict[str, str] = {}
         self.last_stamp_ns, self.last_position, self.last_force = _BEFORE_ANY, nan, nan
+        self.estimates: AxesEstimates = ()
         self.description = self.problem = ''
         self.arm: ContactKinematics | None = None
         self._synchroniser = Synchroniser(
@@ -268,6 +271,7 @@ class ContactSession:
         estimates: AxesEstimates = (self.pipeline.take(sample, self._followed),)
         if len(axes) > 1:
             estimates += tuple(map(EstimationPipeline.take, self._further, axes[1:]))
+        self.estimates = estimates
         checks = self.checks
         checks.samples.append(axes)
         checks.estimates.append(estimates)

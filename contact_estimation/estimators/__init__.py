@@ -46,6 +46,9 @@ ESTIMATORS: dict[str, type[OnlineEstimator]] = {
 MULTIPLE_MODEL = 'multiple_model'
 """The posterior over laws, surfaces and changes, which finds the contact for all estimators."""
 
+ONLINE_ESTIMATORS = (MULTIPLE_MODEL, *ESTIMATORS)
+"""Names of all that node and replay run, the default first."""
+
 OFFLINE_ESTIMATORS: dict[str, Callable[[TargetImpedance], OfflineEstimator]] = {
     'signal_processing': SignalProcessing,
     'signal_processing_refined': SignalProcessingRefined,

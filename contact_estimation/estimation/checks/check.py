@@ -27,6 +27,7 @@ from numpy.typing import NDArray
 
 from .robust_statistics import Array, loaded_correlation, median_of, spread_of, white_noise_of
 from ..parameters import EstimationParameters
+from ...estimators.multiple_model import NEITHER
 from ...signals.stream_faults import Bursts, bursts_of
 
 BLOCKS = 4
@@ -83,8 +84,9 @@ class Evidence:
     The last seconds of one axis.
 
     Of the pipeline, checks read `location`, `location_margin`, `location_shift`,
-    `location_unchecked`, `touch_down.text`, `bias`, `noise_std`, `contact`, `contact_threshold`,
-    `sample_period_s`, `model_fit.now.text` and `hindrance`, and nothing else.
+    `location_unchecked`, `surface_text`, `surface_std`, `bias`, `noise_std`, `contact`,
+    `posterior.contact.state`, `sample_period_s`, `estimator` and `model_fit.now.text`, and
+    nothing else.
 
     Attributes
     ----------
@@ -152,9 +154,9 @@ class Evidence:
         return float(self.pipeline.location_margin)
 
     @property
-    def touch_text(self) -> str:
-        """Return what touch-downs have shown of the surface; '' where all is well."""
-        return str(self.pipeline.surface_text)
+    def neither(self) -> bool:
+        """Return whether the force now is neither that of free flight nor that of the wall."""
+        return bool(self.pipeline.posterior.contact.state == NEITHER)
 
     @property
     def bias(self) -> float:

@@ -34,7 +34,7 @@ class Surface(Check):
 
     def judge(self, seen: Evidence) -> str:
         """Return what the contact has shown."""
-        return seen.touch_text
+        return str(seen.pipeline.surface_text)
 
 
 class SurfaceShifted(Check):
@@ -51,7 +51,7 @@ class SurfaceShifted(Check):
         shift = seen.pipeline.location_shift
         environment = seen.parameters.of_axis(seen.axis).environment
         notable = max(_NOTABLE * environment.location_std, 3.0 * seen.pipeline.surface_std)
-        if abs(shift) <= notable or seen.touch_text:
+        if abs(shift) <= notable or seen.pipeline.surface_text:
             return ''
         return (f'the surface is {1e3 * shift:+.3g} mm from environment.location; set it to '
                 f'{environment.location + shift:.6g} m')
@@ -75,12 +75,12 @@ class SurfaceUnchecked(Check):
 
 
 class ModelMismatch(Check):
-    """The model of the estimator fits the last 2 s of contact."""
+    """One of the laws fits the last 2 s of contact."""
 
     name = 'model_fit'
-    message = 'residual 3.2 x noise, changes sign with velocity: friction? run diagnose'
-    cause = ('The contact has physics that the model lacks; the text says what the residual '
-             'depends on.')
+    message = ('residuals are 3.2 times the noise under the best law (kelvin_voigt): none of the '
+               'laws fits; record a contact and diagnose it')
+    cause = 'The contact has physics that none of the laws of `~/wall_law` has.'
     remedy = 'Run `diagnose` on a recording; compensate what it names by `physics.*`.'
     of_state = True
 

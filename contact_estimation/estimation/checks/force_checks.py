@@ -162,42 +162,15 @@ class ForceDirection(Check):
                 f'({seen.spread:.3g} N along it, {wall:.3g} N along the wall); check {_FRAME}')
 
 
-class OutsideForce(Check):
-    """No wall presses where no wall is."""
-
-    name = 'force_outside'
-    message = ('the tool presses with 20 N at x = -0.1 m, 100 mm outside the wall; set '
-               'environment.location to the surface, or to nan to take it at first touch')
-    cause = 'The wall is nearer than `environment.location`.'
-    remedy = ('Set `environment.location`, or `nan` to take it at first touch; or call '
-              '`~/set_location` while touching.')
-    invalidates = True
-
-    def judge(self, seen: Evidence) -> str | None:
-        """Look for a pressing force that grows with x before the surface."""
-        if seen.spread < CLEAR * seen.noise:
-            return None
-        if seen.contact.any():
-            return ''
-        pressing = -extremes(seen.force)[0]
-        x = float(np.median(seen.x[seen.force <= -0.5 * pressing])) if pressing > 0.0 else 0.0
-        outside = seen.location - x
-        if (seen.slope_sign > -_RELATED or pressing < CLEAR * seen.noise
-                or not outside > seen.location_margin):
-            return None
-        return (f'the tool presses with {pressing:.3g} N at x = {x:.4g} m, {millimetres(outside)} '
-                'outside the wall; set environment.location to the surface, or to nan to take it '
-                f'at first touch{_unless_weight(seen)}')
-
-
 class ForceNoise(Check):
-    """The noise learned in free flight is about the configured one."""
+    """The noise of the force is about the configured one."""
 
     name = 'force_noise'
-    message = ('force noise of 12 N in free flight, 20 times contact.force_noise; contact may be '
-               'taken for noise: check sign, axis and wall, or correct contact.force_noise')
-    cause = 'A contact that is not recognised is learned as noise; or the sensor is worse.'
-    remedy = 'Check sign, axis and wall location first, then correct `contact.force_noise`.'
+    message = ('force noise of 12 N, 20 times contact.force_noise; check the sensor, its cable and '
+               'its shield, or correct contact.force_noise')
+    cause = ('The sensor is worse than configured, or something disturbs it; small contacts are '
+             'found late.')
+    remedy = 'Check sensor, cable and shield; then correct `contact.force_noise`.'
     of_state = True
 
     def judge(self, seen: Evidence) -> str:
@@ -205,9 +178,8 @@ class ForceNoise(Check):
         ratio = seen.noise_std / seen.configured_noise
         if ratio < _NOISY:
             return ''
-        return (f'force noise of {seen.noise_std:.3g} N in free flight, {ratio:.3g} times '
-                'contact.force_noise; contact may be taken for noise: check sign, axis and wall, '
-                'or correct contact.force_noise')
+        return (f'force noise of {seen.noise_std:.3g} N, {ratio:.3g} times contact.force_noise; '
+                'check the sensor, its cable and its shield, or correct contact.force_noise')
 
 
 class ForceBias(Check):
@@ -221,7 +193,7 @@ class ForceBias(Check):
     def judge(self, seen: Evidence) -> str | None:
         """Compare the force of free flight, less the declared bias, with its noise."""
         free = seen.free
-        if free.sum() < _LEAST_FREE:
+        if free.sum() < _LEAST_FREE or seen.neither:
             return None
         level, noise = _level(seen.force[free], seen)
         if abs(level) <= max(TARE_DUE * noise, 1e-3):

@@ -25,7 +25,7 @@ from .check import Check, Evidence, Warned
 from .contact_checks import ModelMismatch, Surface, SurfaceShifted, SurfaceUnchecked
 from .evidence_window import EvidenceWindow
 from .force_checks import ForceBias, ForceDirection, ForceNoise, ForceSign, ForceStill
-from .force_checks import OtherAxis, OutsideForce
+from .force_checks import OtherAxis
 from .joint_checks import JointStill, JointUnits, JointVelocity, PositionUnit
 from .lag_checks import StampSkew, StampSkewOrMass
 from .stream_checks import JointRate, SampleRate, StampBursts, TwoForces, TwoPositions, ZeroSteps
@@ -33,7 +33,7 @@ from ..parameters import EstimationParameters
 
 CHECKS: tuple[Check, ...] = (
     TwoForces(), TwoPositions(), StampBursts(), ForceStill(), JointStill(), JointUnits(),
-    PositionUnit(), JointVelocity(), ForceSign(), OtherAxis(), OutsideForce(), ForceDirection(),
+    PositionUnit(), JointVelocity(), ForceSign(), OtherAxis(), ForceDirection(),
     Surface(), StampSkew(), StampSkewOrMass(), JointRate(), ZeroSteps(),
     ForceBias(), ForceNoise(), SampleRate(), ModelMismatch(), SurfaceShifted(),
     SurfaceUnchecked(),
