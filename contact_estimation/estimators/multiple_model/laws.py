@@ -20,7 +20,7 @@ contact obeys, whatever its law, S0 f = phi^T theta with five columns of the tab
 
     Kelvin-Voigt     K S0 y + B S1 y + M S2 y + s S0 1
     with friction    ... + F_c S0 sgn v
-    Hunt-Crossley    K S0 y^n + chi S1 y^(n+1) / (n+1) + k S1 y^n + s S0 n y^(n-1)
+    Hunt-Crossley    K S0 y^n + chi S1 y^(n+1) / (n+1) - k S1 f + s S0 n y^(n-1)
 
 since y^n y' = (y^(n+1))' / (n+1). s = -K delta moves the surface by delta. The lag tau of the
 sensor is undone by f + tau f' under the laws of Hunt and Crossley, where k stands for what is
@@ -73,9 +73,9 @@ LAWS = {
     'kelvin_voigt': Law(_LINEAR, 1.0, 0.67),
     'mass': Law(_LINEAR, 1.0, 0.06),
     'friction': Law((DEPTH, RATE, ACCELERATION, ONE, SIGN), 1.0, 0.06),
-    'hunt_crossley_1': Law((DEPTH, SQUARE_RATE, RATE, ONE, ZERO), 1.0, 0.06),
-    'hunt_crossley_1.5': Law((POWER, POWER_DAMPING, POWER_RATE, POWER_SLOPE, ZERO), 1.5, 0.06),
-    'hunt_crossley_2': Law((SQUARE, CUBE_RATE, SQUARE_RATE, DEPTH, ZERO), 2.0, 0.06),
+    'hunt_crossley_1': Law((DEPTH, SQUARE_RATE, FORCE_RATE, ONE, ZERO), 1.0, 0.06),
+    'hunt_crossley_1.5': Law((POWER, POWER_DAMPING, FORCE_RATE, POWER_SLOPE, ZERO), 1.5, 0.06),
+    'hunt_crossley_2': Law((SQUARE, CUBE_RATE, FORCE_RATE, DEPTH, ZERO), 2.0, 0.06),
     # One prior for all walls that have moved at least once; a wall that moved for good has changed.
     'moving_wall': Law(_LINEAR, 1.0, 1e-4),
 }
@@ -118,7 +118,6 @@ def scales(laws: Ints, depth: float) -> Array:
     found = np.ones((len(laws), UNKNOWNS + 1))
     found[:, 0] = power
     found[:, 1] = np.where(deep, depth ** -n, 1.0)
-    found[:, 2] = np.where(deep, power * twice, 1.0)
     found[:, 3] = power * twice
     return found
 
@@ -154,7 +153,7 @@ def prior(laws: Ints, K: Array, damping: float, lag: tuple[float, float]) -> tup
     second = TWO_POLES * tau * tau - damping * tau
     doubt = (damping + tau) * std + POLES_STD * tau * tau
     mean[:, 2] = np.where(deep | mass, 0.0, second) * K
-    width[:, 2] = np.where(mass, MASS_KG, np.where(deep, std + 1e-6, doubt + 1e-9) * K)
+    width[:, 2] = np.where(mass, MASS_KG, np.where(deep, std + 1e-6, (doubt + 1e-9) * K))
     width[:, 4] = np.where(laws == FRICTION, FRICTION_N, 1.0)
     return mean, width
 
