@@ -211,7 +211,7 @@ class EstimationPipeline:
     @property
     def outliers(self) -> int:
         """Return the number of forces replaced as outliers."""
-        return self.posterior.outliers
+        return self.posterior.blocks.outliers
 
     @property
     def sample_period_s(self) -> float:

@@ -35,6 +35,7 @@ _REASONS = {
     Frozen(True, False): 'stiffness frozen: weak excitation',
     Frozen(True, True): 'weak excitation',
 }
+_NOT_FINITE = 'estimate was not finite; reset to the initial values'
 _UNKNOWN_DAMPING_S = 1e-2  # prior of B_e / K_e at a restart [s]
 _DIFFERENT = 3.0  # standard deviations from which an estimate is that of another wall
 
@@ -145,7 +146,7 @@ class RowEstimation:
             ((min(dt, longest), row),), posterior.contact.variance, frozen)
         if not (isfinite(estimate[0]) and isfinite(estimate[1])):
             self.estimator.reset()
-            return self._published(), _FROZEN, 'estimate was not finite; reset to the initial values'
+            return self._published(), _FROZEN, _NOT_FINITE
         self._updated = True
         return self._published(), _ESTIMATING, _REASONS[frozen]
 

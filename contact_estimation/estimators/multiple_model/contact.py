@@ -219,7 +219,7 @@ class ContactFilter:
                 segment.clear()
 
     def _is_level(self) -> bool:
-        """Return whether the force is that of no wall within 0.1 m, which had a slope, and use it."""
+        """Use the force as level where a wall within 0.1 m would have had a slope; was it?"""
         count, mean, xx, xf, ff = self._segment.moments
         if count < 10 or xx <= 0.0 or ff > SLOPE_STD * count * self.variance:
             return False

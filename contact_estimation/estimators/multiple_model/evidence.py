@@ -70,6 +70,11 @@ class Hypotheses(NamedTuple):
     centre: Array
     std: Array
 
+    def only(self, index: int) -> Hypotheses:
+        """Return one of them."""
+        one = slice(index, index + 1)
+        return Hypotheses(self.law[one], self.stiffness[one], self.centre[one], self.std[one])
+
 
 class Judged(NamedTuple):
     """
@@ -140,7 +145,7 @@ def judge(grams: Array, scene: Scene, what: Hypotheses) -> Judged:
     pulled = (L @ mean[:, :, None])[:, :, 0]
     A = gram[:, :UNKNOWNS, :UNKNOWNS] + L
     eta = gram[:, :UNKNOWNS, UNKNOWNS] + pulled
-    unit = np.maximum(A[:, _DIAGONAL, _DIAGONAL], 1e-30) ** -0.5  # coefficients differ by ten powers of ten
+    unit = np.maximum(A[:, _DIAGONAL, _DIAGONAL], 1e-30) ** -0.5  # they differ by 1e10
     scaled = A * (unit[:, :, None] * unit[:, None, :])
     scaled[:, _DIAGONAL, _DIAGONAL] += _RIDGE
     sign, volume = np.linalg.slogdet(scaled)
@@ -204,7 +209,8 @@ def walls(judged: Judged, laws: Ints, scene: Scene, reach: float) -> Wall:
     tau, std = scene.lag
     K, linear = theta[:, 0], np.where(DEEP[laws], 0.0, 1.0)
     delta, variance = surfaces(judged)
-    B_variance = P[:, 1, 1] + linear * ((K * std) ** 2 + tau * (2.0 * P[:, 0, 1] + tau * P[:, 0, 0]))
+    B_variance = P[:, 1, 1] + linear * (
+        (K * std) ** 2 + tau * (2.0 * P[:, 0, 1] + tau * P[:, 0, 0]))
     return Wall(
         K, theta[:, 1] + linear * tau * K, np.clip(delta, -reach, reach),
         np.stack([np.maximum(P[:, 0, 0], 0.0), np.maximum(B_variance, 0.0),

@@ -76,7 +76,7 @@ LAWS = {
     'hunt_crossley_1': Law((DEPTH, SQUARE_RATE, FORCE_RATE, ONE, ZERO), 1.0, 0.06),
     'hunt_crossley_1.5': Law((POWER, POWER_DAMPING, FORCE_RATE, POWER_SLOPE, ZERO), 1.5, 0.06),
     'hunt_crossley_2': Law((SQUARE, CUBE_RATE, FORCE_RATE, DEPTH, ZERO), 2.0, 0.06),
-    # One prior for all walls that have moved at least once; a wall that moved for good has changed.
+    # A wall that moved once and for all has changed; this one goes on moving.
     'moving_wall': Law(_LINEAR, 1.0, 1e-4),
 }
 """By name; to add one: its columns, and a row here."""

@@ -21,29 +21,24 @@ from math import exp, inf, isfinite, log, nan, sqrt
 from typing import Iterator, NamedTuple, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
+from .blocks import Blocks, PRESSES
 from .constants import (
-    ANYWHERE_M, AS_TOLD, AS_TOLD_M, DAMPING_FLOOR, DAMPING_S, ELSEWHERE, FADE_S, JITTER_S, MODEL_ERROR,
-    MODEL_ERROR_S, NEAR, STIFFNESS_FLOOR, STILL_THERE, WALL_WALK)
-from .contact import CONTACT, ContactFilter, FREE, NEITHER
+    ANYWHERE_M, AS_TOLD, AS_TOLD_M, DAMPING_FLOOR, DAMPING_S, ELSEWHERE, FADE_S, JITTER_S,
+    MODEL_ERROR, MODEL_ERROR_S, NEAR, STIFFNESS_FLOOR, STILL_THERE, WALL_WALK)
+from .contact import CONTACT, ContactFilter, FREE
 from .evidence import Hypotheses, judge, Judged, Scene, Wall, walls
 from .lag import LagPosterior
 from .laws import (
-    Array, CHOSEN, COLUMNS, DEEP, DEPTH, FORCE, FORCE_RATE, FRICTION, Ints, KELVIN_VOIGT, LOG_PRIOR, MASS,
-    MOVING, NAMES, ONE, RATE, scales, shifted_table, UNKNOWNS)
+    Array, CHOSEN, COLUMNS, DEEP, DEPTH, FORCE, FORCE_RATE, FRICTION, Ints, KELVIN_VOIGT,
+    LOG_PRIOR, MASS, MOVING, NAMES, ONE, RATE, scales, shifted_table, UNKNOWNS)
 from .runs import Change, decided, Runs
-from .smoothing import Smoothing
 from .touch import surface_of_touch
 
 _FIRST = 20  # samples from which period and noise are learned
-_BLOCK_S = 0.020  # of samples that are processed together
-_FILLED = 3.5  # periods without a sample that are bridged
-_OUTLIER, _POSITION_OUTLIER = 6.0, 10.0  # standard deviations from the median of five
-_STEEP, _STEEP_POSITION = 0.15, 0.5  # of a step of that median, by which a touch may differ
-_PRESSES = 3.0  # standard deviations of the force, from which rows are used
 _GREATEST = 1e5  # [N]; a larger force is no measurement
 _LAWS = len(NAMES)
-_LONG = 2  # short blocks in a long one
 _EARLY = 20  # short blocks of a contact, each judged; later every fifth long one is
 _EVERY = 5
 _ALERT = 5  # blocks judged after a surprise
@@ -52,11 +47,6 @@ _CLIPPED = 4.0  # times the mean so far: a change is no misfit
 _OUTSIDE, _OUTSIDE_M = 4.0, 5e-4  # of a surface [deviations, m]: no force is that of the wall
 _TAP_S = 0.06  # contact that is shorter has few rows or none beside those of its touch
 _STRADDLES = 0.3  # of the depth: as well must the surface be known for rows across it
-_FASTEST, _REACH = 20.0, 1e-3  # twice any arm [m/s], a step of a coarse sensor [m]
-_BELIEVED = 10  # samples in a row
-_SAME_RATE, _OTHER_RATE = 1e-4, 0.1  # relative errors of the period
-_LONGEST_STEPS = 5000  # over which it is measured, of samples with errors of a tenth
-_JUMP = 12.0  # standard deviations of a difference that is no noise
 _START = 3  # blocks in which the scale of the priors is not known
 _SETTLED = 10  # blocks, from which the lag is learned
 _DEPTH_S = 1.0  # over which the mean depth is taken
@@ -129,14 +119,12 @@ class WallPosterior:
         Now.
     contact : ContactFilter
         The state of contact and the noise of the force.
-    period_s : float
-        Of the samples as measured [s]; 0 before 20 of them.
+    blocks : Blocks
+        The samples, their period and noise.
     lag : LagPosterior
         Of the force sensor.
     changes : int
         How often the wall has become another.
-    outliers : int
-        Forces replaced as outliers.
 
     """
 
@@ -146,12 +134,9 @@ class WallPosterior:
         minimum_force: float = 0.0, least_noise: float = 1e-3,
     ) -> None:
         self._told = location, max(location_std, AS_TOLD_M)
-        self._least = position_noise * position_noise
+        self.blocks = Blocks(position_noise)
         self.contact, self.lag = ContactFilter(minimum_force, least_noise), LagPosterior(*lag)
-        self.period_s, self.outliers = 0.0, 0
         self._first: list[tuple[float, ...]] = []
-        self._noise = nan, nan  # variances of position and rate
-        self._still = nan  # force since which the position has not changed
         self.restart()
         self.forget()
 
@@ -189,6 +174,11 @@ class WallPosterior:
         self.contact.level_variance = contact.level_variance
 
     @property
+    def period_s(self) -> float:
+        """Period of the samples as measured [s]; 0 before 20 of them."""
+        return self.blocks.period_s
+
+    @property
     def law(self) -> str:
         """Name of the most probable law."""
         return NAMES[int(np.argmax(self.known.laws))]
@@ -219,9 +209,7 @@ class WallPosterior:
 
     def restart(self) -> None:
         """Begin anew with the next sample, as after a gap or a jump of the clock."""
-        self._last_t, self._last_x, self._jumped = -inf, nan, 0
-        self._raw: list[tuple[float, ...]] = []
-        self._filled = 0
+        self.blocks.restart()
         self._work: Iterator[None] | None = None
         self._tap: list[tuple[float, float]] | None = None
 
@@ -254,39 +242,31 @@ class WallPosterior:
             FREE, CONTACT or NEITHER.
 
         """
-        dt = t - self._last_t
         felt_force, felt_x = felt or (force, x)
-        if not (isfinite(force) and isfinite(x) and dt > 0.0 and abs(felt_force) < _GREATEST):
+        if not (isfinite(force) and isfinite(x) and abs(felt_force) < _GREATEST):
             return self.contact.state
-        if self._jumps(dt, felt_x):
+        dt = self.blocks.step(t, felt_x)
+        if not dt:
             return self.contact.state
-        self._last_t = t
-        if not self.period_s:
+        if not self.blocks.period_s:
             self._begin(t, felt_force, felt_x)
             return FREE
         if self._work is not None:
             self._go_on()
-        T, known = self.period_s, self.known
-        before = self.contact.state
-        if dt > _FILLED * T:
-            self._raw.clear()
-            self._filled = 0
-            dt = T
-        else:
-            self._measure_period(dt)
-            if dt > 1.5 * T and self._raw:
-                self._bridge(round(dt / T), (force, x, v, *bent))
+        known, before = self.known, self.contact.state
         state = self.contact.take(dt, felt_force, felt_x, known.surface, known.surface_std)
         if state == CONTACT and before != CONTACT:
             self._touch(felt_x)
             known = self.known
         outermost = known.surface - _OUTSIDE * known.surface_std - _OUTSIDE_M
         taught = state == CONTACT and usable and not felt_x < outermost
-        self._raw.append((force, x, v, *bent, float(taught)))
         if felt is None:  # out of contact, a force less known physics is that of no wall
             self._follow_tap(force, x, before, state)
-        if len(self._raw) >= self._block:
-            self._close()
+        windows = self.blocks.add(dt, (force, x, v, *bent), taught)
+        if windows:
+            if self._work is not None:
+                self._go_on(to_end=True)
+            self._work = self._parts_of(windows)
         return state
 
     def _follow_tap(self, force: float, x: float, before: int, state: int) -> None:
@@ -308,11 +288,11 @@ class WallPosterior:
 
     def _learn_tap(self, samples: Array) -> Iterator[None]:
         """Add the rows of a short contact, about the surface that it shows."""
-        smooth = self._smoothing
+        smooth = self.blocks.smoothing
         force, x = samples
         force = force - self.contact.level
         deviation = sqrt(self.contact.variance)
-        pressing = np.flatnonzero(force > _PRESSES * deviation)
+        pressing = np.flatnonzero(force > PRESSES * deviation)
         if not len(pressing):
             return
         end = int(pressing[-1])  # the release, where the wall lets go, is not used
@@ -331,7 +311,7 @@ class WallPosterior:
         yield
         surface, std = found
         if std < _STRADDLES * self._move_to(surface):
-            phi = smooth.rows(force, x, np.full(len(x), nan), self._x0, self._noise, True)
+            phi = smooth.rows(force, x, np.full(len(x), nan), self._x0, self.blocks.noise, True)
             self._add((phi * self._weights(phi)) @ phi.T, phi)
             yield
             if self._blocks <= _START:
@@ -347,17 +327,6 @@ class WallPosterior:
                 self._work = None
                 return
 
-    def _jumps(self, dt: float, x: float) -> bool:
-        """Return whether the tool cannot have moved so fast; so often in a row, it is elsewhere."""
-        if abs(x - self._last_x) > _FASTEST * min(dt, 1.0) + _REACH and self._jumped < _BELIEVED:
-            self._jumped += 1
-            return True
-        if self._jumped >= _BELIEVED:
-            self._raw.clear()
-            self._filled = 0
-        self._jumped, self._last_x = 0, x
-        return False
-
     def _begin(self, t: float, force: float, x: float) -> None:
         """Collect the samples that tell period and noise."""
         self._first.append((t, force, x))
@@ -366,51 +335,16 @@ class WallPosterior:
         stamps, forces, places = np.array(self._first).T
         self._first.clear()
         location, std = self._told
-        self._set_period(float(np.median(np.diff(stamps))))
-        self._measure_period(float(stamps[-1] - stamps[0]))
-        self.contact.start(forces, not places[-1] > location - 2.0 * std)
-
-    def _set_period(self, period_s: float) -> None:
-        self.period_s = period_s
-        self._smoothing = smooth = Smoothing(period_s)
-        self._short = max(1, round(_BLOCK_S / period_s) // smooth.hop) * smooth.hop
-        self._block = self._long = _LONG * self._short
-        self._parts = -(-_PARTS // max(self._short - 1, 1))
-        self._buffer = np.zeros((6, smooth.length(self._long // smooth.hop) + 4))
+        self.blocks.begin(stamps)
+        smooth = self.blocks.smoothing
+        self._parts = -(-_PARTS // max(self.blocks.short - 1, 1))
         self._recent: deque[tuple[float, float]] = deque(maxlen=3 * smooth.half)
-        self._longest_tap = 3 * smooth.half + round(_TAP_S / period_s)
-        self._filled = 0
-        self._elapsed, self._steps, self._measured = 0.0, 0, _FIRST - 1
-
-    def _measure_period(self, dt: float) -> None:
-        """Refine the period with the time that passes: an error of it is one of B_e."""
-        steps = round(dt / self.period_s)
-        self._elapsed += dt
-        self._steps += steps
-        if self._steps < self._measured:
-            return
-        period = self._elapsed / self._steps
-        off = abs(period / self.period_s - 1.0)
-        if off > _OTHER_RATE:
-            self._set_period(period)
-        elif off > _SAME_RATE:
-            self._smoothing = Smoothing(period)
-            self.period_s = period
-        if self._measured < _LONGEST_STEPS:
-            self._measured *= 4
-        else:
-            self._elapsed, self._steps = 0.0, 0
-
-    def _bridge(self, steps: int, now: tuple[float, ...]) -> None:
-        """Fill in samples that were lost, on a straight line."""
-        *last, usable = self._raw[-1]
-        for k in range(1, steps):
-            between = [a + k / steps * (b - a) for a, b in zip(last, now)]
-            self._raw.append((*between, usable))
+        self._longest_tap = 3 * smooth.half + round(_TAP_S / self.blocks.period_s)
+        self.contact.start(forces, not places[-1] > location - 2.0 * std)
 
     def _touch(self, x: float) -> None:
         """Begin a contact: the wall may be another."""
-        self._of_contact, self._block = 0, self._short
+        self._of_contact, self.blocks.wanted = 0, self.blocks.short
         known = self.known
         if known.surface != known.surface:
             self._x0 = x
@@ -418,91 +352,6 @@ class WallPosterior:
         elif x < known.surface - _OUTSIDE * known.surface_std - _OUTSIDE_M:  # another wall
             self.known = known._replace(surface=x, surface_std=ANYWHERE_M)
         self._touched = x
-
-    def _close(self) -> None:
-        """Begin the work on a block of samples."""
-        if self._work is not None:
-            self._go_on(to_end=True)
-        new = np.array(self._raw).T
-        self._raw.clear()
-        buffer, count = self._buffer, min(new.shape[1], self._long)
-        buffer[:, :-count] = buffer[:, count:]
-        buffer[:, -count:] = new[:, -count:]
-        self._filled += count
-        self._learn_noise(buffer[1:3, -(count + 4):])
-        windows = count // self._smoothing.hop
-        if self._filled >= self._smoothing.length(windows) + 4 and buffer[-1].any():
-            self._work = self._parts_of(windows)
-
-    def _learn_noise(self, recent: Array) -> None:
-        """Learn the noise of position and rate from second differences, as that of the force."""
-        bends = np.square(np.diff(recent, 2, axis=1)) / 6.0
-        noise = []
-        for squares, known in zip(bends, self._noise):
-            if known == known:
-                mean = float(np.mean(np.minimum(squares, 9.0 * known)))
-                known += 0.05 * (mean - known)
-            else:
-                known = float(np.median(squares)) / 0.455
-            noise.append(max(known, 1e-20))
-        self._noise = max(noise[0], self._least), noise[1]
-
-    def _rows(self, windows: int) -> Array | None:
-        """Return the rows of windows that are in contact throughout."""
-        smooth, deviation = self._smoothing, sqrt(self.contact.variance)
-        recent = self._buffer[:, -(smooth.length(windows) + 4):]
-        force, x, course = self._without_outliers(recent[:2], deviation)
-        v, *bent, usable = recent[2:, 2:-2]
-        inside = (usable > 0.0) & (course > _PRESSES * deviation)
-        whole = ~(~inside @ smooth.bands(windows)[2])
-        if not whole.any() or self._is_frozen(force, x, deviation):
-            return None
-        self._samples = force, x, whole
-        phi = smooth.rows(force, x, v, self._x0, self._noise, bent=bent)
-        return phi if whole.all() else phi[:, whole]
-
-    def _beside_jumps(self, windows: int) -> Array:
-        """Return 0 for rows across a jump of the force, which are those of no wall, 1 for others."""
-        force, x, whole = self._samples
-        known, smooth = self.known, self._smoothing
-        if not known.valid:
-            return np.ones(np.count_nonzero(whole))
-        rate = np.gradient(x) / self.period_s
-        left = force - known.stiffness * (x - known.surface) - known.damping * rate
-        steps = np.abs(left[2:] - left[:-2])  # over two samples: a jump is one, motion is not
-        usual = 3.0 * float(np.median(steps)) + _JUMP * sqrt(self.contact.variance)
-        jumps = np.zeros(len(x))
-        jumps[1:-1] = steps > usual
-        return np.asarray((jumps @ smooth.bands(windows)[2] < 0.5)[whole], float)
-
-    def _without_outliers(self, both: Array, deviation: float) -> tuple[Array, Array, Array]:
-        """Return force and position with the median of five for outliers, and that of the force."""
-        level, middle = self.contact.level, both[:, 2:-2]
-        bound = np.array([[_OUTLIER * deviation],
-                          [_POSITION_OUTLIER * sqrt(self._noise[0]) + 1e-7]])
-        bends = np.abs(both[:, 1:-3] - 2.0 * middle + both[:, 3:-1])
-        if not (bends > bound).any():  # an outlier bends the course at least as much
-            force, x = middle
-            return force - level, x, force - level
-        window = np.lib.stride_tricks.sliding_window_view(both, 5, axis=1)
-        median = np.sort(window, axis=2)[:, :, 2]
-        bound = bound + np.array([[_STEEP], [_STEEP_POSITION]]) * np.abs(
-            np.diff(median, axis=1, prepend=median[:, :1]))
-        outside = np.abs(middle - median) > bound
-        self.outliers += int(np.count_nonzero(outside[0, -self._block:]))
-        force, x = np.where(outside, median, middle)
-        return force - level, x, median[0] - level
-
-    def _is_frozen(self, force: Array, x: Array, deviation: float) -> bool:
-        """Return whether a channel repeats one value while the other moves."""
-        moves = x != x[0]
-        if moves.any():
-            self._still = nan
-            return bool(np.count_nonzero(force[1:] == force[:-1]) > 0.8 * len(force))
-        mean = float(force.mean())
-        if self._still != self._still:
-            self._still = mean
-        return abs(mean - self._still) > 5.0 * deviation / sqrt(len(x)) + 0.01 * abs(mean)
 
     # -- inference --------------------------------------------------------------------------
 
@@ -513,18 +362,20 @@ class WallPosterior:
 
     def _parts_of(self, windows: int) -> Iterator[None]:
         """Add a block and judge all hypotheses that it concerns, in parts of a tenth of a ms."""
-        phi = self._rows(windows)
+        blocks, known = self.blocks, self.known
+        phi = blocks.rows(windows, self._x0, self.contact)
         if phi is None:
             return
         yield
         weights = self._weights(phi)
         surprise = self._surprise(phi, weights)
-        if surprise:
-            weights = weights * self._beside_jumps(windows)
+        if surprise and known.valid:
+            wall = known.stiffness, known.damping, known.surface
+            weights = weights * blocks.beside_jumps(windows, wall, self.contact.variance)
         self._add((phi * weights) @ phi.T, phi)
         early = self._of_contact <= _EARLY or self._blocks <= _SETTLED
         self._alert = _ALERT if surprise else max(self._alert - 1, 0)
-        self._block = self._short if early or self._alert else self._long
+        blocks.wanted = blocks.short if early or self._alert else blocks.long
         if early or self._alert or self._blocks % _EVERY == 0:
             yield
             if self._blocks <= _START:
@@ -535,17 +386,17 @@ class WallPosterior:
 
     def _weights(self, phi: Array) -> Array:
         """Return samples a row over its variance: of noises, stamps, and errors of any model."""
-        T, K, force = self.period_s, self._scale, phi[FORCE]
+        T, K, force = self.blocks.period_s, self._scale, phi[FORCE]
         B = K * max(self._seconds - self.lag.lag[0], 0.0)
-        smooth = self._smoothing
+        smooth = self.blocks.smoothing
         variance = (self.contact.variance + np.square(JITTER_S * phi[FORCE_RATE])
                     + np.square(MODEL_ERROR * force) * (MODEL_ERROR_S / T)
-                    + self._noise[0] * (K * K + B * B * smooth.rate_noise / smooth.noise))
+                    + self.blocks.noise[0] * (K * K + B * B * smooth.rate_noise / smooth.noise))
         return np.asarray(smooth.hop / variance)
 
     def _add(self, gram: Array, phi: Array) -> None:
         """Add a block to all that is known; the older, the less."""
-        seconds = phi.shape[1] * self._smoothing.hop * self.period_s
+        seconds = phi.shape[1] * self.blocks.smoothing.hop * self.blocks.period_s
         fade = exp(-seconds / FADE_S)
         if self._touched == self._touched:
             if self._blocks:
@@ -582,7 +433,9 @@ class WallPosterior:
                 K = max(gram[DEPTH, FORCE] / max(gram[DEPTH, DEPTH], 1e-30), 10.0)
             self._scale, self._seconds = K, max(B / K + self.lag.lag[0], 0.0)
 
-    def _hypotheses(self, laws: Ints, surfaces: Sequence[tuple[float, float, float]]) -> Hypotheses:
+    def _hypotheses(
+        self, laws: Ints, surfaces: Sequence[tuple[float, float, float]]
+    ) -> Hypotheses:
         count = len(surfaces)
         centre, std, _ = np.tile(np.array(surfaces).T, len(laws))
         return Hypotheses(np.repeat(laws, count), np.full(len(centre), self._scale), centre, std)
@@ -591,20 +444,20 @@ class WallPosterior:
         """Weigh laws and surfaces, and the changes of the best of them that is at rest."""
         scene = self.scene
         what = self._hypotheses(np.arange(_LAWS), self._surfaces)
-        moves = what.law == MOVING
+        moves: NDArray[np.bool_] = what.law == MOVING
         grams = np.repeat(self._gram[None], len(moves), axis=0)
         grams[moves] = self._moving
         judged = judge(grams, scene, what)
         odds = judged.evidence + self._prior_odds(what, moves) - _signs(judged, what.law, scene)
         still = int(np.argmax(np.where(moves, -inf, odds)))
         yield
-        best = Hypotheses(*(one[still:still + 1] for one in what))
+        best = what.only(still)
         change = None
         before = self._runs.before(self._gram, scene, best)
         if before is not None:
             yield
             change = self._runs.since(before, scene, float(judged.evidence[still]),
-                                      self._block * self.period_s)
+                                      self.blocks.wanted * self.blocks.period_s)
             # A wall at rest may have changed instead of moving.
             odds = odds + np.where(
                 moves, 0.0, np.logaddexp.reduce(np.append(change.odds, 0.0)))
@@ -624,13 +477,13 @@ class WallPosterior:
             self._commit(change, certain, best, scene, min(max(gap, -_FAR), 0.0))
         self._follow_surface()
 
-    def _prior_odds(self, what: Hypotheses, moves: Array) -> Array:
+    def _prior_odds(self, what: Hypotheses, moves: NDArray[np.bool_]) -> Array:
         prior = np.log([one[2] for one in self._surfaces])
         own = np.where(moves, LOG_PRIOR[MOVING] + self._moving_norm + self._moving_odds,
                        self._odds[what.law])
         return np.asarray(own + np.tile(prior, _LAWS))
 
-    def _restart_moving(self, odds: Array, evidence: Array, moves: Array) -> None:
+    def _restart_moving(self, odds: Array, evidence: Array, moves: NDArray[np.bool_]) -> None:
         """Let a moving wall that is out of the question start from what is known: it may begin."""
         best = float(odds[~moves].max())
         if best - float(odds[moves].max()) > _FAR:
@@ -671,12 +524,12 @@ class WallPosterior:
         columns = phi[CHOSEN[law[0], :UNKNOWNS]] * scales(law, scene.depth)[0, :UNKNOWNS, None]
         tau = scene.lag[0] if DEEP[law[0]] else 0.0
         error = phi[FORCE] + tau * phi[FORCE_RATE] - theta @ columns
-        smooth = self._smoothing
+        smooth = self.blocks.smoothing
         ratio = float(np.mean(error * error * weights)) / (smooth.hop * smooth.noise)
         if self._blocks <= _SETTLED or self._of_contact <= _EARLY:
             return ratio > _SURPRISE
         before = self._residual if self._residual == self._residual else 1.0
-        share = phi.shape[1] * smooth.hop * self.period_s / _RESIDUAL_S
+        share = phi.shape[1] * smooth.hop * self.blocks.period_s / _RESIDUAL_S
         self._residual = before + share * (min(ratio, _CLIPPED * before + 1.0) - before)
         return ratio > _SURPRISE
 

@@ -30,7 +30,7 @@ from numpy.typing import NDArray
 from scipy.special import erf
 
 from .laws import (
-    ACCELERATION, Array, COLUMNS, CUBE_RATE, DEPTH, FORCE, FORCE_RATE, ONE, POWER, POWER_DAMPING, POWER_RATE,
+    ACCELERATION, Array, COLUMNS, CUBE_RATE, DEPTH, FORCE, ONE, POWER, POWER_DAMPING, POWER_RATE,
     POWER_SLOPE, RATE, SIGN, SQUARE, SQUARE_RATE)
 
 _HALF_S = 0.010  # half width of the kernel: motion up to about 30 Hz passes
@@ -146,7 +146,8 @@ class Smoothing:
         rate[1:-1] = (0.5 / self.period_s) * (x[2:] - x[:-2])
         rate[0], rate[-1] = rate[1], rate[-2]
         blur = sqrt(0.5 * noise[0]) / self.period_s
-        phi[SIGN] = (erf(rate / sqrt(2.0 * (blur * blur + _SHARP * _SHARP))) * (inside > 0.0)) @ mean
+        sign = erf(rate / sqrt(2.0 * (blur * blur + _SHARP * _SHARP)))
+        phi[SIGN] = (sign * (inside > 0.0)) @ mean
         if phi[RATE] @ phi[RATE] / windows < _MOVES * noise[0] * self.rate_noise:
             phi[list(_MOTION)] = 0.0  # the noise of a rate would bias what it multiplies
         return phi

@@ -1,0 +1,255 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""From samples to the rows of a block: period, noise, lost and wild samples, frozen channels."""
+
+from __future__ import annotations
+
+from math import inf, nan, sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .contact import ContactFilter
+from .laws import Array
+from .smoothing import Smoothing
+
+_FIRST = 20  # samples from which the period is learned
+_BLOCK_S = 0.020  # of samples that are processed together
+_LONG = 2  # short blocks in a long one
+_FILLED = 3.5  # periods without a sample that are bridged
+_OUTLIER, _POSITION_OUTLIER = 6.0, 10.0  # standard deviations from the median of five
+_STEEP, _STEEP_POSITION = 0.15, 0.5  # of a step of that median, by which a touch may differ
+_FASTEST, _REACH = 20.0, 1e-3  # twice any arm [m/s], a step of a coarse sensor [m]
+_BELIEVED = 10  # samples in a row
+_SAME_RATE, _OTHER_RATE = 1e-4, 0.1  # relative errors of the period
+_LONGEST_STEPS = 5000  # over which it is measured, of samples with errors of a tenth
+_JUMP = 12.0  # standard deviations of a difference that is no noise
+_SIGNALS = 6  # force, x, v, two of known physics, whether the wall is learned from it
+PRESSES = 3.0
+"""Standard deviations of the force, from which rows are used."""
+
+
+class Blocks:
+    """
+    Collects samples until a block is full, and makes its rows.
+
+    Parameters
+    ----------
+    position_noise : float
+        Least standard deviation of the position [m].
+
+    Attributes
+    ----------
+    period_s : float
+        Of the samples [s]; 0 before it is known.
+    smoothing : Smoothing
+        The kernel for that period.
+    noise : (float, float)
+        Variance of position [m^2] and measured rate [m^2/s^2].
+    short, long, wanted : int
+        Samples of a short, a long and the present block.
+    outliers : int
+        Forces replaced as outliers.
+
+    """
+
+    def __init__(self, position_noise: float) -> None:
+        self._least = position_noise * position_noise
+        self.period_s, self.outliers = 0.0, 0
+        self.noise = nan, nan
+        self._still = nan  # force since which the position has not changed
+        self.restart()
+
+    def restart(self) -> None:
+        """Begin anew with the next sample, as after a jump of the clock."""
+        self._last_t, self._last_x, self._jumped = -inf, nan, 0
+        self.break_off()
+
+    def break_off(self) -> None:
+        """Forget the samples so far: nothing before a gap can be joined."""
+        self._raw: list[tuple[float, ...]] = []
+        self._filled = 0
+
+    def step(self, t: float, x: float) -> float:
+        """Return the time since the last sample [s]; 0 for one that no robot can have sent."""
+        dt = t - self._last_t
+        if not dt > 0.0 or self._jumps(dt, x):
+            return 0.0
+        self._last_t = t
+        T = self.period_s
+        if T and dt > _FILLED * T:
+            self.break_off()
+            return T
+        return dt
+
+    def _jumps(self, dt: float, x: float) -> bool:
+        """Return whether no tool moves so fast; so often in a row, it is elsewhere."""
+        if abs(x - self._last_x) > _FASTEST * min(dt, 1.0) + _REACH and self._jumped < _BELIEVED:
+            self._jumped += 1
+            return True
+        if self._jumped >= _BELIEVED:
+            self.break_off()
+        self._jumped, self._last_x = 0, x
+        return False
+
+    def begin(self, stamps: Array) -> None:
+        """Learn the period from the first stamps [s]."""
+        self._set_period(float(np.median(np.diff(stamps))))
+        self._measure_period(float(stamps[-1] - stamps[0]))
+
+    def _set_period(self, period_s: float) -> None:
+        self.period_s = period_s
+        self.smoothing = smooth = Smoothing(period_s)
+        self.short = max(1, round(_BLOCK_S / period_s) // smooth.hop) * smooth.hop
+        self.wanted = self.long = _LONG * self.short
+        self._buffer = np.zeros((_SIGNALS, smooth.length(self.long // smooth.hop) + 4))
+        self._filled = 0
+        self._elapsed, self._steps, self._measured = 0.0, 0, _FIRST - 1
+
+    def _measure_period(self, dt: float) -> None:
+        """Refine the period with the time that passes: an error of it is one of B_e."""
+        steps = round(dt / self.period_s)
+        self._elapsed += dt
+        self._steps += steps
+        if self._steps < self._measured:
+            return
+        period = self._elapsed / self._steps
+        off = abs(period / self.period_s - 1.0)
+        if off > _OTHER_RATE:
+            self._set_period(period)
+        elif off > _SAME_RATE:
+            self.smoothing = Smoothing(period)
+            self.period_s = period
+        if self._measured < _LONGEST_STEPS:
+            self._measured *= 4
+        else:
+            self._elapsed, self._steps = 0.0, 0
+
+    def add(self, dt: float, sample: tuple[float, ...], taught: bool) -> int:
+        """
+        Add a sample.
+
+        Parameters
+        ----------
+        dt : float
+            Of `step` [s].
+        sample : tuple of float
+            Force [N], x [m], v [m/s], and what known physics bend.
+        taught : bool
+            Whether the wall is to be learned from it.
+
+        Returns
+        -------
+        windows : int
+            Number of rows that a full block may have; 0 while it is not full.
+
+        """
+        self._measure_period(dt)
+        raw = self._raw
+        if dt > 1.5 * self.period_s and raw:
+            self._bridge(round(dt / self.period_s), sample)
+        raw.append((*sample, float(taught)))
+        return self._close() if len(raw) >= self.wanted else 0
+
+    def _bridge(self, steps: int, now: tuple[float, ...]) -> None:
+        """Fill in samples that were lost, on a straight line."""
+        *last, usable = self._raw[-1]
+        for k in range(1, steps):
+            between = [a + k / steps * (b - a) for a, b in zip(last, now)]
+            self._raw.append((*between, usable))
+
+    def _close(self) -> int:
+        new = np.array(self._raw).T
+        self._raw.clear()
+        buffer, count = self._buffer, min(new.shape[1], self.long)
+        buffer[:, :-count] = buffer[:, count:]
+        buffer[:, -count:] = new[:, -count:]
+        self._filled += count
+        self._learn_noise(buffer[1:3, -(count + 4):])
+        windows = count // self.smoothing.hop
+        full = self._filled >= self.smoothing.length(windows) + 4
+        return windows if full and buffer[-1].any() else 0
+
+    def _learn_noise(self, recent: Array) -> None:
+        """Learn the noise of position and rate from second differences, as that of the force."""
+        bends = np.square(np.diff(recent, 2, axis=1)) / 6.0
+        noise = []
+        for squares, known in zip(bends, self.noise):
+            if known == known:
+                mean = float(np.mean(np.minimum(squares, 9.0 * known)))
+                known += 0.05 * (mean - known)
+            else:
+                known = float(np.median(squares)) / 0.455
+            noise.append(max(known, 1e-20))
+        self.noise = max(noise[0], self._least), noise[1]
+
+    def rows(self, windows: int, x0: float, contact: ContactFilter) -> Array | None:
+        """Return the rows of windows that are in contact throughout."""
+        smooth, deviation = self.smoothing, sqrt(contact.variance)
+        recent = self._buffer[:, -(smooth.length(windows) + 4):]
+        force, x, course = self._without_outliers(recent[:2], deviation, contact.level)
+        v, *bent, usable = recent[2:, 2:-2]
+        inside = (usable > 0.0) & (course > PRESSES * deviation)
+        whole = np.logical_not(np.logical_not(inside) @ smooth.bands(windows)[2])
+        if not whole.any() or self._is_frozen(force, x, deviation):
+            return None
+        self._samples: tuple[Array, Array, NDArray[np.bool_]] = force, x, whole
+        phi = smooth.rows(force, x, v, x0, self.noise, bent=bent)
+        return phi if whole.all() else phi[:, whole]
+
+    def beside_jumps(
+        self, windows: int, wall: tuple[float, float, float], variance: float
+    ) -> Array:
+        """Return 0 for rows across a jump of the force, which no wall explains, 1 for others."""
+        force, x, whole = self._samples
+        K, B, surface = wall
+        rate = np.gradient(x) / self.period_s
+        left = force - K * (x - surface) - B * rate
+        steps = np.abs(left[2:] - left[:-2])  # over two samples: a jump is one, motion is not
+        usual = 3.0 * float(np.median(steps)) + _JUMP * sqrt(variance)
+        jumps = np.zeros(len(x))
+        jumps[1:-1] = steps > usual
+        return np.asarray((jumps @ self.smoothing.bands(windows)[2] < 0.5)[whole], float)
+
+    def _without_outliers(
+        self, both: Array, deviation: float, level: float
+    ) -> tuple[Array, Array, Array]:
+        """Return force and position with medians for outliers, and the course of the force."""
+        middle = both[:, 2:-2]
+        bound = np.array([[_OUTLIER * deviation],
+                          [_POSITION_OUTLIER * sqrt(self.noise[0]) + 1e-7]])
+        bends = np.abs(both[:, 1:-3] - 2.0 * middle + both[:, 3:-1])
+        if not (bends > bound).any():  # an outlier bends the course at least as much
+            force, x = middle
+            return force - level, x, force - level
+        window = np.lib.stride_tricks.sliding_window_view(both, 5, axis=1)
+        median = np.sort(window, axis=2)[:, :, 2]
+        bound = bound + np.array([[_STEEP], [_STEEP_POSITION]]) * np.abs(
+            np.diff(median, axis=1, prepend=median[:, :1]))
+        outside = np.abs(middle - median) > bound
+        self.outliers += int(np.count_nonzero(outside[0, -self.wanted:]))
+        force, x = np.where(outside, median, middle)
+        return force - level, x, median[0] - level
+
+    def _is_frozen(self, force: Array, x: Array, deviation: float) -> bool:
+        """Return whether a channel repeats one value while the other moves."""
+        moves = x != x[0]
+        if moves.any():
+            self._still = nan
+            return bool(np.count_nonzero(force[1:] == force[:-1]) > 0.8 * len(force))
+        mean = float(force.mean())
+        if self._still != self._still:
+            self._still = mean
+        return abs(mean - self._still) > 5.0 * deviation / sqrt(len(x)) + 0.01 * abs(mean)
