@@ -172,6 +172,54 @@ def test_slow_touch_is_found_before_eight_deviations_and_never_early(
     assert not np.any(states[first:] == FREE)
 
 
+@pytest.mark.xfail(strict=True, reason=(
+    'the noise of the first 20 samples alone is too uncertain: 2 % of the runs touch at once'))
+def test_noise_alone_is_no_contact_in_the_first_second_either() -> None:
+    touched = 0
+    for seed in range(200):
+        forces = np.random.default_rng(seed).standard_normal(520)
+        contact_filter = ContactFilter()
+        contact_filter.start(forces[:20], True)
+        touched += CONTACT in judged(contact_filter, forces[20:])
+    assert touched == 0
+
+
+# -- from the first estimate on -----------------------------------------------------------------
+
+def worst_error(samples: Samples, stiffness: float) -> float:
+    """Return the largest error of the stiffness that is published, in deviations."""
+    posterior, worst = WallPosterior(0.0, 2e-3), 0.0
+    for t, force, x, _ in zip(*(one.tolist() for one in samples)):
+        posterior.take(t, force, x)
+        known = posterior.known
+        if known.valid:
+            worst = max(worst, abs(known.stiffness - stiffness) / known.stiffness_std)
+    return worst
+
+
+@pytest.mark.parametrize('seed', [
+    *range(6),
+    pytest.param(10, marks=pytest.mark.xfail(strict=True, reason=(
+        'a false touch before the wall is learned as a tap, whose rows spoil the surface')))])
+def test_first_estimates_are_within_their_deviations(seed: int) -> None:
+    samples = contact(spring_damper(4800.0, 200.0), 1.5, noise=1.0, seed=seed)
+    assert worst_error(samples, 4800.0) < 4.0
+
+
+@pytest.mark.xfail(strict=True, reason=(
+    '_find_scale oscillates where the damper makes most of the first force: the scale of the '
+    'priors, and their deviations, are too small by a factor of 100 then'))
+def test_first_estimate_of_an_impact_on_a_damper_is_within_its_deviation() -> None:
+    t = np.arange(0.0, 0.62, 2e-3)
+    for touch in 0.5255 + 2e-3 * np.arange(5):  # early and late in a block
+        s = t - touch
+        d = 0.073 * s + np.where(s > 0.0, 0.8 * s * s, 0.0)
+        v = 0.073 + 1.6 * s
+        draw = np.random.default_rng(0)
+        force = np.where(s > 0.0, 4800.0 * d + 200.0 * v, 0.0) + 0.3 * draw.standard_normal(len(t))
+        assert worst_error(Samples(t, force, d, d), 4800.0) < 4.0
+
+
 # -- walls that change --------------------------------------------------------------------------
 
 def test_follows_a_step_of_the_stiffness_within_0_2_s() -> None:
