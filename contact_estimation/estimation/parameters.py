@@ -25,8 +25,8 @@ from .axis_parameters import check_axes, check_matrix, FurtherAxesParameters
 from .robot_compliance import RobotParameters
 from ..estimators import EstimatorsTuning, MATRIX_ESTIMATORS, MULTIPLE_MODEL, ONLINE_ESTIMATORS
 from ..estimators.environment_parameters import EnvironmentParameters
-from ..estimators.supervision_parameters import ExcitationParameters, TrackingParameters
 from ..estimators.stiffness_matrix import StiffnessMatrixParameters
+from ..estimators.supervision_parameters import ExcitationParameters, TrackingParameters
 from ..kinematics.parameters import ForceSensorParameters, KinematicsParameters
 from ..kinematics.tool_load import ToolParameters
 from ..parameters.specification import group, parameter, ParameterGroup
