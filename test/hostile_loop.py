@@ -38,7 +38,8 @@ CHANGES: dict[str, tuple[Any, ...]] = {
     'reference.fade_s': (1e-3, 0.2), 'reference.stiffness_floor': (1e-3, 500.0, 1e5),
     'reference.robot_stiffness': (1.0, 5000.0), 'reference.robot_force_tracking': (False, True),
     'force_reference': (nan, 5.0, 30.0, 1e4), 'environment.location': (0.0, -0.01, 0.01, nan),
-    'estimator': ('kalman', 'rls', 'rls_adaptive', 'mrac'), 'robot.compliance': (0.0, 1e-4),
+    'estimator': ('multiple_model', 'kalman', 'rls', 'rls_adaptive', 'mrac'),
+    'robot.compliance': (0.0, 1e-4),
     'synchronisation.time_jump_s': (0.05, 0.5, 10.0), 'synchronisation.offset': (0.0, 0.004),
 }
 

@@ -80,6 +80,7 @@ class Peer(Listener):
             self.listen(name, Vector3Stamped, f'{node}/{name}')
         self.listen('reference', JointTrajectory, 'reference_trajectory')
         self.listen('status', String, f'{node}/status')
+        self.listen('wall_law', String, f'{node}/wall_law')
         self.listen('diagnostics', DiagnosticArray, '/diagnostics')
         self.begin_ns = 1_000_000_000_000_000
         self._changed: set[str] = set()

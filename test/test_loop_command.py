@@ -78,7 +78,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Run:
 def test_loop_succeeds_and_prints_its_estimates(whole: Run) -> None:
     assert (whole.finished.code, whole.finished.stderr) == (0, '')
     lines = whole.finished.stdout.splitlines()
-    assert lines[0].startswith('rls_adaptive, law eq20: K_e 4')
+    assert lines[0].startswith('multiple_model, law eq20: K_e 4')
     assert lines[2].startswith('1000 samples at ') and 'dropped, latency [ms]: p50 ' in lines[2]
 
 

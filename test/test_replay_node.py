@@ -38,7 +38,8 @@ from ros_processes import ModuleProcess, node_process, wait_until_recorded
 pytestmark = pytest.mark.slow
 
 VALUES = ('stiffness', 'damping', 'stiffness_std', 'damping_std')
-WANTED = {'/wrench', '/joint_states', *(f'/estimator_node/{v}' for v in (*VALUES, 'events'))}
+WANTED = {'/wrench', '/joint_states',
+          *(f'/estimator_node/{v}' for v in (*VALUES, 'wall_law', 'events'))}
 CONTACT = contact_samples(1.2, depth=0.012, amplitude=0.004, force_noise=0.5)
 
 

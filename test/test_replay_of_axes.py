@@ -73,7 +73,8 @@ def test_json_has_an_entry_for_every_axis(recording: Path, tmp_path: Path) -> No
     for axis, estimate in zip('xyz', last.estimates):
         own = summary['axes'][axis]
         assert (own['stiffness'], own['status']) == (estimate.stiffness, estimate.status.value)
-        assert own['location'] == LOCATIONS[axis]
+        assert own['location'] == estimate.location
+        assert own['location'] == pytest.approx(LOCATIONS[axis], abs=1e-4)  # as found
     assert summary['stiffness'] == summary['axes']['x']['stiffness']
 
 

@@ -56,7 +56,7 @@ def test_interrupt_after_the_first_line_of_the_log_ends_a_node(tmp_path: Path) -
         finished = process.end()
     assert finished.code == 0
     assert 'Traceback' not in finished.stderr
-    assert 'estimator rls_adaptive' in finished.stderr
+    assert 'estimator multiple_model' in finished.stderr
 
 
 def test_interrupt_while_a_command_imports_is_one_line(tmp_path: Path) -> None:

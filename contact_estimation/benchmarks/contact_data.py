@@ -96,9 +96,9 @@ def settled_pipeline(data: ContactData, name: str) -> EstimationPipeline:
     return pipeline
 
 
-def estimator_input(data: ContactData, name: str) -> tuple[list[TimedRow], float]:
+def estimator_rows(data: ContactData, name: str) -> list[TimedRow]:
     """
-    Collect the rows that a pipeline passes to its estimator.
+    Collect the rows that a pipeline passes to an estimator that runs on rows.
 
     Parameters
     ----------
@@ -109,13 +109,11 @@ def estimator_input(data: ContactData, name: str) -> tuple[list[TimedRow], float
     -------
     rows : list of tuple
         Gated and filtered rows.
-    share : float
-        Fraction of samples that update the estimator; below 1, the times of the pipeline are
-        too low.
 
     """
     pipeline = settled_pipeline(data, name)
     rows: list[TimedRow] = []
+    assert pipeline.estimator is not None
     update = pipeline.estimator.update
 
     def record(part: Sequence[TimedRow], variance: float, frozen: Frozen) -> list[Any]:
@@ -123,6 +121,26 @@ def estimator_input(data: ContactData, name: str) -> tuple[list[TimedRow], float
         return update(part, variance, frozen)
 
     setattr(pipeline.estimator, 'update', record)
-    estimates = [pipeline.process((s,), reference)[0] for s, reference in data.samples]
-    learning = [e.status is EstimateStatus.ESTIMATING for e in estimates]
-    return rows, sum(learning) / len(learning)
+    for sample, reference in data.samples:
+        pipeline.take(sample, reference)
+    return rows
+
+
+def learning_share(data: ContactData, name: str) -> float:
+    """
+    Return the fraction of samples that update the estimate.
+
+    Parameters
+    ----------
+    data, name
+        See `settled_pipeline`.
+
+    Returns
+    -------
+    share : float
+        Below 1, the times of the pipeline are too low.
+
+    """
+    take = settled_pipeline(data, name).take
+    statuses = [take(sample, reference).status for sample, reference in data.samples]
+    return sum(status is EstimateStatus.ESTIMATING for status in statuses) / len(statuses)

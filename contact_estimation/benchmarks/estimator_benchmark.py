@@ -20,7 +20,7 @@ from statistics import median
 import time
 from typing import Any, Callable
 
-from .contact_data import contact_data, estimator_input
+from .contact_data import contact_data, learning_share
 from .estimator_steps import (
     filterpy_step,
     learning_steps,
@@ -61,7 +61,7 @@ def run_estimator_benchmark(seconds: float) -> dict[str, Any]:
             candidates[f'{name} {part}_us'] = one_by_one
             candidates[f'{name} {part}_run_us'] = in_runs
     spent = _alternate(candidates, len(data.samples))
-    rows = [_row(name, spent, estimator_input(data, name)[1]) for name in ONLINE_ESTIMATORS]
+    rows = [_row(name, spent, learning_share(data, name)) for name in ONLINE_ESTIMATORS]
     rows.append({**dict.fromkeys(rows[0]), 'estimator': FILTERPY, 'update_us': spent[FILTERPY],
                  'update/filterpy': 1.0})
     print_table('estimators in contact: us per sample, ratios to filterpy predict + update (3x1)',

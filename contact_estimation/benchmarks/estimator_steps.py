@@ -21,11 +21,13 @@ from typing import Callable, Sequence
 from filterpy.kalman import KalmanFilter
 import numpy as np
 
-from .contact_data import ContactData, estimator_input, settled_pipeline
+from .contact_data import ContactData, estimator_rows, settled_pipeline
 from .simulated_samples import RATE
 from ..estimation.parameters import EstimationParameters
 from ..estimation.session import ContactSession
+from ..estimators import MULTIPLE_MODEL
 from ..estimators.estimate import Frozen
+from ..estimators.estimator import OnlineEstimator
 from ..parameters.values import build
 from ..reference.setpoints import Reference
 from ..signals.contact_sample import ContactSample
@@ -93,7 +95,8 @@ def session_steps(data: ContactData, name: str) -> Steps:
 
 def learning_steps(data: ContactData, name: str) -> tuple[Steps, Steps]:
     """
-    Prepare a bare estimator with the rows that its pipeline passes to it.
+    Prepare a bare estimator with the rows that its pipeline passes to it; the posterior, with
+    the samples.
 
     Parameters
     ----------
@@ -106,9 +109,10 @@ def learning_steps(data: ContactData, name: str) -> tuple[Steps, Steps]:
         Row by row; many rows per call.
 
     """
-    rows, _ = estimator_input(data, name)
-    one = settled_pipeline(data, name).estimator.update
-    run = settled_pipeline(data, name).estimator.update
+    if name == MULTIPLE_MODEL:
+        return _posterior_steps(data), _posterior_steps(data)
+    rows = estimator_rows(data, name)
+    one, run = (_estimator(data, name).update for _ in range(2))
 
     def one_by_one(begin: int, end: int) -> None:
         for row in rows[begin:end]:
@@ -118,6 +122,24 @@ def learning_steps(data: ContactData, name: str) -> tuple[Steps, Steps]:
         run(rows[begin:end], _VARIANCE, _NOTHING_FROZEN)
 
     return one_by_one, in_runs
+
+
+def _estimator(data: ContactData, name: str) -> OnlineEstimator:
+    estimator = settled_pipeline(data, name).estimator
+    assert estimator is not None
+    return estimator
+
+
+def _posterior_steps(data: ContactData) -> Steps:
+    posterior = settled_pipeline(data, MULTIPLE_MODEL).posterior
+    posterior.restart()  # its time began with the approach
+    samples = [(1e-9 * stamp_ns, -force, x, v) for (stamp_ns, x, v, force), _ in data.samples]
+
+    def steps(begin: int, end: int) -> None:
+        for sample in samples[begin:end]:
+            posterior.take(*sample)
+
+    return steps
 
 
 def filterpy_step(data: ContactData) -> Steps:
@@ -139,7 +161,7 @@ def filterpy_step(data: ContactData) -> Steps:
     kalman.x = np.array([[3000.0], [50.0], [0.0]])
     kalman.P = np.diag([1e6, 1e4, 1.0])
     kalman.Q = np.diag([1.0, 0.1, 1e-6])
-    given, _ = estimator_input(data, 'indirect_adaptive')
+    given = estimator_rows(data, 'indirect_adaptive')
     rows = [(row[0], np.array([row[1:4]])) for _, row in given]
 
     def steps(begin: int, end: int) -> None:

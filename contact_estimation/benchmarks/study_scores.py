@@ -89,7 +89,8 @@ def candidates() -> dict[str, Callable[[World], Trace]]:
         peers that are installed.
 
     """
-    variants: dict[str, Mapping[str, Any]] = {name: {'estimator': name} for name in ONLINE_ESTIMATORS}
+    variants: dict[str, Mapping[str, Any]] = {
+        name: {'estimator': name} for name in ONLINE_ESTIMATORS}
     variants[NORMALISED] = {'estimator': 'indirect_adaptive',
                             'tuning.indirect_adaptive.normalised': True}
     ours = {name: _traced_by(changes) for name, changes in variants.items()}

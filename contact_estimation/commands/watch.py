@@ -66,7 +66,8 @@ def make_parser() -> Parser:
                         help='show the RECORDING while it is written, with its own estimates')
     parser.add_argument('--node', default='estimator_node', metavar='NAME',
                         help='name of the running or recorded estimator (estimator_node)')
-    parser.add_argument('--estimator', help='for a recording: one of ' + ', '.join(ONLINE_ESTIMATORS))
+    parser.add_argument(
+        '--estimator', help='for a recording: one of ' + ', '.join(ONLINE_ESTIMATORS))
     add_params_option(parser, ', for a recording')
     add_source_options(parser)
     return parser

@@ -17,7 +17,7 @@
 from __future__ import annotations
 
 from math import nan
-from typing import Any, Callable
+from typing import Any, Callable, Sequence
 
 from geometry_msgs.msg import PoseStamped
 from rclpy.node import Node
@@ -29,6 +29,7 @@ from ..estimation.compensated_wrench import CompensatedWrench
 from ..estimation.matrix_messages import encode_matrices, MATRIX_TOPICS
 from ..estimation.result import Result
 from ..estimation.target_pose import TargetPose
+from ..estimation.wall_law import WallLawNews
 from ..estimators.stiffness_matrix import MatrixEstimate
 from ..messages import (
     encode_float64,
@@ -84,6 +85,9 @@ class EstimatePublishers:
             message_class(TRAJECTORY), REFERENCE, OUTPUT_QOS, qos_overriding_options=overridable())
         self._status = node.create_publisher(
             message_class(STRING), '~/status', STATUS_QOS, qos_overriding_options=overridable())
+        self._law = node.create_publisher(
+            message_class(STRING), '~/wall_law', STATUS_QOS, qos_overriding_options=overridable())
+        self._news = WallLawNews()
         self._pose = node.create_publisher(PoseStamped, '~/target_pose', OUTPUT_QOS)
         self._of_contact = node.create_publisher(
             message_class(WRENCH_TYPE), '~/compensated_wrench', OUTPUT_QOS)
@@ -183,6 +187,12 @@ class EstimatePublishers:
         if (status, reason) != self._last_status:
             self._last_status = (status, reason)
             self._status.publish(encode_string(f'{status}: {reason}' if reason else status))
+
+    def publish_law(self, probabilities: Sequence[float]) -> None:
+        """Publish the laws of the contact where they differ notably from the last ones."""
+        text = self._news.take(probabilities)
+        if text:
+            self._law.publish(encode_string(text))
 
     def publish_pose(self, pose: TargetPose, base: str) -> None:
         """

@@ -28,6 +28,7 @@ from ..estimation.arm import NO_DESCRIPTION
 from ..estimation.checks import lag_in_words, Rejections
 from ..estimation.model_fit import ModelFitMonitor
 from ..estimation.session import ContactSession
+from ..estimation.wall_law import laws_in_words
 from ..estimators.estimate import Estimate
 
 _LATENCIES_KEPT = 2000
@@ -217,9 +218,12 @@ class EstimatorDiagnostics:
             'contact': pipeline.contact,
             'position': f'{session.last_position:.6g}',
             'contact_probability': f'{pipeline.posterior.contact.probability:.3f}',
-            'wall_law': ' '.join(f'{law} {p:.2f}' for law, p in pipeline.laws.items() if p >= 0.005),
+            'wall_law': laws_in_words(pipeline.posterior.known.laws),
             'wall_changes': pipeline.posterior.changes,
-            'force_lag_ms': '{:.2f} +- {:.2f}'.format(*(1e3 * s for s in pipeline.posterior.lag.lag)),
+            **{f'excitation_{name}_std': f'{std:.3g}' for name, std in zip(
+                ('stiffness', 'damping'), pipeline.posterior.excitation)},
+            'force_lag_ms': '{:.2f} +- {:.2f}'.format(
+                *(1e3 * s for s in pipeline.posterior.lag.lag)),
             'force_noise_std': f'{pipeline.noise_std:.6g}',
             'force_bias': f'{pipeline.bias:.6g}',
             'free_flight_level': f'{pipeline.free_flight_level:.6g}',

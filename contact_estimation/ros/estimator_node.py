@@ -175,6 +175,8 @@ class EstimatorNode(Node):
                 self._publish_target(result)
             self._last = result
             self._diagnostics.published(result.sample.stamp_ns)
+        if results:
+            self._outputs.publish_law(self._session.pipeline.posterior.known.laws)
         for matrices in self._session.matrix.take():
             self._outputs.publish_matrices(matrices)
 

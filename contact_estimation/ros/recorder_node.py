@@ -96,7 +96,7 @@ def recorded_topics(estimator: str) -> dict[str, tuple[str, QoSProfile | None]]:
            for name, type_name in MATRIX_TOPICS.items()},
         # Published on change: what came before the recorder is still wanted.
         **{f'{estimator}/{name}': (topics.STRING, topics.EVENTS_QOS)
-           for name in ('status', 'events')},
+           for name in ('status', 'wall_law', 'events')},
     }
 
 

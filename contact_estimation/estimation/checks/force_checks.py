@@ -166,8 +166,8 @@ class ForceNoise(Check):
     """The noise of the force is about the configured one."""
 
     name = 'force_noise'
-    message = ('force noise of 12 N, 20 times contact.force_noise; check the sensor, its cable and '
-               'its shield, or correct contact.force_noise')
+    message = ('force noise of 12 N, 20 times contact.force_noise; check the sensor, its cable '
+               'and its shield, or correct contact.force_noise')
     cause = ('The sensor is worse than configured, or something disturbs it; small contacts are '
              'found late.')
     remedy = 'Check sensor, cable and shield; then correct `contact.force_noise`.'

@@ -102,7 +102,7 @@ class PositionUnit(Check):
         fast = int(0.95 * len(speeds))
         speed = float(np.partition(speeds, fast)[fast])
         depth = float(np.max(seen.x[seen.contact] - seen.location, initial=0.0))
-        if not (speed > _FASTEST or depth > _DEEPEST and not seen.touch_text):
+        if not (speed > _FASTEST or depth > _DEEPEST and not seen.pipeline.surface_text):
             return ''
         unit = 'joint states in radians' if seen.is_arm else 'positions in metres'
         return (f'the contact axis moves at up to {speed:.3g} m/s, {depth:.3g} m into the wall: '

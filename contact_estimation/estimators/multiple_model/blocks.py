@@ -31,6 +31,7 @@ _LONG = 2  # short blocks in a long one
 _FILLED = 3.5  # periods without a sample that are bridged
 _OUTLIER, _POSITION_OUTLIER = 6.0, 10.0  # standard deviations from the median of five
 _STEEP, _STEEP_POSITION = 0.15, 0.5  # of a step of that median, by which a touch may differ
+_CUBIC = 1.4  # deviation of a sample from the cubic through its four neighbours
 _FASTEST, _REACH = 20.0, 1e-3  # twice any arm [m/s], a step of a coarse sensor [m]
 _BELIEVED = 10  # samples in a row
 _SAME_RATE, _OTHER_RATE = 1e-4, 0.1  # relative errors of the period
@@ -236,9 +237,11 @@ class Blocks:
             return force - level, x, force - level
         window = np.lib.stride_tricks.sliding_window_view(both, 5, axis=1)
         median = np.sort(window, axis=2)[:, :, 2]
-        bound = bound + np.array([[_STEEP], [_STEEP_POSITION]]) * np.abs(
-            np.diff(median, axis=1, prepend=median[:, :1]))
-        outside = np.abs(middle - median) > bound
+        step = np.abs(np.diff(median, axis=1, prepend=median[:, :1]))
+        bound = bound + np.array([[_STEEP], [_STEEP_POSITION]]) * step
+        # A peak of the motion is a cubic of time, if few samples long; an outlier is none.
+        cubic = (4.0 * (both[:, 1:-3] + both[:, 3:-1]) - both[:, :-4] - both[:, 4:]) / 6.0
+        outside = (np.abs(middle - median) > bound) & (np.abs(middle - cubic) > _CUBIC * bound)
         self.outliers += int(np.count_nonzero(outside[0, -self.wanted:]))
         force, x = np.where(outside, median, middle)
         return force - level, x, median[0] - level

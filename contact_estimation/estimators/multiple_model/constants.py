@@ -34,7 +34,7 @@ RELEASE = 8.0
 CLIP = 8.0
 """Largest |z| that counts: a single outlier stays below TOUCH."""
 
-NOISE_SAMPLES = 300.0
+NOISE_SAMPLES = 300
 """Samples over which the noise is averaged: 0.6 s at 500 Hz, standard error of 6 %."""
 
 CLIPPED_SQUARE = 9.0

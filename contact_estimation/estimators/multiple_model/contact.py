@@ -26,7 +26,6 @@ from .constants import (
     SLOPE_STD, TOUCH)
 
 FREE, CONTACT, NEITHER = 0, 1, 2
-_MEDIAN_SQUARE = 0.455  # median of the square of a normal variable
 _SECOND = 6.0  # variance of a second difference of white noise
 _SAME = 3  # equal forces in a row, from which a sensor says nothing of its noise
 
@@ -91,14 +90,15 @@ class ContactFilter:
         self.state = FREE
         self.variance, self.level, self.level_variance = self._least, 0.0, 0.0
         self._up = self._down = self._last = self._before = 0.0
-        self._equal = 0
+        self._equal, self._learned = 0, 1
         self._segment = Segment()
 
     def start(self, force: NDArray[np.float64], free: bool) -> None:
         """Learn noise, and the level where the tool is free, from the first samples [N]."""
-        bends = np.diff(force, 2)
-        variance = float(np.median(bends * bends)) / (_SECOND * _MEDIAN_SQUARE)
-        self.variance = max(variance, self._least)
+        squares = np.sort(np.square(np.diff(force, 2)))[:-1]  # an outlier makes one large
+        self._learned = len(force)
+        doubt = 1.0 + 2.0 * sqrt(4.0 / self._learned)  # two of its standard deviations
+        self.variance = max(doubt * float(np.mean(squares)) / _SECOND, self._least)
         self._before, self._last = float(force[-2]), float(force[-1])
         if free:
             self.set_level(float(np.median(force)), 1.6 * self.variance / len(force))
@@ -159,7 +159,10 @@ class ContactFilter:
             variance = self.variance
             square, most = bend * bend / _SECOND, CLIPPED_SQUARE * variance
             square = square if square < most else most
-            variance += (square - variance) / NOISE_SAMPLES
+            learned = self._learned
+            if learned < NOISE_SAMPLES:
+                self._learned = learned = learned + 1
+            variance += (square - variance) / learned
             self.variance = variance if variance > self._least else self._least
 
     def _in_free_flight(

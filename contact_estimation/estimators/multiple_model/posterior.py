@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from .blocks import Blocks, PRESSES
 from .constants import (
-    ANYWHERE_M, AS_TOLD, AS_TOLD_M, DAMPING_FLOOR, DAMPING_S, ELSEWHERE, FADE_S, JITTER_S,
+    ANYWHERE_M, AS_TOLD, AS_TOLD_M, CLIP, DAMPING_FLOOR, DAMPING_S, ELSEWHERE, FADE_S, JITTER_S,
     MODEL_ERROR, MODEL_ERROR_S, NEAR, STIFFNESS_FLOOR, STILL_THERE, WALL_WALK)
 from .contact import CONTACT, ContactFilter, FREE
 from .evidence import Hypotheses, judge, Judged, Scene, Wall, walls
@@ -53,6 +53,7 @@ _DEPTH_S = 1.0  # over which the mean depth is taken
 _RESIDUAL_S = 2.0  # over which residuals are averaged
 _RECENT = 25  # blocks of the last half second to second
 _PARTS = 8  # at most, of the work on a block
+_SCALES: Array = np.geomspace(30.0, 1e6, 16)  # of a wall that is not known [N/m]
 _DONE = object()
 _FAR = 40.0  # log odds against a moving wall, from which it starts anew
 _SURE = 0.3  # relative standard deviation above which there is no estimate
@@ -154,7 +155,7 @@ class WallPosterior:
         self._depth_s = 0.0
         self._x0 = location if location == location else 0.0
         self._depth, self._residual = 1e-3, nan
-        self._scale, self._seconds = 1e3, 0.0  # K_e and B_e / K_e for the priors
+        self._scale, self._seconds = 1e3, DAMPING_S  # K_e and B_e / K_e for the priors
         self._surfaces = [(location, AS_TOLD_M, AS_TOLD), (location, std, NEAR),
                           (location, ANYWHERE_M, ELSEWHERE)]
         self._top: tuple[Ints, Array, Scene] | None = None
@@ -293,8 +294,8 @@ class WallPosterior:
         force = force - self.contact.level
         deviation = sqrt(self.contact.variance)
         pressing = np.flatnonzero(force > PRESSES * deviation)
-        if not len(pressing):
-            return
+        if not len(pressing) or force.max() < CLIP * deviation:
+            return  # too weak to be sure that it was one
         end = int(pressing[-1])  # the release, where the wall lets go, is not used
         force, x = force[:end], x[:end]
         windows = (len(x) - 2 * smooth.half - 1) // smooth.hop + 1
@@ -422,16 +423,15 @@ class WallPosterior:
 
     def _find_scale(self) -> None:
         """Find the stiffness that scales the priors of a wall that is not known."""
-        gram = self._gram
-        for _ in range(3):
-            centre, std, _ = self._surfaces[-1]
-            found = judge(gram[None], self.scene, Hypotheses(
-                np.array([KELVIN_VOIGT]), np.array([self._scale]), np.array([centre]),
-                np.array([std])))
-            K, B = found.theta[0, :2].tolist()
-            if not K > 0.0:
-                K = max(gram[DEPTH, FORCE] / max(gram[DEPTH, DEPTH], 1e-30), 10.0)
-            self._scale, self._seconds = K, max(B / K + self.lag.lag[0], 0.0)
+        centre, std, prior = np.tile(np.array(self._surfaces).T, len(_SCALES))
+        scales_ = np.repeat(_SCALES, len(self._surfaces))
+        what = Hypotheses(np.full(len(centre), KELVIN_VOIGT), scales_, centre, std)
+        found = judge(np.repeat(self._gram[None], len(centre), axis=0), self.scene, what)
+        odds = found.evidence + np.log(prior)
+        odds[found.theta[:, 0] <= 0.0] = -inf
+        K, B = found.theta[int(np.argmax(odds)), :2].tolist()
+        self._scale = max(K, float(_SCALES[0]))
+        self._seconds = max(B / self._scale + self.lag.lag[0], 0.0)
 
     def _hypotheses(
         self, laws: Ints, surfaces: Sequence[tuple[float, float, float]]

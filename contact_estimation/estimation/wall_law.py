@@ -1,0 +1,79 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The probabilities of the laws of a contact as text, for `~/wall_law` and the diagnostics."""
+
+from __future__ import annotations
+
+from typing import Sequence
+
+from ..estimators.multiple_model import LAWS
+
+_LEAST = 0.005  # a smaller probability would be printed as 0.00
+_NOTABLE = 0.1  # change of a probability that is published
+
+
+def laws_in_words(probabilities: Sequence[float]) -> str:
+    """
+    Return names and probabilities, the most probable first.
+
+    Parameters
+    ----------
+    probabilities : sequence of float
+        In the order of `LAWS`.
+
+    Returns
+    -------
+    text : str
+        Such as 'kelvin_voigt 0.97 friction 0.02'; what rounds to 0.00 is left out.
+
+    """
+    order = sorted(zip(probabilities, LAWS), key=lambda one: -one[0])
+    return ' '.join(f'{name} {p:.2f}' for p, name in order if p >= _LEAST)
+
+
+class WallLawNews:
+    """Tells the laws where another one leads, or a probability has changed by more than 0.1."""
+
+    def __init__(self) -> None:
+        self._last: Sequence[float] = ()  # seen
+        self._told: Sequence[float] = ()
+
+    def take(self, probabilities: Sequence[float]) -> str:
+        """
+        Return what is new.
+
+        Parameters
+        ----------
+        probabilities : sequence of float
+            Now, in the order of `LAWS`; a new object where any has changed.
+
+        Returns
+        -------
+        text : str
+            As of `laws_in_words`; '' where nothing is new.
+
+        """
+        if probabilities is self._last:  # between two blocks of samples, as nearly always
+            return ''
+        self._last, told = probabilities, self._told
+        if told and _leader(told) == _leader(probabilities) and all(
+                abs(p - before) <= _NOTABLE for p, before in zip(probabilities, told)):
+            return ''
+        self._told = probabilities
+        return laws_in_words(probabilities)
+
+
+def _leader(probabilities: Sequence[float]) -> int:
+    return max(range(len(probabilities)), key=probabilities.__getitem__)
