@@ -38,6 +38,7 @@ _REASONS = {
 _NOT_FINITE = 'estimate was not finite; reset to the initial values'
 _UNKNOWN_DAMPING_S = 1e-2  # prior of B_e / K_e at a restart [s]
 _DIFFERENT = 3.0  # standard deviations from which an estimate is that of another wall
+_ELSEWHERE = 4.0  # the same of a surface, which is looked at with every row
 
 
 class RowEstimation:
@@ -134,7 +135,7 @@ class RowEstimation:
         if row is None:
             return self._published(), _FROZEN, 'waiting for consecutive samples'
         self._follow_changes()
-        if abs(found - self._shift) > 2.0 * posterior.known.surface_std:
+        if abs(found - self._shift) > _ELSEWHERE * posterior.known.surface_std:
             self._shift = found
         y, f_K, f_B, f_c, f_M = row
         row = y, f_K - self._shift * f_c, f_B, f_c, f_M  # the linear filter passes it unchanged
