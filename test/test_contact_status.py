@@ -104,9 +104,6 @@ def test_released_contact_is_free_within_twenty_milliseconds() -> None:
     assert FREE in [one.status for one in estimates[end:end + 10]]
 
 
-@pytest.mark.xfail(strict=True, reason=(
-    'a sample above three deviations during the release begins a contact of its own, at which '
-    'RowEstimation reopens the estimate to carried_std'))
 def test_force_that_flickers_at_the_release_leaves_the_deviations() -> None:
     samples = two_presses()
     leaving = np.flatnonzero((samples.force < 3.0) & (samples.t > 1.8))[:3]
@@ -119,8 +116,6 @@ def test_force_that_flickers_at_the_release_leaves_the_deviations() -> None:
     assert after.stiffness_std < 2.0 * before.stiffness_std
 
 
-@pytest.mark.xfail(strict=True, reason=(
-    'EstimationPipeline._by_rows gives the reason of NEITHER for a weak force in CONTACT'))
 def test_contact_that_ends_is_no_force_that_no_wall_explains() -> None:
     samples = two_presses()
     estimates = estimates_of(samples, estimator='kalman')

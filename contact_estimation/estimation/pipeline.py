@@ -47,6 +47,7 @@ _SEEN = 4.0  # standard deviations of a force that CUSUM finds in four samples
 _UNCHECKED = 0.05  # share of K_e that an uncertain surface leaves open
 
 LOCATING = 'locating the surface'
+_WEAK = 'force within the noise'
 _NEITHER = 'a force that is neither that of free flight nor of the wall'
 
 
@@ -418,8 +419,10 @@ class EstimationPipeline:
         if estimator.follows_reference and reference[0] == reference[0]:
             estimator.observe(dt, x, v if v == v else 0.0, force - self.bias, reference)
         if state != CONTACT or not self._presses(pressing):
-            self._held, status, reason = rows.leave()
-            return self._held, status, reason if state == FREE else _NEITHER
+            self._held = rows.leave(over=state != CONTACT)
+            if state == CONTACT:
+                return self._held, _FROZEN, _WEAK
+            return self._held, _FREE, '' if state == FREE else _NEITHER
         if self.location != self.location or known is not None and known.hindrance:
             rows.restart()
             return self._held, _FROZEN, LOCATING

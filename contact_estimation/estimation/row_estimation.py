@@ -27,8 +27,7 @@ from ..signals.compensated_sample import CompensatedSample
 from ..signals.outlier_gate import OutlierGate
 from ..signals.relations import GatedRows, Row
 
-_FROZEN, _ESTIMATING, _FREE = (
-    EstimateStatus.FROZEN, EstimateStatus.ESTIMATING, EstimateStatus.FREE)
+_FROZEN, _ESTIMATING = EstimateStatus.FROZEN, EstimateStatus.ESTIMATING
 _REASONS = {
     Frozen(False, False): '',
     Frozen(False, True): 'damping frozen: weak excitation',
@@ -90,12 +89,12 @@ class RowEstimation:
         """Number of forces replaced as outliers."""
         return self._gate.count
 
-    def leave(self) -> tuple[ParameterEstimate, EstimateStatus, str]:
-        """Keep the estimate out of contact."""
+    def leave(self, over: bool) -> ParameterEstimate:
+        """Keep the estimate where nothing presses; whether the contact is over."""
         self._rows.leave()
         self._gate.leave()
-        self._touched = False
-        return self._published(), _FREE, ''
+        self._touched = self._touched and not over
+        return self._published()
 
     def take(
         self, dt: float, depth: float, v: float, pressing: float,
