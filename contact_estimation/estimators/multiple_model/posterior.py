@@ -17,24 +17,25 @@
 from __future__ import annotations
 
 from collections import deque
-from math import exp, inf, isfinite, log, nan, sqrt
+from math import exp, inf, isfinite, nan, sqrt
 from typing import Iterator, NamedTuple, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .blocks import Blocks, PRESSES
+from .blocks import Blocks
 from .constants import (
-    ANYWHERE_M, AS_TOLD, AS_TOLD_M, CLIP, DAMPING_FLOOR, DAMPING_S, ELSEWHERE, FADE_S, JITTER_S,
-    MODEL_ERROR, MODEL_ERROR_S, NEAR, STIFFNESS_FLOOR, STILL_THERE, WALL_WALK)
+    ANYWHERE_M, AS_TOLD, AS_TOLD_M, DAMPING_FLOOR, DAMPING_S, ELSEWHERE, FADE_S, JITTER_S,
+    MODEL_ERROR, MODEL_ERROR_S, NEAR, STIFFNESS_FLOOR, STILL_THERE)
 from .contact import CONTACT, ContactFilter, FREE
 from .evidence import Hypotheses, judge, Judged, Scene, Wall, walls
 from .lag import LagPosterior
 from .laws import (
     Array, CHOSEN, COLUMNS, DEEP, DEPTH, FORCE, FORCE_RATE, FRICTION, Ints, KELVIN_VOIGT,
-    LOG_PRIOR, MASS, MOVING, NAMES, ONE, RATE, scales, shifted_table, UNKNOWNS)
+    LOG_PRIOR, MASS, MOVING, NAMES, RATE, scales, shifted_table, UNKNOWNS)
+from .moving import MovingWall
 from .runs import Change, decided, Runs
-from .touch import surface_of_touch
+from .touch import before_release, surface_of_touch
 
 _FIRST = 20  # samples from which period and noise are learned
 _GREATEST = 1e5  # [N]; a larger force is no measurement
@@ -47,6 +48,7 @@ _CLIPPED = 4.0  # times the mean so far: a change is no misfit
 _OUTSIDE, _OUTSIDE_M = 4.0, 5e-4  # of a surface [deviations, m]: no force is that of the wall
 _TAP_S = 0.06  # contact that is shorter has few rows or none beside those of its touch
 _STRADDLES = 0.3  # of the depth: as well must the surface be known for rows across it
+_SOFTER = 0.03  # of the scale so far: a stiffness that is not known may be found negative
 _START = 3  # blocks in which the scale of the priors is not known
 _SETTLED = 10  # blocks, from which the lag is learned
 _DEPTH_S = 1.0  # over which the mean depth is taken
@@ -55,7 +57,7 @@ _RECENT = 25  # blocks of the last half second to second
 _PARTS = 8  # at most, of the work on a block
 _SCALES: Array = np.geomspace(30.0, 1e6, 16)  # of a wall that is not known [N/m]
 _DONE = object()
-_FAR = 40.0  # log odds against a moving wall, from which it starts anew
+_FARTHEST = 20.0  # log odds of a law of the wall before a change
 _SURE = 0.3  # relative standard deviation above which there is no estimate
 
 
@@ -148,8 +150,7 @@ class WallPosterior:
                                std if location == location else ANYWHERE_M, nan,
                                tuple(np.exp(LOG_PRIOR).tolist()), nan)
         self._runs = Runs()
-        self._gram, self._moving = np.zeros((2, COLUMNS, COLUMNS))
-        self._moving_norm = self._moving_odds = 0.0
+        self._gram, self._moving = np.zeros((COLUMNS, COLUMNS)), MovingWall()
         self._odds = LOG_PRIOR.copy()
         self.changes = self._blocks = self._of_contact = self._alert = 0
         self._depth_s = 0.0
@@ -289,20 +290,11 @@ class WallPosterior:
 
     def _learn_tap(self, samples: Array) -> Iterator[None]:
         """Add the rows of a short contact, about the surface that it shows."""
-        smooth = self.blocks.smoothing
-        force, x = samples
-        force = force - self.contact.level
-        deviation = sqrt(self.contact.variance)
-        pressing = np.flatnonzero(force > PRESSES * deviation)
-        if not len(pressing) or force.max() < CLIP * deviation:
-            return  # too weak to be sure that it was one
-        end = int(pressing[-1])  # the release, where the wall lets go, is not used
-        force, x = force[:end], x[:end]
-        windows = (len(x) - 2 * smooth.half - 1) // smooth.hop + 1
-        if windows < 1:
+        smooth, contact = self.blocks.smoothing, self.contact
+        rising = before_release(smooth, samples[0] - contact.level, samples[1], contact.variance)
+        if rising is None:
             return
-        length = smooth.length(windows)
-        force, x = force[-length:], x[-length:]
+        force, x = rising
         yield
         found = surface_of_touch(
             smooth, force, x, smooth.hop / self.contact.variance, self._gram, self._x0,
@@ -411,15 +403,8 @@ class WallPosterior:
         self._gram *= fade
         self._gram += gram
         self._runs.add(gram, fade, seconds)
-        # A surface that walks loses what is known of s: the Schur complement of its column.
-        moving = self._moving * fade
-        walk = (self._scale * WALL_WALK) ** 2 * seconds
-        column = moving[ONE]
-        moving -= np.outer(column, column) / (1.0 / walk + column[ONE])
-        self._moving_norm = fade * self._moving_norm - 0.5 * log(1.0 + walk * column[ONE])
-        self._moving = moving + gram
+        self._moving.add(gram, fade, seconds, self._scale)
         self._odds = LOG_PRIOR + (self._odds - LOG_PRIOR) * fade
-        self._moving_odds *= fade
 
     def _find_scale(self) -> None:
         """Find the stiffness that scales the priors of a wall that is not known."""
@@ -446,7 +431,7 @@ class WallPosterior:
         what = self._hypotheses(np.arange(_LAWS), self._surfaces)
         moves: NDArray[np.bool_] = what.law == MOVING
         grams = np.repeat(self._gram[None], len(moves), axis=0)
-        grams[moves] = self._moving
+        grams[moves] = self._moving.gram
         judged = judge(grams, scene, what)
         odds = judged.evidence + self._prior_odds(what, moves) - _signs(judged, what.law, scene)
         still = int(np.argmax(np.where(moves, -inf, odds)))
@@ -462,7 +447,8 @@ class WallPosterior:
             odds = odds + np.where(
                 moves, 0.0, np.logaddexp.reduce(np.append(change.odds, 0.0)))
         yield
-        self._restart_moving(odds, judged.evidence, moves)
+        gap, rest = float(odds[moves].max() - odds[~moves].max()), self._odds[:MOVING].max()
+        self._moving.restart_if_far(self._gram, gap, float(rest))
         weights = np.exp(odds - odds.max())
         weights /= weights.sum()
         top = int(np.argmax(odds))
@@ -473,22 +459,13 @@ class WallPosterior:
         certain = decided(change)
         if change is not None and certain >= 0:
             yield
-            gap = float(odds[moves].max() - odds[~moves].max())
-            self._commit(change, certain, best, scene, min(max(gap, -_FAR), 0.0))
+            self._commit(change, certain, best, scene, min(gap, 0.0))
         self._follow_surface()
 
     def _prior_odds(self, what: Hypotheses, moves: NDArray[np.bool_]) -> Array:
         prior = np.log([one[2] for one in self._surfaces])
-        own = np.where(moves, LOG_PRIOR[MOVING] + self._moving_norm + self._moving_odds,
-                       self._odds[what.law])
+        own = np.where(moves, self._moving.prior, self._odds[what.law])
         return np.asarray(own + np.tile(prior, _LAWS))
-
-    def _restart_moving(self, odds: Array, evidence: Array, moves: NDArray[np.bool_]) -> None:
-        """Let a moving wall that is out of the question start from what is known: it may begin."""
-        best = float(odds[~moves].max())
-        if best - float(odds[moves].max()) > _FAR:
-            self._moving, self._moving_norm = self._gram.copy(), 0.0
-            self._moving_odds = best - float(evidence[~moves].max()) - _FAR
 
     def _commit(
         self, change: Change, best: int, still: Hypotheses, scene: Scene, gap: float
@@ -502,9 +479,9 @@ class WallPosterior:
             self._hypotheses(np.arange(_LAWS), [(float(still.centre[0]),
                                                  float(still.std[0]), 1.0)])).evidence
         most = float(before[:MOVING].max())
-        self._odds = np.maximum(self._odds + before - most, LOG_PRIOR - 0.5 * _FAR)
-        self._gram, self._moving, self._moving_norm = gram, gram.copy(), 0.0
-        self._moving_odds = gap + float(self._odds[:MOVING].max() - LOG_PRIOR[MOVING])
+        self._odds = np.maximum(self._odds + before - most, LOG_PRIOR - _FARTHEST)
+        self._gram = gram
+        self._moving.restart(gram, gap + float(self._odds[:MOVING].max() - LOG_PRIOR[MOVING]))
         self.changes += 1
         self._surfaces = [(centre, std, STILL_THERE), (centre, ANYWHERE_M, ELSEWHERE)]
         if abs(self._told[0] - centre) < 4.0 * std:
@@ -568,7 +545,7 @@ class WallPosterior:
             K, B, K_std, sqrt(stds[1] + (DAMPING_FLOOR * B) ** 2), surface, surface_std,
             float(mass) if of_law[MASS] > 0.5 else nan, tuple(of_law.tolist()),
             sqrt(self._residual) if self._residual == self._residual else nan)
-        self._scale = max(K, 1.0)
+        self._scale = max(K, _SOFTER * self._scale)
         self._seconds = max(B / self._scale, 0.0)
 
     def _follow_surface(self) -> None:
@@ -584,7 +561,7 @@ class WallPosterior:
         delta = surface - self._x0
         table = shifted_table(delta)
         self._gram = table @ self._gram @ table.T
-        self._moving = table @ self._moving @ table.T
+        self._moving.move(table)
         self._runs.move(table)
         self._x0 += delta
         self._depth = max(self._depth - delta, 1e-5)

@@ -20,7 +20,8 @@ from math import sqrt
 
 import numpy as np
 
-from .constants import DAMPING_S, DAMPING_STD_S
+from .blocks import PRESSES
+from .constants import CLIP, DAMPING_S, DAMPING_STD_S
 from .laws import ACCELERATION, Array, DEPTH, FORCE, ONE, RATE
 from .smoothing import Smoothing
 
@@ -28,6 +29,28 @@ _LINEAR = [DEPTH, RATE, ACCELERATION, FORCE]
 _PLACES = 25  # tried along the way of the samples before and after the touch
 _MASS_S2 = 1e-4  # prior deviation of the coefficient of S2 y, relative to K: a lag of 10 ms [s^2]
 _FLATTEST = 1e-6  # prior precision of K relative to its scale
+
+
+def before_release(
+    smooth: Smoothing, force: Array, x: Array, variance: float
+) -> tuple[Array, Array] | None:
+    """
+    Return the samples of a short contact that rows can be made of.
+
+    The release, where the wall lets go, is not used. None where the force is too weak to be sure
+    that it was a contact, or there are too few samples.
+
+    """
+    deviation = sqrt(variance)
+    pressing = np.flatnonzero(force > PRESSES * deviation)
+    if not len(pressing) or force.max() < CLIP * deviation:
+        return None
+    end = int(pressing[-1])
+    windows = (end - 2 * smooth.half - 1) // smooth.hop + 1
+    if windows < 1:
+        return None
+    length = smooth.length(windows)
+    return force[end - length:end], x[end - length:end]
 
 
 def surface_of_touch(
