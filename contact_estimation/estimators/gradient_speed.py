@@ -18,9 +18,6 @@ from __future__ import annotations
 
 from math import sqrt
 
-import numpy as np
-from numpy.typing import NDArray
-
 _SLOWEST_S = 2.0
 """Time constant of K_hat above which a contact is over before it has adapted."""
 
@@ -68,32 +65,3 @@ def limitation_of(stiffness_gain: float, remedy: str = _REMEDY) -> str:
     return (f'with stiffness_gain {stiffness_gain:g} K_hat needs over {_SLOWEST_S:g} s on walls '
             f'above {stiffest_wall(stiffness_gain):.3g} N/m pressed with {_USUAL_FORCE:g} N; '
             f'{remedy} for stiffer ones')
-
-
-def starvation(
-    stiffness_gain: float, products: NDArray[np.float64], remedy: str = _REMEDY
-) -> str:
-    """
-    State that a gain is too small at the depth of the window.
-
-    Parameters
-    ----------
-    stiffness_gain : float
-        Entry of Gamma^-1 for K [N/m/(N m s)].
-    products : ndarray, shape (5, 5)
-        Sum of row^T row over the window.
-    remedy : str
-        What to change.
-
-    Returns
-    -------
-    text : str
-        '' where the gain suffices, or nothing has been touched.
-
-    """
-    rows, power = float(products[3, 3]), stiffness_gain * float(products[1, 1])
-    if rows <= 0.0 or power * _SLOWEST_S >= rows:
-        return ''
-    time_constant = rows / power if power > 0.0 else float('inf')
-    return (f'K_hat adapts with a time constant of {time_constant:.2g} s at this depth: the wall '
-            f'is too stiff for stiffness_gain {stiffness_gain:g}; {remedy}')

@@ -18,10 +18,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import exp, inf, log, nan, sqrt
-from typing import Callable, Mapping, NamedTuple, Sequence
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import Mapping, NamedTuple, Sequence
 
 from .estimate import Frozen, new_tuple, ParameterEstimate
 from .estimator import OnlineEstimator, TimedRow
@@ -232,28 +229,6 @@ class HuntCrossley(OnlineEstimator):
         force = self.stiffness * self._depth_share * self._p.reference_depth
         K_share = _std(self._P, 1.0, ln_d, 0.0)
         return self.stiffness * K_share, force * _std(self._P, r, r * ln_d, 1.0)  # d (r F_s) / F_s
-
-    def linearisation(self) -> Callable[[Row], Row]:
-        """Linearise about the present n at the mean depth; see `OnlineEstimator.linearisation`."""
-        a, n, r = self._x
-        mean = self._depth_share * self._p.reference_depth
-        stiffness = exp(min(a + n * self._log_depth, 60.0)) / mean
-
-        def linear(row: Row) -> Row:
-            y, depth, v, c, _ = row
-            share = max(depth / mean, 1e-9)
-            reached = share**n
-            by_n = stiffness * mean * reached * (1.0 + r * v) * log(share)
-            return y, mean * reached, reached * v, c, by_n
-
-        return linear
-
-    def columns_of(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return powers that span d^n and d^n v; see `OnlineEstimator.columns_of`."""
-        depth = np.maximum(rows[:, 1], 0.0) / max(float(np.max(rows[:, 1])), 1e-12)
-        v = rows[:, 2]
-        powers = [depth, depth**1.5, depth**2]
-        return np.column_stack([*powers, *(power * v for power in powers[:2])])
 
     @property
     def law(self) -> Law:

@@ -21,11 +21,10 @@ from math import expm1, nan, sqrt
 from typing import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .estimate import Frozen, new_tuple, ParameterEstimate
 from .estimator import OnlineEstimator, TimedRow, UNKNOWN_DAMPING_S
-from .gradient_speed import limitation_of, starvation
+from .gradient_speed import limitation_of
 from ..parameters.specification import parameter, ParameterGroup
 
 _SMALLEST = 1e-30
@@ -65,7 +64,6 @@ class IndirectAdaptive(OnlineEstimator):
     """
 
     Parameters = IndirectAdaptiveParameters
-    weighs_data = False
 
     def configure(self, tuning: ParameterGroup) -> None:
         """Set new gains; see `OnlineEstimator.configure`."""
@@ -146,10 +144,6 @@ class IndirectAdaptive(OnlineEstimator):
     def limitation(self) -> str:
         """Return the walls for which the gains are too small; see `OnlineEstimator.limitation`."""
         return '' if self._rate is not None else limitation_of(self._gain_K, _REMEDY)
-
-    def hindrance(self, products: NDArray[np.float64]) -> str:
-        """Whether the gains are too small at this depth; see `OnlineEstimator.hindrance`."""
-        return '' if self._rate is not None else starvation(self._gain_K, products, _REMEDY)
 
     def current(self) -> ParameterEstimate:
         """Return the present estimate; see `OnlineEstimator.current`."""

@@ -71,7 +71,6 @@ class InstrumentalVariable(OnlineEstimator):
     """
 
     Parameters = InstrumentalVariableParameters
-    biased_by_position_noise = False
 
     def configure(self, tuning: ParameterGroup) -> None:
         """Set new tuning; see `OnlineEstimator.configure`."""

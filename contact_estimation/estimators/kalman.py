@@ -74,7 +74,6 @@ class Kalman(OnlineEstimator):
     """
 
     Parameters = KalmanParameters
-    estimates_location = True
 
     def configure(self, tuning: ParameterGroup) -> None:
         """Set new tuning; see `OnlineEstimator.configure`."""
@@ -155,8 +154,3 @@ class Kalman(OnlineEstimator):
         return new_tuple(ParameterEstimate, (
             self.stiffness, self.damping, sqrt(KK) if KK > 0.0 else 0.0,
             sqrt(BB) if BB > 0.0 else 0.0, self._shift, nan))
-
-    @property
-    def location_std(self) -> float | None:
-        """Prior standard deviation of the wall's location [m]."""
-        return self._p.location_std

@@ -21,12 +21,11 @@ from math import nan, sqrt
 from typing import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .environment_parameters import EnvironmentParameters
 from .estimate import Frozen, new_tuple, ParameterEstimate
 from .estimator import OnlineEstimator, TimedRow
-from .gradient_speed import limitation_of, starvation
+from .gradient_speed import limitation_of
 from .model_following import ModelFollowing, ModelFollowingParameters
 from ..parameters.specification import group, parameter, ParameterGroup
 from ..reference.setpoints import Reference
@@ -186,10 +185,6 @@ class ModelReferenceAdaptive(OnlineEstimator):
     def limitation(self) -> str:
         """Return the walls for which the gains are too small; see `OnlineEstimator.limitation`."""
         return limitation_of(self._p.stiffness_gain)
-
-    def hindrance(self, products: NDArray[np.float64]) -> str:
-        """Whether the gains are too small at this depth; see `OnlineEstimator.hindrance`."""
-        return starvation(self._p.stiffness_gain, products)
 
     def current(self) -> ParameterEstimate:
         """Return the present estimate; see `OnlineEstimator.current`."""

@@ -22,12 +22,11 @@ noise of the force keeps its variance in the sums.
 
 from __future__ import annotations
 
-from math import sqrt
+from math import pi, sqrt
 from typing import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import erf
 
 from .laws import (
     ACCELERATION, Array, COLUMNS, CUBE_RATE, DEPTH, FORCE, ONE, POWER, POWER_DAMPING, POWER_RATE,
@@ -36,7 +35,7 @@ from .laws import (
 _HALF_S = 0.010  # half width of the kernel: motion up to about 30 Hz passes
 _LEAST_HALF = 3  # samples
 _HOP_S = 0.004  # between windows: the standard deviation of the kernel, so that little is lost
-_SHARP = 3.2e-4  # tanh(v / 0.4 mm/s), the sign of the plant, has the slope of this error function
+_SHARP = 3.2e-4  # deviation of a normal distribution whose sign is like tanh(v / 0.4 mm/s)
 _MOVES = 4.0  # times its noise, from which a mean square rate is motion
 _MOTION = (RATE, ACCELERATION, SIGN, SQUARE_RATE, POWER_RATE, POWER_DAMPING, CUBE_RATE)
 
@@ -146,8 +145,8 @@ class Smoothing:
         rate[1:-1] = (0.5 / self.period_s) * (x[2:] - x[:-2])
         rate[0], rate[-1] = rate[1], rate[-2]
         blur = sqrt(0.5 * noise[0]) / self.period_s
-        sign = erf(rate / sqrt(2.0 * (blur * blur + _SHARP * _SHARP)))
-        phi[SIGN] = (sign * (inside > 0.0)) @ mean
+        width = sqrt(0.5 * pi * (blur * blur + _SHARP * _SHARP))  # the slope of the error function
+        phi[SIGN] = (np.tanh(rate / width) * (inside > 0.0)) @ mean
         if phi[RATE] @ phi[RATE] / windows < _MOVES * noise[0] * self.rate_noise:
             phi[list(_MOTION)] = 0.0  # the noise of a rate would bias what it multiplies
         return phi
