@@ -65,7 +65,7 @@ class SurfaceUnchecked(Check):
                'environment.location; touch down again or excite')
     cause = 'The tool rests: any spring through its point fits.'
     remedy = 'Touch down again, or excite.'
-    of_state = True
+    confirmations = 2  # just after a touch the motion has had no time to show it
 
     def judge(self, seen: Evidence) -> str:
         """Return whether the location is unchecked in the present contact."""
