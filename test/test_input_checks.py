@@ -513,6 +513,14 @@ def test_a_contact_within_three_deviations_of_the_noise_is_no_offset_of_the_sens
     assert isnan(last.stiffness_std) or abs(last.stiffness - 100.0) < 3.0 * last.stiffness_std
 
 
+@pytest.mark.parametrize('first, text', [(0, 'relies on environment.location'),
+                                         (300, 'stiffness and surface yet')])
+def test_a_soft_press_and_hold_is_told_what_it_does_not_show(first: int, text: str) -> None:
+    hold = contact_samples(2.0, 1000.0, 40.0, depth=0.003, amplitude=0.0, force_noise=0.6)
+    session, _ = fed(hold[first:])
+    assert headline(session)[0] == 'surface_unchecked' and text in headline(session)[1]
+
+
 def test_every_check_and_rejection_is_documented() -> None:
     names = [check.name for check in CHECKS] + [rejection.name for rejection in REJECTIONS]
     assert len(set(names)) == len(names)

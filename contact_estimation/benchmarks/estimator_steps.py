@@ -95,8 +95,7 @@ def session_steps(data: ContactData, name: str) -> Steps:
 
 def learning_steps(data: ContactData, name: str) -> tuple[Steps, Steps]:
     """
-    Prepare a bare estimator with the rows that its pipeline passes to it; the posterior, with
-    the samples.
+    Prepare a bare estimator with the rows that its pipeline passes to it, or the samples.
 
     Parameters
     ----------

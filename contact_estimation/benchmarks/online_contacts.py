@@ -47,7 +47,7 @@ from .online_trace import (
 )
 from .online_worlds import simulate, World
 
-_ADVICE = {'estimator', 'surface_unchecked'}  # checks that advise where nothing is wrong
+_ADVICE = {'surface_unchecked'}  # checks that advise where nothing is wrong
 _MEMORIES = 'no effect told', 'force_lag told', 'tool_inertia told'
 _TOOL_MASS = 0.5  # [kg]
 _VELOCITY_NOISES = 0.0, 1e-3, 3e-3  # [m/s]

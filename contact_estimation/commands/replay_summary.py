@@ -32,6 +32,7 @@ from ..exceptions import RecordingError
 from ..recordings import RecordingReader
 
 _SAID_OTHERWISE = ('model_fit',)  # warnings that the summary states anyway
+_NO_CAUSE = 'surface_unchecked'  # warns that there is no estimate, not why
 
 
 class Replayed:
@@ -151,7 +152,8 @@ def _no_sample(recording: str, replay: RecordingReplay) -> str:
 def _nothing_estimated(recording: str, replay: RecordingReplay, replayed: Replayed) -> str:
     """Return why the first guess was never updated."""
     axis = next(iter(replay.session.pipelines))
-    causes = [found.warned.text for found in replay.session.checks.found_in_order()]
+    causes = [found.warned.text for found in replay.session.checks.found_in_order()
+              if found.warned.name != _NO_CAUSE]
     cause = causes[0] if causes else ''
     if replayed.statuses == {EstimateStatus.FREE}:
         return (f'no contact seen in {recording}: '

@@ -85,8 +85,8 @@ class Evidence:
 
     Of the pipeline, checks read `location`, `location_margin`, `location_shift`,
     `location_unchecked`, `surface_text`, `surface_std`, `bias`, `noise_std`, `contact`,
-    `posterior.contact.state`, `sample_period_s`, `estimator` and `model_fit.now.text`, and
-    nothing else.
+    `posterior.contact.state`, `posterior.known.valid`, `sample_period_s`, `estimator` and
+    `model_fit.now.text`, and nothing else.
 
     Attributes
     ----------

@@ -65,13 +65,16 @@ class SurfaceUnchecked(Check):
                'environment.location; touch down again or excite')
     cause = 'The tool rests: any spring through its point fits.'
     remedy = 'Touch down again, or excite.'
-    of_state = True
+    confirmations = 2  # just after a touch the motion has had no time to show it
 
     def judge(self, seen: Evidence) -> str:
-        """Return whether the location is unchecked in the present contact."""
-        if seen.pipeline.contact and seen.pipeline.location_unchecked:
-            return self.message
-        return ''
+        """Return what the present contact has not shown."""
+        pipeline = seen.pipeline
+        if not pipeline.contact:
+            return ''
+        if not pipeline.posterior.known.valid:
+            return 'the motion does not show stiffness and surface yet; touch down again or excite'
+        return self.message if pipeline.location_unchecked else ''
 
 
 class ModelMismatch(Check):
