@@ -80,6 +80,7 @@ class EstimationPipeline:
         self.model_fit = ModelFitMonitor()
         self._conditioner = Conditioner(p.sample_rate)
         self._first_ns: int | None = None
+        self._compensate()
         self._begin()
 
     def _begin(self) -> None:
@@ -98,15 +99,16 @@ class EstimationPipeline:
         self._held = ParameterEstimate(
             environment.initial_stiffness, environment.initial_damping, nan, nan, 0.0, nan)
         self._robot = with_joints(p.robot, p.physics)
-        self._compensate()
+        self.posterior.inertia = self._compensation.inertia
+        self._first_touch = FirstTouch(self._compensation.forces)
 
     def _compensate(self) -> None:
+        """Build what follows known physics; its clock, and dents, outlive a reset."""
         p = self.parameters
         self._compensation = compensation = Compensation(
             effects_that_are_on(p.physics), p.environment.initial_stiffness,
             p.contact.force_noise, p.sample_rate)
         self._conditioner.compensation = compensation if compensation.acts else None
-        self._first_touch = FirstTouch(compensation.forces)
 
     # -- parameters -------------------------------------------------------------------------
 
@@ -139,6 +141,8 @@ class EstimationPipeline:
             self._conditioner.configure(parameters.sample_rate)
         if differs('environment', 'physics', 'contact', 'synchronisation'):
             noise, held = self.posterior.contact, self._held
+            if differs('environment', 'physics', 'sample_rate'):
+                self._compensate()
             self._begin()
             self.posterior.keep(noise)
             self._held = held._replace(stiffness_std=nan, damping_std=nan)
@@ -175,6 +179,7 @@ class EstimationPipeline:
         if self._of_rows is not None:
             self._of_rows.restart()
         self._compensate()
+        self._first_touch = FirstTouch(self._compensation.forces)
 
     def tare(self) -> tuple[bool, str]:
         """Set the force bias to the mean free-flight force; False with the reason if refused."""
@@ -364,7 +369,7 @@ class EstimationPipeline:
         now = posterior.known
         if state == CONTACT and now.fit == now.fit:
             self.model_fit.note(now.fit, posterior.law, stamp_ns)
-        surface = now.surface + shift if now.valid else location
+        surface = (now.surface if now.valid else location) + shift
         return new_tuple(Estimate, (
             stamp_ns, K, B, K_std, B_std, surface, inertia, status, reason,
             self.model_fit.now.ratio))
@@ -386,7 +391,8 @@ class EstimationPipeline:
             bent = known.travel - known.stiffness_column, known.constant_column - 1.0
         # Without a force the known physics that are taken out would pass for one.
         usable = not known.hindrance and self._presses(known.pressing)
-        return self.posterior.take(t, known.rest, path, v, usable, (known.pressing, felt), bent)
+        rest = known.rest + known.inertial_force  # the posterior has a less noisy acceleration
+        return self.posterior.take(t, rest, path, v, usable, (known.pressing, felt), bent)
 
     def _presses(self, pressing: float) -> bool:
         """Return whether a force is above the noise: the end of a contact is seen late."""

@@ -89,6 +89,11 @@ class Compensation:
         self._forces: deque[float] = deque(maxlen=3)
 
     @property
+    def inertia(self) -> float:
+        """M_e of the wall [kg]."""
+        return self._wall.inertia
+
+    @property
     def acts(self) -> bool:
         """Whether there is anything to compensate."""
         return self._wall.acts or bool(self._sensor)
@@ -135,7 +140,7 @@ class Compensation:
         if not self._moves:
             depth, R, _, travel, v, column, slope, hindered = terms[-1]
             return CompensatedSample(depth, pressing + self._wall.free_force, pressing - R, travel,
-                                     v, column, slope, hindered or hindrance)
+                                     v, column, slope, 0.0, hindered or hindrance)
         return self._averaged(terms, pressing + self._wall.free_force - tool, tool, hindrance)
 
     def _motion(self, sample: ContactSample) -> tuple[Motion, bool]:
@@ -198,7 +203,8 @@ class Compensation:
         hindrance = last.hindrance or hindrance or middle.hindrance or first.hindrance
         if not hindrance and len(terms) < 3:
             hindrance = WAITING
-        return CompensatedSample(last.depth, pressing, rest, travel, v, column, slope, hindrance)
+        return CompensatedSample(last.depth, pressing, rest, travel, v, column, slope,
+                                 last.inertial_force, hindrance)
 
 
 def _sensors(effects: Sequence[Effect]) -> list[Any]:

@@ -29,7 +29,7 @@ from .contact import CONTACT, ContactFilter, FREE, NEITHER
 from .evidence import Hypotheses, judge, Judged, Scene, Wall, walls
 from .lag import LagPosterior
 from .laws import (
-    Array, CHOSEN, COLUMNS, DEEP, DEPTH, FORCE, FORCE_RATE, FRICTION, Ints, KELVIN_VOIGT, LOG_PRIOR, MASS,
+    ACCELERATION, Array, CHOSEN, COLUMNS, DEEP, DEPTH, FORCE, FORCE_RATE, FRICTION, Ints, KELVIN_VOIGT, LOG_PRIOR, MASS,
     MOVING, NAMES, ONE, RATE, scales, shifted_table, UNKNOWNS)
 from .runs import Change, decided, Runs
 from .smoothing import Smoothing
@@ -137,6 +137,8 @@ class WallPosterior:
         How often the wall has become another.
     outliers : int
         Forces replaced as outliers.
+    inertia : float
+        Known mass that moves with the wall, whose force the samples contain [kg].
 
     """
 
@@ -147,6 +149,7 @@ class WallPosterior:
     ) -> None:
         self._told = location, max(location_std, AS_TOLD_M)
         self._least = position_noise * position_noise
+        self.inertia = 0.0
         self.contact, self.lag = ContactFilter(minimum_force, least_noise), LagPosterior(*lag)
         self.period_s, self.outliers = 0.0, 0
         self._first: list[tuple[float, ...]] = []
@@ -459,6 +462,8 @@ class WallPosterior:
             return None
         self._samples = force, x, whole
         phi = smooth.rows(force, x, v, self._x0, self._noise, bent=bent)
+        if self.inertia:
+            phi[FORCE] -= self.inertia * phi[ACCELERATION]
         return phi if whole.all() else phi[:, whole]
 
     def _beside_jumps(self, windows: int) -> Array:
