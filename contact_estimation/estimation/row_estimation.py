@@ -134,7 +134,8 @@ class RowEstimation:
         if row is None:
             return self._published(), _FROZEN, 'waiting for consecutive samples'
         self._follow_changes()
-        if abs(found - self._shift) > _ELSEWHERE * posterior.known.surface_std:
+        elsewhere = abs(found - self._shift) > _ELSEWHERE * posterior.known.surface_std
+        if elsewhere and self._p.tracking.restarts:
             self._shift = found
         y, f_K, f_B, f_c, f_M = row
         row = y, f_K - self._shift * f_c, f_B, f_c, f_M  # the linear filter passes it unchanged
