@@ -30,7 +30,7 @@ from ..estimators.estimate import Estimate, EstimateStatus, new_tuple, Parameter
 from ..estimators.estimator import OnlineEstimator
 from ..estimators.multiple_model import CONTACT, FREE, LAWS, told_lag, WallPosterior
 from ..physics import effects_that_are_on
-from ..physics.compensation import Compensation
+from ..physics.compensation import CLIPPED, Compensation
 from ..reference.setpoints import Reference
 from ..signals.compensated_sample import CompensatedSample
 from ..signals.conditioning import Conditioner
@@ -384,6 +384,8 @@ class EstimationPipeline:
 
     def _take_known(self, t: float, x: float, shift: float, known: CompensatedSample) -> int:
         """Let the posterior see what known physics leave, on a path on which K_e acts."""
+        if known.hindrance is CLIPPED and self.contact:
+            return CONTACT  # a force that stays the same would pass for that of no wall
         location, v = self.location, known.velocity
         path, felt, bent = x, x - shift, (0.0, 0.0)
         if location == location:
@@ -429,7 +431,8 @@ class EstimationPipeline:
         if self.location != self.location or known is not None and known.hindrance:
             rows.restart()
             return self._held, _FROZEN, LOCATING
-        found = now.surface - self.location if now.valid else 0.0
+        sure = now.stiffness_std < _UNCHECKED * now.stiffness
+        found = now.surface - self.location if sure else nan
         self._held, status, reason = rows.take(
             dt, x - shift - self.location, v, pressing - self.free_flight_level, known, found)
         return self._held, status, reason
