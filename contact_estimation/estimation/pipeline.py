@@ -47,6 +47,7 @@ _SEEN = 4.0  # standard deviations of a force that CUSUM finds in four samples
 _UNCHECKED = 0.05  # share of K_e that an uncertain surface leaves open
 
 LOCATING = 'locating the surface'
+_RELEASED = 'the wall has let go, and the sensor follows'
 _NEITHER = 'a force that is neither that of free flight nor of the wall'
 
 
@@ -101,6 +102,7 @@ class EstimationPipeline:
         self._robot = with_joints(p.robot, p.physics)
         self.posterior.inertia = self._compensation.inertia
         self._first_touch = FirstTouch(self._compensation.forces)
+        self._inside, self._let_go, self._x = False, False, nan
 
     def _compensate(self) -> None:
         """Build what follows known physics; its clock, and dents, outlive a reset."""
@@ -180,6 +182,7 @@ class EstimationPipeline:
             self._of_rows.restart()
         self._compensate()
         self._first_touch = FirstTouch(self._compensation.forces)
+        self._inside, self._let_go, self._x = False, False, nan
 
     def tare(self) -> tuple[bool, str]:
         """Set the force bias to the mean free-flight force; False with the reason if refused."""
@@ -346,6 +349,8 @@ class EstimationPipeline:
         else:
             if known.depth == known.depth:
                 shift = x - location - known.depth
+            if self._compensation.lags:
+                known = self._follow_release(dt, x, v, known)
             state, pressing = self._take_known(t, x, shift, known), known.pressing
         if state == CONTACT:
             self._conditioner.note_contact()
@@ -395,6 +400,21 @@ class EstimationPipeline:
         usable = not known.hindrance and self._presses(known.pressing)
         rest = known.rest + known.inertial_force  # the posterior has a less noisy acceleration
         return self.posterior.take(t, rest, path, v, usable, (known.pressing, felt), bent)
+
+    def _follow_release(
+        self, dt: float, x: float, v: float, known: CompensatedSample
+    ) -> CompensatedSample:
+        """Say that the wall, which cannot pull, has let go, where a sensor still feels it."""
+        inside, now = known.depth > 0.0, self.posterior.known
+        if inside and not self._inside:
+            self._let_go = False
+        elif inside and now.valid:
+            rate = v if v == v else (x - self._x) / dt if dt > 0.0 else 0.0
+            self._let_go |= now.stiffness * known.depth + now.damping * rate < 0.0
+        self._inside, self._x = inside, x
+        if self._let_go and not known.hindrance:
+            return known._replace(hindrance=_RELEASED)
+        return known
 
     def _presses(self, pressing: float) -> bool:
         """Return whether a force is above the noise: the end of a contact is seen late."""

@@ -77,7 +77,7 @@ class Compensation:
         self._wall = KnownWall(
             effects, initial_stiffness, (lambda: _memory(lagging)) if lagging else None)
         self._tool = sum(effect.added_mass for effect in self._sensor)
-        self._late = _memory(lagging)
+        self._late, self.lags = _memory(lagging), bool(lagging)
         self._moves = self._wall.inertia > 0.0 or self._tool > 0.0
         self._range = min((e.limit for e in self._sensor), default=math.inf)
         self._range -= _CLIPPED * force_noise
