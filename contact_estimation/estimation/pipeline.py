@@ -30,7 +30,7 @@ from ..estimators.estimate import Estimate, EstimateStatus, new_tuple, Parameter
 from ..estimators.estimator import OnlineEstimator
 from ..estimators.multiple_model import CONTACT, FREE, LAWS, told_lag, WallPosterior
 from ..physics import effects_that_are_on
-from ..physics.compensation import Compensation
+from ..physics.compensation import CLIPPED, Compensation
 from ..reference.setpoints import Reference
 from ..signals.compensated_sample import CompensatedSample
 from ..signals.conditioning import Conditioner
@@ -48,6 +48,7 @@ _UNCHECKED = 0.05  # share of K_e that an uncertain surface leaves open
 
 LOCATING = 'locating the surface'
 _WEAK = 'force within the noise'
+_RELEASED = 'the wall has let go, and the sensor follows'
 _NEITHER = 'a force that is neither that of free flight nor of the wall'
 
 
@@ -80,11 +81,12 @@ class EstimationPipeline:
         self.invalid = ''
         self.model_fit = ModelFitMonitor()
         self._conditioner = Conditioner(p.sample_rate)
-        self._first_ns: int | None = None
+        self._compensate()
         self._begin()
 
     def _begin(self) -> None:
         """Build what depends on wall, physics and estimator."""
+        self._first_ns: int | None = None
         p = self.parameters
         environment = p.environment
         self.location = environment.location
@@ -99,15 +101,17 @@ class EstimationPipeline:
         self._held = ParameterEstimate(
             environment.initial_stiffness, environment.initial_damping, nan, nan, 0.0, nan)
         self._robot = with_joints(p.robot, p.physics)
-        self._compensate()
+        self.posterior.inertia = self._compensation.inertia
+        self._first_touch = FirstTouch(self._compensation.forces)
+        self._inside, self._let_go, self._x = False, False, nan
 
     def _compensate(self) -> None:
+        """Build what follows known physics; its clock, and dents, outlive a reset."""
         p = self.parameters
         self._compensation = compensation = Compensation(
             effects_that_are_on(p.physics), p.environment.initial_stiffness,
             p.contact.force_noise, p.sample_rate)
         self._conditioner.compensation = compensation if compensation.acts else None
-        self._first_touch = FirstTouch(compensation.forces)
 
     # -- parameters -------------------------------------------------------------------------
 
@@ -140,6 +144,8 @@ class EstimationPipeline:
             self._conditioner.configure(parameters.sample_rate)
         if differs('environment', 'physics', 'contact', 'synchronisation'):
             noise, held = self.posterior.contact, self._held
+            if differs('environment', 'physics', 'sample_rate'):
+                self._compensate()
             self._begin()
             self.posterior.keep(noise)
             self._held = held._replace(stiffness_std=nan, damping_std=nan)
@@ -176,6 +182,8 @@ class EstimationPipeline:
         if self._of_rows is not None:
             self._of_rows.restart()
         self._compensate()
+        self._first_touch = FirstTouch(self._compensation.forces)
+        self._inside, self._let_go, self._x = False, False, nan
 
     def tare(self) -> tuple[bool, str]:
         """Set the force bias to the mean free-flight force; False with the reason if refused."""
@@ -194,7 +202,7 @@ class EstimationPipeline:
     def set_bias(self, bias: float) -> None:
         """Set the force that is subtracted from the measured F_e [N]."""
         contact = self.posterior.contact
-        contact.set_level(contact.level + self.bias - bias, contact.level_variance)
+        contact.set_level(0.0, contact.level_variance)
         self._conditioner.set_bias(bias)
 
     # -- state ------------------------------------------------------------------------------
@@ -342,6 +350,8 @@ class EstimationPipeline:
         else:
             if known.depth == known.depth:
                 shift = x - location - known.depth
+            if self._compensation.lags:
+                known = self._follow_release(dt, x, v, known)
             state, pressing = self._take_known(t, x, shift, known), known.pressing
         if state == CONTACT:
             self._conditioner.note_contact()
@@ -365,7 +375,7 @@ class EstimationPipeline:
         now = posterior.known
         if state == CONTACT and now.fit == now.fit:
             self.model_fit.note(now.fit, posterior.law, stamp_ns)
-        surface = now.surface + shift if now.valid else location
+        surface = (now.surface if now.valid else location) + shift
         return new_tuple(Estimate, (
             stamp_ns, K, B, K_std, B_std, surface, inertia, status, reason,
             self.model_fit.now.ratio))
@@ -380,6 +390,8 @@ class EstimationPipeline:
 
     def _take_known(self, t: float, x: float, shift: float, known: CompensatedSample) -> int:
         """Let the posterior see what known physics leave, on a path on which K_e acts."""
+        if known.hindrance is CLIPPED and self.contact:
+            return CONTACT  # a force that stays the same would pass for that of no wall
         location, v = self.location, known.velocity
         path, felt, bent = x, x - shift, (0.0, 0.0)
         if location == location:
@@ -387,7 +399,23 @@ class EstimationPipeline:
             bent = known.travel - known.stiffness_column, known.constant_column - 1.0
         # Without a force the known physics that are taken out would pass for one.
         usable = not known.hindrance and self._presses(known.pressing)
-        return self.posterior.take(t, known.rest, path, v, usable, (known.pressing, felt), bent)
+        rest = known.rest + known.inertial_force  # the posterior has a less noisy acceleration
+        return self.posterior.take(t, rest, path, v, usable, (known.pressing, felt), bent)
+
+    def _follow_release(
+        self, dt: float, x: float, v: float, known: CompensatedSample
+    ) -> CompensatedSample:
+        """Say that the wall, which cannot pull, has let go, where a sensor still feels it."""
+        inside, now = known.depth > 0.0, self.posterior.known
+        if inside and not self._inside:
+            self._let_go = False
+        elif inside and now.valid:
+            rate = v if v == v else (x - self._x) / dt if dt > 0.0 else 0.0
+            self._let_go |= now.stiffness * known.depth + now.damping * rate < 0.0
+        self._inside, self._x = inside, x
+        if self._let_go and not known.hindrance:
+            return known._replace(hindrance=_RELEASED)
+        return known
 
     def _presses(self, pressing: float) -> bool:
         """Return whether a force is above the noise: the end of a contact is seen late."""
@@ -426,7 +454,8 @@ class EstimationPipeline:
         if self.location != self.location or known is not None and known.hindrance:
             rows.restart()
             return self._held, _FROZEN, LOCATING
-        found = now.surface - self.location if now.valid else 0.0
+        sure = now.stiffness_std < _UNCHECKED * now.stiffness
+        found = now.surface - self.location if sure else nan
         self._held, status, reason = rows.take(
             dt, x - shift - self.location, v, pressing - self.free_flight_level, known, found)
         return self._held, status, reason

@@ -37,6 +37,7 @@ _REASONS = {
 _NOT_FINITE = 'estimate was not finite; reset to the initial values'
 _UNKNOWN_DAMPING_S = 1e-2  # prior of B_e / K_e at a restart [s]
 _DIFFERENT = 3.0  # standard deviations from which an estimate is that of another wall
+_NEVER = 1e9  # limit of excitation from which nothing is frozen
 _ELSEWHERE = 4.0  # the same of a surface, which is looked at with every row
 
 
@@ -112,7 +113,7 @@ class RowEstimation:
         known : CompensatedSample or None
             What known physics leave; None without any.
         found : float
-            Where the posterior finds the surface, less the nominal one [m].
+            Where the posterior is sure of the surface, less the nominal one [m]; else NaN.
 
         Returns
         -------
@@ -134,7 +135,8 @@ class RowEstimation:
         if row is None:
             return self._published(), _FROZEN, 'waiting for consecutive samples'
         self._follow_changes()
-        if abs(found - self._shift) > _ELSEWHERE * posterior.known.surface_std:
+        elsewhere = abs(found - self._shift) > _ELSEWHERE * posterior.known.surface_std
+        if elsewhere and self._p.tracking.restarts:
             self._shift = found
         y, f_K, f_B, f_c, f_M = row
         row = y, f_K - self._shift * f_c, f_B, f_c, f_M  # the linear filter passes it unchanged
@@ -174,7 +176,7 @@ class RowEstimation:
     def _frozen(self) -> Frozen:
         """Freeze what the last second could determine only poorly."""
         limit, (K_std, B_std) = self._p.excitation.maximum_relative_std, self._posterior.excitation
-        return Frozen(K_std > limit, B_std > limit)
+        return Frozen(min(K_std, _NEVER) > limit, min(B_std, _NEVER) > limit)
 
     def _published(self) -> ParameterEstimate:
         """Add what the posterior does not know, and where it differs, to the deviations."""

@@ -77,7 +77,7 @@ class Compensation:
         self._wall = KnownWall(
             effects, initial_stiffness, (lambda: _memory(lagging)) if lagging else None)
         self._tool = sum(effect.added_mass for effect in self._sensor)
-        self._late = _memory(lagging)
+        self._late, self.lags = _memory(lagging), bool(lagging)
         self._moves = self._wall.inertia > 0.0 or self._tool > 0.0
         self._range = min((e.limit for e in self._sensor), default=math.inf)
         self._range -= _CLIPPED * force_noise
@@ -87,6 +87,11 @@ class Compensation:
         self._before = nan  # measured at the sample before the last [m/s]
         self._period, self._count = 1.0 / sample_rate, _NOMINAL  # mean period [s], and of how many
         self._forces: deque[float] = deque(maxlen=3)
+
+    @property
+    def inertia(self) -> float:
+        """M_e of the wall [kg]."""
+        return self._wall.inertia
 
     @property
     def acts(self) -> bool:
@@ -135,7 +140,7 @@ class Compensation:
         if not self._moves:
             depth, R, _, travel, v, column, slope, hindered = terms[-1]
             return CompensatedSample(depth, pressing + self._wall.free_force, pressing - R, travel,
-                                     v, column, slope, hindered or hindrance)
+                                     v, column, slope, 0.0, hindered or hindrance)
         return self._averaged(terms, pressing + self._wall.free_force - tool, tool, hindrance)
 
     def _motion(self, sample: ContactSample) -> tuple[Motion, bool]:
@@ -198,7 +203,8 @@ class Compensation:
         hindrance = last.hindrance or hindrance or middle.hindrance or first.hindrance
         if not hindrance and len(terms) < 3:
             hindrance = WAITING
-        return CompensatedSample(last.depth, pressing, rest, travel, v, column, slope, hindrance)
+        return CompensatedSample(last.depth, pressing, rest, travel, v, column, slope,
+                                 last.inertial_force, hindrance)
 
 
 def _sensors(effects: Sequence[Effect]) -> list[Any]:

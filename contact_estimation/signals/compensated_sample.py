@@ -39,6 +39,8 @@ class CompensatedSample(NamedTuple):
         That rate [m/s], NaN where not measured.
     stiffness_column, constant_column : float
         phi_K [m], and its slope over the depth.
+    inertial_force : float
+        Force of M_e that `rest` is less of [N].
     hindrance : str
         Why the relation does not hold; '' where it does.
 
@@ -51,6 +53,7 @@ class CompensatedSample(NamedTuple):
     velocity: float
     stiffness_column: float
     constant_column: float
+    inertial_force: float
     hindrance: str
 
 

@@ -222,7 +222,7 @@ class ContactFilter:
                 segment.clear()
 
     def _is_level(self) -> bool:
-        """Use the force as level where a wall within 0.1 m would have had a slope; was it?"""
+        """Use the force as level where a wall within 0.1 m had a slope; return whether so."""
         count, mean, xx, xf, ff = self._segment.moments
         if count < 10 or xx <= 0.0 or ff > SLOPE_STD * count * self.variance:
             return False

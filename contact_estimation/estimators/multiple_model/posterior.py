@@ -31,8 +31,8 @@ from .contact import CONTACT, ContactFilter, FREE
 from .evidence import Hypotheses, judge, Judged, Scene, Wall, walls
 from .lag import LagPosterior
 from .laws import (
-    Array, CHOSEN, COLUMNS, DEEP, DEPTH, FORCE, FORCE_RATE, FRICTION, Ints, KELVIN_VOIGT,
-    LOG_PRIOR, MASS, MOVING, NAMES, RATE, scales, shifted_table, UNKNOWNS)
+    ACCELERATION, Array, CHOSEN, COLUMNS, DEEP, DEPTH, FORCE, FORCE_RATE, FRICTION, Ints,
+    KELVIN_VOIGT, LOG_PRIOR, MASS, MOVING, NAMES, RATE, scales, shifted_table, UNKNOWNS)
 from .moving import MovingWall
 from .runs import Change, decided, Runs
 from .touch import before_release, surface_of_touch
@@ -128,6 +128,8 @@ class WallPosterior:
         Of the force sensor.
     changes : int
         How often the wall has become another.
+    inertia : float
+        Known mass that moves with the wall, whose force the samples contain [kg].
 
     """
 
@@ -137,7 +139,7 @@ class WallPosterior:
         minimum_force: float = 0.0, least_noise: float = 1e-3,
     ) -> None:
         self._told = location, max(location_std, AS_TOLD_M)
-        self.blocks = Blocks(position_noise)
+        self.blocks, self.inertia = Blocks(position_noise), 0.0
         self.contact, self.lag = ContactFilter(minimum_force, least_noise), LagPosterior(*lag)
         self._first: list[tuple[float, ...]] = []
         self.restart()
@@ -359,6 +361,7 @@ class WallPosterior:
         phi = blocks.rows(windows, self._x0, self.contact)
         if phi is None:
             return
+        phi[FORCE] -= self.inertia * phi[ACCELERATION]
         yield
         weights = self._weights(phi)
         surprise = self._surprise(phi, weights)
@@ -492,7 +495,7 @@ class WallPosterior:
         self._depth_s = 0.0
 
     def _surprise(self, phi: Array, weights: Array) -> bool:
-        """Average the residual of a block under what was known before; is it surprising?"""
+        """Average the residual of a block under what was known; return whether it surprises."""
         if self._top is None:
             return False
         law, theta, scene = self._top
