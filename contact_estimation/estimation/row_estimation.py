@@ -148,7 +148,7 @@ class RowEstimation:
             ((min(dt, longest), row),), posterior.contact.variance, frozen)
         if not (isfinite(estimate[0]) and isfinite(estimate[1])):
             self.estimator.reset()
-            return self._published(), _FROZEN, 'estimate was not finite; reset to the initial values'
+            return self._published(), _FROZEN, 'not finite; reset to the initial values'
         self._updated = True
         return self._published(), _ESTIMATING, _REASONS[frozen]
 

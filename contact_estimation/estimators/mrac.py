@@ -20,8 +20,6 @@ from dataclasses import dataclass
 from math import nan, sqrt
 from typing import Sequence
 
-import numpy as np
-
 from .environment_parameters import EnvironmentParameters
 from .estimate import Frozen, new_tuple, ParameterEstimate
 from .estimator import OnlineEstimator, TimedRow
