@@ -127,11 +127,11 @@ class RowEstimation:
         deviation = sqrt(posterior.contact.variance) or 1e-9
         row: Row | None
         if known is None:
-            row, _ = self._rows.in_contact(
+            row = self._rows.in_contact(
                 dt, depth, v, self._gate.replace(depth, pressing, deviation))
         else:
             rest = self._gate.replace(known.travel, known.rest, deviation)
-            row, _ = self._rows.compensated(dt, known._replace(rest=rest))
+            row = self._rows.compensated(dt, known._replace(rest=rest))
         if row is None:
             return self._published(), _FROZEN, 'waiting for consecutive samples'
         self._follow_changes()
