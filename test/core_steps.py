@@ -20,7 +20,6 @@ from typing import Any, NamedTuple, Sequence
 
 from contact_estimation.estimators.estimate import Frozen
 from contact_estimation.signals.contact_sample import ContactSample
-from contact_estimation.signals.relations import COLUMNS, NO_GAIN
 
 FREE = Frozen(False, False)
 
@@ -51,20 +50,6 @@ def learn(
 def filtered(bank: Any, rows: Sequence[Sequence[float]]) -> list[Sequence[float]]:
     """Pass rows through a filter bank, one at a time."""
     return [bank.take(row) for row in rows]
-
-
-def judged(
-    monitor: Any, row: Sequence[float], variance: float, stiffness: float, damping: float,
-    location_std: float | None,
-) -> Frozen:
-    """Let the excitation monitor judge after one row, filled up with zeros."""
-    scales = variance, stiffness, damping, location_std
-    due = monitor.sums.wanted == 1
-    monitor.sums.add([(*row, *[0.0] * (COLUMNS - len(row)))], [NO_GAIN])
-    if due:
-        monitor.judge(*scales)
-        monitor.sums.close_block()
-    return monitor.frozen  # type: ignore[no-any-return]
 
 
 def decided(detector: Any, dt: float, pressing: float, inside: bool) -> bool:

@@ -56,14 +56,18 @@ BOUNDS = {
 }
 WITHOUT_STIFFNESS = {'power_law_stiffness'}
 WITHOUT_DAMPING = {'hunt_crossley_damping', 'power_law_damping'}
+STEPPING = {'environment_inertia'}  # known or not, its force steps in a closed loop, see BOUNDS
 JOINTED = 'joint_flexibility'  # its compliance alone is taken out
-HARMLESS = {'adhesion', 'tool_weight', 'contact_offset', *(name for name, cls in EFFECTS.items() if cls.port == 'robot')}
-"""While the wall pulls nothing is learned anyway; a force of free flight and a surface elsewhere are
-found without being told; what the robot does, eq. (3) does not ask."""
+HARMLESS = {
+    'adhesion', 'tool_weight', 'contact_offset',
+    *(name for name, cls in EFFECTS.items() if cls.port == 'robot')}
+"""While the wall pulls nothing is learned anyway; a force of free flight and a surface elsewhere
+are found without being told; what the robot does, eq. (3) does not ask."""
 
 ONE_OF_FAMILY = {cls.family: name for name, cls in reversed(EFFECTS.items())}.values()
 IN_CLOSED_LOOP = [n for n in dict.fromkeys((*ONE_OF_FAMILY, *BOUNDS)) if n != JOINTED]
-FELT_IN_CLOSED_LOOP = [n for n in IN_CLOSED_LOOP if n not in HARMLESS | WITHOUT_STIFFNESS]
+FELT_IN_CLOSED_LOOP = [
+    n for n in IN_CLOSED_LOOP if n not in HARMLESS | WITHOUT_STIFFNESS | STEPPING]
 
 
 def physics_of(name: str) -> dict[str, float]:

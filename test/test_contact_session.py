@@ -297,6 +297,7 @@ def test_reset_restores_the_initial_stiffness() -> None:
     session = session_for()
     feed(session, SAMPLES)
     session.reset()
+    assert session.pipeline.estimator is not None
     assert session.pipeline.estimator.stiffness == 3000.0
 
 

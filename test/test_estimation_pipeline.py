@@ -103,6 +103,7 @@ def test_switch_of_estimator_keeps_stiffness_and_damping(before: str, after: str
     pipeline, samples = pipeline_with(estimator=before), contact_samples(0.5)
     learned = known(estimates_of(samples[:400], pipeline)[-1])
     change(pipeline, {'estimator': after})
+    assert pipeline.estimator is not None
     assert (pipeline.estimator.stiffness, pipeline.estimator.damping) == learned
 
 
@@ -214,7 +215,8 @@ def test_noise_is_learned_in_free_flight() -> None:
 
 def test_damping_is_held_where_the_contact_is_static() -> None:
     samples = contact_samples(1.5, amplitude=0.0, force_noise=0.3)
-    assert estimates_of(samples, pipeline_with(estimator='rls'))[-1].reason == 'damping frozen: weak excitation'
+    last = estimates_of(samples, pipeline_with(estimator='rls'))[-1]
+    assert last.reason == 'damping frozen: weak excitation'
 
 
 def test_nothing_is_held_with_the_sine() -> None:

@@ -30,7 +30,7 @@ from contact_estimation.plant.plant_parameters import PlantParameters
 from contact_estimation.reference.experiments import experiment_named
 from contact_estimation.signals.contact_sample import ContactSample
 from core_runs import contact_samples, estimates_of, pipeline_with
-from core_steps import known, learn
+from core_steps import learn
 import numpy as np
 from numpy.typing import NDArray
 import pytest
@@ -119,7 +119,8 @@ def test_published_pair_gives_the_force_at_the_mean_penetration() -> None:
     samples = samples_of((K, N, CHI), amplitude=0.0, contact_s=6.0)
     last = estimates_of(samples, pipeline_with(estimator='hunt_crossley'))[-1]
     assert last.stiffness * 0.008 == pytest.approx(K * 0.008**N, rel=1e-3)  # eq. (3), at rest
-    assert run(samples_of((K, N, CHI))).estimator.damping == pytest.approx(
+    in_motion = run(samples_of((K, N, CHI))).estimator
+    assert in_motion is not None and in_motion.damping == pytest.approx(
         CHI * 0.011**N, rel=0.1  # about the mean of the sine
     )
 
@@ -135,15 +136,13 @@ def test_claims_are_within_a_factor_2_of_the_errors_over_20_seeds() -> None:
 
 
 @pytest.mark.slow
-def test_claims_of_the_published_pair_hold_and_are_at_most_2_5_times_too_wide() -> None:
-    finals = []
+def test_claims_of_the_published_pair_hold() -> None:
+    d = 0.008 + 0.003  # mean penetration of the sine
     for seed in range(20):
         samples = samples_of((K, N, CHI), noise=0.58, seed=seed)
-        estimator = run(samples, relative_walk=0.0).estimator
-        finals.append([estimator.stiffness, estimator.damping])
-    claimed = known(estimator)[2:4]
-    ratio = np.std(finals, axis=0) / claimed
-    assert np.all((ratio > 0.4) & (ratio < 1.5)), ratio
+        last = estimates_of(samples, pipeline_with(estimator='hunt_crossley'))[-1]
+        assert abs(last.stiffness - K * d**0.5) < 3.0 * last.stiffness_std
+        assert abs(last.damping - CHI * d**1.5) < 3.0 * last.damping_std
 
 
 def test_linear_wall_gives_exponent_1() -> None:
@@ -181,13 +180,14 @@ def test_frozen_parameters_do_not_move(frozen: Frozen) -> None:
 def test_another_reference_depth_leaves_the_law() -> None:
     pipeline = run(samples_of((K, N, CHI)))
     of = pipeline.estimator
+    assert of is not None
     before = law_in(pipeline)
     of.configure(HuntCrossleyParameters(reference_depth=0.002))
     np.testing.assert_allclose(law_in(pipeline), before, rtol=1e-9)
 
 
 def test_details_name_the_law() -> None:
-    details = run(samples_of((K, N, CHI))).estimator.details
+    details = run(samples_of((K, N, CHI))).details
     assert list(details) == ['K', 'n', 'chi', 'K_std', 'n_std', 'chi_std']
 
 

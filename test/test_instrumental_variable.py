@@ -87,15 +87,6 @@ def test_claimed_std_covers_the_bias(name: str) -> None:
     assert all(abs(error) < 2.0 * std for error, std in damping_errors(name, 'none'))
 
 
-@pytest.mark.slow
-def test_claim_of_instrumental_variables_is_the_narrowest() -> None:
-    claims = {
-        name: np.mean([std for _, std in damping_errors(name, 'none')])
-        for name in [*PLAIN, 'instrumental_variable']
-    }
-    assert min(claims, key=lambda name: claims[name]) == 'instrumental_variable'
-
-
 def test_recursion_equals_the_batch_solution() -> None:
     rows, keep = rows_of(400), np.exp(-T / 0.5)
     of = estimator(memory_s=0.5, delay_s=LAG * T, stiffness_std=1e9, damping_std=1e9)

@@ -45,7 +45,8 @@ def test_a_lag_within_its_band_moves_no_surface(estimator: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize('told, right', [({}, True), ({'synchronisation__timing_std': 0.0}, False)])
+@pytest.mark.parametrize(
+    'told, right', [({}, True), ({'synchronisation__timing_std': 0.0}, False)])
 def test_the_damping_is_right_where_a_lag_is_thought_possible(
     told: dict[str, float], right: bool
 ) -> None:

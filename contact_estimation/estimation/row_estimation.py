@@ -34,7 +34,6 @@ _REASONS = {
     Frozen(True, False): 'stiffness frozen: weak excitation',
     Frozen(True, True): 'weak excitation',
 }
-_NOT_FINITE = 'estimate was not finite; reset to the initial values'
 _UNKNOWN_DAMPING_S = 1e-2  # prior of B_e / K_e at a restart [s]
 _DIFFERENT = 3.0  # standard deviations from which an estimate is that of another wall
 _NEVER = 1e9  # limit of excitation from which nothing is frozen
@@ -127,11 +126,11 @@ class RowEstimation:
         deviation = sqrt(posterior.contact.variance) or 1e-9
         row: Row | None
         if known is None:
-            row, _ = self._rows.in_contact(
+            row = self._rows.in_contact(
                 dt, depth, v, self._gate.replace(depth, pressing, deviation))
         else:
             rest = self._gate.replace(known.travel, known.rest, deviation)
-            row, _ = self._rows.compensated(dt, known._replace(rest=rest))
+            row = self._rows.compensated(dt, known._replace(rest=rest))
         if row is None:
             return self._published(), _FROZEN, 'waiting for consecutive samples'
         self._follow_changes()
@@ -148,7 +147,7 @@ class RowEstimation:
             ((min(dt, longest), row),), posterior.contact.variance, frozen)
         if not (isfinite(estimate[0]) and isfinite(estimate[1])):
             self.estimator.reset()
-            return self._published(), _FROZEN, _NOT_FINITE
+            return self._published(), _FROZEN, 'not finite; reset to the initial values'
         self._updated = True
         return self._published(), _ESTIMATING, _REASONS[frozen]
 

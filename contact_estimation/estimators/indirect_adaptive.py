@@ -20,7 +20,6 @@ from dataclasses import dataclass
 from math import expm1, nan, sqrt
 from typing import Sequence
 
-
 from .estimate import Frozen, new_tuple, ParameterEstimate
 from .estimator import OnlineEstimator, TimedRow, UNKNOWN_DAMPING_S
 from .gradient_speed import limitation_of

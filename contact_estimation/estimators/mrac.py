@@ -20,7 +20,6 @@ from dataclasses import dataclass
 from math import nan, sqrt
 from typing import Sequence
 
-
 from .environment_parameters import EnvironmentParameters
 from .estimate import Frozen, new_tuple, ParameterEstimate
 from .estimator import OnlineEstimator, TimedRow

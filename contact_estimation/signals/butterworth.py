@@ -19,12 +19,9 @@ from __future__ import annotations
 from math import pi, sqrt, tan
 from typing import Sequence
 
-import numpy as np
-
 from ..exceptions import ParameterRangeError
 
 Row = Sequence[float]
-_IMPULSE_SAMPLES = 10_000
 LOWEST_CUTOFF = 1e-6  # of the sample rate
 
 
@@ -80,8 +77,6 @@ class ButterworthBank:
         self._b0 = w * w / whole
         self._a1 = 2.0 * (w * w - 1.0) / whole
         self._a2 = (1.0 - sqrt(2.0) * w + w * w) / whole
-        s = w * complex(-sqrt(0.5), sqrt(0.5))
-        self._pole = (1.0 + s) / (1.0 - s)
 
     def reset(self) -> None:
         """Reset the state: as if all signals had been 0 before."""
@@ -94,29 +89,6 @@ class ButterworthBank:
             # y = x in take; the gain at 0 Hz is 1: 4 b0 = 1 + a1 + a2.
             self._s1 = [(1.0 - self._b0) * x for x in row]
             self._s2 = [(self._b0 - self._a2) * x for x in row]
-
-    def noise_gain(self, weights: Sequence[float] = (1.0,)) -> float:
-        """
-        Return the share of the variance of white noise that passes.
-
-        Parameters
-        ----------
-        weights : sequence of float
-            Of a moving average before the filter.
-
-        Returns
-        -------
-        gain : float
-            Sum of the squares of the impulse response.
-
-        """
-        if self._passes or not len(weights):
-            return sum(weight * weight for weight in weights)
-        # Of both poles z alone the response is Im(z^(n + 1)) / Im(z).
-        powers = self._pole ** np.arange(1, _IMPULSE_SAMPLES + 1)
-        ahead = np.convolve(self._b0 * np.array([1.0, 2.0, 1.0]), weights)
-        response = np.convolve(powers.imag / self._pole.imag, ahead)[:_IMPULSE_SAMPLES]
-        return float(response @ response)
 
     def take(self, row: Row) -> Row:
         """

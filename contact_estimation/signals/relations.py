@@ -24,7 +24,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from math import ceil, pi, sqrt
-from typing import ClassVar, NamedTuple, Sequence
+from typing import Sequence
 
 from .butterworth import ButterworthBank
 from .compensated_sample import CompensatedSample
@@ -34,41 +34,6 @@ COLUMNS = 5
 """Of a row: y, phi_K, phi_B, phi_c, phi_M."""
 
 
-class Weighting(NamedTuple):
-    """
-    Weights of successive samples in a row, which determine how noise enters it.
-
-    Attributes
-    ----------
-    force : tuple of float
-        Weights of the force in y.
-    rate : tuple of float
-        Weights of the position in phi_B [1 / T]; () where the velocity is measured.
-
-    """
-
-    force: tuple[float, ...]
-    rate: tuple[float, ...]
-
-
-class NoiseGain(NamedTuple):
-    """
-    How white noise of force and position enters a filtered row.
-
-    Attributes
-    ----------
-    force : float
-        Share of the variance of the force noise that is left in y.
-    rate : float
-        Variance of phi_B for a variance 1 of the position [1/s^2].
-
-    """
-
-    force: float
-    rate: float
-
-
-NO_GAIN = NoiseGain(0.0, 0.0)
 _ZEROS = (0.0,) * COLUMNS
 _AT_REST = (0.0,) * (2 * COLUMNS)
 
@@ -84,15 +49,8 @@ class Relation(ABC):
 
     """
 
-    weightings: ClassVar[tuple[Weighting, ...]]
-    """All that a row may have."""
-
-    weighting: Weighting
-    """That of the last row."""
-
     def __init__(self, sample_period_s: float) -> None:
         self._longest = 1.5 * sample_period_s
-        self.weighting = self.weightings[0]
         self.leave()
 
     @abstractmethod
@@ -126,8 +84,6 @@ class Relation(ABC):
 class VelocityRelation(Relation):
     """Eq. (7): F = K_e delta + B_e v; from differences where no velocity is measured."""
 
-    weightings = Weighting((1.0,), ()), Weighting((0.5, 0.5), (1.0, -1.0))
-
     def leave(self) -> None:
         """Forget the sample before; see `Relation.leave`."""
         self._last: tuple[float, float] | None = None
@@ -135,7 +91,6 @@ class VelocityRelation(Relation):
     def row(self, dt: float, delta: float, velocity: float, pressing: float) -> Row | None:
         """Build (y, phi_K, phi_B, phi_c, 0); see `Relation.row`."""
         last, self._last = self._last, (delta, pressing)
-        self.weighting = self.weightings[0 if velocity == velocity else 1]
         if velocity == velocity:
             return pressing, delta, velocity, 1.0, 0.0
         # Without velocity: the trapezoid of eq. (3) over one interval. Averaging force and
@@ -159,8 +114,6 @@ class TustinRelation(Relation):
     coordinates in which the covariance can be read. Uses positions only.
 
     """
-
-    weightings = (Weighting((0.25, 0.5, 0.25), (0.5, 0.0, -0.5)),)
 
     def __init__(self, sample_period_s: float) -> None:
         super().__init__(sample_period_s)
@@ -212,11 +165,6 @@ class GatedRows:
         # The slower pole decays with cutoff / sqrt(2): after this number of samples 1e-9 is left.
         per_radian = sample_rate / (2.0 * pi * cutoff_frequency) if cutoff_frequency else 0.0
         self._tail = ceil(21.0 * sqrt(2.0) * per_radian)
-        self._gains = {
-            w: NoiseGain(bank.noise_gain(w.force), bank.noise_gain(w.rate) / self._T**2)
-            for w in relation.weightings
-        }
-        self._weighting, self._gain = next(iter(self._gains.items()))
         self.restart()
 
     def restart(self) -> None:
@@ -229,7 +177,7 @@ class GatedRows:
 
     def in_contact(
         self, dt: float, delta: float, velocity: float, pressing: float
-    ) -> tuple[Row | None, NoiseGain]:
+    ) -> Row | None:
         """
         Return the filtered row of a sample in contact.
 
@@ -240,15 +188,13 @@ class GatedRows:
 
         Returns
         -------
-        row, gain : row or None, NoiseGain
-            The row, and how noise enters it.
+        row : row or None
+            None while consecutive samples are lacking.
 
         """
-        relation = self._relation
-        row = relation.row(dt, delta, velocity, pressing)
-        return self._filtered(row), self._gain_of(relation.weighting)
+        return self._filtered(self._relation.row(dt, delta, velocity, pressing))
 
-    def compensated(self, dt: float, now: CompensatedSample) -> tuple[Row | None, NoiseGain]:
+    def compensated(self, dt: float, now: CompensatedSample) -> Row | None:
         """Return a row as `in_contact`, columns of K_e and x_e weighted over time as the force."""
         relation, (stiffness, constant) = self._relation, self._columns
         travel, v = now.travel, now.velocity
@@ -259,12 +205,7 @@ class GatedRows:
             row = row[0], K[0], row[2], c[0], row[4]
         else:
             row = None
-        return self._filtered(row), self._gain_of(relation.weighting)
-
-    def _gain_of(self, weighting: Weighting) -> NoiseGain:
-        if weighting is not self._weighting:  # nested tuples take long to look up
-            self._weighting, self._gain = weighting, self._gains[weighting]
-        return self._gain
+        return self._filtered(row)
 
     def _filtered(self, row: Row | None) -> Row | None:
         self._tail_left = self._tail
