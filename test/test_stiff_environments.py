@@ -18,6 +18,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from contact_estimation.estimation.pipeline import LOCATING
 from contact_estimation.estimators.estimate import Estimate, EstimateStatus
 from contact_estimation.signals.contact_sample import ContactSample
 from core_runs import closed_loop, contact_samples, estimates_of, pipeline_with
@@ -131,7 +132,8 @@ def test_stiffness_of_a_soft_touch_is_within_2_claimed_std(
     # The reading at rest is off by a constant 0.4 micrometre: 0.8 % of K_e at 1e6 N/m.
     for seed in range(3):
         last = gentle(name, K_e, B_e=B_e, amplitude=amplitude, seed=seed)[-1]
-        assert abs(last.stiffness - K_e) < 2.0 * last.stiffness_std
+        if last.reason != LOCATING:  # 50 micrometres within a surface known to 2 mm claim nothing
+            assert abs(last.stiffness - K_e) < 2.0 * last.stiffness_std
 
 
 @EACH

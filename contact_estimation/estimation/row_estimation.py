@@ -16,13 +16,14 @@
 
 from __future__ import annotations
 
-from math import isfinite, sqrt
+from math import isfinite, nan, sqrt
 
 from .parameters import EstimationParameters
 from ..estimators import ESTIMATORS
 from ..estimators.estimate import EstimateStatus, Frozen, ParameterEstimate
 from ..estimators.estimator import OnlineEstimator
 from ..estimators.multiple_model import WallPosterior
+from ..signals.butterworth import ButterworthBank
 from ..signals.compensated_sample import CompensatedSample
 from ..signals.outlier_gate import OutlierGate
 from ..signals.relations import GatedRows, Row
@@ -69,6 +70,8 @@ class RowEstimation:
         self._gate = OutlierGate(conditioning.outlier_threshold, conditioning.outlier_samples)
         self._rows = GatedRows(
             self.estimator.relation, conditioning.cutoff_frequency, p.sample_rate)
+        self._rate = ButterworthBank(1, conditioning.cutoff_frequency, p.sample_rate)
+        self._last_x = nan
         self._changes = posterior.changes
         self._updated = self._touched = False
         self._shift = 0.0
@@ -83,10 +86,18 @@ class RowEstimation:
         """Start afresh with the next sample, as after a clock jump."""
         self._rows.restart()
         self._gate.leave()
+        self._rate.reset()
+        self._last_x = nan
+
+    def rate_of(self, dt: float, x: float, v: float) -> float:
+        """Return a measured rate [m/s], or that of the filtered differences of the positions."""
+        raw = (x - self._last_x) / dt if dt > 0.0 and self._last_x == self._last_x else 0.0
+        self._last_x = x
+        return self._rate.take((raw,))[0] if v != v else v
 
     @property
     def outliers(self) -> int:
-        """Number of forces replaced as outliers."""
+        """Return the number of forces replaced as outliers."""
         return self._gate.count
 
     def leave(self, over: bool) -> ParameterEstimate:
@@ -144,7 +155,7 @@ class RowEstimation:
             return self._published(), _FROZEN, _REASONS[frozen]
         longest = 2.0 / self._p.sample_rate  # never integrate over a gap
         (estimate,) = self.estimator.update(
-            ((min(dt, longest), row),), posterior.contact.variance, frozen)
+            ((min(dt, longest), row),), posterior.variance_of(pressing), frozen)
         if not (isfinite(estimate[0]) and isfinite(estimate[1])):
             self.estimator.reset()
             return self._published(), _FROZEN, 'not finite; reset to the initial values'
@@ -181,7 +192,6 @@ class RowEstimation:
         """Add what the posterior does not know, and where it differs, to the deviations."""
         own, now = self.estimator.current(), self._posterior.known
         if not self._updated:
-            nan = float('nan')
             return own._replace(stiffness_std=nan, damping_std=nan)
         if now.stiffness_std != now.stiffness_std:
             return own

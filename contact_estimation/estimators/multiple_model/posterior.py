@@ -177,6 +177,11 @@ class WallPosterior:
         self.contact.variance, self.contact.level = contact.variance, contact.level
         self.contact.level_variance = contact.level_variance
 
+    def variance_of(self, force: float) -> float:
+        """Return the variance of a force: of noise, and of what no law predicts of it [N^2]."""
+        error = MODEL_ERROR * force
+        return self.contact.variance + error * error * MODEL_ERROR_S / self.period_s
+
     @property
     def period_s(self) -> float:
         """Period of the samples as measured [s]; 0 before 20 of them."""
@@ -352,7 +357,7 @@ class WallPosterior:
 
     @property
     def scene(self) -> Scene:
-        """What all hypotheses share now."""
+        """Return what all hypotheses share now."""
         return Scene(self._x0, self._depth, self._seconds, self.lag.lag)
 
     def _parts_of(self, windows: int) -> Iterator[None]:
