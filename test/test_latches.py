@@ -132,7 +132,7 @@ def test_recovers_from_a_fault(fault: str) -> None:
 
 @pytest.mark.slow
 @given(st.lists(st.sampled_from(sorted(FAULTS)), min_size=2, max_size=3), st.integers(0, 3))
-@settings(derandomize=True, deadline=None, max_examples=8, database=None,
+@settings(derandomize=True, deadline=None, max_examples=5, database=None,
           phases=(Phase.explicit, Phase.generate))
 def test_recovers_from_faults_in_any_order(faults: list[str], seed: int) -> None:
     recovers(faults, seed)
