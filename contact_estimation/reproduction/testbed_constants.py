@@ -26,8 +26,9 @@ the law `series`, which presses with 50 N as in the paper's figure 10):
 - testbed_none: indirect_adaptive 11.6 / 62.0 (8.9 / 60), rls 11.4 / 65.4 (19.2 / 85),
   signal_processing 37.0 / 48.1 (37 / 82).
 
-All agree within a factor of two except K_e of rls under excitation: the 6 N subtracted whichever
-way the wall moves are 12.5 % of 48 N for every estimator, and no choice of constants hides this.
+These figures are of the estimators as they were when the constants were frozen. All agree within
+a factor of two except K_e of rls under excitation: the 6 N subtracted whichever way the wall moves
+are 12.5 % of 48 N for every estimator, and no choice of constants hides this.
 """
 
 from __future__ import annotations
