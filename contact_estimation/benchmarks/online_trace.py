@@ -35,9 +35,9 @@ _TOUCHED_S = 0.3  # after a touch, from which there should be estimates
 _SETTLED_S = 1.0  # after a touch, from which bands are checked
 _BEFORE_END_S = 0.05  # of a contact: the wall is being left
 _EVERY_S = 0.1  # between instants at which bands are checked
-_FAMILIES = {'hunt_crossley': ('hunt', 'hc'), 'mass': ('mass', 'inertia'),
-             'friction': ('friction',), 'moving': ('moving',),
-             'spring_damper': ('kelvin', 'spring')}  # by words in the name of a law
+_FAMILIES = {'hunt_crossley_1': 'hunt_crossley', 'hunt_crossley_1.5': 'hunt_crossley',
+             'hunt_crossley_2': 'hunt_crossley', 'moving_wall': 'moving',
+             'kelvin_voigt': 'spring_damper'}  # others are families of their own
 BAND = 2.0
 """Standard deviations in which the truth should be."""
 
@@ -59,7 +59,7 @@ class Trace(NamedTuple):
     warnings : list of (float, str, str)
         When looked at [s], name and text.
     laws : list of (float, mapping)
-        When looked at [s], and the probability of each law; empty where not available.
+        When looked at [s], and the probability of each law.
     error : str
         What was raised, after which nothing follows; '' for nothing.
 
@@ -133,8 +133,7 @@ def follow(world: World) -> Trace:
             if t >= look:
                 look = t + _LOOK_S
                 warnings += [(t, one.name, one.text) for one in session.checks.warnings()]
-                now = getattr(session.pipeline, 'laws', None)
-                laws += [(t, dict(now))] if now else []
+                laws.append((t, session.pipeline.laws))
     except Exception as raised:  # whatever it is, it is what the study looks for
         error = f'{type(raised).__name__}: {raised}'
     t, K, B, K_std, B_std, location, contact = np.array(rows or [(nan,) * 7]).T
@@ -213,12 +212,11 @@ def in_contact(world: World, trace: Trace) -> NDArray[np.bool_]:
 
 
 def law_families(trace: Trace, at: float) -> dict[str, float]:
-    """Return the probability of each family of laws at a time; {}: not available."""
+    """Return the probability of each family of laws at a time; {} before the first look."""
     known = [laws for t, laws in trace.laws if t <= at]
     found: dict[str, float] = {}
     for law, probability in (known[-1] if known else {}).items():
-        names = [name for name, words in _FAMILIES.items() if any(word in law for word in words)]
-        name = names[0] if names else law
+        name = _FAMILIES.get(law, law)
         found[name] = found.get(name, 0.0) + probability
     return found
 

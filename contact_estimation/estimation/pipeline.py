@@ -81,6 +81,7 @@ class EstimationPipeline:
         self.invalid = ''
         self.model_fit = ModelFitMonitor()
         self._conditioner = Conditioner(p.sample_rate)
+        self._robot = with_joints(p.robot, p.physics)
         self._compensate()
         self._begin()
 
@@ -95,13 +96,23 @@ class EstimationPipeline:
             told_lag(p.physics.force_lag.tau, p.synchronisation.timing_std),
             p.contact.position_noise, p.contact.minimum_force,
             _LEAST_NOISE * p.contact.force_noise)
-        self._of_rows: RowEstimation | None = None
-        if p.estimator != MULTIPLE_MODEL:
-            self._of_rows = RowEstimation(p, self.posterior)
+        self._of_rows = self._row_estimation()
         self._held = ParameterEstimate(
             environment.initial_stiffness, environment.initial_damping, nan, nan, 0.0, nan)
-        self._robot = with_joints(p.robot, p.physics)
         self.posterior.inertia = self._compensation.inertia
+        self._await_touch()
+
+    def _begin_anew(self) -> None:
+        """Begin with the noise and the level of the force as known."""
+        before = self.posterior.contact
+        self._begin()
+        self.posterior.keep(before)
+
+    def _row_estimation(self) -> RowEstimation | None:
+        p = self.parameters
+        return RowEstimation(p, self.posterior) if p.estimator != MULTIPLE_MODEL else None
+
+    def _await_touch(self) -> None:
         self._first_touch = FirstTouch(self._compensation.forces)
         self._inside, self._let_go, self._x = False, False, nan
 
@@ -143,17 +154,14 @@ class EstimationPipeline:
         if differs('sample_rate'):
             self._conditioner.configure(parameters.sample_rate)
         if differs('environment', 'physics', 'contact', 'synchronisation'):
-            noise, held = self.posterior.contact, self._held
+            held = self._held
             if differs('environment', 'physics', 'sample_rate'):
                 self._compensate()
-            self._begin()
-            self.posterior.keep(noise)
+            self._begin_anew()
             self._held = held._replace(stiffness_std=nan, damping_std=nan)
             self._start_rows()
         elif differs('estimator', 'sample_rate', 'conditioning'):
-            self._of_rows = None
-            if parameters.estimator != MULTIPLE_MODEL:
-                self._of_rows = RowEstimation(parameters, self.posterior)
+            self._of_rows = self._row_estimation()
             self._start_rows()
         if self._of_rows is not None:
             self._of_rows.configure(parameters)
@@ -168,9 +176,7 @@ class EstimationPipeline:
 
     def reset(self) -> None:
         """Reset the estimate to its initial values; the force bias and the noise stay."""
-        noise = self.posterior.contact
-        self._begin()
-        self.posterior.keep(noise)
+        self._begin_anew()
         self.invalid = ''
         self.model_fit.reset()
 
@@ -182,8 +188,7 @@ class EstimationPipeline:
         if self._of_rows is not None:
             self._of_rows.restart()
         self._compensate()
-        self._first_touch = FirstTouch(self._compensation.forces)
-        self._inside, self._let_go, self._x = False, False, nan
+        self._await_touch()
 
     def tare(self) -> tuple[bool, str]:
         """Set the force bias to the mean free-flight force; False with the reason if refused."""

@@ -29,10 +29,11 @@ from ..recordings import RecordingReader
 from ..recordings.estimation_metadata import from_metadata
 from ..recordings.source import RecordingSource
 from ..recordings.topic_names import canonical
+from ..signals.stamp_screen import BEFORE_ANY
 
 _OF_ARMS = ('kinematics.', 'contact.', 'force_sensor.', 'tool.', 'synchronisation.',
             'physics.tool_inertia.', 'force_sign', 'frame_id', 'pose_source')
-BEFORE_ANY_SAMPLE = Moment(0, -(2**63))
+BEFORE_ANY_SAMPLE = Moment(0, BEFORE_ANY)
 _FILE = 'robot_description_file'
 
 

@@ -26,9 +26,9 @@ from ..estimators.estimate import Estimate, EstimateStatus
 from ..reference.reference_generator import ReferenceGenerator
 from ..reference.setpoints import Desired, Reference
 from ..signals.contact_sample import ContactSample
+from ..signals.stamp_screen import BEFORE_ANY
 
 _MAX_SETPOINTS = 100_000  # that no sample has reached yet; older ones are dropped beyond
-_BEFORE_ANY = -(2**63)
 _FREE = EstimateStatus.FREE  # an enumeration takes long to look up
 _WINDOW = 40  # instants: 80 ms at 500 Hz
 _FALSE = 4  # of them whose spacing may be false, a tenth
@@ -191,7 +191,7 @@ class ReferenceStream:
         The setpoint in force remains until the planner has another one on that clock.
 
         """
-        self._start_ns = self._last_ns = _BEFORE_ANY
+        self._start_ns = self._last_ns = BEFORE_ANY
         self._resting = self._wanted._replace(velocity=0.0, acceleration=0.0)
         self._time.change_clock()
 
@@ -257,7 +257,7 @@ class ReferenceStream:
         """
         stamp_ns, position, _, _ = sample
         period_ns, last_ns, self._last_ns = self.period_ns, self._last_ns, stamp_ns
-        if last_ns == _BEFORE_ANY:
+        if last_ns == BEFORE_ANY:
             elapsed, self._start_ns = inf, stamp_ns
             self._begin(position)
         else:

@@ -38,6 +38,7 @@ from ..recordings import RecordedMessage, RecordingReader
 from ..recordings.source import RecordingSource
 from ..recordings.topic_names import canonical
 from ..reference.setpoints import Reference
+from ..signals.stamp_screen import BEFORE_ANY
 
 _AHEAD = 6000  # messages by which an event may be recorded after the sample that it follows
 
@@ -89,7 +90,7 @@ class RecordingReplay:
             source.wrench, lambda: self.session.parameters.synchronisation)
         self._references = TrajectoryDecoder()
         self._left_over: list[RecordedMessage] = []
-        self._last_reference_ns, self._reference_jumps = -(2**63), 0
+        self._last_reference_ns, self._reference_jumps = BEFORE_ANY, 0
 
     def estimates(self) -> Iterator[list[AxesEstimates]]:
         """

@@ -56,8 +56,6 @@ class RowEstimation:
     ----------
     estimator : OnlineEstimator
         The estimator.
-    outliers : int
-        Forces replaced as outliers.
 
     """
 
@@ -94,11 +92,6 @@ class RowEstimation:
         raw = (x - self._last_x) / dt if dt > 0.0 and self._last_x == self._last_x else 0.0
         self._last_x = x
         return self._rate.take((raw,))[0] if v != v else v
-
-    @property
-    def outliers(self) -> int:
-        """Return the number of forces replaced as outliers."""
-        return self._gate.count
 
     def leave(self, over: bool) -> ParameterEstimate:
         """Keep the estimate where nothing presses; whether the contact is over."""

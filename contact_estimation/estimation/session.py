@@ -34,9 +34,8 @@ from ..kinematics.contact_kinematics import ArmSample, ArmState, ContactKinemati
 from ..parameters.values import changed
 from ..reference.setpoints import Desired, Reference
 from ..signals.contact_sample import AxesSample
+from ..signals.stamp_screen import BEFORE_ANY
 from ..signals.synchronisation import Columns, Synchroniser
-
-_BEFORE_ANY = -(2**63)
 
 
 class ContactSession:
@@ -89,7 +88,7 @@ class ContactSession:
         self._followed = NO_REFERENCE  # along the contact axis; further axes have no reference
         self.rejection_texts: dict[str, str] = {}
         self.notices: dict[str, str] = {}
-        self.last_stamp_ns, self.last_position, self.last_force = _BEFORE_ANY, nan, nan
+        self.last_stamp_ns, self.last_position, self.last_force = BEFORE_ANY, nan, nan
         self.estimates: AxesEstimates = ()
         self.description = self.problem = ''
         self.arm: ContactKinematics | None = None
@@ -295,7 +294,7 @@ class ContactSession:
         self._axes.restart_time()
         self._followed = NO_REFERENCE
         self.stream.change_clock()
-        self.last_stamp_ns = _BEFORE_ANY
+        self.last_stamp_ns = BEFORE_ANY
 
     def add_desired(self, stamp_ns: int, desired: Desired) -> None:
         """Add a setpoint of the planner, effective from its stamp; see `ReferenceStream.add`."""

@@ -16,7 +16,7 @@
 
 from __future__ import annotations
 
-_BEFORE_ANY = -(2**63)
+from ..signals.stamp_screen import BEFORE_ANY
 
 
 class StartUp:
@@ -38,7 +38,7 @@ class StartUp:
 
     """
 
-    def __init__(self, wrench_ns: int = _BEFORE_ANY, motion_ns: int = _BEFORE_ANY) -> None:
+    def __init__(self, wrench_ns: int = BEFORE_ANY, motion_ns: int = BEFORE_ANY) -> None:
         self.wrench_ns, self.motion_ns = wrench_ns, motion_ns
         self._reported = False
 
@@ -55,19 +55,19 @@ class StartUp:
         """Return whether a wrench is one of the refused ones; none is after the first later."""
         if stamp_ns <= self.wrench_ns:
             return True
-        self.wrench_ns = _BEFORE_ANY  # a clock that jumps back later refuses nothing
+        self.wrench_ns = BEFORE_ANY  # a clock that jumps back later refuses nothing
         return False
 
     def has_motion(self, stamp_ns: int) -> bool:
         """Return whether a motion is one of the refused ones; none is after the first later."""
         if stamp_ns <= self.motion_ns:
             return True
-        self.motion_ns = _BEFORE_ANY
+        self.motion_ns = BEFORE_ANY
         return False
 
     def take_report(self) -> dict[str, int]:
         """Return the stamps by name, once and where messages were refused; else nothing."""
-        if self._reported or max(self.wrench_ns, self.motion_ns) == _BEFORE_ANY:
+        if self._reported or max(self.wrench_ns, self.motion_ns) == BEFORE_ANY:
             return {}
         self._reported = True
         return {'wrench_ns': self.wrench_ns, 'motion_ns': self.motion_ns}

@@ -21,11 +21,11 @@ from typing import Iterable, Sequence
 
 from .frame_tree import usable
 from ..messages.transforms import StampedTransform
+from ..signals.stamp_screen import BEFORE_ANY
 
 Row = tuple[int, tuple[float, ...]]
 
 NUMBERS = 7  # of a pose
-_BEFORE_ANY = -(2**63)
 _MOST_KEPT = 10_000  # of a frame while another is silent
 
 
@@ -53,7 +53,7 @@ class MovingFrames:
         self._rows: dict[str, deque[Row]] = {
             frame: deque(maxlen=_MOST_KEPT) for frame in frames}
         self._jump_ns = int(time_jump_s * 1e9)
-        self._given_ns = _BEFORE_ANY
+        self._given_ns = BEFORE_ANY
 
     @property
     def missing(self) -> list[str]:
@@ -91,7 +91,7 @@ class MovingFrames:
     def _restart(self) -> None:
         for rows in self._rows.values():
             rows.clear()
-        self._given_ns = _BEFORE_ANY
+        self._given_ns = BEFORE_ANY
 
     def _merged(self) -> list[Row]:
         every = list(self._rows.values())

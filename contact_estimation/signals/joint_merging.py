@@ -20,7 +20,8 @@ from collections import deque
 from math import pi
 from typing import Sequence
 
-_BEFORE_ANY = -(2**63)
+from .stamp_screen import BEFORE_ANY
+
 _MOST_KEPT = 10_000  # of a source while another is silent
 
 Row = tuple[int, Sequence[float]]
@@ -47,7 +48,7 @@ class JointMerger:
         self._turning = [place for place, turns in enumerate(continuous) if turns]
         self._last = [0.0] * self._count
         self._sources: dict[tuple[int, ...], deque[Row]] = {}
-        self._given_ns = _BEFORE_ANY
+        self._given_ns = BEFORE_ANY
 
     def add(
         self, stamp_ns: int, positions: Sequence[float], velocities: Sequence[float]
@@ -78,7 +79,7 @@ class JointMerger:
         rows = self._sources.setdefault(places, deque(maxlen=_MOST_KEPT))
         if rows and stamp_ns <= rows[-1][0]:  # the clock jumped back, or a duplicate
             rows.clear()
-            self._given_ns = _BEFORE_ANY
+            self._given_ns = BEFORE_ANY
         rows.append((stamp_ns, values))
         return self._merged()
 

@@ -20,6 +20,7 @@ from collections import Counter
 from typing import Any
 
 BEFORE_ANY = -(2**63)
+"""Where no stamp has come yet: before any that a message can have [ns]."""
 
 CONFIRMING = 5
 """

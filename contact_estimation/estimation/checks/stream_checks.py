@@ -21,7 +21,7 @@ from typing import Mapping, Sequence
 import numpy as np
 
 from .check import Check, Evidence
-from ...signals.stream_faults import CLEAR, Courses, courses_of, zero_steps, ZeroStep
+from ...signals.stream_faults import Bursts, CLEAR, Courses, courses_of, zero_steps, ZeroStep
 
 _COARSEST_M = 1e-4  # resolution of a robot's encoder: noise toggles between two neighbours
 _KEPT = 400  # samples of free flight before the present window
@@ -66,8 +66,7 @@ class StampBursts(Check):
     """Stamps of the wrench come one by one."""
 
     name = 'stamp_bursts'
-    message = ('stamps of the wrench come in bursts of about 5, one every 0.01 s, expected even '
-               'steps: they tell when a buffer was read; stamp each wrench when it is measured')
+    message = Bursts(5.0, 0.01).text
     cause = ('The driver stamps on arrival, and a latency timer (USB: 16 ms) or a network hands '
              'over several measurements at once; damping is then wrong.')
     remedy = ('Let the driver stamp by the clock or the counter of the sensor; shorten the '

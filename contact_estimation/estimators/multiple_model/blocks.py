@@ -25,7 +25,6 @@ from .contact import ContactFilter
 from .laws import Array
 from .smoothing import Smoothing
 
-_FIRST = 20  # samples from which the period is learned
 _BLOCK_S = 0.020  # of samples that are processed together
 _LONG = 2  # short blocks in a long one
 _FILLED = 3.5  # periods without a sample that are bridged
@@ -38,6 +37,9 @@ _SAME_RATE, _OTHER_RATE = 1e-4, 0.1  # relative errors of the period
 _LONGEST_STEPS = 5000  # over which it is measured, of samples with errors of a tenth
 _JUMP = 12.0  # standard deviations of a difference that is no noise
 _SIGNALS = 6  # force, x, v, two of known physics, whether the wall is learned from it
+FIRST = 20
+"""Samples from which period and noise are learned."""
+
 PRESSES = 3.0
 """Standard deviations of the force, from which rows are used."""
 
@@ -117,7 +119,7 @@ class Blocks:
         self.wanted = self.long = _LONG * self.short
         self._buffer = np.zeros((_SIGNALS, smooth.length(self.long // smooth.hop) + 4))
         self._filled = 0
-        self._elapsed, self._steps, self._measured = 0.0, 0, _FIRST - 1
+        self._elapsed, self._steps, self._measured = 0.0, 0, FIRST - 1
 
     def _measure_period(self, dt: float) -> None:
         """Refine the period with the time that passes: an error of it is one of B_e."""

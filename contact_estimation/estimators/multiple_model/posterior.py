@@ -23,7 +23,7 @@ from typing import Iterator, NamedTuple, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from .blocks import Blocks
+from .blocks import Blocks, FIRST
 from .constants import (
     ANYWHERE_M, AS_TOLD, AS_TOLD_M, DAMPING_FLOOR, DAMPING_S, ELSEWHERE, FADE_S, JITTER_S,
     MODEL_ERROR, MODEL_ERROR_S, NEAR, STIFFNESS_FLOOR, STILL_THERE)
@@ -37,7 +37,6 @@ from .moving import MovingWall
 from .runs import Change, decided, Runs
 from .touch import before_release, surface_of_touch
 
-_FIRST = 20  # samples from which period and noise are learned
 _GREATEST = 1e5  # [N]; a larger force is no measurement
 _LAWS = len(NAMES)
 _EARLY = 20  # short blocks of a contact, each judged; later every fifth long one is
@@ -330,7 +329,7 @@ class WallPosterior:
     def _begin(self, t: float, force: float, x: float) -> None:
         """Collect the samples that tell period and noise."""
         self._first.append((t, force, x))
-        if len(self._first) < _FIRST:
+        if len(self._first) < FIRST:
             return
         stamps, forces, places = np.array(self._first).T
         self._first.clear()
@@ -423,8 +422,12 @@ class WallPosterior:
         odds = found.evidence + np.log(prior)
         odds[found.theta[:, 0] <= 0.0] = -inf
         K, B = found.theta[int(np.argmax(odds)), :2].tolist()
-        self._scale = max(K, float(_SCALES[0]))
-        self._seconds = max(B / self._scale + self.lag.lag[0], 0.0)
+        self._rescale(K, B, float(_SCALES[0]), self.lag.lag[0])
+
+    def _rescale(self, K: float, B: float, least: float, lag: float = 0.0) -> None:
+        """Scale the priors by K_e, at least, and by B_e less what a lag has taken from it."""
+        self._scale = max(K, least)
+        self._seconds = max(B / self._scale + lag, 0.0)
 
     def _hypotheses(
         self, laws: Ints, surfaces: Sequence[tuple[float, float, float]]
@@ -495,8 +498,7 @@ class WallPosterior:
         if abs(self._told[0] - centre) < 4.0 * std:
             self._surfaces.append((self._told[0], AS_TOLD_M, 1.0 - STILL_THERE))
         K, B = change.judged.theta[best, :2].tolist()
-        self._scale = max(K, 1.0)
-        self._seconds = max(B / self._scale + self.lag.lag[0], 0.0)
+        self._rescale(K, B, 1.0, self.lag.lag[0])
         self._depth_s = 0.0
 
     def _surprise(self, phi: Array, weights: Array) -> bool:
@@ -538,23 +540,22 @@ class WallPosterior:
             since = walls(change.judged, np.full(len(share), law), scene, ANYWHERE_M)
             found = Wall(*(np.concatenate(pair, axis=-1) for pair in zip(found, since)))
             weights = np.concatenate([weights * (1.0 - share.sum()), share])
-        means, stds = [], []
+        means, spreads = [], []
         for values, variances in zip(found[:3], found.variances):
             mean = float(weights @ values)
             means.append(mean)
-            stds.append(float(weights @ (variances + np.square(values - mean))))
+            spreads.append(float(weights @ (variances + np.square(values - mean))))
         K, B, delta = means
         mass = judged.theta[MASS * (len(judged.theta) // _LAWS), 2]
-        K_std = sqrt(stds[0] + (STIFFNESS_FLOOR * K) ** 2)
+        K_std = sqrt(spreads[0] + (STIFFNESS_FLOOR * K) ** 2)
         surface, surface_std = self.known.surface, self.known.surface_std
         if K_std < _SURE * K:  # else nothing is found of it
-            surface, surface_std = self._x0 + delta, sqrt(stds[2]) + 2e-6
+            surface, surface_std = self._x0 + delta, sqrt(spreads[2]) + 2e-6
         self.known = Knowledge(
-            K, B, K_std, sqrt(stds[1] + (DAMPING_FLOOR * B) ** 2), surface, surface_std,
+            K, B, K_std, sqrt(spreads[1] + (DAMPING_FLOOR * B) ** 2), surface, surface_std,
             float(mass) if of_law[MASS] > 0.5 else nan, tuple(of_law.tolist()),
             sqrt(self._residual) if self._residual == self._residual else nan)
-        self._scale = max(K, _SOFTER * self._scale)
-        self._seconds = max(B / self._scale, 0.0)
+        self._rescale(K, B, _SOFTER * self._scale)
 
     def _follow_surface(self) -> None:
         """Move the reference of the columns to the surface where that is known better."""
