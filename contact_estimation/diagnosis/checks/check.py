@@ -19,7 +19,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Callable, NamedTuple
 
-from .evidence import Evidence
+from .measures import Evidence
 from ..observe.signals import Signals
 from ...physics import EFFECTS
 
@@ -55,19 +55,7 @@ class Check:
 
 
 class Finding(NamedTuple):
-    """
-    The outcome of a test.
-
-    Attributes
-    ----------
-    ok : bool
-        Whether the recording is as expected.
-    text : str
-        Measured, expected and, if not ok, what to change.
-    fatal : bool
-        Whether nothing can be diagnosed before that.
-
-    """
+    """The outcome of a test: `ok`, `text` and, if not ok, `fatal`, as of `Check`."""
 
     ok: bool
     text: str
@@ -102,18 +90,5 @@ class Test:
 
 
 def of_families(*families: str) -> frozenset[str]:
-    """
-    Return the effects of some families.
-
-    Parameters
-    ----------
-    families : str
-        Names.
-
-    Returns
-    -------
-    names : frozenset of str
-        As in `EFFECTS`.
-
-    """
+    """Return the names of the effects of some families."""
     return frozenset(name for name, cls in EFFECTS.items() if cls.family in families)

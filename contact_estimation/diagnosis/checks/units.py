@@ -12,117 +12,111 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Units that are taken for metres and newtons."""
+"""Checks of units: positions and forces that are not in metres and newtons."""
 
 from __future__ import annotations
 
-from math import exp, log
+from math import log
 from typing import Mapping
 
-from .evidence import Evidence
+import numpy as np
 
-LENGTHS: Mapping[str, float] = {'mm': 1e3, 'um': 1e6, 'cm': 1e2, 'inches': 39.37}
+from .check import Finding
+from .measures import Evidence, FOLLOWS, LITTLE
+
+_LENGTHS: Mapping[str, float] = {'mm': 1e3, 'um': 1e6, 'cm': 1e2, 'inches': 39.37}
 """Units of length in a metre."""
 
-FORCES: Mapping[str, float] = {
+_FORCES: Mapping[str, float] = {
     'kN': 1e-3, 'kgf': 0.10197, 'lbf': 0.22481, 'grams of force': 101.97, 'mN': 1e3,
 }
 """Units of force in a newton."""
 
-LONG_TRAVEL = 0.5
-"""Travel [m] from which on a thousandth of the expected force means millimetres, not kN."""
-
-_CORRELATED = 0.7
-_WALL, _WALL_NEAR = log(2.2), log(1.35)  # factor by which a nominal stiffness may be wrong
-_NEAR = log(20.0)  # ratios that other things have as well must fit better
-_ROBOT_LOW, _ROBOT_HIGH = log(0.15), log(1.6)  # the same of the implied force: physics lower it
-_HUGE, _WALL_ALONE = log(250.0), log(3.0)  # without a robot: less is a wrong nominal model
-_SAME = log(2.2)  # of velocities in free flight: a robot lags behind its reference
+_LONG_TRAVEL = 0.5  # [m] from which on a thousandth of the force means millimetres, not kN
+_FEW = log(3.0)  # nominal models are wrong by a few times
+_IMPOSSIBLE = log(1e4)  # and never by this, ten times what a prefix is
 
 
-def nearest_unit(ratio: float, units: Mapping[str, float]) -> str | None:
+def length_unit(evidence: Evidence) -> Finding:
+    """Find positions, a reference or both that are not in metres."""
+    travel = float(np.ptp(evidence.smooth.x))
+    if evidence.with_reference and evidence.followed.correlation > FOLLOWS:
+        ratio = evidence.followed.slope
+        for name, factor in (('position', ratio), ('reference_trajectory', 1.0 / ratio)):
+            unit = _nearest(factor, _LENGTHS)
+            if unit is not None:
+                return Finding(False, f'in free flight x moves {ratio:.3g} times as x_r, expected '
+                                      f'1: {name} seems to be in {unit}; record metres')
+    # The model predicts so much more force.
+    unit = _mistaken(evidence, {name: 1.0 / ratio for name, ratio in _LENGTHS.items()})
+    if unit is None or (unit == 'mm' and travel < _LONG_TRAVEL):
+        return Finding(True, f'x travels {travel:.3g} m')
+    share = evidence.of_wall.slope
+    return Finding(False, f'x travels {travel:.3g} m, and the force is {share:.2g} times what the '
+                          'nominal model predicts, expected about 1: the lengths seem to be in '
+                          f'{unit}; record metres')
+
+
+def force_unit(evidence: Evidence) -> Finding:
     """
-    Return the unit with a ratio.
+    Find a force that is not in newtons.
 
-    Parameters
-    ----------
-    ratio : float
-        Measured.
-    units : mapping of str to float
-        Expected ratios.
-
-    Returns
-    -------
-    unit : str or None
-        None if no ratio is near.
-
+    With a robot the force must be wrong by the same factor against the nominal wall and against
+    the nominal robot's equation of motion, which does not know the wall.
     """
-    if ratio <= 0.0:
-        return None
-    best = min(units, key=lambda name: abs(log(ratio / units[name])))
-    return best if abs(log(ratio / units[best])) < _SAME else None
+    text = f'the force is {evidence.of_wall.slope:.3g} times that of the nominal wall'
+    if evidence.with_reference:
+        text += f', {evidence.of_robot.slope:.3g} times what the robot felt'
+    unit = _mistaken(evidence, _FORCES)
+    if unit is None:
+        return _of_magnitude(evidence, text)
+    other = {'kN': ' (or positions in mm)', 'kgf': ' (or on another axis)',
+             'lbf': ' (or on another axis)'}.get(unit, '')
+    return Finding(False, f'{text}, expected about 1: it seems to be in {unit}{other}; record '
+                          'newtons')
 
 
-def mistaken_unit(evidence: Evidence, units: Mapping[str, float]) -> str | None:
+def _of_magnitude(evidence: Evidence, text: str) -> Finding:
+    """Find a force that no unit explains."""
+    force, expected = evidence.deviations
+    if not expected or not force or abs(log(force / expected)) < _IMPOSSIBLE:
+        return Finding(True, text)
+    return Finding(False, f'the force varies by {force:.3g} N, that of the nominal wall by '
+                          f'{expected:.3g} N, expected about the same: no model is wrong by so '
+                          'much; check that topics, joint, axis and model file belong together')
+
+
+def _mistaken(evidence: Evidence, units: Mapping[str, float]) -> str | None:
     """
     Return the unit whose ratio the force has to those of nominal wall and robot.
 
-    A wrong nominal stiffness changes the first ratio alone, wrong values of the robot the second.
-    Without a robot only a factor of hundreds is a unit: nominal models are off by a few.
-
-    Parameters
-    ----------
-    evidence : Evidence
-        Of a recording.
-    units : mapping of str to float
-        Ratios to be expected.
-
-    Returns
-    -------
-    unit : str or None
-        None if there is none.
-
+    A wrong nominal stiffness changes the first ratio alone, wrong values of the robot the second,
+    which what is missing lowers. Without a robot only a factor of a thousand is a unit.
     """
-    wall = evidence.of_wall
-    if not evidence.with_reference and abs(wall.correlation) < _CORRELATED:
-        return _of_ranges(evidence, units)
-    if wall.slope <= 0.0 or wall.correlation < _CORRELATED:
+    wall, robot = evidence.of_wall, evidence.of_robot if evidence.with_reference else None
+    if robot is None:
+        force, expected = evidence.deviations
+        follows = abs(wall.correlation) >= FOLLOWS
+        ratio = wall.slope if follows else force / expected if expected else 0.0
+        unit = _nearest(ratio, units)
+        return unit if unit and abs(log(units[unit])) > log(1e3) - _FEW else None
+    unit = _nearest(wall.slope, units) if wall.correlation >= FOLLOWS else None
+    if unit is None or robot.slope <= 0.0:
         return None
-    best = min(units, key=lambda name: abs(log(wall.slope / units[name])))
-    off = log(wall.slope / units[best])
-    if not evidence.with_reference:
-        known = abs(log(units[best])) > _HUGE and abs(off) < _WALL_ALONE
-        return best if known else None
-    robot = evidence.of_robot
-    most = _WALL if abs(log(units[best])) > _NEAR else _WALL_NEAR
-    if robot.slope <= 0.0 or abs(off) > most:
+    off = log(robot.slope / units[unit])
+    return unit if log(LITTLE) < off < _reach(unit, {'': 1.0, unit: units[unit]}) else None
+
+
+def _nearest(ratio: float, units: Mapping[str, float]) -> str | None:
+    """Return the unit of a ratio, nearer to it than to any other unit; None if none is near."""
+    if ratio <= 0.0:
         return None
-    return best if _ROBOT_LOW < log(robot.slope / units[best]) < _ROBOT_HIGH else None
+    best = min(units, key=lambda name: abs(log(ratio / units[name])))
+    reach = min(_FEW, _reach(best, {'': 1.0, **units}))
+    return best if abs(log(ratio / units[best])) < reach else None
 
 
-def _of_ranges(evidence: Evidence, units: Mapping[str, float]) -> str | None:
-    """Return the unit of a force that does not follow the nominal one, by its deviation alone."""
-    force, expected = evidence.deviations
-    if not expected or not force:
-        return None
-    return next((name for name, ratio in units.items()
-                 if abs(log(ratio)) > _HUGE and abs(log(force / expected / ratio)) < _WALL_ALONE),
-                None)
-
-
-def inverse(units: Mapping[str, float]) -> dict[str, float]:
-    """
-    Return the ratios of forces at lengths in other units.
-
-    Parameters
-    ----------
-    units : mapping of str to float
-        Units of length.
-
-    Returns
-    -------
-    ratios : dict of str to float
-        A model in newtons a metre predicts so much more force.
-
-    """
-    return {name: exp(-log(ratio)) for name, ratio in units.items()}
+def _reach(unit: str, units: Mapping[str, float]) -> float:
+    """Return half the way to the nearest other unit, in logarithms of ratios."""
+    return 0.5 * min(abs(log(units[unit] / ratio)) for name, ratio in units.items()
+                     if name != unit)

@@ -26,7 +26,7 @@ from .refusal import refuse
 from .result import Diagnosis
 from .second_look import at_the_surfaces, Given, without_rests
 from ..checks import examine
-from ..checks.clock_offset import with_offset
+from ..checks.stamps import with_offset
 from ..fit.clocks import Clocks, Offset
 from ..fit.criteria import penalty, SHARE, THRESHOLD
 from ..fit.discrepancy import has_discrepancy

@@ -27,7 +27,7 @@ from typing import Callable, NamedTuple, Sequence
 from .naming import diagnose_apart
 from .result import Diagnosis
 from ..checks.check import Check
-from ..checks.wall_location import with_places
+from ..checks.experiment import with_places
 from ..fit.search import Progress
 from ..fit.surfaces import on_one_surface, Surfaces, surfaces_of
 from ..observe.model import Model

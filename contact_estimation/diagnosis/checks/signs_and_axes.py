@@ -1,0 +1,119 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Checks of signs and axes: force and position that point elsewhere."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .check import Finding
+from .measures import Evidence, FOLLOWS, LITTLE, MUCH, UNRELATED, WORTH_A_NAME
+from ..observe.signals import Signals
+from ...signals.stream_faults import CLEAR
+
+
+def force_sign(evidence: Evidence) -> Finding:
+    """
+    Find a force that does not oppose the motion.
+
+    A wall pushes back where x is largest; a permanently attached specimen takes up energy.
+    """
+    if not evidence.model.environment.unilateral:
+        return _of_specimen(evidence)
+    low, high = evidence.sides_beyond_zero
+    if evidence.with_reference and _is_other_axis(evidence):
+        return Finding(True, 'the force is too small to have a sign')
+    far, near = sorted((low, high), key=abs, reverse=True)
+    if far < evidence.clear_force or not _is_at_one_end(far, near):
+        return Finding(True, f'F_e is {high:.3g} N at the largest x; it must be < 0 while '
+                             'pressing')
+    return Finding(False, f'F_e is {far:.3g} N while pressing, expected < 0: the force of the '
+                          'environment on the end-effector; change the sign of the recorded force')
+
+
+def _is_other_axis(evidence: Evidence) -> bool:
+    return max(abs(evidence.of_wall.slope), abs(evidence.of_robot.slope)) < MUCH
+
+
+def _is_at_one_end(far: float, near: float) -> bool:
+    """Return whether a force is a contact, and that at the other end of the motion none."""
+    return abs(near) <= MUCH * abs(far)
+
+
+def _of_specimen(evidence: Evidence) -> Finding:
+    s, against = evidence.smooth, evidence.of_wall.correlation
+    force = s.force - np.mean(s.force)
+    works = [-float(np.sum(part * s.v)) / max(float(np.sum(np.abs(part * s.v))), 1e-300)
+             for part in (s.force, force)]
+    text = f'the specimen takes up {100.0 * works[1]:.0f} % of the work exchanged'
+    if max(works) > -WORTH_A_NAME or against > -UNRELATED:
+        return Finding(True, text)
+    return Finding(False, f'{text}, expected > 0: it would be an engine; -F_e was diagnosed. '
+                          'Change the sign of the recorded force or of the position', fatal=False)
+
+
+def inverted(signals: Signals) -> Signals:
+    """Invert the force."""
+    return signals._replace(force=-signals.force)
+
+
+def position_sign(evidence: Evidence) -> Finding:
+    """Find a position that decreases into the wall, or against its reference."""
+    change = ('; change the sign of the recorded position, or let the contact axis point into '
+              'the wall')
+    if evidence.with_reference and evidence.followed.correlation < -FOLLOWS:
+        return Finding(False, f'x moves {evidence.followed.slope:.3g} times as x_r in free '
+                              f'flight, expected 1{change}')
+    if not evidence.model.environment.unilateral:
+        return Finding(True, 'a permanently attached specimen has no side')
+    low, high = evidence.sides_beyond_zero
+    if abs(low) < evidence.clear_force or not _is_at_one_end(low, high):
+        return Finding(True, f'the force is {high:.3g} N at the largest x, {low:.3g} N at the '
+                             'smallest')
+    return Finding(False, f'the force is {low:.3g} N at the smallest x and {high:.3g} N at the '
+                          f'largest, expected the contact at large x{change}')
+
+
+def axis(evidence: Evidence) -> Finding:
+    """
+    Find a force that is not that of the contact axis.
+
+    The motion shows a contact that the force hardly shows. A force that follows no line, but is
+    the same at a place on the ways in and out, is that of a strongly nonlinear contact, such as a
+    dome that buckles.
+    """
+    if not evidence.model.environment.unilateral:
+        return Finding(True, f'correlation of force and nominal force '
+                             f'{evidence.of_wall.correlation:.2f}')
+    wall, robot = evidence.of_wall, None
+    text = f'the force is {wall.slope:.2g} times that of the nominal wall'
+    _, expected = evidence.deviations
+    if evidence.with_reference:
+        robot = evidence.of_robot
+        text += f' and {robot.slope:.2g} times what the robot felt'
+        expected = min(expected, float(np.std(evidence.implied_force)))
+    text += f' (correlation {wall.correlation:.2f})'
+    lines = [wall] if robot is None else [wall, robot]
+    least = LITTLE if robot is None else MUCH  # without a robot the wall may be too stiff
+    small = all(abs(line.slope) < least for line in lines)
+    no_line = all(abs(line.correlation) < UNRELATED for line in lines)
+    unrelated = robot is not None and no_line
+    if robot is None and no_line and evidence.repeats > FOLLOWS:
+        return Finding(True, f'{text}, the same on the ways in and out')
+    if expected < CLEAR * evidence.force_noise or not (small or unrelated):
+        return Finding(True, text)
+    return Finding(False, f'{text}, expected about 1: this seems to be another axis of the '
+                          'sensor, or one that is not connected; choose --axis, or check '
+                          "the wrench's frame and unit and the nominal stiffness")

@@ -1,0 +1,222 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Checks of stamps: order, bursts, rate, gaps and the clocks of the topics."""
+
+from __future__ import annotations
+
+from math import log, pi, sqrt
+from typing import Sequence
+
+import numpy as np
+
+from .check import Check, Finding
+from .measures import Evidence, LITTLE, MOST, MUCH, SLIGHT
+from ..observe.parts import spans_of
+from ..observe.signals import LEAST_SAMPLES
+from ...physics import EFFECTS
+from ...signals.stream_faults import bursts_of
+
+_BACK_S = 0.1  # late messages of a busy network arrive within that
+_EARLY_S, _LATE_S = 0.03, 0.15  # a damped wall is ahead of its spring, a slow filter behind
+_SAMPLES, _AHEAD_S = 3.0, 0.005  # least shifts: in samples; of a reference, a cycle of 200 Hz
+_ALIKE, _BETTER = 0.85, 0.005  # correlation of force and motion at the best shift, and its gain
+_STRIDE = 10  # steps over which recorded rates are compared with differences of positions
+
+
+def complete_file(evidence: Evidence) -> Finding:
+    """Find what of the file is damaged."""
+    damage = evidence.recording.damage
+    if not damage:
+        return Finding(True, 'the file could be read as a whole')
+    last = float(evidence.whole.wrench_t[-1])
+    return Finding(False, f'the file is damaged: {damage}; what was read lasts {last:.6g} s, and '
+                          'the rest is not diagnosed; end the recorder before copying its file',
+                   fatal=False)
+
+
+def stamp_order(evidence: Evidence) -> Finding:
+    """Find a clock that was set back: two stretches then lie over one another."""
+    back = evidence.recording.stamps_back_s
+    if back <= _BACK_S:
+        return Finding(True, f'stamps jump back by {back:.3g} s at most')
+    return Finding(False, f'stamps of wrench or joint_states jump back by {back:.3g} s, expected '
+                          f'{_BACK_S:g} s at most: the clock was set back, or recordings were '
+                          'joined; cut the recording there')
+
+
+def stamp_bursts(evidence: Evidence) -> Finding:
+    """Find wrenches whose stamps tell when a buffer was read, not when the force was measured."""
+    bursts = bursts_of(evidence.whole.wrench_t)
+    if bursts is None:
+        return Finding(True, 'stamps of the wrench come one by one')
+    return Finding(False, bursts.text)
+
+
+def sampling_rate(evidence: Evidence) -> Finding:
+    """Find sampling too slow for the oscillation of robot or mass and wall, or in another unit."""
+    rate, angular = 1.0 / evidence.period, _natural_frequency(evidence)
+    if angular is None or not evidence.overlap.enough:
+        return Finding(True, f'{rate:.3g} Hz')
+    text = f'{rate:.3g} Hz for an oscillation of wall and mass at {angular / (2.0 * pi):.3g} Hz'
+    unlike = _rates_over_stamps(evidence)
+    if unlike is not None:
+        return Finding(False, f'{text}; x_r moves {1.0 / unlike:.3g} times as fast as its '
+                              'recorded rates, expected 1: stamps or rates have another unit, '
+                              'or another clock; record seconds')
+    turn = angular * evidence.period  # [rad] of the oscillation, a sample
+    if turn > 2.0 * pi:
+        return Finding(False, f'{text}: nothing of it can be seen; check the unit of the stamps, '
+                              'or record at a higher rate')
+    if turn < 1.0:
+        return Finding(True, text)
+    return Finding(False, f'{text}, expected at least {2.0 * pi:.1f} samples a period; '
+                          'record at a higher rate. No fast dynamics are named', fatal=False)
+
+
+def _rates_over_stamps(evidence: Evidence) -> float | None:
+    """Return the ratio of recorded rates to differences of the reference if it is not 1."""
+    t, (x, v, _, _) = evidence.whole.reference_t, evidence.whole.reference
+    if len(t) <= _STRIDE:
+        return None
+    travel = np.concatenate([[0.0], np.cumsum(0.5 * (v[1:] + v[:-1]) * np.diff(t))])
+    foretold, moved = (row[_STRIDE:] - row[:-_STRIDE] for row in (travel, x))
+    fast = np.abs(foretold) > MUCH * np.max(np.abs(foretold))
+    if np.count_nonzero(fast) < LEAST_SAMPLES:
+        return None
+    with np.errstate(divide='ignore'):  # of a reference that is held
+        ratios = foretold[fast] / moved[fast]
+    low, usual, high = np.quantile(ratios, (0.25, 0.5, 0.75))
+    unlike = usual > 0.0 and abs(log(usual)) > log(1.0 + SLIGHT)
+    return float(usual) if unlike and high - low < LITTLE * usual else None
+
+
+def _natural_frequency(evidence: Evidence) -> float | None:
+    """Return the natural frequency of the nominal contact [rad/s]."""
+    wall, robot = evidence.model.environment, evidence.model.robot
+    if evidence.with_reference:
+        return sqrt(max(wall.stiffness + robot.stiffness, 0.0) / robot.mass)
+    if not wall.unilateral and wall.inertia > 0.0:
+        return sqrt(max(wall.stiffness, 0.0) / wall.inertia)
+    return None
+
+
+def clock_offset(evidence: Evidence) -> Finding:
+    """Find topics that do not overlap, or a force that no sensor can measure so early or late."""
+    overlap = evidence.overlap
+    if not overlap.enough:
+        return Finding(False, f'{overlap.text}: expected the same time, got '
+                              f'{overlap.seconds:.3g} s in common; stamp all topics by one '
+                              'clock, in one unit')
+    if not evidence.model.environment.unilateral:
+        return Finding(True, overlap.text)
+    lag = evidence.lag
+    text = f'the force fits the motion best when shifted by {1e3 * lag.seconds:.0f} ms'
+    off = lag.seconds > _LATE_S or lag.seconds < -_EARLY_S
+    # Dissipation is ahead of the motion too, but a shift leaves most of its variance.
+    explains = 1.0 - lag.correlation**2 < MOST * (1.0 - lag.unshifted**2)
+    # A damped contact is ahead of its spring, but not of what the robot felt.
+    felt = evidence.with_reference and evidence.of_robot.correlation > lag.correlation
+    # What is held back as it leaves is ahead as well; a robot would have felt that.
+    held = evidence.pulls and not evidence.with_reference
+    resolved = abs(lag.seconds) > _SAMPLES * evidence.period
+    # What yields is ahead of its spring, but peaks with it.
+    shifted = off and MOST * abs(lag.seconds) > abs(
+        evidence.peaks_apart(abs(lag.seconds)) - lag.seconds)
+    if (shifted and explains and not felt and not held and resolved
+            and lag.correlation > max(_ALIKE, lag.unshifted + _BETTER)):
+        return Finding(False, f'{text}, expected {-1e3 * _EARLY_S:.0f} to {1e3 * _LATE_S:.0f} ms: '
+                              'the clocks of wrench and joint_states differ; synchronise them')
+    return Finding(True, text)
+
+
+def with_offset(
+    checks: Sequence[Check], topic: str, late: float, commanded: bool = True
+) -> list[Check]:
+    """
+    Replace the result of `clock_offset` by what the fits have shown.
+
+    Parameters
+    ----------
+    checks : sequence of Check
+        Of a recording.
+    topic : str
+        'joint_states' or 'wrench'.
+    late : float
+        By how much its stamps are late [s]; negative if they are early.
+    commanded : bool
+        Whether there is a robot with a reference; otherwise a force drives the wall.
+
+    Returns
+    -------
+    checks : list of Check
+        That of the clocks failed.
+
+    """
+    side, when = ('late', 'earlier') if late > 0.0 else ('early', 'later')
+    others = 'command and force both fit the motion'
+    if topic == 'wrench':
+        others = 'the force fits motion and command'
+    cause = f'{topic} are' if topic == 'joint_states' else f'{topic} is'
+    cause += f' stamped {side}' + (' or filtered' if late > 0.0 else '')
+    if not commanded:
+        others = 'the force that drives the wall fits the motion'
+        cause += ', or wrench is a command that the drive follows late; record the measured force'
+    elif late < 0.0:
+        cause += ', or the other topics late'
+    joints = late if topic == 'joint_states' else -late
+    text = (f'{others} best about {1e3 * abs(late):.2g} ms {when}, '
+            f'expected at the same instant: {cause}; stamp each sample when it is '
+            f'measured (on line, set synchronisation.offset to {-joints:.2g} s)')
+    return [Check(one.name, False, text, True, frozenset(EFFECTS))
+            if one.name == 'clock_offset' else one for one in checks]
+
+
+def reference_clock(evidence: Evidence) -> Finding:
+    """Find a reference that is stamped later than the robot follows it."""
+    if not evidence.with_reference:
+        return Finding(True, 'no reference_trajectory')
+    early = evidence.ahead_of_reference
+    text = f'the motion fits the reference best {1e3 * early.seconds:.0f} ms ahead of it'
+    least = max(_AHEAD_S, _SAMPLES * evidence.period)
+    if early.seconds <= least or early.left >= MUCH:
+        return Finding(True, text)
+    return Finding(False, f'{text}, expected 0 or later: no robot moves before its command; '
+                          'stamp reference_trajectory by the clock of joint_states, with the '
+                          'instant from which the robot follows it')
+
+
+def common_time(evidence: Evidence) -> Finding:
+    """Find a topic that begins late or ends early: much of the others has no counterpart."""
+    overlap = evidence.overlap
+    spans = (overlap.spans[name] for name in ('wrench', 'joint_states'))
+    longest = max(end - begin for begin, end in spans)
+    if overlap.seconds >= (1.0 - MUCH) * longest:
+        return Finding(True, overlap.text)
+    return Finding(False, f'{overlap.text}: the {overlap.seconds:.3g} s in which all topics were '
+                          'recorded are diagnosed, the rest is not; record all topics from '
+                          'begin to end', fatal=False)
+
+
+def gaps(evidence: Evidence) -> Finding:
+    """Find pauses of wrench or joint states."""
+    spans = spans_of(evidence.whole)
+    pauses = [(end, begin) for (_, end), (begin, _) in zip(spans[:-1], spans[1:])]
+    if not pauses:
+        return Finding(True, 'no pause')
+    end, begin = max(pauses, key=lambda pause: pause[1] - pause[0])
+    return Finding(False, f'{len(pauses)} pause(s) of wrench or joint_states, the longest from '
+                          f'{end:.6g} to {begin:.6g} s, expected none: the stretches between them '
+                          'are fitted as parts; record without a pause to name effects with a '
+                          'memory', fatal=False)
