@@ -29,7 +29,7 @@ from contact_estimation.diagnosis.conclude.diagnose import diagnose
 from contact_estimation.diagnosis.observe.reference_rates import with_reference_rates
 from contact_estimation.diagnosis.observe.signals import Recording, Signals
 from contact_estimation.diagnosis.report.json_report import as_dict
-from contact_estimation.diagnosis.report.page.builder import as_html
+from contact_estimation.diagnosis.report.page import as_html
 from contact_estimation.diagnosis.report.text_report import as_text
 from contact_estimation.physics import EFFECTS
 from contact_estimation.plant.plant_parameters import PlantParameters
@@ -383,7 +383,7 @@ def test_a_refused_recording_gets_a_report_without_names() -> None:
     (wrong,) = (one for one in report['checks'] if not one['ok'])
     assert wrong['name'] == 'length_unit' and 'record metres' in wrong['text']
     assert as_text(found).startswith('Check length_unit: ')
-    assert 'put right first: length unit' in as_html(found, 'file')
+    assert 'Fix the recording first: length unit' in as_html(found, 'file')
 
 
 def test_what_a_failed_check_could_cause_is_no_candidate() -> None:

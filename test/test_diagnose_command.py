@@ -275,7 +275,7 @@ def test_clock_that_was_set_back_is_refused(
     recording = write_recording(tmp_path / 'a.mcap', signals._replace(wrench_t=t))
     ended = command(recording, '--nominal', folder / 'model.yaml')
     assert ended.code == 0 and 'jump back by 2 s' in ended.out
-    assert 'must be put right first: stamp order' in ended.out
+    assert 'fix the recording first: stamp order' in ended.out
 
 
 @pytest.mark.slow

@@ -28,7 +28,7 @@ from contact_estimation.diagnosis.conclude.result import Errors, Remainder, Valu
 from contact_estimation.diagnosis.fit.share import Share
 from contact_estimation.diagnosis.report.corrected_model import model_file
 from contact_estimation.diagnosis.report.json_report import as_dict
-from contact_estimation.diagnosis.report.page.builder import as_html
+from contact_estimation.diagnosis.report.page import as_html
 from contact_estimation.diagnosis.report.text_report import as_text
 from contact_estimation.diagnosis.report.wording import headline, share_of
 from contact_estimation.estimation.parameters import EstimationParameters
@@ -167,8 +167,8 @@ def test_text_gives_family_share_and_parameters_on_the_parts() -> None:
     found = [part.parameters['F_c'] for part in effect.parts]
     text = as_text(d)
     assert 'coulomb_friction (in the contact), family friction, probability ' in text
-    assert (f'  predicts {100.0 * effect.share:.0f} % ({low:.0f} to {high:.0f} %) of the misfit '
-            'on parts left out\n') in text
+    assert (f'  explains {100.0 * effect.share:.0f} % ({low:.0f} to {high:.0f} %) of the misfit '
+            'in cross-validation\n') in text
     assert (f'  fitted on each of {len(found)} parts alone: '
             f'F_c = {min(found):.3g} to {max(found):.3g} N\n') in text
 
@@ -198,8 +198,8 @@ def test_a_trifle_beyond_the_noise_is_told_where_nothing_is_named(
                       force=replace(d.force, **models))
     low, high = np.percentile(d.recordings[0].observed.force, (1.0, 99.0))
     percent = f'{17.32 / (high - low):.2g}'
-    text = (f'Beside the noise it leaves 0.17 N (rms, held out), {percent} % of the '
-            'range of the force: too little for a name.')
+    text = (f'Held-out residual 0.17 N rms beyond the noise, {percent} % of the range of the '
+            'force: below the reporting threshold.')
     assert (text in as_text(unnamed)) is told
     if (verdict, told) == ('recalibrate', True):
         assert text in as_html(unnamed, 'a.mcap')
@@ -222,7 +222,8 @@ def test_what_the_position_does_not_resolve_is_no_trifle() -> None:
     low, high = np.percentile(d.recordings[0].observed.force, (1.0, 99.0))
     unnamed = replace(d, verdict='recalibrate', effects=[], noise_floor=1e-6 * (high - low),
                       force=replace(d.force, recalibrated=0.1 * (high - low)))
-    assert '10 % of the range of the force: the position does not resolve it.' in as_text(unnamed)
+    assert ('10 % of the range of the force: this recording does not tell which law it obeys.'
+            in as_text(unnamed))
 
 
 def test_text_omits_the_interval_of_a_share_of_one_part() -> None:
@@ -230,14 +231,14 @@ def test_text_omits_the_interval_of_a_share_of_one_part() -> None:
     alone = replace(d.effects[0], parts=d.effects[0].parts[:1], share=0.5,
                     share_interval=(-inf, inf))
     text = as_text(replace(d, effects=[alone]))
-    assert '  predicts 50 % of the misfit' in text
+    assert '  explains 50 % of the misfit' in text
     assert 'parts alone' not in text
 
 
 def test_small_shares_have_a_decimal() -> None:
     d = diagnosed('friction')
     small = replace(d.effects[0], share=0.012, share_interval=(0.004, 0.02))
-    assert '  predicts 1.2 % (0.4 to 2.0 %) of the misfit' in as_text(replace(d, effects=[small]))
+    assert '  explains 1.2 % (0.4 to 2.0 %) of the misfit' in as_text(replace(d, effects=[small]))
 
 
 def test_a_law_beside_zeros_has_its_share_of_what_they_leave() -> None:
@@ -245,8 +246,8 @@ def test_a_law_beside_zeros_has_its_share_of_what_they_leave() -> None:
     beside = Share(0.64, (0.55, 0.73), np.array([0.6, 0.7]))
     small = replace(d.effects[0], share=4e-5, share_interval=(3e-5, 5e-5), beside_zeros=beside)
     text = as_text(replace(d, effects=[small]))
-    assert ('  predicts below 0.1 % of the misfit on parts left out, 64 % (55 to 73 %) of what '
-            'the zeros leave\n') in text
+    assert ('  explains below 0.1 % of the misfit in cross-validation, 64 % (55 to 73 %) of what '
+            'the offsets leave\n') in text
     assert as_dict(replace(d, effects=[small]))['effects'][0]['share_beside_zeros'] == 0.64
 
 
@@ -282,13 +283,13 @@ def test_model_file_configures_plant_and_estimator(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize('interval, words', [
-    ((-3.4, 1.1), 'predicts nothing certain of the misfit on parts left out, but it pulls: '),
-    ((0.02, 0.08),
-     'predicts 5.0 % (2.0 to 8.0 %) of the misfit on parts left out, but it pulls: ')])
+    ((-3.4, 1.1), 'explains no significant share of the misfit in cross-validation'),
+    ((0.02, 0.08), 'explains 5.0 % (2.0 to 8.0 %) of the misfit in cross-validation')])
 def test_share_of_what_a_mark_tells_is_given_only_if_it_is_certain(
     interval: tuple[float, float], words: str
 ) -> None:
     effect: Any = SimpleNamespace(
         share=0.05, share_interval=interval, share_in_form=None, beside_zeros=None,
         mark=SimpleNamespace(words='it pulls'))
-    assert share_of(effect) == words + 'something else is larger'
+    assert share_of(effect) == (
+        f'{words}, but is identified by its signature: it pulls. A larger effect is unexplained')

@@ -20,7 +20,7 @@ from functools import lru_cache
 from pathlib import Path
 
 from browser import browser, look_at
-from contact_estimation.diagnosis.report.page.builder import as_html as diagnosis_page
+from contact_estimation.diagnosis.report.page import as_html as diagnosis_page
 from contact_estimation.fleet.page.builder import as_html as fleet_page
 from diagnosed_worlds import diagnosed
 import pytest

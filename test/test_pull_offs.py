@@ -119,4 +119,4 @@ def test_adhesion_is_named_beside_something_larger() -> None:
     adhesion = found.effects[named(found).index('adhesion')]
     assert adhesion.mark is not None and 'dmt_adhesion' in (
         adhesion.name, *adhesion.indistinguishable_from)
-    assert 'but the wall pulls by 7.9' in as_text(found).replace('\n', ' ')
+    assert 'signature: the wall pulls by 7.9' in as_text(found).replace('\n', ' ')

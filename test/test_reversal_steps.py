@@ -72,7 +72,7 @@ def test_friction_is_named_beside_what_is_larger() -> None:
     found = diagnosed(joint(FRICTION, 1.0), model())
     assert (found.verdict, named(found)) == ('unexplained', ['coulomb_friction'])
     assert found.effects[0].mark is not None
-    assert 'reversals: something else is larger' in as_text(found).replace('\n', ' ')
+    assert 'reversals. A larger effect is unexplained' in as_text(found).replace('\n', ' ')
 
 
 def test_nothing_is_named_where_the_others_push_alone() -> None:

@@ -94,5 +94,5 @@ def test_what_is_too_little_for_a_name_in_a_single_stroke_is_not_unexplained_eit
         force = -(STIFFNESS * ramp + cubic * ramp**3) + stray
         found = diagnosed(Signals(T, force, T, ramp, np.empty(0), np.empty((4, 0))), SPRING)
         assert found.verdict == verdict
-        told = 'too little for a name in a single stroke' in as_text(found)
+        told = 'Held-out residual' in as_text(found)
         assert told is (verdict == 'recalibrate')

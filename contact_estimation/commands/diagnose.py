@@ -39,7 +39,7 @@ from ..diagnosis.conclude.result import Diagnosis
 from ..diagnosis.observe.read_recording import read_recording
 from ..diagnosis.report.corrected_model import model_file
 from ..diagnosis.report.json_report import as_dict
-from ..diagnosis.report.page.builder import as_html
+from ..diagnosis.report.page import as_html
 from ..diagnosis.report.text_report import as_text
 from ..exceptions import RecordingError
 from ..figures import require_matplotlib

@@ -31,7 +31,7 @@ from ..diagnosis.conclude.result import Diagnosis
 from ..diagnosis.observe.read_recording import read_recording
 from ..diagnosis.observe.signals import Recording
 from ..diagnosis.report.json_report import as_dict
-from ..diagnosis.report.page.builder import as_html
+from ..diagnosis.report.page import as_html
 from ..exceptions import ContactEstimationError, MissingPackageError
 from ..recordings import RecordingReader
 

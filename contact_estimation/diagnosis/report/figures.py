@@ -15,11 +15,13 @@
 """
 The figures of a diagnosis, each a function of the plot data.
 
-All are 4.8 inches wide: two side by side fill a desktop page, one a telephone.
+All are 4.8 inches wide: two side by side fill a desktop page, one a telephone. Blue and orange
+differ in lightness too, so that they stay apart for the colour-blind and in print.
 """
 
 from __future__ import annotations
 
+from math import isfinite
 from typing import Any, Mapping, Sequence
 
 import numpy as np
@@ -27,7 +29,7 @@ import numpy as np
 from .plot_data import Comparison, PlotData, Residuals
 from .wording import quantity
 from ..conclude.dependence import Dependence
-from ..conclude.result import Diagnosis
+from ..conclude.result import Diagnosis, NamedEffect
 from ...figures import BLUE, figure_style, GREY, INK, MUTED, new_figure, OCHRE, ORANGE
 
 COLOURS = {'nominal': GREY, 'recalibrated': ORANGE, 'corrected': BLUE}
@@ -35,35 +37,22 @@ _HELD_OUT = '#eef1f4'
 _WIDTH = 4.8  # [inch]
 _MOST_BARS, _MOST_POINTS = 12, 1500
 _SATURATED = 5.0  # colour range [standard deviations]
-_ABOVE = {'loc': 'lower left', 'bbox_to_anchor': (0.0, 1.0), 'borderaxespad': 0.0}
+_CUT_OFF = -100.0, 150.0  # shares that are shown [%]; that of a part with no misfit may be any
+_MOST_LETTERS = 60  # of the names of all parts on one line
+_SLANTED: Mapping[str, Any] = {'rotation': 30, 'ha': 'right', 'fontsize': 7}
 
 
 @figure_style()
 def plot_comparison(data: PlotData, signal: Comparison) -> Any:
-    """
-    Plot a signal as recorded and as predicted: all of it, and where the mismatch is greatest.
-
-    Parameters
-    ----------
-    data : PlotData
-        Time and close-up.
-    signal : Comparison
-        Force or position.
-
-    Returns
-    -------
-    figure : matplotlib.figure.Figure
-        Two axes.
-
-    """
+    """Plot a signal, recorded and predicted: all of it, and where the mismatch is greatest."""
     figure, (whole, close) = new_figure((_WIDTH, 4.4), 2)
     for axis, chosen in ((whole, slice(0, len(data.t))), (close, data.close_up)):
         step = max(1, (chosen.stop - chosen.start) // _MOST_POINTS)
         some = slice(chosen.start, chosen.stop, step)
-        axis.plot(data.t[some], signal.recorded[some], color=INK, linewidth=2.2, alpha=0.35,
+        axis.plot(data.t[some], signal.recorded[some], color=INK, linewidth=2.6, alpha=0.35,
                   label='recorded')
         for name, predicted in signal.predicted.items():
-            axis.plot(data.t[some], predicted[some], color=COLOURS[name], linewidth=0.9,
+            axis.plot(data.t[some], predicted[some], color=COLOURS[name], linewidth=1.0,
                       linestyle=(0, (4, 2)) if name == 'nominal' else '-', label=name)
         axis.set_ylabel(signal.label)
     t = data.t[data.close_up]
@@ -77,22 +66,7 @@ def plot_comparison(data: PlotData, signal: Comparison) -> Any:
 
 @figure_style()
 def plot_residuals(data: PlotData, residuals: Residuals) -> Any:
-    """
-    Plot the residuals of a channel over time, before and after the correction.
-
-    Parameters
-    ----------
-    data : PlotData
-        Time, models and held-out parts.
-    residuals : Residuals
-        Of force or motion.
-
-    Returns
-    -------
-    figure : matplotlib.figure.Figure
-        One axis; the located intervals are marked above it.
-
-    """
+    """Plot the residuals of a channel over time, before and after; located intervals above."""
     figure, axis = new_figure((_WIDTH, 2.7))
     for number, (first, last) in enumerate(data.held_out_s):
         axis.axvspan(first, last, color=_HELD_OUT, linewidth=0,
@@ -107,7 +81,8 @@ def plot_residuals(data: PlotData, residuals: Residuals) -> Any:
                   transform=axis.get_xaxis_transform(), solid_capstyle='butt',
                   label='_' * bool(number) + 'mismatch located')
     axis.set(xlabel='time [s]', ylabel=residuals.label, ylim=_limits(data, residuals))
-    axis.legend(**{**_ABOVE, 'bbox_to_anchor': (0.0, 1.05)}, ncols=3, columnspacing=1.0)
+    figure.legend(*axis.get_legend_handles_labels(), ncols=3, loc='outside upper left',
+                  columnspacing=1.0)
     return figure
 
 
@@ -120,21 +95,64 @@ def _limits(data: PlotData, residuals: Residuals) -> tuple[float, float]:
 
 
 @figure_style()
+def plot_parts(effect: NamedEffect) -> Any:
+    """
+    Plot an effect part by part: the share that it explains, and its first parameter.
+
+    Of a law beside named offsets the share is that of what these leave.
+    """
+    figure, (above, below) = new_figure((_WIDTH, 3.6), 2, sharex=True)
+    _plot_shares(above, effect)
+    _plot_values(below, effect)
+    places = range(len(effect.parts))
+    names = [part.name for part in effect.parts]
+    times = [name.partition(' s, ')[0] + ' s' for name in names if ' s, ' in name]
+    names = times if len(set(times)) == len(names) else names
+    crowded = sum(map(len, names)) > _MOST_LETTERS
+    below.set_xticks(places, names, **_SLANTED if crowded else {})
+    below.set(xlim=(-0.6, len(places) - 0.4), xlabel='part of the recording')
+    for axis in (above, below):
+        axis.grid(False, axis='x')
+        # On the right: the power of ten of the axis stands on the left.
+        axis.legend(loc='lower right', ncols=3, bbox_to_anchor=(1.0, 1.0), borderaxespad=0.0,
+                    columnspacing=1.0, handlelength=1.2)
+    return figure
+
+
+def _plot_shares(axis: Any, effect: NamedEffect) -> None:
+    every, interval = effect.share, effect.share_interval
+    shares = [100.0 * part.share for part in effect.parts]
+    if effect.beside_zeros is not None:
+        every, interval = effect.beside_zeros.share, effect.beside_zeros.interval
+        shares = [100.0 * float(share) for share in effect.beside_zeros.parts]
+    low, high = (100.0 * value for value in interval)
+    axis.bar(range(len(shares)), shares, width=0.6, color=MUTED, label='each part')
+    axis.axhline(100.0 * every, color=BLUE, linewidth=1.2, label='all parts')
+    if isfinite(low) and isfinite(high):
+        axis.axhspan(low, high, color=BLUE, alpha=0.18, linewidth=0, zorder=3,
+                     label='95 % interval')
+    axis.axhline(0.0, color=INK, linewidth=0.6)
+    shown = [*shares, 0.0, 100.0]
+    axis.set_ylim(1.05 * max(min(shown), _CUT_OFF[0]), 1.05 * min(max(shown), _CUT_OFF[1]))
+    axis.set(ylabel='explained [%]' if effect.beside_zeros is None
+             else 'explained of what\nthe offsets leave [%]')
+
+
+def _plot_values(axis: Any, effect: NamedEffect) -> None:
+    name, pooled = next(iter(effect.parameters.items()))
+    values = [part.parameters[name] for part in effect.parts]
+    axis.plot(range(len(values)), values, 'o', color=INK, markersize=4, label='each part alone')
+    axis.axhline(pooled.value, color=BLUE, linewidth=1.2, label='all parts')
+    if isfinite(pooled.std):
+        axis.axhspan(pooled.value - 2.0 * pooled.std, pooled.value + 2.0 * pooled.std, color=BLUE,
+                     alpha=0.18, linewidth=0, label='± 2 std')
+    axis.set(ylabel=name if pooled.unit in ('', '1') else f'{name} [{pooled.unit}]')
+    axis.margins(y=0.2)
+
+
+@figure_style()
 def plot_plane(data: PlotData) -> Any:
-    """
-    Plot the residuals over position and velocity, before and after the correction.
-
-    Parameters
-    ----------
-    data : PlotData
-        Models and plane.
-
-    Returns
-    -------
-    figure : matplotlib.figure.Figure
-        Two axes and a colour bar.
-
-    """
+    """Plot the residuals over position and velocity, before and after the correction."""
     figure, axes = new_figure((_WIDTH, 6.0), 2, sharex=True, sharey=True)
     plane = data.plane
     after = float(np.sqrt(np.mean(plane.by_model[data.pair[1]] ** 2)))
@@ -157,20 +175,7 @@ def plot_plane(data: PlotData) -> Any:
 
 @figure_style()
 def plot_dependences(dependences: Mapping[str, Sequence[Dependence]]) -> Any:
-    """
-    Plot the mean residual over each quantity, with its 95 % band, before and after.
-
-    Parameters
-    ----------
-    dependences : mapping of str to sequence of Dependence
-        By model, the same quantities in the same order.
-
-    Returns
-    -------
-    figure : matplotlib.figure.Figure
-        One axis a quantity; the titles give the explained share before and after.
-
-    """
+    """Plot the mean residual over each quantity, with its 95 % band, before and after."""
     quantities = list(zip(*dependences.values()))
     rows = -(-len(quantities) // 2)
     figure, axes = new_figure((_WIDTH, 1.8 * rows), rows, 2, squeeze=False)
@@ -186,6 +191,7 @@ def plot_dependences(dependences: Mapping[str, Sequence[Dependence]]) -> Any:
     handles = [axes[0, 0].plot([], [], color=COLOURS[name], label=f'{name} model')[0]
                for name in dependences]
     figure.legend(handles=handles, ncols=2, loc='outside upper left')
+    figure.supylabel('mean residual [std of its noise]', fontsize=9)
     return figure
 
 
@@ -205,20 +211,7 @@ def _plot_dependence(axis: Any, one: Dependence, colour: str) -> None:
 
 @figure_style()
 def plot_evidence(diagnosis: Diagnosis) -> Any:
-    """
-    Plot how much of the mismatch each candidate effect alone would explain.
-
-    Parameters
-    ----------
-    diagnosis : Diagnosis
-        The result.
-
-    Returns
-    -------
-    figure : matplotlib.figure.Figure
-        A bar for each of the best candidates.
-
-    """
+    """Plot how much of the mismatch each of the best candidates alone would explain."""
     ranked = sorted(diagnosis.evidence.items(), key=lambda pair: -pair[1])[:_MOST_BARS]
     named = {effect.name for effect in diagnosis.effects}
     figure, axis = new_figure((_WIDTH, 0.7 + 0.24 * max(1, len(ranked))))
@@ -227,7 +220,7 @@ def plot_evidence(diagnosis: Diagnosis) -> Any:
     colours = [BLUE if name in named else MUTED for name in names]
     bars = axis.barh(range(len(names)), shares, color=colours, height=0.7)
     axis.bar_label(bars, [f'{share:.1f} %' for share in shares], padding=3, fontsize=8)
-    axis.set_yticks(range(len(names)), names)
+    axis.set_yticks(range(len(names)), [name.replace('_', ' ') for name in names])
     axis.invert_yaxis()
     axis.grid(False, axis='y')
     axis.set(xlim=(0.0, 120.0), xticks=(0, 25, 50, 75, 100),

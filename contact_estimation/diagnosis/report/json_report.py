@@ -19,6 +19,7 @@ from __future__ import annotations
 from math import isfinite
 from typing import Any
 
+from .wording import nearly_of, untried_of
 from ..conclude.result import Diagnosis, Errors, NamedEffect, Remainder, Value
 from ..observe.model import Model
 
@@ -69,6 +70,8 @@ def as_dict(diagnosis: Diagnosis, experiment_file: str | None = None) -> dict[st
                    for one in found]
             for name, found in d.dependences.items()
         },
+        'untried': [{'family': family, 'reason': reason} for family, reason in untried_of(d)],
+        'nearly': nearly_of(d),
         'next_experiment': {'text': d.next_experiment, 'file': experiment_file},
     })
 

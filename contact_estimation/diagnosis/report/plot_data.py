@@ -31,128 +31,55 @@ from ..observe.usable_samples import usable
 Array = NDArray[np.float64]
 Span = tuple[float, float]
 
-_CLOSE_UP_S = 1.5
-_MOST_SWINGS = 30.0  # of a vibrating wall in a close-up
+_CLOSE_UP_S, _CLOSE_UP = 1.5, 0.125  # at least, and as a share of the recording
+_MOST_SWINGS = 30.0  # of a vibrating wall in a close-up: more merge into a band
 _GAP_S = 0.2  # excluded touch-downs do not split a held-out part
 _MOST_DOTS = 3000
 
 
 class Comparison(NamedTuple):
-    """
-    A signal as recorded and as predicted by each model.
+    """A signal as recorded and as predicted by each model, shape (N,)."""
 
-    Attributes
-    ----------
-    label : str
-        Name with unit.
-    recorded : ndarray, shape (N,)
-        Measured.
-    predicted : mapping of str to ndarray, shape (N,)
-        By model.
-
-    """
-
-    label: str
+    label: str  # name with unit
     recorded: Array
     predicted: Mapping[str, Array]
 
 
 class Residuals(NamedTuple):
-    """
-    Residuals of a channel, averaged over blocks.
+    """Residuals of a channel, measured less predicted, averaged over blocks."""
 
-    Attributes
-    ----------
-    label : str
-        Name with unit.
-    by_model : mapping of str to ndarray, shape (blocks,)
-        Measured less predicted.
-    noise : float
-        Standard deviation of a block mean under a correct model.
-    located_s : list of (float, float)
-        Where the mismatch was located; empty if in the other channel.
-
-    """
-
-    label: str
-    by_model: Mapping[str, Array]
-    noise: float
-    located_s: list[Span]
+    label: str  # name with unit
+    by_model: Mapping[str, Array]  # (blocks,)
+    noise: float  # standard deviation of a block mean under a correct model
+    located_s: list[Span]  # of the mismatch; empty if in the other channel
 
 
 class MotionPlane(NamedTuple):
-    """
-    Residuals over position and velocity.
+    """Residuals over position and velocity, each of shape (D,)."""
 
-    Attributes
-    ----------
-    channel, x_label : str
-        'force' or 'motion', and label of the abscissa.
-    x, v : ndarray, shape (D,)
-        Position relative to the nominal wall [m] and velocity [m/s].
-    by_model : mapping of str to ndarray, shape (D,)
-        Residuals in standard deviations of their noise.
-
-    """
-
-    channel: str
+    channel: str  # 'force' or 'motion'
     x_label: str
-    x: Array
-    v: Array
-    by_model: Mapping[str, Array]
+    x: Array  # relative to the nominal wall [m]
+    v: Array  # [m/s]
+    by_model: Mapping[str, Array]  # in standard deviations of their noise
 
 
 class PlotData(NamedTuple):
-    """
-    All series of the recording that is shown.
+    """All series of the recording that is shown."""
 
-    Attributes
-    ----------
-    pair : (str, str)
-        The models compared: before and after the correction.
-    t : ndarray, shape (N,)
-        Time [s].
-    force, position : Comparison or None
-        Position is None without a free run.
-    block_t : ndarray, shape (blocks,)
-        Centre of each block [s].
-    residuals : list of Residuals
-        Of force, motion, or both.
-    plane : MotionPlane
-        Of the channel that shows the mismatch.
-    close_up : slice
-        Samples around the greatest mismatch.
-    held_out_s : list of (float, float)
-        Parts excluded from fitting.
-
-    """
-
-    pair: tuple[str, str]
-    t: Array
+    pair: tuple[str, str]  # the models compared: before and after the correction
+    t: Array  # (N,) [s]
     force: Comparison
-    position: Comparison | None
-    block_t: Array
-    residuals: list[Residuals]
-    plane: MotionPlane
-    close_up: slice
-    held_out_s: list[Span]
+    position: Comparison | None  # None without a free run
+    block_t: Array  # (blocks,) centres [s]
+    residuals: list[Residuals]  # of force, motion, or both
+    plane: MotionPlane  # of the channel that shows the mismatch
+    close_up: slice  # samples around the greatest mismatch
+    held_out_s: list[Span]  # parts excluded from fitting
 
 
 def plot_data(diagnosis: Diagnosis) -> PlotData:
-    """
-    Compute the series of the recording that is shown.
-
-    Parameters
-    ----------
-    diagnosis : Diagnosis
-        The result.
-
-    Returns
-    -------
-    data : PlotData
-        Of the recording that the recalibrated model explains worst.
-
-    """
+    """Compute the series of the recording that the recalibrated model explains worst."""
     recording, pair = diagnosis.recordings[0], diagnosis.pair
     names = tuple(dict.fromkeys(('nominal', *pair)))
     models: dict[str, Model] = {name: getattr(diagnosis, name) for name in names}
@@ -208,7 +135,8 @@ def _close_up(recording: PreparedRecording, residual: Array) -> slice:
     o = recording.observed
     turns = np.count_nonzero(np.diff(np.sign(o.x - np.median(o.x))))
     swings = turns / float(o.t[-1] - o.t[0])  # [1/s]
-    duration = min(_CLOSE_UP_S * o.pace, _MOST_SWINGS / max(swings, 1e-9))
+    duration = max(_CLOSE_UP_S * o.pace, _CLOSE_UP * float(o.t[-1] - o.t[0]))
+    duration = min(duration, _MOST_SWINGS / max(swings, 1e-9))
     span = min(len(o.t), max(2, round(duration / o.h)))
     clipped = np.minimum(np.abs(residual), np.percentile(np.abs(residual), 99.0))
     width = max(1, span // recording.block)
@@ -233,8 +161,7 @@ def _plane(
     chosen = np.flatnonzero(use)
     chosen = chosen[::max(1, len(chosen) // _MOST_DOTS)]
     scaled = {name: e[chosen] / residuals.noise for name, e in residuals.by_model.items()}
-    channel = 'motion' if in_motion else 'force'
-    return MotionPlane(channel, label, x[chosen], v[chosen], scaled)
+    return MotionPlane('motion' if in_motion else 'force', label, x[chosen], v[chosen], scaled)
 
 
 def _held_out(diagnosis: Diagnosis) -> list[Span]:

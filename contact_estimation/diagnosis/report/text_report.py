@@ -12,7 +12,6 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-
 """The report as text for a terminal."""
 
 from __future__ import annotations
@@ -21,7 +20,11 @@ from math import isfinite
 
 from .wording import (
     headline,
+    how_it_was_read,
     improvement,
+    mismatch,
+    MODELS,
+    nearly_of,
     place_of,
     PORTS,
     remainder,
@@ -29,12 +32,10 @@ from .wording import (
     significant,
     tested_dependences,
     trifle,
+    untried_of,
 )
 from ..conclude.naming import listed
 from ..conclude.result import Diagnosis, Errors, NamedEffect, Value
-
-_MODELS = ('nominal', 'recalibrated', 'corrected')
-_BETWEEN = {'smooth': 'smooth', 'held': 'held constant'}
 
 
 def as_text(diagnosis: Diagnosis) -> str:
@@ -50,22 +51,20 @@ def as_text(diagnosis: Diagnosis) -> str:
     -------
     text : str
         Failed checks, verdict, effects, what they leave, model parameters, held-out errors,
-        location of the mismatch, course of inputs between samples, next experiment.
+        location of the mismatch, course of inputs between samples, what was not tried, next
+        experiment.
 
     """
     d = diagnosis
-    failed = _failed_checks(d)
-    if d.refused:
-        return '\n\n'.join('\n'.join(lines) for lines in (failed, _verdict(d)))
-    sections = [failed, _verdict(d), *(_effect(effect) for effect in d.effects), _remainder(d),
-                _parameters(d), _held_out(d), _location(d), _how_it_was_read(d)]
-    if d.next_experiment:
-        sections.append([f'Next experiment: {d.next_experiment}'])
+    sections = [[f'Check {check.name}: {check.text}' for check in d.checks if not check.ok],
+                _verdict(d)]
+    if not d.refused:
+        rest = remainder(d)
+        sections += [*map(_effect, d.effects), [f'{rest}.'] if rest else [], _parameters(d),
+                     _held_out(d), _location(d), how_it_was_read(d), _untried(d)]
+        if d.next_experiment:
+            sections.append([f'Next experiment: {d.next_experiment}'])
     return '\n\n'.join('\n'.join(lines) for lines in sections if lines)
-
-
-def _failed_checks(d: Diagnosis) -> list[str]:
-    return [f'Check {check.name}: {check.text}' for check in d.checks if not check.ok]
 
 
 def _verdict(d: Diagnosis) -> list[str]:
@@ -73,8 +72,7 @@ def _verdict(d: Diagnosis) -> list[str]:
     lines = [f'{d.verdict.replace("_", " ")}: {sentence[0].lower()}{sentence[1:]}.']
     if d.verdict == 'physics_missing':
         lines.append('Recalibrating K_e and B_e alone cannot explain the recording.')
-    left = trifle(d)
-    return [*lines, f'{left}.'] if left else lines
+    return lines + [f'{one.rstrip(".")}.' for one in (trifle(d), nearly_of(d)) if one]
 
 
 def _effect(effect: NamedEffect) -> list[str]:
@@ -105,11 +103,6 @@ def _ranges(effect: NamedEffect) -> str:
     return ', '.join(texts)
 
 
-def _remainder(d: Diagnosis) -> list[str]:
-    sentence = remainder(d)
-    return [f'{sentence}.'] if sentence else []
-
-
 def _unit(value: Value) -> str:
     return '' if value.unit in ('', '1') else f' {value.unit}'
 
@@ -120,28 +113,26 @@ def _with_std(value: Value) -> str:
 
 
 def _parameters(d: Diagnosis) -> list[str]:
-    lines = [_row('Model parameters', *_MODELS)]
+    lines = [_row('Model parameters', *MODELS)]
     symbols = (('K_e [N/m]', d.stiffness), ('B_e [N s/m]', d.damping))
     for place, (symbol, corrected) in enumerate(symbols):
         last = _with_std(corrected) if d.corrected.free[place] else 'replaced by the effect'
         lines.append(_row(f'  {symbol}', f'{d.nominal.values[place]:.6g}',
                           f'{d.recalibrated.values[place]:.6g}', last))
     if d.nominal.with_inertia:
-        masses = (f'{getattr(d, name).values[2]:.6g}' for name in _MODELS)
+        masses = (f'{getattr(d, name).values[2]:.6g}' for name in MODELS)
         lines.append(_row('  M_e [kg]', *masses))
     return lines
 
 
 def _held_out(d: Diagnosis) -> list[str]:
-    lines = [_row('Held-out errors (rms)', *_MODELS),
+    lines = [_row('Held-out errors (rms)', *MODELS),
              _row('  force [N]', *_numbers(d.force, 1.0))]
     if d.motion.nominal is not None:
         lines.append(_row('  free-run position [um]', *_numbers(d.motion, 1e6)))
     lines.append(f'  force noise {d.noise_floor:.3g} N; held out: '
                  + ', '.join(part.name for part in d.holdouts))
-    if improvement(d):
-        lines.append(f'  {improvement(d)}')
-    return lines
+    return lines + [f'  {one}' for one in [improvement(d)] if one]
 
 
 def _row(label: str, *cells: str) -> str:
@@ -150,7 +141,7 @@ def _row(label: str, *cells: str) -> str:
 
 
 def _numbers(errors: Errors, factor: float) -> list[str]:
-    values = (errors.nominal, errors.recalibrated, errors.corrected)
+    values = (getattr(errors, name) for name in MODELS)
     return ['-' if value is None else f'{factor * value:.4g}' for value in values]
 
 
@@ -158,10 +149,7 @@ def _location(d: Diagnosis) -> list[str]:
     """Describe where the mismatch sits and on what the residuals depend."""
     if d.location is None:
         return []
-    lines = []
-    if d.verdict == 'unexplained':
-        which = 'Mismatch of the recalibrated model' if d.effects else 'Unexplained mismatch'
-        lines.append(f'{which}: {PORTS[d.location.port]}, {place_of(d.location)}')
+    lines = [mismatch(d)] if d.verdict == 'unexplained' else []
     if len(d.recordings) > 1:
         lines.append(f'All times are those of {d.shown}, the recording explained worst.')
     tested = tested_dependences(d)
@@ -172,14 +160,6 @@ def _location(d: Diagnosis) -> list[str]:
     return lines
 
 
-def _how_it_was_read(d: Diagnosis) -> list[str]:
-    lines = []
-    if d.rests_left_out:
-        lines.append('Where the drive stands still was left out: friction holds any force there.')
-    if d.between_samples in _BETWEEN:
-        lines.append(f'Between its samples the force is {_BETWEEN[d.between_samples]}; straight '
-                     'lines explain less.')
-    elif d.holds_reference:
-        lines.append('The robot holds its reference between setpoints; straight lines explain '
-                     'its motion less.')
-    return lines
+def _untried(d: Diagnosis) -> list[str]:
+    untried = untried_of(d)
+    return ['Not tried', *(f'  {family}: {reason}' for family, reason in untried)] * bool(untried)

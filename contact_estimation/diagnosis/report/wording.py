@@ -12,7 +12,6 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-
 """The sentences that the text and the page share."""
 
 from __future__ import annotations
@@ -20,42 +19,27 @@ from __future__ import annotations
 from math import isfinite, sqrt
 from typing import Sequence
 
-
+from ..checks.measures import WORTH_A_NAME
 from ..conclude.dependence import Dependence
 from ..conclude.location import Location
 from ..conclude.result import Diagnosis, NamedEffect
-from ..fit.applicable import is_single_stroke, least_worth_a_name
-from ..fit.discrepancy import least_material
 from ...physics import EFFECTS
 
 PORTS = {'contact': 'in the contact', 'force_sensor': 'in the force sensor',
          'robot': 'in the robot'}
+MODELS = 'nominal', 'recalibrated', 'corrected'
 _PHASES = {
     'free': 'in free flight', 'entry': 'just after touch-down', 'hold': 'during the hold',
     'loading': 'while loading', 'unloading': 'while unloading',
     'all': 'in all phases of contact',
 }
-_TWICE = 2.0  # the variance of the noise
-_MOST_INTERVALS = 4
-_LEAST_PERCENT = 0.1
-_MOST_QUANTITIES = 4
+_BETWEEN = {'smooth': 'smooth', 'held': 'held constant'}
+_LISTED = 4  # intervals or quantities in a sentence
+_LEAST_PERCENT = 0.1  # smaller shares are written as below it
 
 
 def headline(diagnosis: Diagnosis) -> str:
-    """
-    Return the verdict as one plain sentence.
-
-    Parameters
-    ----------
-    diagnosis : Diagnosis
-        The result.
-
-    Returns
-    -------
-    headline : str
-        Without a full stop.
-
-    """
+    """Return the verdict as one plain sentence, without a full stop."""
     d = diagnosis
     if d.verdict == 'consistent':
         return 'The simulation explains the recording' + (
@@ -64,7 +48,7 @@ def headline(diagnosis: Diagnosis) -> str:
         return f'The simulation has the right physics with wrong values: {_recalibrated(d)}'
     if d.refused:
         wrong = ' and '.join(check.name.replace('_', ' ') for check in d.checks if check.fatal)
-        return f'The recording must be put right first: {wrong}'
+        return f'Fix the recording first: {wrong}'
     names = ' and '.join(f'{effect.name.replace("_", " ")} {PORTS[effect.port]}'
                          for effect in d.effects)
     if d.verdict == 'physics_missing':
@@ -88,60 +72,38 @@ def _recalibrated(diagnosis: Diagnosis) -> str:
 
 def share_of(effect: NamedEffect) -> str:
     """
-    Return how much of the misfit an effect predicts on parts that were not fitted.
+    Return how much of the misfit an effect explains, without a full stop.
 
-    Parameters
-    ----------
-    effect : NamedEffect
-        Of the diagnosis.
-
-    Returns
-    -------
-    sentence : str
-        Without a full stop, such as 'predicts 81 % (74 to 86 %) of the misfit on parts left out';
-        a single part has no interval.
-
+    Such as 'explains 81 % (74 to 86 %) of the misfit in cross-validation'.
     """
     share = _percent(effect.share, effect.share_interval)
-    sentence = f'predicts {share} of the misfit on parts left out'
+    sentence = f'explains {share} of the misfit in cross-validation'
     if effect.beside_zeros is not None:
         rest = _percent(effect.beside_zeros.share, effect.beside_zeros.interval)
-        sentence += f', {rest} of what the zeros leave'
+        sentence += f', {rest} of what the offsets leave'
     if effect.mark is not None:
         if not effect.share_interval[0] > 0.0:
-            sentence = 'predicts nothing certain of the misfit on parts left out'
-        return f'{sentence}, but {effect.mark.words}: something else is larger'
+            sentence = 'explains no significant share of the misfit in cross-validation'
+        return (f'{sentence}, but is identified by its signature: {effect.mark.words}. '
+                'A larger effect is unexplained')
     if effect.share_in_form is None:
         return sentence
-    return (f'{sentence}, but explains {100.0 * effect.share_in_form:.0f} % with a size of its '
-            'own in each part: the size depends on something else, such as speed, depth or time')
+    return (f'{sentence}, but {100.0 * effect.share_in_form:.0f} % if its magnitude may differ '
+            'between parts: the magnitude depends on something else, such as speed, depth or time')
 
 
-def _percent(share: float, interval: tuple[float, float]) -> str:
-    """Return a share and its interval, such as '81 % (74 to 86 %)'."""
-    share, low, high = (100.0 * value for value in (share, *interval))
+def _percent(share: float, bounds: tuple[float, float]) -> str:
+    """Return a share and its interval, such as '81 % (74 to 86 %)'; a single part has none."""
+    share, low, high = (100.0 * value for value in (share, *bounds))
     digits = 0 if share >= 10.0 else 1
     text = f'{share:.{digits}f} %' if abs(share) >= _LEAST_PERCENT else f'below {_LEAST_PERCENT} %'
-    if abs(share) < _LEAST_PERCENT or not (isfinite(low) and isfinite(high)):
-        return text
-    return f'{text} ({low:.{digits}f} to {high:.{digits}f} %)'
+    interval = f'{low:.{digits}f} to {high:.{digits}f} %'
+    known = isfinite(low) and isfinite(high) and abs(share) >= _LEAST_PERCENT
+    return f'{text} ({interval})' if known and interval != f'{text[:-2]} to {text}' else text
 
 
 def remainder(diagnosis: Diagnosis) -> str:
-    """
-    Return what the named effects leave, and where, in one sentence.
-
-    Parameters
-    ----------
-    diagnosis : Diagnosis
-        The result.
-
-    Returns
-    -------
-    sentence : str
-        Without a full stop; '' without named effects.
-
-    """
+    """Return what the named effects leave, and where, in one sentence; '' without effects."""
     left = diagnosis.remainder
     if not diagnosis.effects:
         return ''
@@ -154,51 +116,22 @@ def remainder(diagnosis: Diagnosis) -> str:
 
 
 def trifle(diagnosis: Diagnosis) -> str:
-    """
-    Say how little a model leaves that lacks nothing, if that is more than noise.
-
-    Parameters
-    ----------
-    diagnosis : Diagnosis
-        The result.
-
-    Returns
-    -------
-    sentence : str
-        Without a full stop; '' where a name is missing, or nothing.
-
-    """
+    """Say how little a model leaves that lacks nothing, if noise is less than half; else ''."""
     d = diagnosis
     errors = {'consistent': d.force.nominal, 'recalibrate': d.force.recalibrated}
     error = errors.get(d.verdict)
-    if error is None or error**2 < _TWICE * d.noise_floor**2:
+    if error is None or error**2 < 2.0 * d.noise_floor**2:
         return ''
     left = sqrt(error**2 - d.noise_floor**2)
-    shown = max(d.recordings, key=lambda one: one.observed.force_range)
-    percent = 100.0 * left / shown.observed.force_range
-    least = least_material(shown) * least_worth_a_name(d.recordings)
-    stroke = ' in a single stroke' if is_single_stroke(d.recordings) else ''
-    reason = (f'too little for a name{stroke}' if left < least
-              else 'the position does not resolve it')
-    return (f'Beside the noise it leaves {left:.2g} N (rms, held out), {percent:.2g} % of the '
+    share = left / max(one.observed.force_range for one in d.recordings)
+    reason = ('below the reporting threshold' if share < WORTH_A_NAME
+              else 'this recording does not tell which law it obeys')
+    return (f'Held-out residual {left:.2g} N rms beyond the noise, {100.0 * share:.2g} % of the '
             f'range of the force: {reason}')
 
 
 def held_out_result(diagnosis: Diagnosis) -> str:
-    """
-    Return the effect of the correction on held-out data in one sentence.
-
-    Parameters
-    ----------
-    diagnosis : Diagnosis
-        The result.
-
-    Returns
-    -------
-    sentence : str
-        Errors before and after the correction; '' if there are none to compare.
-
-    """
+    """Return the effect of the correction on held-out data; '' if there are no errors."""
     d = diagnosis
     before, after = d.pair
     changed = bool(d.effects) or d.verdict == 'recalibrate'
@@ -219,103 +152,8 @@ def held_out_result(diagnosis: Diagnosis) -> str:
             f'the force noise is {d.noise_floor:.3g} N.')
 
 
-def place_of(location: Location) -> str:
-    """
-    Describe where a mismatch sits, without its port.
-
-    Parameters
-    ----------
-    location : Location
-        Phase, times, region and frequencies.
-
-    Returns
-    -------
-    text : str
-        Such as 'while loading (1.0-2.3 s), strongest at large d, 0.5 to 6.9 Hz'.
-
-    """
-    times = ', '.join(f'{a:.1f}-{b:.1f} s' for a, b in location.intervals_s[:_MOST_INTERVALS])
-    times += ', ...' if len(location.intervals_s) > _MOST_INTERVALS else ''
-    times = f' ({times})' if times else ''
-    strongest = 'strongest at ' if location.region.startswith(('small', 'large')) else ''
-    low, high = location.band_hz
-    return (f'{_PHASES.get(location.phase, location.phase)}{times}, '
-            f'{strongest}{location.region}, {low:.3g} to {high:.3g} Hz')
-
-
-def tested_dependences(diagnosis: Diagnosis) -> dict[str, list[Dependence]]:
-    """
-    Return the dependences of the channel that shows the mismatch.
-
-    Parameters
-    ----------
-    diagnosis : Diagnosis
-        The result.
-
-    Returns
-    -------
-    tested : dict of str to list of Dependence
-        By model, before and after; empty if the recording is too short to test.
-
-    """
-    tested = {name: [one for one in found if one.channel == diagnosis.located_channel]
-              for name, found in diagnosis.dependences.items()}
-    return tested if all(tested.values()) else {}
-
-
-def significant(tested: Sequence[Dependence]) -> str:
-    """
-    List the quantities on which residuals depend significantly.
-
-    Parameters
-    ----------
-    tested : sequence of Dependence
-        Of one model and channel.
-
-    Returns
-    -------
-    text : str
-        Such as 'depth 90 %, time 65 %': shares of the residuals' mean square.
-
-    """
-    found = sorted((one for one in tested if one.is_real), key=lambda one: -one.share)
-    listed = [f'{quantity(one)} {100.0 * one.share:.0f} %' for one in found[:_MOST_QUANTITIES]]
-    return ', '.join(listed) or 'no significant dependence'
-
-
-def quantity(one: Dependence) -> str:
-    """
-    Return the name of the quantity that a dependence is on.
-
-    Parameters
-    ----------
-    one : Dependence
-        Any.
-
-    Returns
-    -------
-    name : str
-        'autocorrelation' for the residuals' own past.
-
-    """
-    return 'autocorrelation' if one.on == 'its own past' else one.on
-
-
 def improvement(diagnosis: Diagnosis) -> str:
-    """
-    Return the interval of the relative improvement as a sentence.
-
-    Parameters
-    ----------
-    diagnosis : Diagnosis
-        The result.
-
-    Returns
-    -------
-    sentence : str
-        Without a full stop; '' without named effects.
-
-    """
+    """Return the interval of the relative improvement in words; '' without named effects."""
     if diagnosis.improvement is None or not diagnosis.effects:
         return ''
     low, high = (100.0 * value for value in diagnosis.improvement)
@@ -323,19 +161,74 @@ def improvement(diagnosis: Diagnosis) -> str:
             '(95 % interval)')
 
 
+def place_of(location: Location) -> str:
+    """
+    Describe where a mismatch sits, without its port.
+
+    Such as 'while loading (1.0-2.3 s), strongest at large d, 0.5 to 6.9 Hz'.
+    """
+    times = ', '.join(f'{a:.1f}-{b:.1f} s' for a, b in location.intervals_s[:_LISTED])
+    times += ', ...' if len(location.intervals_s) > _LISTED else ''
+    times = f' ({times})' if times else ''
+    strongest = 'strongest at ' if location.region.startswith(('small', 'large')) else ''
+    low, high = location.band_hz
+    return (f'{_PHASES.get(location.phase, location.phase)}{times}, '
+            f'{strongest}{location.region}, {low:.3g} to {high:.3g} Hz')
+
+
+def mismatch(diagnosis: Diagnosis) -> str:
+    """Return where the mismatch sits, without a full stop; '' where there is none."""
+    d = diagnosis
+    if d.location is None:
+        return ''
+    unexplained = d.verdict == 'unexplained' and not d.effects
+    which = 'Unexplained mismatch' if unexplained else 'Mismatch of the recalibrated model'
+    return f'{which}: {PORTS[d.location.port]}, {place_of(d.location)}'
+
+
+def how_it_was_read(diagnosis: Diagnosis) -> list[str]:
+    """Return what was assumed of the inputs between samples and at rest, in sentences."""
+    d, said = diagnosis, []
+    if d.rests_left_out:
+        said.append('Where the drive stands still was left out: friction holds any force there.')
+    if d.between_samples in _BETWEEN:
+        said.append(f'Between its samples the force is {_BETWEEN[d.between_samples]}; straight '
+                    'lines explain less.')
+    elif d.holds_reference:
+        said.append('The robot holds its reference between setpoints; straight lines explain '
+                    'its motion less.')
+    return said
+
+
+def untried_of(diagnosis: Diagnosis) -> list[tuple[str, str]]:
+    """Return the families that were not tried, each with the reason."""
+    return [(family, reason) for family, reason in getattr(diagnosis, 'untried', ())]
+
+
+def nearly_of(diagnosis: Diagnosis) -> str:
+    """Return what nearly was named, and what is missing to name it; '' if nothing was."""
+    return str(getattr(diagnosis, 'nearly', ''))
+
+
+def tested_dependences(diagnosis: Diagnosis) -> dict[str, list[Dependence]]:
+    """Return the dependences of the channel that shows the mismatch by model; {} if untested."""
+    tested = {name: [one for one in found if one.channel == diagnosis.located_channel]
+              for name, found in diagnosis.dependences.items()}
+    return tested if all(tested.values()) else {}
+
+
+def significant(tested: Sequence[Dependence]) -> str:
+    """List what residuals depend on significantly, such as 'depth 90 %, time 65 %'."""
+    found = sorted((one for one in tested if one.is_real), key=lambda one: -one.share)
+    return ', '.join(f'{quantity(one)} {100.0 * one.share:.0f} %'
+                     for one in found[:_LISTED]) or 'no significant dependence'
+
+
+def quantity(one: Dependence) -> str:
+    """Return the name of the quantity that a dependence is on."""
+    return 'autocorrelation' if one.on == 'its own past' else one.on
+
+
 def meaning(name: str) -> str:
-    """
-    Return what an effect is, in one line.
-
-    Parameters
-    ----------
-    name : str
-        Key of EFFECTS.
-
-    Returns
-    -------
-    meaning : str
-        Its description.
-
-    """
+    """Return what an effect is, in one line."""
     return EFFECTS[name].description

@@ -18,13 +18,9 @@ from __future__ import annotations
 
 from typing import Any, Callable, Mapping
 
-from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
-
 from . import changes, differences, errors, names, pooled, recordings, summary, trends
 from ..run import Fleet
 from ...diagnosis.report import page as diagnosis_page
-from ...diagnosis.report.number_format import plain, with_std
-from ...figures import as_data_uri
 
 SECTIONS: Mapping[str, Callable[[Fleet], Mapping[str, Any] | None]] = {
     'summary': summary.prepare,
@@ -60,18 +56,8 @@ def as_html(fleet: Fleet) -> str:
 
     """
     prepared = {name: prepare(fleet) for name, prepare in SECTIONS.items()}
-    return _environment().get_template('page.html').render(
+    environment = diagnosis_page.environment(__package__, diagnosis_page.__name__)
+    return environment.get_template('page.html').render(
         verdict='fleet', title=f'{len(fleet.entries)} recordings',
         sections={name: data for name, data in prepared.items() if data is not None},
     )
-
-
-def _environment() -> Environment:
-    loader = ChoiceLoader([PackageLoader(package, '.')
-                           for package in (__package__, diagnosis_page.__name__)])
-    environment = Environment(
-        loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True,
-        lstrip_blocks=True, keep_trailing_newline=True,
-    )
-    environment.filters.update(as_image=as_data_uri, plain=plain, with_std=with_std)
-    return environment
