@@ -14,7 +14,7 @@
 
 """Tests that a strongly nonlinear contact is no other axis of the sensor."""
 
-from contact_estimation.diagnosis.checks.measures import Evidence
+from contact_estimation.diagnosis.checks.evidence import Evidence
 from contact_estimation.diagnosis.checks.signs_and_axes import axis
 from contact_estimation.diagnosis.observe.signals import Signals
 from contact_estimation.plant.plant_parameters import PlantParameters, WallParameters

@@ -22,7 +22,8 @@ from typing import Any, Callable, Mapping
 from concealed_worlds import ATTACHED, attached, nominal, physics, recorded
 from contact_estimation.diagnosis.checks import check, CHECKS, examine
 from contact_estimation.diagnosis.checks.check import Check
-from contact_estimation.diagnosis.checks.measures import bend_of, Evidence, Lag, Line, STRAIGHT
+from contact_estimation.diagnosis.checks.evidence import Evidence
+from contact_estimation.diagnosis.checks.measures import bend_of, Lag, Line, STRAIGHT
 from contact_estimation.diagnosis.checks.sensors import jumps
 from contact_estimation.diagnosis.checks.stamps import clock_offset
 from contact_estimation.diagnosis.conclude.diagnose import diagnose

@@ -21,7 +21,7 @@ from typing import Mapping, NamedTuple, Sequence
 
 from . import experiment, sensors, signs_and_axes, stamps, units
 from .check import Check, of_families, Test
-from .measures import Evidence
+from .evidence import Evidence
 from ..observe.signals import check_signals, Recording
 from ...physics import EFFECTS
 from ...plant.plant_parameters import PlantParameters
@@ -77,17 +77,7 @@ CHECKS: Mapping[str, Test] = {
 
 
 class Examined(NamedTuple):
-    """
-    Recordings after all checks.
-
-    Attributes
-    ----------
-    checks : list of Check
-        One for each of `CHECKS`.
-    recordings : list of Recording
-        What is to be fitted.
-
-    """
+    """Recordings after all checks: one result for each of `CHECKS`, and what is to be fitted."""
 
     checks: list[Check]
     recordings: list[Recording]
@@ -141,26 +131,7 @@ def examine(
 def check(
     recording: Recording, model: PlantParameters, alone: bool = True
 ) -> tuple[list[Check], Recording]:
-    """
-    Check one recording; put right what is beyond doubt.
-
-    Parameters
-    ----------
-    recording : Recording
-        As recorded.
-    model : PlantParameters
-        Nominal.
-    alone : bool
-        Whether no other recording is fitted together with it.
-
-    Returns
-    -------
-    checks : list of Check
-        One for each of `CHECKS`.
-    recording : Recording
-        What is to be fitted.
-
-    """
+    """Check one recording, fitted `alone` or not; return what is to be fitted, put right."""
     check_signals(recording.signals)
     evidence = Evidence(recording.signals, model, recording)
     checks: list[Check] = []

@@ -19,7 +19,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Callable, NamedTuple
 
-from .measures import Evidence
+from .evidence import Evidence
 from ..observe.signals import Signals
 from ...physics import EFFECTS
 

@@ -23,15 +23,13 @@ from typing import Sequence
 import numpy as np
 
 from .check import Check, Finding
-from .measures import (
-    bend_of, Evidence, FOLLOWS, line_through, LITTLE, MUCH, STRAIGHT,
-)
+from .evidence import Evidence
+from .measures import bend_of, FOLLOWS, line_through, LISTED, LITTLE, MUCH, STRAIGHT
 from ..observe.reference_rates import lacks_rates
 from ...signals.stream_faults import CLEAR
 
 _VARIES = sqrt(2.0)  # spread in the white noise from which on as much is signal
 _FAR = 1.5  # times the depth: a surface that is so far off is more than physics of the surface
-_LISTED = 6
 
 
 def excitation(evidence: Evidence) -> Finding:
@@ -116,24 +114,12 @@ def wall_location(evidence: Evidence) -> Finding:
 
 def with_places(checks: Sequence[Check], places: Sequence[float]) -> list[Check]:
     """
-    Replace the result of `wall_location` by what the contacts have shown.
+    Replace the result of `wall_location` by where the surface of each contact is [m].
 
-    Parameters
-    ----------
-    checks : sequence of Check
-        Of the recordings.
-    places : sequence of float
-        Where the surface of each contact is [m].
-
-    Returns
-    -------
-    checks : list of Check
-        That of the location failed; nothing is refused, since each contact is moved to the surface
-        of the model.
-
+    Nothing is refused, since each contact is moved to the surface of the model.
     """
-    listed = ', '.join(f'{place:.4g}' for place in places[:_LISTED])
-    listed += ' ...' if len(places) > _LISTED else ''
+    listed = ', '.join(f'{place:.4g}' for place in places[:LISTED])
+    listed += ' ...' if len(places) > LISTED else ''
     text = (f'the surface is at x = {listed} m in {len(places)} contacts, expected at one place: '
             'the object was moved or is touched somewhere else; each contact is moved to '
             'environment.location before it is diagnosed; touch one place, or keep the object '

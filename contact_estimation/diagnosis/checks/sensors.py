@@ -23,7 +23,8 @@ from numpy.typing import NDArray
 from scipy.signal import medfilt
 
 from .check import Finding
-from .measures import Evidence, LITTLE, MOST, MUCH, SLIGHT, WORTH_A_NAME
+from .evidence import Evidence
+from .measures import LISTED, LITTLE, MOST, MUCH, SLIGHT, WORTH_A_NAME
 from ..observe.motion_error import quantisation_step
 from ..observe.signals import Signals
 from ...physics.numeric import stretches
@@ -32,7 +33,6 @@ from ...signals.stream_faults import courses_of, TARE_DUE, zero_steps as steps_o
 Array = NDArray[np.float64]
 
 _RUN = 5  # samples: their median ignores two that jump; noise does not repeat a value so often
-_LISTED = 5
 
 
 def two_sources(evidence: Evidence) -> Finding:
@@ -96,7 +96,7 @@ def zero_steps(evidence: Evidence) -> Finding:
     if not steps:
         return Finding(True, 'the zero of the force sensor does not step')
     times = ', '.join(f'by {one.size:+.2g} N between {one.begin:.4g} and {one.end:.4g} s'
-                      for one in steps[:_LISTED])
+                      for one in steps[:LISTED])
     return Finding(False, f'the zero of the force sensor steps {times}: the driver zeroes the '
                           'sensor, or it slips; zero it before the recording and not during it, '
                           'or cut the recording there')

@@ -19,7 +19,8 @@ from __future__ import annotations
 import numpy as np
 
 from .check import Finding
-from .measures import Evidence, FOLLOWS, LITTLE, MUCH, UNRELATED, WORTH_A_NAME
+from .evidence import Evidence
+from .measures import FOLLOWS, LITTLE, MUCH, UNRELATED, WORTH_A_NAME
 from ..observe.signals import Signals
 from ...signals.stream_faults import CLEAR
 

@@ -22,7 +22,8 @@ from typing import Sequence
 import numpy as np
 
 from .check import Check, Finding
-from .measures import Evidence, LITTLE, MOST, MUCH, SLIGHT
+from .evidence import Evidence
+from .measures import FOLLOWS, LITTLE, MOST, MUCH, SLIGHT
 from ..observe.parts import spans_of
 from ..observe.signals import LEAST_SAMPLES
 from ...physics import EFFECTS
@@ -31,7 +32,6 @@ from ...signals.stream_faults import bursts_of
 _BACK_S = 0.1  # late messages of a busy network arrive within that
 _EARLY_S, _LATE_S = 0.03, 0.15  # a damped wall is ahead of its spring, a slow filter behind
 _SAMPLES, _AHEAD_S = 3.0, 0.005  # least shifts: in samples; of a reference, a cycle of 200 Hz
-_ALIKE, _BETTER = 0.85, 0.005  # correlation of force and motion at the best shift, and its gain
 _STRIDE = 10  # steps over which recorded rates are compared with differences of positions
 
 
@@ -134,8 +134,7 @@ def clock_offset(evidence: Evidence) -> Finding:
     # What yields is ahead of its spring, but peaks with it.
     shifted = off and MOST * abs(lag.seconds) > abs(
         evidence.peaks_apart(abs(lag.seconds)) - lag.seconds)
-    if (shifted and explains and not felt and not held and resolved
-            and lag.correlation > max(_ALIKE, lag.unshifted + _BETTER)):
+    if (shifted and explains and not felt and not held and resolved and lag.correlation > FOLLOWS):
         return Finding(False, f'{text}, expected {-1e3 * _EARLY_S:.0f} to {1e3 * _LATE_S:.0f} ms: '
                               'the clocks of wrench and joint_states differ; synchronise them')
     return Finding(True, text)
@@ -145,24 +144,9 @@ def with_offset(
     checks: Sequence[Check], topic: str, late: float, commanded: bool = True
 ) -> list[Check]:
     """
-    Replace the result of `clock_offset` by what the fits have shown.
+    Replace the result of `clock_offset`: the stamps of a topic are late, or early if negative [s].
 
-    Parameters
-    ----------
-    checks : sequence of Check
-        Of a recording.
-    topic : str
-        'joint_states' or 'wrench'.
-    late : float
-        By how much its stamps are late [s]; negative if they are early.
-    commanded : bool
-        Whether there is a robot with a reference; otherwise a force drives the wall.
-
-    Returns
-    -------
-    checks : list of Check
-        That of the clocks failed.
-
+    `commanded` is whether there is a robot with a reference; otherwise a force drives the wall.
     """
     side, when = ('late', 'earlier') if late > 0.0 else ('early', 'later')
     others = 'command and force both fit the motion'

@@ -22,7 +22,8 @@ from typing import Mapping
 import numpy as np
 
 from .check import Finding
-from .measures import Evidence, FOLLOWS, LITTLE
+from .evidence import Evidence
+from .measures import FOLLOWS, LITTLE
 
 _LENGTHS: Mapping[str, float] = {'mm': 1e3, 'um': 1e6, 'cm': 1e2, 'inches': 39.37}
 """Units of length in a metre."""
@@ -33,8 +34,7 @@ _FORCES: Mapping[str, float] = {
 """Units of force in a newton."""
 
 _LONG_TRAVEL = 0.5  # [m] from which on a thousandth of the force means millimetres, not kN
-_FEW = log(3.0)  # nominal models are wrong by a few times
-_IMPOSSIBLE = log(1e4)  # and never by this, ten times what a prefix is
+_FEW, _PREFIX = log(3.0), log(1e3)  # what nominal models are wrong by; kilo or milli
 
 
 def length_unit(evidence: Evidence) -> Finding:
@@ -79,7 +79,8 @@ def force_unit(evidence: Evidence) -> Finding:
 def _of_magnitude(evidence: Evidence, text: str) -> Finding:
     """Find a force that no unit explains."""
     force, expected = evidence.deviations
-    if not expected or not force or abs(log(force / expected)) < _IMPOSSIBLE:
+    possible = _PREFIX + 2.0 * _FEW  # a unit, and what force and model are wrong by
+    if not expected or not force or abs(log(force / expected)) < possible:
         return Finding(True, text)
     return Finding(False, f'the force varies by {force:.3g} N, that of the nominal wall by '
                           f'{expected:.3g} N, expected about the same: no model is wrong by so '
@@ -99,7 +100,7 @@ def _mistaken(evidence: Evidence, units: Mapping[str, float]) -> str | None:
         follows = abs(wall.correlation) >= FOLLOWS
         ratio = wall.slope if follows else force / expected if expected else 0.0
         unit = _nearest(ratio, units)
-        return unit if unit and abs(log(units[unit])) > log(1e3) - _FEW else None
+        return unit if unit and abs(log(units[unit])) > _PREFIX - _FEW else None
     unit = _nearest(wall.slope, units) if wall.correlation >= FOLLOWS else None
     if unit is None or robot.slope <= 0.0:
         return None
