@@ -53,7 +53,8 @@ def plot_comparison(data: PlotData, signal: Comparison) -> Any:
                   label='recorded')
         for name, predicted in signal.predicted.items():
             axis.plot(data.t[some], predicted[some], color=COLOURS[name], linewidth=1.0,
-                      linestyle=(0, (4, 2)) if name == 'nominal' else '-', label=name)
+                      linestyle=(0, (4, 2)) if name == 'nominal' else '-', label=name,
+                      zorder=3 if name == 'nominal' else 2)  # dashes on top hide no line
         axis.set_ylabel(signal.label)
     t = data.t[data.close_up]
     whole.axvspan(t[0], t[-1], color=OCHRE, alpha=0.18, linewidth=0)

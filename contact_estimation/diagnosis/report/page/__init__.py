@@ -90,8 +90,14 @@ def _shown(d: Diagnosis) -> dict[str, Any]:
         'dependences': figures.plot_dependences(tested) if tested else None,
         'evidence': figures.plot_evidence(d) if d.evidence else None,
         'models': [getattr(d, name) for name in wording.MODELS],
+        'shown_models': _models(d),
         'held_out': _held_out(d),
     }
+
+
+def _models(d: Diagnosis) -> tuple[str, ...]:
+    """Return the models that differ: without effects the corrected one is the recalibrated."""
+    return wording.MODELS if d.effects else wording.MODELS[:2]
 
 
 def _held_out(d: Diagnosis) -> list[tuple[str, str, list[float | None]]]:
@@ -103,7 +109,7 @@ def _held_out(d: Diagnosis) -> list[tuple[str, str, list[float | None]]]:
     for name, force, motion in parts:
         for channel, errors, factor in (('force [N]', force, 1.0),
                                         ('free-run position [µm]', motion, 1e6)):
-            values = [getattr(errors, model) for model in wording.MODELS]
+            values = [getattr(errors, model) for model in _models(d)]
             if channel.startswith('force') or values[0] is not None:
                 rows.append((name, channel, [None if value is None else factor * value
                                              for value in values]))
