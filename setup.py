@@ -41,6 +41,7 @@ setup(
     packages=find_packages(include=[package_name, package_name + '.*']),
     package_data={
         package_name: ['py.typed'],
+        package_name + '.diagnosis.compare': ['*.json'],
         package_name + '.diagnosis.report.page': ['*.css', '*.html'],
         package_name + '.fleet.page': ['*.html'],
     },

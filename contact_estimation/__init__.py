@@ -25,11 +25,13 @@ from typing import Any, TYPE_CHECKING
 
 if TYPE_CHECKING:
     from .diagnosis.conclude.diagnose import diagnose
+    from .diagnosis.conclude.result import Diagnosis, NamedEffect
     from .diagnosis.observe.read_recording import read_recording
     from .estimation.parameters import EstimationParameters
     from .estimation.pipeline import EstimationPipeline
     from .estimation.session import ContactSession
     from .estimators import ESTIMATORS
+    from .estimators.estimate import Estimate
     from .exceptions import ContactEstimationError
     from .physics import EFFECTS
     from .plant.closed_loop import run_closed_loop
@@ -41,11 +43,14 @@ __all__ = [
     'ContactEstimationError',
     'ContactSession',
     'diagnose',
+    'Diagnosis',
     'EFFECTS',
+    'Estimate',
     'ESTIMATORS',
     'EstimationParameters',
     'EstimationPipeline',
     'experiment_named',
+    'NamedEffect',
     'PlantParameters',
     'read_model',
     'read_recording',
@@ -57,11 +62,14 @@ _MODULES = {
     'ContactEstimationError': 'exceptions',
     'ContactSession': 'estimation.session',
     'diagnose': 'diagnosis.conclude.diagnose',
+    'Diagnosis': 'diagnosis.conclude.result',
     'EFFECTS': 'physics',
+    'Estimate': 'estimators.estimate',
     'ESTIMATORS': 'estimators',
     'EstimationParameters': 'estimation.parameters',
     'EstimationPipeline': 'estimation.pipeline',
     'experiment_named': 'reference.experiments',
+    'NamedEffect': 'diagnosis.conclude.result',
     'PlantParameters': 'plant.plant_parameters',
     'read_model': 'plant.model_file',
     'read_recording': 'diagnosis.observe.read_recording',

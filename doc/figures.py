@@ -13,10 +13,11 @@
 # limitations under the License.
 
 """
-Make the pictures and outputs in README.md and the quick start with the commands beside them.
+Make the pictures and outputs in README.md and the pages with the commands beside them.
 
-Run `python doc/figures.py` with the package and its extras `ros` and `tools` installed. The
-picture of the loop depends slightly on the timing of the machine, the other on the seed alone.
+Run `python doc/figures.py`, or `python doc/figures.py diagnosis` for one of `PARTS`, with the
+package and its extras `ros` and `tools` installed. The picture of the loop depends slightly on the
+timing of the machine, the others on the seed alone.
 
 """
 
@@ -37,25 +38,40 @@ MODELS = DOC / 'models'
 
 def main() -> None:
     """Run the commands in a temporary folder and keep their pictures."""
-    with TemporaryDirectory() as name:
-        folder = Path(name)
-        text = run(folder, 'loop', '--duration', '12', '--experiment', 'sine', '--output',
-                   'my_first_run')
-        (IMAGES / 'loop.txt').write_text(text)
-        shutil.copyfile(folder / 'my_first_run' / 'summary.png', IMAGES / 'loop.png')
-        run(folder, 'simulate', '--model', str(MODELS / 'dry_friction.yaml'), '--experiment',
-            'rich', '--seed', '1', '--output', 'run.mcap')
-        text = run(folder, 'diagnose', 'run.mcap', '--nominal', str(MODELS / 'nominal.yaml'),
-                   '--html', 'report.html')
-        (IMAGES / 'diagnosis.txt').write_text(text)
-        page = (folder / 'report.html').read_text(encoding='utf-8')
-        (IMAGES / 'diagnosis.png').write_bytes(first_picture(page))
+    for part in sys.argv[1:] or PARTS:
+        with TemporaryDirectory() as name:
+            PARTS[part](Path(name))
+
+
+def make_loop(folder: Path) -> None:
+    """Run the loop and keep its summary."""
+    text = run(folder, 'loop', '--duration', '12', '--experiment', 'sine', '--output',
+               'my_first_run')
+    (IMAGES / 'loop.txt').write_text(text)
+    shutil.copyfile(folder / 'my_first_run' / 'summary.png', IMAGES / 'loop.png')
+
+
+def make_diagnosis(folder: Path) -> None:
+    """Diagnose the recording of a simulation and keep report, models and picture."""
+    run(folder, 'simulate', '--model', str(MODELS / 'dry_friction.yaml'), '--experiment',
+        'rich', '--seed', '1', '--output', 'run.mcap')
+    text = run(folder, 'diagnose', 'run.mcap', '--nominal', str(MODELS / 'nominal.yaml'),
+               '--html', 'report.html', '--write-comparison', 'comparison.json')
+    (IMAGES / 'diagnosis.txt').write_text(text)
+    (IMAGES / 'comparison.txt').write_text(
+        output_of(folder, str(DOC / 'comparison.py'), 'comparison.json'))
+    page = (folder / 'report.html').read_text(encoding='utf-8')
+    (IMAGES / 'diagnosis.png').write_bytes(first_picture(page))
 
 
 def run(folder: Path, command: str, *arguments: str) -> str:
     """Run a command of this package in a folder and return what it prints."""
-    module = f'contact_estimation.commands.{command}'
-    done = subprocess.run([sys.executable, '-m', module, *arguments], cwd=folder, check=True,
+    return output_of(folder, '-m', f'contact_estimation.commands.{command}', *arguments)
+
+
+def output_of(folder: Path, *arguments: str) -> str:
+    """Run Python in a folder and return what it prints."""
+    done = subprocess.run([sys.executable, *arguments], cwd=folder, check=True,
                           stdout=subprocess.PIPE, text=True)
     return done.stdout
 
@@ -66,6 +82,9 @@ def first_picture(page: str) -> bytes:
     if found is None:
         raise ValueError('expected a PNG picture in the report, got none')
     return base64.b64decode(found[1])
+
+
+PARTS = {'loop': make_loop, 'diagnosis': make_diagnosis}
 
 
 if __name__ == '__main__':

@@ -19,11 +19,12 @@ from __future__ import annotations
 import json
 from pathlib import Path
 import sys
+from types import SimpleNamespace
 from typing import Any
 
 from contact_estimation.blind_trials.trial import plan_effects
 from contact_estimation.commands.write_config import config_files
-from contact_estimation.diagnosis.fit.applicable import candidates_for
+from contact_estimation.diagnosis.fit.applicable import candidates_in
 from contact_estimation.diagnosis.observe.model import Model
 from contact_estimation.estimation.parameters import EstimationParameters
 from contact_estimation.estimation.session import ContactSession
@@ -33,6 +34,7 @@ from contact_estimation.plant.model_file import read_model
 from contact_estimation.plant.plant_parameters import PlantParameters
 from contact_estimation.reference.excitation import Sine
 from contact_estimation.reference.experiment import Experiment, Segment
+import numpy as np
 
 KNOWN = {'physics.toy_effect.K_5': 1e12}
 FIXED = {'estimator': 'toy_estimator', 'environment.initial_damping': 200.0}
@@ -55,12 +57,14 @@ def facts(folder: Path) -> dict[str, Any]:
     model = read_model(str(folder / 'model.yaml'))
     plain = run(PlantParameters(), **FIXED)
     uncompensated, compensated = run(model), run(model, **KNOWN)
+    touched: Any = SimpleNamespace(observed=SimpleNamespace(
+        reference=np.zeros((4, 3)), x=np.array([0.0, 1.0, 0.0])))
     return {
         'force': [-min(t.force for t in r.truths) for r in (plain, uncompensated)],
         'toy_estimator': plain.results[-1].estimate.stiffness,
         'uncompensated': uncompensated.results[-1].estimate.stiffness,
         'compensated': compensated.results[-1].estimate.stiffness,
-        'candidates': candidates_for(Model.of(PlantParameters()), True),
+        'candidates': candidates_in([touched], Model.of(PlantParameters())),
         'trials': plan_effects(100, 0),
         'config': config_files(),
     }

@@ -12,101 +12,106 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Which effects recordings may show."""
+"""Which effects may be added to a model on a rig."""
 
 from __future__ import annotations
 
+from typing import Any
+
 from concealed_worlds import ATTACHED, nominal, prepared_from, recorded
 from contact_estimation.diagnosis.conclude.diagnose import diagnose
-from contact_estimation.diagnosis.fit.applicable import (
-    candidates_for,
-    candidates_in,
-    is_single_stroke,
-)
+from contact_estimation.diagnosis.fit.applicable import candidates_in, untried
 from contact_estimation.diagnosis.observe.model import Model
+from contact_estimation.diagnosis.observe.prepared_recording import PreparedRecording
 from contact_estimation.diagnosis.observe.signals import Recording, Signals
 from contact_estimation.physics import EFFECTS
+from contact_estimation.plant.plant_parameters import PlantParameters
 import numpy as np
 import pytest
 
-MODEL = Model.of(nominal())
 OF_TOUCH = [name for name, cls in EFFECTS.items() if not cls.needs_attachment]
+TO_AND_FRO = 0.01 * np.sin(3.0 * np.arange(2000) / 250.0)
+
+
+def without_robot(
+    x: np.ndarray, model: PlantParameters | None = None
+) -> tuple[PreparedRecording, Model]:
+    """Prepare a motion without a reference, and the force of a spring."""
+    t = np.arange(len(x)) / 250.0
+    force = -5000.0 * x + np.random.default_rng(4).normal(0.0, 0.05, len(t))
+    return prepared_from(Signals(t, force, t, x, t[:0], np.empty((4, 0))), model)
+
+
+def candidates(x: np.ndarray, **changes: Any) -> set[str]:
+    """List the effects that may be added to a permanently attached wall."""
+    recording, model = without_robot(x, nominal(**{**ATTACHED, **changes}))
+    return set(candidates_in([recording], model))
 
 
 def test_every_effect_of_a_wall_may_be_added_where_there_is_a_robot() -> None:
-    assert candidates_for(MODEL, True) == OF_TOUCH
+    recording, model = prepared_from(recorded())
+    assert candidates_in([recording], model) == OF_TOUCH
 
 
 def test_what_shows_in_the_motion_alone_needs_a_robot() -> None:
-    left_out = set(OF_TOUCH) - set(candidates_for(MODEL, False))
+    recording, model = without_robot(TO_AND_FRO)
+    left_out = set(OF_TOUCH) - set(candidates_in([recording], model))
     of_robot = {name for name, cls in EFFECTS.items() if cls.port == 'robot'}
     assert left_out == {*of_robot, 'force_gain', 'force_nonlinearity', 'tool_weight'}
 
 
-def test_a_play_needs_more_than_one_reversal() -> None:
-    left_out = set(OF_TOUCH) - set(candidates_for(MODEL, True, plays=False))
-    assert left_out == {'backlash'}
-    signals = recorded()  # of which one contact, out of three
-    once = signals.wrench_t < 1.9
-    force, held = signals.force[once], np.repeat(signals.position[once][-1], 200)
-    t = signals.wrench_t[:len(force) + len(held)]
-    x = np.concatenate((np.maximum.accumulate(signals.position[once]), held))
-    signals = Signals(t, np.concatenate((force, 0.1 * held)), t, x, t[:0], np.empty((4, 0)))
-    recording, model = prepared_from(signals)
-    assert 'backlash' not in candidates_in([recording], model)
-    assert 'backlash' in candidates_in([prepared_from(recorded())[0]], model)
-
-
 @pytest.mark.parametrize('mass, found', [(0.0, True), (2.0, False)])
 def test_a_gear_may_have_play_unless_the_force_moves_a_mass(mass: float, found: bool) -> None:
-    gear = nominal(**{**ATTACHED, 'environment__inertia': mass})
-    assert ('backlash' in candidates_for(Model.of(gear), False)) is found
+    assert ('backlash' in candidates(TO_AND_FRO, environment__inertia=mass)) is found
 
 
 def test_effect_is_not_added_twice() -> None:
-    rubbing = MODEL.with_effect('coulomb_friction', (1.0,))
-    assert 'coulomb_friction' not in candidates_for(rubbing, True)
+    recording, model = prepared_from(recorded())
+    rubbing = model.with_effect('coulomb_friction', (1.0,))
+    assert 'coulomb_friction' not in candidates_in([recording], rubbing)
 
 
 def test_attached_wall_has_no_effects_of_touching_and_one_inertia() -> None:
-    names = set(candidates_for(Model.of(nominal(**ATTACHED)), False))
-    drive = Model.of(nominal(**{**ATTACHED, 'environment__stiffness': 0.0}))
-    assert names - set(candidates_for(drive, False)) == {
-        'beating_environment', 'bouc_wen_hysteresis', 'contact_offset', 'fractional_relaxation',
-        'free_play', 'moving_environment', 'stiffness_drift', 'viscoelastic_relaxation'}
+    names = candidates(TO_AND_FRO)
+    assert names - candidates(TO_AND_FRO, environment__stiffness=0.0) == {
+        'beating_environment', 'bouc_wen_hysteresis', 'fractional_relaxation', 'free_play',
+        'moving_environment', 'stiffness_drift', 'viscoelastic_relaxation'}
     assert 'environment_inertia' not in names
     assert not any(EFFECTS[name].needs_touch for name in names)
     assert {'cubic_stiffness', 'force_bias'} <= names
 
 
 def test_pressed_wall_alone_has_laws_of_a_side_on_which_it_loads() -> None:
-    wall = Model.of(nominal(**ATTACHED))
-    pulled, pressed = (set(candidates_for(wall, False, pressed)) for pressed in (False, True))
-    assert pressed - pulled == {
+    assert candidates(TO_AND_FRO + 0.0101) - candidates(TO_AND_FRO) == {
         'hunt_crossley_damping', 'plastic_set', 'power_law_stiffness', 'unloading_hysteresis'}
 
 
-@pytest.mark.parametrize('back, lost, returns', [
-    (0.2, 1.0, True),  # what yields is unloaded by little motion
-    (0.2, 0.2, False), (0.02, 1.0, False),
-    (0.6, 0.2, True)])
-def test_hysteresis_needs_a_motion_or_a_force_that_returns(
-    back: float, lost: float, returns: bool
-) -> None:
-    t = np.arange(0.0, 20.005, 0.01)
-    x, force = (10.0 * np.interp(t, [0.0, 2.0, 14.0, 20.0], [0.0, first, 1.0, 1.0 - part])
-                for first, part in ((0.2, back), (0.9, lost)))
-    noise = np.random.default_rng(4).normal(0.0, 0.01, len(t))
-    signals = Signals(t, noise - force, t, 1e-3 * x, t[:0], np.empty((4, 0)))
-    recording, model = prepared_from(signals, nominal(**ATTACHED))
-    assert ('bouc_wen_hysteresis' in candidates_in([recording], model)) is returns
-    assert is_single_stroke([recording]) is not returns
+@pytest.mark.parametrize('back, returns', [(0.2, False), (0.6, True)])
+def test_what_a_return_tells_is_no_candidate_in_one_stroke(back: float, returns: bool) -> None:
+    x = 0.01 * np.interp(np.arange(2000), [0, 1200, 2000], [0.0, 1.0, 1.0 - back])
+    for kind in (nominal(), nominal(**ATTACHED)):
+        recording, model = without_robot(x, kind)
+        names = set(candidates_in([recording], model))
+        of_return = {name for name in names if EFFECTS[name].needs_return}
+        assert bool(of_return) is returns
+        assert {'coulomb_friction', 'stiffness_drift'} <= of_return or not returns
+        assert {'force_bias', 'cubic_stiffness'} <= names
 
 
-@pytest.mark.parametrize('stiffness, found', [(0.0, True), (50.0, True), (2000.0, False)])
-def test_one_cycle_shows_an_asymmetric_damper_but_no_asymmetry_of_a_spring(
-    stiffness: float, found: bool
-) -> None:
+def test_families_that_are_not_tried_are_told_with_the_reason() -> None:
+    x = 0.01 * np.interp(np.arange(2000), [0, 1200, 2000], [0.0, 1.0, 1.0])
+    recording, model = without_robot(x, nominal(**ATTACHED))
+    told = dict(untried([recording], model))
+    assert told['friction'] == 'needs a motion that returns'
+    assert told['adhesion'] == 'needs a contact that begins and ends'
+    assert told['robot'] == 'needs the reference trajectory of a robot'
+    tried = {EFFECTS[name].family for name in candidates_in([recording], model)}
+    assert not tried & set(told)
+    assert tried | set(told) == {cls.family for cls in EFFECTS.values()}
+
+
+@pytest.mark.parametrize('stiffness', [0.0, 50.0])
+def test_an_asymmetric_damper_is_named(stiffness: float) -> None:
     t = np.arange(0.0, 12.0, 0.01)
     x, v = 0.05 * np.sin(6.0 * t), 0.3 * np.cos(6.0 * t)
     noise = np.random.default_rng(8).normal(0.0, 0.5, len(t))
@@ -114,8 +119,5 @@ def test_one_cycle_shows_an_asymmetric_damper_but_no_asymmetry_of_a_spring(
     signals = Signals(t, force, t, x, t[:0], np.empty((4, 0)))
     damper = nominal(environment__unilateral=False, environment__stiffness=stiffness,
                      environment__damping=220.0)
-    recording, model = prepared_from(signals, damper)
-    assert ('asymmetric_damping' in candidates_in([recording], model)) is found
-    if found:
-        names = [one.name for one in diagnose(Recording('dyno.mcap', signals), damper).effects]
-        assert names == ['asymmetric_damping']
+    found = diagnose(Recording('dyno.mcap', signals), damper)
+    assert [one.name for one in found.effects] == ['asymmetric_damping']

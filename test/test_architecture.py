@@ -28,8 +28,8 @@ LAYERS = [
     'exceptions', 'figures', 'scheduling', 'parameters', 'messages', 'recordings', 'signals',
     'kinematics', 'foreign_laws', 'physics', 'reference', 'estimators', 'estimation', 'plant',
     'reproduction',
-    'diagnosis.observe', 'diagnosis.checks', 'diagnosis.fit', 'diagnosis.conclude',
-    'diagnosis.report', 'diagnosis.report.page', 'blind_trials',
+    'diagnosis.observe', 'diagnosis.checks', 'diagnosis.compare', 'diagnosis.fit',
+    'diagnosis.conclude', 'diagnosis.report', 'diagnosis.report.page', 'blind_trials',
     'fleet', 'fleet.page', 'watch', 'ros', 'commands', 'benchmarks', 'benchmarks.arms',
 ]
 

@@ -33,6 +33,7 @@ from contact_estimation.blind_trials.study import (
 )
 from contact_estimation.blind_trials.trial_files import TrialFiles, write_json, write_trial
 from contact_estimation.commands.blind_trials import main
+from contact_estimation.diagnosis.compare.constants import Constants
 from contact_estimation.diagnosis.observe.signals import signals_of
 from contact_estimation.exceptions import RecordingError
 from contact_estimation.parameters.file import read_parameter_file
@@ -223,11 +224,13 @@ def test_a_failed_diagnosis_leaves_its_error_message(tmp_path: Path) -> None:
 def test_the_command_draws_diagnoses_and_scores_trials(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    target = tmp_path / 'scores.json'
+    target, constants = tmp_path / 'scores.json', tmp_path / 'constants.json'
     words = ['--count', '0', '--clean', '1', '--seed', '3', '--output', str(tmp_path / 'study'),
-             '--json', str(target)]
+             '--json', str(target), '--calibrate', str(constants)]
     assert main(words) == 0
-    assert '1 trials, 1 of them clean' in capsys.readouterr().out
+    said = capsys.readouterr().out
+    assert '1 trials, 1 of them clean' in said and 'constants of the decision' in said
+    assert set(json.loads(constants.read_text())) == set(Constants._fields)
     told = json.loads(target.read_text())
     assert (told['count'], told['clean'], told['seed']) == (0, 1, 3)
     assert told['trials'][0]['error'] == ''

@@ -17,15 +17,11 @@
 from __future__ import annotations
 
 import re
-from types import SimpleNamespace
-from typing import Any, Callable
+from typing import Any
 
 from contact_estimation.diagnosis.conclude.diagnose import diagnose
 from contact_estimation.diagnosis.conclude.result import Diagnosis
-from contact_estimation.diagnosis.fit import clocks
-from contact_estimation.diagnosis.fit.clocks import Clocks, Offset
-from contact_estimation.diagnosis.fit.fitting import Fit
-from contact_estimation.diagnosis.observe.model import Model
+from contact_estimation.diagnosis.conclude.views import Offset
 from contact_estimation.diagnosis.observe.signals import Recording, Signals
 from contact_estimation.parameters.values import build
 from contact_estimation.plant.driven_wall import run_driven_wall
@@ -70,7 +66,7 @@ def test_an_offset_is_put_right() -> None:
     signals = recorded()
     for offset, joints, reference in (
             (Offset('joint_states', 0.01), -0.01, 0.0), (Offset('wrench', 0.01), 0.01, 0.01)):
-        shifted = offset.put_right(signals)
+        shifted = offset.put_right(Recording('file.mcap', signals)).signals
         assert shifted.joint_t == pytest.approx(signals.joint_t + joints, abs=1e-12)
         assert shifted.reference_t == pytest.approx(signals.reference_t + reference, abs=1e-12)
 
@@ -109,32 +105,3 @@ def test_a_force_that_is_held_between_samples_is_no_late_stamp() -> None:
     found = of_driven_wall(0.0, held=True)
     assert [effect.name for effect in found.effects] == ['cubic_stiffness']
     assert all(check.ok for check in found.checks)
-
-
-def is_told(
-    monkeypatch: pytest.MonkeyPatch, offset: Offset, best: Model, selected: Model,
-    misfit: Callable[[Model], float],
-) -> bool:
-    """Return whether an offset is told that is tried, by what models leave."""
-    monkeypatch.setattr(clocks, 'fit', lambda recordings, model: Fit(
-        model, 1000.0 + misfit(model), np.ones(2), 1000))
-    monkeypatch.setattr(clocks, 'leaves_noise', lambda found: False)
-    monkeypatch.setattr(Clocks, '_tried', lambda self: [offset])
-    for name in ('_refined', '_fitted'):
-        monkeypatch.setattr(Clocks, name, lambda self, offset, model: offset)
-    monkeypatch.setattr(Clocks, '_prepared', lambda self, offset: [])
-    tested = Clocks([Recording('file.mcap', recorded())], [], Model.of(nominal()), best, 0)
-    of_shifted: Any = SimpleNamespace(best=Fit(selected, 0.0, np.ones(2), 1000))
-    found = tested.offset(lambda shifted: ([], of_shifted))
-    assert found in (None, offset)
-    return found is not None
-
-
-@pytest.mark.parametrize('damping, found', [(150.0, True), (0.0, False)])
-def test_a_shift_that_takes_the_place_of_damping_is_none(
-    monkeypatch: pytest.MonkeyPatch, damping: float, found: bool
-) -> None:
-    base = Model.of(nominal())
-    misfits = iter((100.0, 1.0, 1.0))  # as stamped, and shifted
-    assert is_told(monkeypatch, Offset('joint_states', LATE_S), base, base.at((4800.0, damping)),
-                   lambda model: next(misfits)) is found

@@ -177,7 +177,6 @@ def test_missing_topic_is_named_with_the_recorded_ones(
     ({'environment': {**MODEL['environment'], 'stifness': 1.0}}, "'environment.stiffness'"),
     ({'physics': {'stribeck_friction': {'F_c': 1.0}}}, 'needs all of F_c, F_s, v_s'),
     ({'environment': {'stiffness': -1.0}}, 'environment.stiffness must be'),
-    ({'physics': {'coulomb_friction': {'F_c': 1.0}}}, 'no physics, got coulomb_friction; remove'),
 ])
 def test_model_file_that_is_wrong_is_refused_with_a_hint(
     sections: dict[str, Any], hint: str, folder: Path, tmp_path: Path, command: Command

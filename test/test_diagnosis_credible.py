@@ -12,30 +12,24 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Laws that are not credible whatever they fit, and where a search for one starts."""
+"""Laws that are not credible whatever they fit."""
 
 from __future__ import annotations
 
+from typing import Callable
+
 from concealed_worlds import diagnosed, named, nominal, physics, prepared_from, recorded
-from contact_estimation.diagnosis.conclude import naming as naming_module
-from contact_estimation.diagnosis.conclude.apparent_mass import is_resonance
-from contact_estimation.diagnosis.conclude.conclusion import _nominal_where_unknown
-from contact_estimation.diagnosis.conclude.rivals import other_families
-from contact_estimation.diagnosis.conclude.shares import Shares
-from contact_estimation.diagnosis.fit.applicable import candidates_for, candidates_in
-from contact_estimation.diagnosis.fit.first_step import steps
-from contact_estimation.diagnosis.fit.fitting import Fit, fit, fit_at
-from contact_estimation.diagnosis.fit.scales import measure_scales
-from contact_estimation.diagnosis.fit.search import is_credible, may_show, search
-from contact_estimation.diagnosis.fit.uncertainty import standard_deviations
+from contact_estimation.diagnosis.fit.credible import is_credible, may_show
+from contact_estimation.diagnosis.fit.fitting import Fit, fit
 from contact_estimation.diagnosis.observe.model import Model
 from contact_estimation.diagnosis.observe.prepared_recording import PreparedRecording
 from contact_estimation.diagnosis.observe.signals import Signals
 from contact_estimation.physics import EFFECTS
-from contact_estimation.plant.plant_parameters import PlantParameters
 import numpy as np
 from numpy.typing import NDArray
 import pytest
+
+Array = NDArray[np.float64]
 
 SPRING = nominal(environment__stiffness=1000.0, environment__damping=20.0,
                  environment__unilateral=False)
@@ -44,7 +38,7 @@ ONE_HOLD = 0.01 * np.clip(T / 2.0, 0.0, 1.0)
 TO_AND_FRO = 0.005 * np.sin(1.9 * T) + 0.004 * np.sin(4.4 * T)
 
 
-def specimen(x: NDArray[np.float64], stray: NDArray[np.float64] | float) -> Signals:
+def specimen(x: Array, stray: Array | float) -> Signals:
     """Record an attached specimen whose force also strays [N]."""
     force = 1000.0 * x + 5.0 * np.gradient(x, T) + stray
     noise = np.random.default_rng(4).normal(0.0, 0.01, len(T))
@@ -173,149 +167,19 @@ def test_an_effect_that_vanishes_is_none() -> None:
         assert is_credible([recording], found.model.with_effect(name, values)) is credible
 
 
-@pytest.mark.parametrize('name', ['settling_bias', 'force_drift', 'stiffness_drift'])
-@pytest.mark.parametrize('wall, with_robot', [(SPRING, False), (nominal(), False),
-                                              (nominal(), True)])
-def test_what_changes_with_time_is_no_candidate_where_a_wall_is_loaded_once(
-    name: str, wall: PlantParameters, with_robot: bool
-) -> None:
-    assert name not in candidates_for(Model.of(wall), with_robot, returns=False)
-    assert name in candidates_for(Model.of(wall), with_robot)
-
-
-@pytest.mark.parametrize('family', ['damping_law', 'inertia'])
-def test_no_law_of_speed_is_a_candidate_where_a_specimen_moves_at_one(family: str) -> None:
-    laws = {name for name, cls in EFFECTS.items() if cls.family == family}
-    assert not laws & set(candidates_for(Model.of(SPRING), False, paces=False))
-    assert laws & set(candidates_for(Model.of(SPRING), False))
-    triangle = 0.01 * np.abs((T / 3.0) % 2.0 - 1.0)
-    for x, found in ((TO_AND_FRO, True), (triangle, False)):
-        recording, base = prepared(specimen(x, 0.0))
-        assert bool(laws & set(candidates_in([recording], base.model))) is found
-
-
 @pytest.mark.parametrize('x, stray, family', [
     (ONE_HOLD, -3.0 * (1.0 - np.exp(-np.maximum(T - 2.0, 0.0) / 3.0)), 'relaxation'),
     (TO_AND_FRO, 3.0 * np.exp(-T / 3.0), 'sensor_zero')], ids=['one hold', 'to and fro'])
 def test_what_decays_is_the_specimen_where_it_is_loaded_once(
-    x: NDArray[np.float64], stray: NDArray[np.float64], family: str
+    x: Array, stray: Array, family: str
 ) -> None:
     assert {EFFECTS[name].family for name in named(diagnosed(specimen(x, stray), SPRING))} == {
         family}
 
 
-def test_the_search_finds_how_fast_a_zero_settles() -> None:
-    # From the first start a step of all three values ends with a time constant of 1 ms.
-    stray = 4.0 * np.exp(-T / 2.3) - 3.1
-    recording, found = prepared(specimen(TO_AND_FRO + 0.006 * np.exp(-T / 5.0), stray))
-    best = search([recording], found, lambda name: None, ['settling_bias'])[0].model
-    change, tau, bias = best.values[best.place('settling_bias')]
-    assert (-change, tau, -bias) == pytest.approx((4.0, 2.3, -3.1), rel=0.02)
-
-
-def test_one_step_may_be_of_all_that_a_law_is_linear_in() -> None:
-    recording, found = prepared(specimen(TO_AND_FRO, 4.0 * np.exp(-T / 2.3) - 3.1))
-    start = found.model.with_effect('settling_bias', (0.02, 2.3, 0.0))
-    step = steps([recording], [start])[0]
-    cost, there = step.cost, step.model
-    change, _, bias = there.values[there.place('settling_bias')]
-    assert (-change, -bias) == pytest.approx((4.0, -3.1), rel=0.02)
-    assert cost < 1.1 * fit([recording], start).cost
-
-
-def test_two_tones_within_one_peak_of_the_spectrum_are_told_apart() -> None:
-    swing = physics('beating_environment', 3e-4, 1.7, 0.7, 2.5e-4, 1.8, -0.5)
-    recording, model = prepared_from(recorded(**swing))
-    scales = measure_scales([recording], fit([recording], model))
-    assert sorted(tone for tone, _ in scales.beat) == pytest.approx([1.7, 1.8], abs=0.03)
-    assert sum(1.6 < tone < 1.9 for tone, _ in scales.peaks()) == 1
-
-
-@pytest.mark.parametrize('sizes, agrees', [
-    ((4.0, 5.0, 6.0), True), ((1.2, 1.4, 1.6), False), ((18.0, 20.0, 17.0), False),
-    ((-4.0, -5.0, -6.0), False), ((1.0, 5.0, 40.0), True)])
-def test_a_law_has_much_the_same_size_on_each_part_as_on_all(
-    monkeypatch: pytest.MonkeyPatch, sizes: tuple[float, ...], agrees: bool
-) -> None:
-    assert agreeing(monkeypatch, sizes, (1.0, 1.0, 1.0)) is agrees
-
-
-@pytest.mark.parametrize('told, agrees', [
-    ((9.0, 9.0, 0.8, 0.8), True), ((9.0, 9.0, 1.0, 1.0), False), ((9.0, 0.8, 0.8, 0.8), False)])
-def test_parts_that_do_not_determine_a_size_do_not_contradict_it(
-    monkeypatch: pytest.MonkeyPatch, told: tuple[float, ...], agrees: bool
-) -> None:
-    assert agreeing(monkeypatch, (5.0, 6.0, -60.0, -60.0), told) is agrees
-
-
-@pytest.mark.parametrize('name, first, agrees', [
-    ('viscous_flow', 0.0, False), ('viscous_flow', 4.0, True), ('cubic_stiffness', 0.0, True)])
-def test_what_every_contact_adds_to_shows_in_the_first(
-    monkeypatch: pytest.MonkeyPatch, name: str, first: float, agrees: bool
-) -> None:
-    # A surface that shifts between two contacts has not flowed in the first.
-    sizes = (first, 5.0, 5.0, 5.0)
-    assert agreeing(monkeypatch, sizes, (1.0, 1.0, 1.0, 1.0), name) is agrees
-
-
-def agreeing(
-    monkeypatch: pytest.MonkeyPatch, sizes: tuple[float, ...], told: tuple[float, ...],
-    name: str = 'cubic_stiffness',
-) -> bool:
-    """Return whether sizes of an effect of 5 agree, on parts that tell so much of it."""
-    model = Model.of(SPRING).with_effect(name, (5.0,))
-    monkeypatch.setattr(Shares, '_alone', [(1000.0, 20.0, size) for size in sizes])
-    monkeypatch.setattr(Shares, '_information', np.outer(told, (1.0, 1.0, 1.0)))
-    none = np.zeros((3, 2))
-    shares = Shares([], [], none, Fit(model, 0.0, np.zeros(1), 1), none, {}, {}, {}, {})
-    return shares.agrees(name)
-
-
-@pytest.mark.parametrize('ringing', [False, True], ids=['mass', 'resonance'])
-@pytest.mark.parametrize('name', ['tool_inertia', 'environment_inertia'])
-def test_a_mass_that_vanishes_at_low_frequencies_is_a_resonance(name: str, ringing: bool) -> None:
-    x = TO_AND_FRO + 0.002 * np.sin(9.7 * T)
-    a = np.gradient(np.gradient(x, T), T)
-    rate = np.gradient(np.gradient(a, T), T)
-    rung = -4.0 / (2.0 * np.pi * 5.0)**2 * rate  # 4 kg on a mount that rings at 5 Hz
-    recording, found = prepared(specimen(x, rung if ringing else 0.7 * a))
-    model = fit([recording], found.model.with_effect(name, (0.5,))).model
-    assert model.values[model.place(name).start] > 0.1
-    assert is_resonance([recording], model, name) is ringing
-
-
-def test_a_damping_that_a_hold_does_not_tell_stays_nominal() -> None:
-    hold, found = prepared(specimen(0.01 + 1e-7 * np.sin(9.0 * T), 0.0))
-    biased = found.model.with_effect('force_bias', (0.1,))
-    lost = fit_at([hold], fit([hold], biased).model.at((1000.0, 500.0, 0.0)))
-    assert standard_deviations([hold], lost)[1] > 20.0
-    assert _nominal_where_unknown(Model.of(SPRING), [hold], lost).model.damping == 20.0
-    told, of_motion = prepared(specimen(TO_AND_FRO, 0.0))
-    moving = fit([told], of_motion.model.with_effect('coulomb_friction', (0.1,)))
-    assert _nominal_where_unknown(Model.of(SPRING), [told], moving) is moving
-
-
-def test_an_effect_smaller_than_the_noise_gets_no_name() -> None:
-    assert named(diagnosed(recorded(**physics('coulomb_friction', 0.1)))) == []
-    assert named(diagnosed(recorded(**physics('coulomb_friction', 0.4)))) == ['coulomb_friction']
-
-
-def test_only_other_families_take_a_part_of_a_probability() -> None:
-    recording, found = prepared(specimen(TO_AND_FRO, 0.0))
-    rivals = [fit_at([recording], found.model.with_effect(name, values)) for name, values in (
-        ('power_law_stiffness', (1.5, 2e4)), ('stribeck_friction', (1.0, 1.0, 0.01)),
-        ('coulomb_friction', (1.0,)))]
-    assert other_families('elastic_law', rivals) == {'friction'}
-    assert other_families('friction', rivals[1:]) == set()
-
-
-def test_a_name_that_is_unlikely_is_not_given(monkeypatch: pytest.MonkeyPatch) -> None:
-    def doubted(shares: Shares, exact: bool) -> dict[str, float]:
-        return dict.fromkeys(shares.of, 0.28)
-
-    monkeypatch.setattr(naming_module, '_probabilities', doubted)
-    diagnosis = diagnosed(recorded(**physics('coulomb_friction', 3.0)))
-    assert (named(diagnosis), diagnosis.verdict) == ([], 'unexplained')
+@pytest.mark.parametrize('friction, names', [(0.02, []), (0.4, ['coulomb_friction'])])
+def test_an_effect_that_noise_hides_gets_no_name(friction: float, names: list[str]) -> None:
+    assert named(diagnosed(recorded(**physics('coulomb_friction', friction)))) == names
 
 
 def test_a_presliding_friction_comes_near_its_end() -> None:
@@ -324,3 +188,44 @@ def test_a_presliding_friction_comes_near_its_end() -> None:
     for travel, credible in ((3.0 * reach, True), (3.2 * reach, False)):  # ln 5 travel: 5 reach
         model = found.model.with_effect('presliding_friction', (0.1, 0.1 / travel))
         assert is_credible([recording], model) is credible
+
+
+DRIVE = nominal(environment__stiffness=0.0, environment__damping=60.0,
+                environment__unilateral=False)
+
+
+def moved(force: Callable[[Array], Array]) -> PreparedRecording:
+    """Record a drive that moves to and fro, with noise in the force."""
+    t = np.arange(3000) / 250.0
+    v = 0.5 * np.cos(1.7 * t) + 0.3 * np.cos(4.1 * t)
+    x = 0.5 / 1.7 * np.sin(1.7 * t) + 0.3 / 4.1 * np.sin(4.1 * t)
+    measured = -force(v) + np.random.default_rng(4).normal(0.0, 0.4, len(t))
+    return prepared_from(Signals(t, measured, t, x, np.empty(0), np.empty((4, 0))), DRIVE)[0]
+
+
+def test_a_force_held_most_of_the_time_to_and_fro_is_no_saturating_sensor() -> None:
+    steep = Model.of(DRIVE).at((0.0, 1000.0)).with_effect('force_saturation', (8.0,))
+    assert not is_credible([moved(lambda v: 8.0 * np.tanh(v / 0.01))], steep)
+    gentle = Model.of(DRIVE).with_effect('force_saturation', (35.0,))
+    assert is_credible([moved(lambda v: np.clip(60.0 * v, -35.0, 35.0))], gentle)
+
+
+def test_a_force_that_is_level_since_the_depth_is_held_is_no_saturating_sensor() -> None:
+    t = np.arange(3000) / 250.0
+    x = 0.01 * np.clip(np.interp(t, [0.0, 1.0, 2.0, 6.0, 7.0, 12.0], [0, 0, 1, 1, 0.4, 0.4]), 0, 1)
+    force = -1000.0 * x + np.random.default_rng(4).normal(0.0, 0.05, len(t))
+    spring = nominal(environment__stiffness=1000.0, environment__damping=1.0,
+                     environment__unilateral=False)
+    held, start = prepared_from(Signals(t, force, t, x, np.empty(0), np.empty((4, 0))), spring)
+    assert not is_credible([held], start.with_effect('force_saturation', (9.98,)))
+
+
+@pytest.mark.parametrize('name, values, clips', [
+    ('force_saturation', (25.0,), True), ('bilinear_stiffness', (-4500.0, 0.003), False)])
+def test_a_saturating_sensor_leaves_the_force_level_and_a_soft_wall_does_not(
+    name: str, values: tuple[float, ...], clips: bool
+) -> None:
+    recording, model = prepared_from(recorded(**physics(name, *values)))
+    base = fit([recording], model)
+    found = fit([recording], base.model.with_effect('force_saturation', (25.0,)))
+    assert is_credible([recording], found.model) is clips

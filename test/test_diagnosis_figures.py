@@ -20,7 +20,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from contact_estimation.diagnosis.fit.share import Share
+from contact_estimation.diagnosis.compare.shares import Share
 from contact_estimation.diagnosis.report.figures import (
     COLOURS,
     plot_comparison,
@@ -131,11 +131,12 @@ def test_dependences_are_titled_with_shares_before_and_after() -> None:
 
 
 def test_evidence_ranks_candidates_and_colours_named_effects() -> None:
-    d = diagnosed('friction')
+    evidence = {'robot_friction': 0.3, 'coulomb_friction': 0.98, 'force_lag': 0.1}
+    d = replace(diagnosed('friction'), evidence=evidence)
     (axis,) = plot_evidence(d).axes
     widths = [bar.get_width() for bar in axis.patches]
     assert widths == sorted(widths, reverse=True)
-    assert widths[0] == pytest.approx(100.0 * max(d.evidence.values()))
+    assert widths[0] == pytest.approx(98.0)
     names = [label.get_text() for label in axis.get_yticklabels()]
     colours = {bar.get_facecolor() for bar in axis.patches}
     assert 'coulomb friction' in names and len(colours) == 2

@@ -158,6 +158,15 @@ def test_standard_deviations_beside_a_gain_are_those_of_the_values() -> None:
     assert std[0] / values[0] < 0.3 * std[2] / values[2]
 
 
+def test_coordinates_beside_a_gain_are_those_that_the_force_tells() -> None:
+    model = Model.of(nominal()).with_effect('force_gain', (0.5,))
+    K_e, B_e, gain = model.coordinates
+    assert (K_e, B_e) == pytest.approx((0.5 * model.stiffness, 0.5 * model.damping))
+    moved = model.with_free(np.array([K_e, B_e, 2.0 * gain]))
+    assert moved.stiffness == pytest.approx(0.5 * model.stiffness)
+    assert moved.with_free(moved.coordinates).values == pytest.approx(moved.values)
+
+
 def test_slow_residuals_make_standard_deviations_larger() -> None:
     recording, model = prepared_from(recorded())
     o = recording.observed

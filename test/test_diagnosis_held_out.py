@@ -24,7 +24,6 @@ from concealed_worlds import (
     diagnosed,
     FORCE_NOISE,
     FREE,
-    named,
     nominal,
     physics,
     prepared_from,
@@ -34,7 +33,6 @@ from concealed_worlds import (
     touches,
 )
 from contact_estimation.diagnosis.conclude.held_out import (
-    as_good,
     by_part,
     errors_of,
     improvement_interval,
@@ -271,36 +269,11 @@ def test_true_model_predicts_a_part_to_its_noise() -> None:
 
 
 @pytest.mark.slow
-def test_model_is_as_good_as_itself_and_not_as_a_worse_one() -> None:
-    recording, model = prepared_from(recorded(**physics('coulomb_friction', 2.0)))
-    everything = np.ones(len(recording.observed.t), bool)
-    true = model.with_effect('coulomb_friction', (2.0,))
-    generator = np.random.default_rng(0)
-    assert as_good(recording, everything, true, true, generator)
-    assert not as_good(recording, everything, true, model, generator)
-    assert as_good(recording, everything, model, true, generator)
-
-
-def test_part_of_one_block_cannot_tell() -> None:
-    recording, model = prepared_from(recorded())
-    samples = np.zeros(len(recording.observed.t), bool)
-    samples[700:710] = True
-    assert not as_good(recording, samples, model, model, np.random.default_rng(0))
-
-
-@pytest.mark.slow
 @pytest.mark.parametrize('touch', [(0.03, 1.2), (0.02, 1.5)])
 def test_one_real_touch_holds_out_part_of_itself(touch: Touch) -> None:
     recording, model = prepared_from(recorded(touches(touch, swing=0.006)))
     part = hold_out(model, recording.observed)
     assert np.all(recording.observed.x[part.samples] > 0.0)
-
-
-def test_next_choice_is_another_episode_but_not_the_deepest() -> None:
-    o = moved((0.01, 0.02, 0.03))
-    assert [hold_out(MODEL, o, choice).name for choice in (1, 2)] == ['episode 2', 'episode 1']
-    block, other = (hold_out(MODEL, moved((0.02,)), choice).samples for choice in (1, 2))
-    assert other.any() and not (block & other).any()
 
 
 def hasty() -> Experiment:
@@ -314,14 +287,13 @@ def hasty() -> Experiment:
     return Experiment('hasty', FREE, tuple(segments))
 
 
-def test_what_shows_in_the_held_out_part_alone_is_named_with_another_held_out() -> None:
+def test_a_model_that_a_held_out_part_contradicts_is_not_consistent() -> None:
     signals = recorded(hasty(), **physics('actuator_saturation', 85.0))
     recording, model = prepared_from(signals)
     assert hold_out(model, recording.observed).name == 'episode 2'
     found = diagnosed(signals)
-    assert (found.verdict, named(found)) == ('physics_missing', ['actuator_saturation'])
-    assert [part.name for part in found.holdouts] == ['episode 1']
-    assert found.effects[0].parameters['limit'].value == pytest.approx(85.0, rel=0.01)
+    assert found.motion.recalibrated is not None and found.motion.recalibrated > 1e-3
+    assert found.verdict != 'consistent'
 
 
 def test_free_run_of_a_hysteresis_that_bends_within_micrometres_is_stable() -> None:
@@ -332,9 +304,9 @@ def test_free_run_of_a_hysteresis_that_bends_within_micrometres_is_stable() -> N
     assert np.max(np.abs(x - recording.observed.x)) < 1e-3
 
 
-def test_what_shows_nothing_of_the_misfit_is_not_what_is_held_out() -> None:
+def test_friction_is_named_though_it_looks_like_a_damper_where_data_are_held_out() -> None:
     t, seed = np.asarray(0.02 * np.arange(1000), np.float64), 1
-    # Where late blocks are held out first, one speed makes friction look like a damper.
+    # Late blocks are held out, of one speed.
     first = [(4.0, 5.7), (10.6, 12.3), (17.2, 18.9)]
     steady = np.any([(t > begin) & (t < end) for begin, end in first], axis=0)
     speed = np.where(steady, 0.87, np.where((1.1 * t) % 1.0 < 0.5, 0.2, 1.0))
@@ -345,7 +317,4 @@ def test_what_shows_nothing_of_the_misfit_is_not_what_is_held_out() -> None:
     signals = Signals(t, -friction - 0.05 * v + noise, t, x, np.empty(0), np.empty((4, 0)))
     found = diagnosed(signals, nominal(
         environment__unilateral=False, environment__stiffness=0.0, environment__damping=0.4))
-    assert found.effects[0].family == 'friction'
-    before, after = found.force.recalibrated, found.force.corrected
-    assert before is not None and after is not None and after < 0.6 * before
-    assert found.holdouts[0].name.startswith('5.5 to')
+    assert [effect.family for effect in found.effects] == ['friction']

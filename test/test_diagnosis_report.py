@@ -20,17 +20,16 @@ from dataclasses import replace
 import json
 from math import inf, nan
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
+from contact_estimation.diagnosis.compare.shares import Share
 from contact_estimation.diagnosis.conclude.location import Location
 from contact_estimation.diagnosis.conclude.result import Errors, Remainder, Value
-from contact_estimation.diagnosis.fit.share import Share
 from contact_estimation.diagnosis.report.corrected_model import model_file
 from contact_estimation.diagnosis.report.json_report import as_dict
 from contact_estimation.diagnosis.report.page import as_html
 from contact_estimation.diagnosis.report.text_report import as_text
-from contact_estimation.diagnosis.report.wording import headline, share_of
+from contact_estimation.diagnosis.report.wording import headline
 from contact_estimation.estimation.parameters import EstimationParameters
 from contact_estimation.parameters.file import read_parameter_file
 from contact_estimation.parameters.values import build
@@ -280,16 +279,3 @@ def test_model_file_configures_plant_and_estimator(tmp_path: Path) -> None:
     assert plant.physics.coulomb_friction.F_c == pytest.approx(F_c, rel=1e-9)
     estimator = build(EstimationParameters, read_parameter_file(path, 'estimator_node'))
     assert estimator.physics.coulomb_friction.F_c == plant.physics.coulomb_friction.F_c
-
-
-@pytest.mark.parametrize('interval, words', [
-    ((-3.4, 1.1), 'explains no significant share of the misfit in cross-validation'),
-    ((0.02, 0.08), 'explains 5.0 % (2.0 to 8.0 %) of the misfit in cross-validation')])
-def test_share_of_what_a_mark_tells_is_given_only_if_it_is_certain(
-    interval: tuple[float, float], words: str
-) -> None:
-    effect: Any = SimpleNamespace(
-        share=0.05, share_interval=interval, share_in_form=None, beside_zeros=None,
-        mark=SimpleNamespace(words='it pulls'))
-    assert share_of(effect) == (
-        f'{words}, but is identified by its signature: it pulls. A larger effect is unexplained')

@@ -18,10 +18,16 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from concealed_worlds import ATTACHED, nominal, prepared_from
+from concealed_worlds import ATTACHED, nominal, physics, prepared_from, recorded
 from contact_estimation.diagnosis.fit.discrepancy import (
-    least_material, std_beyond_noise, with_discrepancy,
+    correlation_time,
+    least_material,
+    material,
+    std_beyond_noise,
+    with_discrepancy,
+    without_discrepancy,
 )
+from contact_estimation.diagnosis.fit.fitting import fit, residual_function
 from contact_estimation.diagnosis.observe.channel import Channel
 from contact_estimation.diagnosis.observe.model import Model
 from contact_estimation.diagnosis.observe.prepared_recording import PreparedRecording
@@ -114,3 +120,31 @@ def test_an_error_of_the_position_is_not_taken_for_a_force_on_a_driven_wall() ->
     found = with_discrepancy(prepared, start)
     assert found.motion_discrepancy > 2.0 * prepared.observed.position_noise
     assert found.force_discrepancy < least_material(prepared)
+
+
+def test_discrepancy_brings_every_channel_to_variance_one() -> None:
+    recording, model = prepared_from(recorded(**physics('coulomb_friction', 6.0)))
+    base = fit([recording], model)
+    weighed = with_discrepancy(recording, base.model)
+    function = residual_function([weighed], base.model, robust=False)
+    left = weighed.split(function(base.model.coordinates))
+    powers = [float(np.mean(part[channel.filled] ** 2))
+              for part, channel in zip(left, weighed.channels(base.model))]
+    assert powers == pytest.approx([1.0, 1.0], abs=0.2)
+    plain = without_discrepancy(weighed)
+    assert weighed.force_discrepancy > 0.0 and weighed.motion_discrepancy > 0.0
+    assert plain.force_discrepancy == plain.motion_discrepancy == 0.0
+
+
+def test_exact_model_leaves_no_discrepancy_worth_a_name() -> None:
+    recording, model = prepared_from(recorded())
+    assert not material([with_discrepancy(recording, model)], model)
+
+
+def test_correlation_time_is_that_of_an_autoregressive_process() -> None:
+    rng, phi = np.random.default_rng(3), 0.8
+    values = np.zeros(20_000)
+    for k, push in enumerate(rng.normal(size=len(values) - 1)):
+        values[k + 1] = phi * values[k] + push
+    assert correlation_time(values) == pytest.approx((1.0 + phi) / (1.0 - phi), rel=0.15)
+    assert correlation_time(rng.normal(size=5000)) == pytest.approx(1.0, abs=0.15)

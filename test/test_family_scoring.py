@@ -20,7 +20,6 @@ import json
 from pathlib import Path
 from typing import Any
 
-from contact_estimation.blind_trials.calibration import fit_curve, plot_reliability, reliability
 from contact_estimation.blind_trials.family_report import (
     family_dict,
     family_groups,
@@ -36,8 +35,7 @@ from contact_estimation.blind_trials.family_scoring import (
     SILENT,
     WRONG,
 )
-from contact_estimation.diagnosis.conclude.probability import evidence_of, probability_of
-import numpy as np
+from contact_estimation.blind_trials.reliability import plot_reliability, reliability
 import pytest
 
 LUGRE: dict[str, Any] = {
@@ -122,23 +120,6 @@ def test_reliability_counts_every_name_in_its_bin() -> None:
     assert [row.names for row in table] == [0, 1, 2, 0, 2]
     assert [row.share_right for row in table] == [None, 0.0, 0.5, None, 0.5]
     assert table[4].mean == pytest.approx(0.975)
-
-
-def test_fitted_curve_is_that_from_which_the_outcomes_were_drawn() -> None:
-    rng, even, slope = np.random.default_rng(4), 0.4, 6.0
-    scores = []
-    for evidence in rng.uniform(0.0, 0.65, 600):
-        right = rng.uniform() < 1.0 / (1.0 + np.exp(-slope * (evidence - even)))
-        name = 'coulomb_friction' if right else 'force_lag'
-        scores.append(scored(LUGRE, f'{name}:{probability_of(evidence)}'))
-    assert fit_curve(scores) == pytest.approx((even, slope), rel=0.2)
-
-
-def test_evidence_is_found_again_from_the_probability() -> None:
-    evidence = np.array([0.1, 0.3, 0.5])
-    given = np.array([probability_of(value) for value in evidence])
-    assert (np.diff(given) > 0.0).all()
-    assert evidence_of(given) == pytest.approx(evidence)
 
 
 def test_reliability_is_plotted(tmp_path: Path) -> None:

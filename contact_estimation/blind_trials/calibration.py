@@ -12,181 +12,187 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Calibration of the probabilities that `diagnose` reports, on worlds of foreign laws."""
+"""Calibration of the constants of a decision, on trials with known truth."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
+import json
 from pathlib import Path
-from typing import NamedTuple, Sequence
+from typing import Any, Iterable, Mapping, NamedTuple, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.optimize import minimize
 
-from .family_scoring import FamilyScore
-from ..diagnosis.conclude.probability import evidence_of
-from ..figures import BLUE, figure_style, GREY, MUTED, require_matplotlib
+from .family_scoring import of_families
+from ..diagnosis.compare.beam import Compared
+from ..diagnosis.compare.comparison_file import of_dict
+from ..diagnosis.compare.constants import CONSTANTS, Constants
+from ..exceptions import ParameterRangeError
+from ..physics import EFFECTS
 
-Array = NDArray[np.float64]
+FITTED = ('parameter', 'law', 'curve', 'discrepancy', 'independent', 'ideal', 'instrument',
+          'exact', 'temperature')
+"""Constants of the evidence, which the log score determines."""
 
-PROBABILITY_EDGES = (0.0, 0.5, 0.7, 0.8, 0.9, 1.0)
-"""Edges of the five bins of the reliability table."""
+_FACTOR, _ROUNDS = 1.4, 3  # of the search: steps of a constant, times that all are tried
+_GAIN = 1e-3  # nats a trial, below which a constant is as good as another
+_LEAST = 0.02  # probability: one that is wrong for certain costs no more than 4 nats
 
-_PRIOR = 1.0  # right and wrong names added, so that names that are all right have a finite fit
 
-
-class Reliability(NamedTuple):
+class JudgedTrial(NamedTuple):
     """
-    One bin of the reliability table.
+    A trial with its truth.
 
     Attributes
     ----------
-    low, high : float
-        Range of the reported probability; the last bin includes its end.
-    names : int
-        Number of names given with such a probability.
-    mean : float or None
-        Mean probability given; None without names.
-    share_right : float or None
-        Share of the names of an acceptable family.
+    compared : Compared
+        The models of its diagnosis.
+    effects : frozenset of str
+        Effects of the families that are right; empty where no name is.
 
     """
 
-    low: float
-    high: float
-    names: int
-    mean: float | None
-    share_right: float | None
+    compared: Compared
+    effects: frozenset[str]
 
 
-def reliability(scores: Sequence[FamilyScore]) -> list[Reliability]:
+@dataclass(frozen=True)
+class Calibration:
     """
-    Compare reported probabilities with the share of right names.
+    Fitted constants.
+
+    Attributes
+    ----------
+    trials : int
+        Number of trials.
+    before, after : float
+        Loss with the constants as they are, and as fitted [nat a trial].
+    constants : Constants
+        As fitted.
+    sensitivity : dict of str to tuple of float
+        Loss at half and at twice each fitted constant.
+
+    """
+
+    trials: int
+    before: float
+    after: float
+    constants: Constants
+    sensitivity: dict[str, tuple[float, float]]
+
+    def text(self) -> str:
+        """Format the constants as a table."""
+        lines = [f'constants of the decision, fitted to {self.trials} trials: '
+                 f'{self.before:.4f} -> {self.after:.4f} nat a trial',
+                 'constant          present    fitted   loss at half, at twice']
+        for name in FITTED:
+            half, twice = self.sensitivity[name]
+            lines.append(f'  {name:<14}{getattr(CONSTANTS, name):>9.3g}'
+                         f'{getattr(self.constants, name):>10.3g}{half:>12.4f}{twice:>10.4f}')
+        return '\n'.join(lines)
+
+    def write(self, path: Path) -> None:
+        """Write the constants as `diagnosis/compare/constants.json` holds them."""
+        path.write_text(json.dumps(self.constants._asdict(), indent=1) + '\n')
+
+
+def judged(answers: Iterable[tuple[Mapping[str, Any], Mapping[str, Any]]]) -> list[JudgedTrial]:
+    """
+    Read truths and comparisons of a study.
 
     Parameters
     ----------
-    scores : sequence of FamilyScore
-        Scores of a study. All names count, those of clean and unknown worlds as wrong.
+    answers : iterable of tuple of mapping
+        Truth and answer of each trial; those without a comparison, such as refusals, are left
+        out.
 
     Returns
     -------
-    table : list of Reliability
-        One row for each bin.
+    trials : list of JudgedTrial
+        In order.
 
     """
-    given = _given(scores)
-    table = []
-    for low, high in zip(PROBABILITY_EDGES[:-1], PROBABILITY_EDGES[1:]):
-        part = [(p, right) for p, right in given
-                if low <= p < high or p == high == PROBABILITY_EDGES[-1]]
-        count = len(part)
-        means = [sum(column) / count for column in zip(*part)] if part else [None, None]
-        table.append(Reliability(low, high, count, *means))
-    return table
+    found = []
+    for truth, answer in answers:
+        if answer.get('comparison') is None:
+            continue
+        families = truth.get('families')
+        if families is None:
+            families = {EFFECTS[effect['name']].family for effect in truth['effects']}
+        found.append(JudgedTrial(of_dict(answer['comparison'], CONSTANTS),
+                                 frozenset(of_families(list(families)))))
+    return found
 
 
-def _given(scores: Sequence[FamilyScore]) -> list[tuple[float, bool]]:
-    return [(named.probability, named.right) for score in scores for named in score.names]
-
-
-def fit_curve(scores: Sequence[FamilyScore]) -> tuple[float, float]:
+def loss(trials: Sequence[JudgedTrial], constants: Constants) -> float:
     """
-    Fit the curve of `diagnosis.conclude.probability` to the names of a study.
+    Return the mean logarithmic score of the truth.
 
     Parameters
     ----------
-    scores : sequence of FamilyScore
-        With at least one name.
+    trials : sequence of JudgedTrial
+        With their truth.
+    constants : Constants
+        Prior and error model.
 
     Returns
     -------
-    even, slope : float
-        Of the logistic curve that makes the outcomes likeliest (Platt 1999). The evidence is what
-        the present curve made the reported probabilities of; where that is cut off, so is this.
+    loss : float
+        -log of the probability that a right family is missing, or, where none is, that no law is
+        [nat a trial].
 
     """
-    evidence, right = (np.array(column, float) for column in zip(*_given(scores)))
-    evidence = evidence_of(evidence)
+    scores = []
+    for trial in trials:
+        scale = (constants.instrument / CONSTANTS.instrument) ** 2
+        evidence = replace(trial.compared.evidence, constants=constants,
+                           instrument=scale * trial.compared.evidence.instrument)
+        models = trial.compared.models
+        weights = evidence.weights(models, 0)
+        right = [bool(trial.effects & one.key) if trial.effects else one.laws == 0
+                 for one in models]
+        scores.append(-np.log(max(float(weights[right].sum()), _LEAST)))
+    return float(np.mean(scores))
 
-    def unlikelihood(values: Array) -> float:
-        argument = values[1] * (evidence - values[0])
-        losses = np.where(right > 0.5, np.logaddexp(0.0, -argument), np.logaddexp(0.0, argument))
-        ends = values[1] * (np.array([0.0, 1.0]) - values[0])
-        prior = np.logaddexp(0.0, ends[0]) + np.logaddexp(0.0, -ends[1])
-        return float(losses.sum() + _PRIOR * prior)
 
-    even, slope = minimize(unlikelihood, [0.3, 5.0], method='Nelder-Mead').x.tolist()
-    return even, slope
-
-
-def calibration_text(scores: Sequence[FamilyScore]) -> str:
+def calibrate(trials: Sequence[JudgedTrial]) -> Calibration:
     """
-    Format the reliability table, and the curve that would fit these names.
+    Fit the constants of the evidence, one after the other.
 
     Parameters
     ----------
-    scores : sequence of FamilyScore
-        Scores of a study.
+    trials : sequence of JudgedTrial
+        At least one.
 
     Returns
     -------
-    text : str
-        A line for each bin.
+    calibration : Calibration
+        Constants of least loss, and how much each matters.
+
+    Raises
+    ------
+    ParameterRangeError
+        If there is no trial.
 
     """
-    lines = ['probability given       names     mean    right']
-    for row in reliability(scores):
-        shown = ['       -' if value is None else f'{value:>8.2f}'
-                 for value in (row.mean, row.share_right)]
-        lines.append(f'  {row.low:.1f} to {row.high:.1f}{row.names:>18}{shown[0]} {shown[1]}')
-    if _given(scores):
-        even, slope = fit_curve(scores)
-        lines.append(f'  likeliest curve: EVEN, SLOPE = {even:.2f}, {slope:.1f}')
-    return '\n'.join(lines)
-
-
-@figure_style()
-def plot_reliability(scores: Sequence[FamilyScore], path: Path) -> Path:
-    """
-    Plot how often names of a reported probability are right.
-
-    Parameters
-    ----------
-    scores : sequence of FamilyScore
-        Scores of a study.
-    path : Path
-        PNG file to write.
-
-    Returns
-    -------
-    path : Path
-        The same.
-
-    """
-    figure, axis = require_matplotlib().subplots(figsize=(4.2, 4.0))
-    axis.plot([0.0, 1.0], [0.0, 1.0], color=MUTED, lw=1.0)
-    axis.fill_between([0.0, 1.0], [-0.1, 0.9], [0.1, 1.1], color=GREY, alpha=0.12, lw=0.0,
-                      label='within 0.1')
-    for row in reliability(scores):
-        if row.mean is not None and row.share_right is not None:
-            # The interval of a share of so few (Wilson 1927).
-            low, high = _wilson(row.share_right, row.names)
-            axis.plot([row.mean, row.mean], [low, high], color=BLUE, lw=1.5)
-            axis.plot(row.mean, row.share_right, 'o', color=BLUE, ms=6.0)
-            axis.annotate(str(row.names), (row.mean, high), (0.0, 3.0), ha='center', fontsize=8,
-                          textcoords='offset points')
-    axis.set(xlim=(0.0, 1.02), ylim=(0.0, 1.1), xlabel='probability reported (mean of the bin)',
-             ylabel='share of names of a right family')
-    axis.set_title('number of names above each interval of 95 %')
-    axis.legend(loc='upper left')
-    figure.savefig(path)
-    require_matplotlib().close(figure)
-    return path
-
-
-def _wilson(share: float, count: int) -> tuple[float, float]:
-    z = 1.96
-    middle = (share + z**2 / (2 * count)) / (1.0 + z**2 / count)
-    reach = z * np.sqrt(share * (1.0 - share) / count + (z / (2 * count)) ** 2) / (
-        1.0 + z**2 / count)
-    return float(middle - reach), float(middle + reach)
+    if not trials:
+        raise ParameterRangeError(
+            '--calibrate needs trials with a comparison, got none; delete the subfolder reports '
+            'of the study and diagnose again')
+    best, before = CONSTANTS, loss(trials, CONSTANTS)
+    least = before
+    for _ in range(_ROUNDS):
+        previous = least
+        for name in FITTED:
+            for factor in (1.0 / _FACTOR, _FACTOR):
+                tried = best._replace(**{name: factor * getattr(best, name)})
+                there = loss(trials, tried)
+                if there < least - _GAIN:
+                    best, least = tried, there
+        if least > previous - _GAIN:
+            break
+    sensitivity = {
+        name: (loss(trials, best._replace(**{name: 0.5 * getattr(best, name)})),
+               loss(trials, best._replace(**{name: 2.0 * getattr(best, name)})))
+        for name in FITTED}
+    return Calibration(len(trials), before, least, best, sensitivity)

@@ -19,8 +19,8 @@ from __future__ import annotations
 from dataclasses import asdict
 from typing import Any, Mapping, Sequence
 
-from .calibration import calibration_text, reliability
 from .family_scoring import FAILED, FamilyScore, RIGHT, SILENT, WRONG
+from .reliability import calibration_text, reliability
 
 _OUTCOMES = (RIGHT, WRONG, SILENT, FAILED)
 

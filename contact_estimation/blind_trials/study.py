@@ -28,6 +28,7 @@ from typing import Any, Callable, NamedTuple, Sequence
 
 import numpy as np
 
+from .calibration import judged, JudgedTrial
 from .family_scoring import family_score, FamilyScore
 from .rig_trial import draw_rig_trial
 from .scoring import Score, score
@@ -190,6 +191,26 @@ def _family_score(folder: Path, planned: PlannedTrial) -> FamilyScore:
     return family_score(planned.name, *_truth_and_answer(folder, planned))
 
 
+def judged_trials(folder: Path, trials: Sequence[PlannedTrial]) -> list[JudgedTrial]:
+    """
+    Return the trials of a study for a calibration.
+
+    Parameters
+    ----------
+    folder : Path
+        Folder of the study.
+    trials : sequence of PlannedTrial
+        That were run.
+
+    Returns
+    -------
+    trials : list of JudgedTrial
+        Those with a comparison.
+
+    """
+    return judged(_truth_and_answer(folder, trial) for trial in trials)
+
+
 def _truth_and_answer(folder: Path, planned: PlannedTrial) -> tuple[Any, Any]:
     files = TrialFiles.of(folder, planned.name)
     return json.loads(files.truth.read_text()), json.loads(files.report.read_text())
@@ -202,17 +223,20 @@ def diagnose_blind(files: TrialFiles) -> None:
     Parameters
     ----------
     files : TrialFiles
-        Files of the trial. The report file is written: `report` (null after a failure), `error`
-        and `seconds`.
+        Files of the trial. The report file is written: `report` and `comparison` (null after a
+        failure), `error` and `seconds`.
 
     """
     with tempfile.TemporaryDirectory() as folder:
-        output = Path(folder) / 'report.json'
+        output, models = Path(folder) / 'report.json', Path(folder) / 'models.json'
         begin = time.monotonic()
-        error = _run(diagnose_command(files.recording, files.nominal, output))
+        error = _run([*diagnose_command(files.recording, files.nominal, output),
+                      '--write-comparison', str(models)])
         seconds = time.monotonic() - begin
-        report = None if error else json.loads(output.read_text())
-    write_json(files.report, {'report': report, 'error': error, 'seconds': round(seconds, 1)})
+        report, comparison = (None if error else json.loads(path.read_text())
+                              for path in (output, models))
+    write_json(files.report, {'report': report, 'error': error, 'seconds': round(seconds, 1),
+                              'comparison': comparison})
 
 
 def diagnose_command(recording: Path, nominal: Path, output: Path) -> list[str]:

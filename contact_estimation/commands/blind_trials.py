@@ -23,10 +23,11 @@ from typing import Any, Iterator
 
 from .command_line import command, new_file, Parser
 from .progress import Progress
-from ..blind_trials.calibration import plot_reliability
+from ..blind_trials.calibration import calibrate
 from ..blind_trials.family_report import family_dict, family_text
+from ..blind_trials.reliability import plot_reliability
 from ..blind_trials.report import as_dict, as_text, plot_confusion
-from ..blind_trials.study import plan_study, run_study, Scores
+from ..blind_trials.study import judged_trials, plan_study, run_study, Scores
 from ..exceptions import ParameterRangeError
 from ..scheduling import ThisProcess, Workers, workers
 
@@ -51,6 +52,9 @@ def make_parser() -> Parser:
     parser.add_argument('--foreign', type=int, default=0,
                         help='trials on a rig with a law of the literature that is not the '
                         "library's; every ninth has none (0)")
+    parser.add_argument('--calibrate', metavar='FILE',
+                        help='fit the constants of the decision to these trials, print how much '
+                        'each matters, and write them as JSON')
     parser.add_argument('--only-write', action='store_true',
                         help='write recordings, nominal models and truths; diagnose nothing')
     parser.add_argument('--seed', type=int, default=0, help='seed of all random draws (0)')
@@ -88,7 +92,8 @@ def run(options: Any) -> int:
     if not any(getattr(options, kind) for kind in _KINDS):
         raise ParameterRangeError(
             '--count, --clean, --unknown and --foreign are all 0; request at least one trial')
-    target = new_file(options.json) if options.json else None
+    target, constants = (new_file(path) if path else None
+                         for path in (options.json, options.calibrate))
     folder = Path(options.output)
     folder.mkdir(parents=True, exist_ok=True)
     progress = Progress('blind_trials')
@@ -107,6 +112,10 @@ def run(options: Any) -> int:
     if target is not None:
         content = {**as_dict(scores.exact, options.seed), 'rigs': family_dict(scores.on_rigs)}
         target.write_text(json.dumps(content, indent=1) + '\n')
+    if constants is not None:
+        fitted = calibrate(judged_trials(folder, trials))
+        print(fitted.text())
+        fitted.write(constants)
     if scores.exact:
         print(f'wrote {plot_confusion(scores.exact, folder / "confusion.png")}')
     if scores.on_rigs:

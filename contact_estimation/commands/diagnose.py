@@ -33,6 +33,7 @@ from .command_line import (
     topics_of,
 )
 from .progress import Progress
+from ..diagnosis.compare.comparison_file import as_dict as comparison
 from ..diagnosis.conclude.diagnose import diagnose
 from ..diagnosis.conclude.next_experiment import choose, Proposal
 from ..diagnosis.conclude.result import Diagnosis
@@ -66,6 +67,9 @@ def make_parser() -> Parser:
     parser.add_argument('--html', metavar='FILE',
                         help='write the report with figures as one HTML file')
     parser.add_argument('--write-model', metavar='FILE', help='write the corrected model file')
+    parser.add_argument('--write-comparison', metavar='FILE',
+                        help='write all models that were compared, with their errors on parts '
+                        'left out, as JSON')
     parser.add_argument('--seed', type=int, default=0, help='seed of the bootstraps (default: 0)')
     add_params_option(
         parser, ': its arm (kinematics.*, contact.normal, tool.*, the inertia of the tool '
@@ -89,7 +93,8 @@ def run(options: Any) -> int:
         0.
 
     """
-    outputs = (options.json, options.html, options.write_model, _experiment_file(options))
+    outputs = (options.json, options.html, options.write_model, options.write_comparison,
+               _experiment_file(options))
     for path in outputs:
         if path:
             new_file(path)
@@ -156,6 +161,9 @@ def _write(diagnosis: Diagnosis, proposal: Proposal | None, options: Any) -> Non
         title = ', '.join(Path(path).name for path in options.recordings)
         new_file(options.html).write_text(
             as_html(diagnosis, title, experiment), encoding='utf-8')
+    if options.write_comparison:
+        compared = None if diagnosis.compared is None else comparison(diagnosis.compared)
+        new_file(options.write_comparison).write_text(json.dumps(compared) + '\n')
     if options.write_model:
         new_file(options.write_model).write_text(model_file(diagnosis))
 

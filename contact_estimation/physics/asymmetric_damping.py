@@ -51,7 +51,6 @@ class AsymmetricDamping(ContactEffect):
     description = 'Damping that differs between the two directions of motion.'
     Parameters = AsymmetricDampingParameters
     needs_return = True
-    needs_speeds = True
     either_sign = True
 
     def resistance(self, t: Number, d: Number, v: Number, state: Any, m: Any) -> Number:

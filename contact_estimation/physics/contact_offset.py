@@ -43,6 +43,7 @@ class ContactOffset(ContactEffect):
     reached_length = 'offset'
     either_sign = True
     needs_spring = True
+    needs_touch = True  # in an attached environment it is a bias K_e times as large
 
     def surface(self, t: Number, state: Any, m: Any) -> tuple[Any, Any]:
         """Return the constant shift; see `ContactEffect.surface`."""

@@ -49,7 +49,6 @@ class DmtAdhesion(Adhesion):
     equation = 'F_e += F_a in contact; F_e = F_a (1 + d / reach) on leaving'
     description = 'The wall attracts the tool while they touch, until it is pulled off.'
     Parameters = DmtAdhesionParameters
-    is_series = True
 
     def __init__(self, values: DmtAdhesionParameters) -> None:
         super().__init__(values)

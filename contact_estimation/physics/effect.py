@@ -54,16 +54,9 @@ class Effect(DrawnEffect):
         `wall_scale`.
     needs_penetration : bool
         Whether the law holds for x beyond x_e only, in a permanently attached environment too.
-    accumulates : bool
-        Whether every contact adds to it, as a surface that shifts between two contacts seems to
-        do: the first must show it, too.
     needs_return : bool
         Whether a specimen that is loaded once, and not unloaded, may as well relax or follow an
         elastic law.
-    breaks_away : bool
-        Whether such a specimen shows the effect all the same where it sticks before it slides.
-    needs_speeds : bool
-        Whether the effect is an elastic law where the depth tells the speed.
     needs_spring : bool
         Whether the effect is without one a constant force, another effect, or nothing at all.
     needs_robot : bool
@@ -79,8 +72,6 @@ class Effect(DrawnEffect):
         Whether the measured force is level where the effect acts, by which it is told.
     lets_go : bool
         Whether the force may vanish during contact.
-    is_series : bool
-        Whether the law is wider than others of its family, which are preferred to it.
     reached_force : str
         Parameter that is a force which the measured one has to reach; '' if there is none.
     reached_length : str
@@ -95,8 +86,6 @@ class Effect(DrawnEffect):
     sampled_delay : str
         Parameter that is a delay or a lag, to be a fair share of a sample period; '' if there is
         none.
-    least_share : float
-        Least share of the misfit that it must predict where it is flexible, see `is_flexible`.
 
     Parameters
     ----------
@@ -116,10 +105,7 @@ class Effect(DrawnEffect):
     needs_attachment: ClassVar[bool] = False
     rescales_wall: ClassVar[bool] = False
     needs_penetration: ClassVar[bool] = False
-    accumulates: ClassVar[bool] = False
     needs_return: ClassVar[bool] = False
-    breaks_away: ClassVar[bool] = False
-    needs_speeds: ClassVar[bool] = False
     needs_spring: ClassVar[bool] = False
     needs_robot: ClassVar[bool] = False
     base_parameter: ClassVar[str] = ''
@@ -127,14 +113,12 @@ class Effect(DrawnEffect):
     resonates: ClassVar[bool] = False
     clips_force: ClassVar[bool] = False
     lets_go: ClassVar[bool] = False
-    is_series: ClassVar[bool] = False
     reached_force: ClassVar[str] = ''
     reached_length: ClassVar[str] = ''
     covered_depth: ClassVar[str] = ''
     resolved_length: ClassVar[str] = ''
     sampled_frequency: ClassVar[str] = ''
     sampled_delay: ClassVar[str] = ''
-    least_share: ClassVar[float] = 0.85
 
     def __init__(self, values: ParameterGroup) -> None:
         self.values: Any = values

@@ -61,7 +61,6 @@ class EnvironmentResonance(ContactEffect):
     family = 'inertia'
     description = 'A mass behind the surface resonates on a spring and a damper of its own.'
     Parameters = EnvironmentResonanceParameters
-    is_series = True
     resonates = True
     sampled_frequency = 'frequency'
 

@@ -57,7 +57,6 @@ class ForceGain(ForceSensorEffect):
     rescales_wall = True
     neutral = {'gain': 1.0}
     needs_robot = True
-    least_share = 0.96  # a sensor that bends or saturates has a gain too, but leaves more
 
     def sense(self, t: float, dt: float, force: float, acceleration: float) -> float:
         """Multiply by the gain; see `ForceSensorEffect.sense`."""

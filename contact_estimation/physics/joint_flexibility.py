@@ -59,7 +59,6 @@ class JointFlexibility(RobotEffect):
     description = 'A joint or a tool mount yields between the measured position and the wall.'
     Parameters = JointFlexibilityParameters
     resonates = True
-    is_series = True
 
     def joint(self, mass: float) -> Joint | None:
         """Return the joint unless it is rigid; see `RobotEffect.joint`."""

@@ -50,11 +50,15 @@ class PolynomialStiffness(ContactEffect):
     family = 'elastic_law'
     description = 'The wall softens and then hardens with depth, or the reverse.'
     Parameters = PolynomialStiffnessParameters
-    is_series = True
 
     def resistance(self, t: Number, d: Number, v: Number, state: Any, m: Any) -> Number:
         """Return K_2 d |d| + K_3 d^3; see `ContactEffect.resistance`."""
         return (self.values.K_2 * abs(d) + self.values.K_3 * d * d) * d
+
+    @classmethod
+    def is_flexible(cls, values: Any, duration: float) -> bool:
+        """Return True: two powers of the depth follow any elastic misfit."""
+        return True
 
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:

@@ -51,7 +51,6 @@ class PowerLawDamping(ContactEffect):
     family = 'damping_law'
     description = 'The damping of the wall follows a power of the depth (spheres: 1/4 to 3/2).'
     Parameters = PowerLawDampingParameters
-    is_series = True
     neutral = {'m': 0.0}
     in_logarithm = ('B_m',)
 

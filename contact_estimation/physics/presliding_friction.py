@@ -74,7 +74,6 @@ class PreslidingFriction(ContactEffect):
     description = 'Dry friction that rises over a short travel after each reversal (Dahl model).'
     Parameters = PreslidingFrictionParameters
     needs_return = True
-    breaks_away = True
     reached_force = 'F_c'
     covered_depth = 'travel'
 

@@ -49,7 +49,6 @@ class SettlingBias(ForceSensorEffect):
     family = 'sensor_zero'
     description = 'The zero of the force sensor settles exponentially, as after switching on.'
     Parameters = SettlingBiasParameters
-    is_series = True
     needs_return = True
     linear_in = ('change', 'bias')
     either_sign = True

@@ -52,8 +52,6 @@ class ViscousFlow(ContactEffect):
     description = 'The wall flows while it is pressed, and does not recover (dashpot in series).'
     Parameters = ViscousFlowParameters
     needs_touch = True
-    accumulates = True
-    least_share = 0.7  # it looks like a wall that softens, too
 
     states = 1  # u: how far the surface has receded
 

@@ -96,29 +96,7 @@ class Examined(NamedTuple):
 def examine(
     recordings: Sequence[Recording], model: PlantParameters, fitted: int | None = None
 ) -> Examined:
-    """
-    Check recordings for wrong use; put right what is beyond doubt.
-
-    Parameters
-    ----------
-    recordings : sequence of Recording
-        As recorded.
-    model : PlantParameters
-        Nominal.
-    fitted : int, optional
-        How many of them, the first, are fitted together; all by default.
-
-    Returns
-    -------
-    examined : Examined
-        With what is beyond doubt put right: the sign of a specimen's force, positions that jump.
-
-    Raises
-    ------
-    RecordingError
-        If a signal has too few samples, is not finite or constant.
-
-    """
+    """Check recordings for wrong use; put right what is beyond doubt."""
     several = len(recordings) > 1
     alone = (len(recordings) if fitted is None else fitted) == 1
     found = [check(recording, model, alone) for recording in recordings]

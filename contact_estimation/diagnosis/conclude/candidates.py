@@ -89,20 +89,7 @@ class Candidate(NamedTuple):
 
 
 def candidates(reach: Reach) -> list[Candidate]:
-    """
-    List the candidates.
-
-    Parameters
-    ----------
-    reach : Reach
-        Limits.
-
-    Returns
-    -------
-    candidates : list of Candidate
-        Fast and slow, deep and shallow, short and long, at one frequency and at several.
-
-    """
+    """List the candidates."""
     made = [
         press(reach, share, pace, dwell)
         for share, pace, dwell in (
@@ -115,24 +102,7 @@ def candidates(reach: Reach) -> list[Candidate]:
 
 
 def press(reach: Reach, share: float, pace: float, dwell: float) -> Candidate:
-    """
-    Press, hold, withdraw.
-
-    Parameters
-    ----------
-    reach : Reach
-        Limits.
-    share, pace : float
-        Fractions of the depth and speed reached.
-    dwell : float
-        Time at depth [s].
-
-    Returns
-    -------
-    candidate : Candidate
-        One touch.
-
-    """
+    """Press, hold, withdraw."""
     depth, speed = share * reach.depth, pace * reach.speed
     words = (f'press {1e3 * depth:.2g} mm deep at up to {speed:.2g} m/s and hold for '
              f'{dwell:g} s')
@@ -144,24 +114,7 @@ def _hold(reach: Reach, depth: float, dwell: float) -> Segment:
 
 
 def swing(reach: Reach, frequencies: Sequence[float], share: float, width: float) -> Candidate:
-    """
-    Swing about a depth, back and forth by quintics: a sine would begin with a jerk.
-
-    Parameters
-    ----------
-    reach : Reach
-        Limits; the amplitude is reduced to stay within the speed.
-    frequencies : sequence of float
-        One after the other [Hz].
-    share, width : float
-        Mean and amplitude, as fractions of the depth reached.
-
-    Returns
-    -------
-    candidate : Candidate
-        One touch.
-
-    """
+    """Swing about a depth, back and forth by quintics: a sine would begin with a jerk."""
     depth, swings, widest = share * reach.depth, [], 0.0
     into = 0.5 / frequencies[0]  # time to the next swing, which may be narrower
     for frequency in frequencies:
@@ -196,20 +149,7 @@ def _touch(
 
 
 def scaling_test(reach: Reach) -> Candidate:
-    """
-    Touch at two depths and two speeds, to find what the unknown physics scale with.
-
-    Parameters
-    ----------
-    reach : Reach
-        Limits.
-
-    Returns
-    -------
-    candidate : Candidate
-        Four touches.
-
-    """
+    """Touch at two depths and two speeds, to find what the unknown physics scale with."""
     depths = (reach.depth, 0.5 * reach.depth)
     speeds = (0.5 * reach.touch_down_speed, 2.0 * reach.touch_down_speed)
     words = (

@@ -103,24 +103,7 @@ class _Binned(NamedTuple):
 def dependences(
     recording: PreparedRecording, model: Model, generator: Generator
 ) -> list[Dependence]:
-    """
-    Test the residuals of a model, channel by channel.
-
-    Parameters
-    ----------
-    recording : PreparedRecording
-        The recording.
-    model : Model
-        Fitted.
-    generator : numpy.random.Generator
-        Of the bootstrap.
-
-    Returns
-    -------
-    dependences : list of Dependence
-        Of the force, then of the motion; empty if the recording is too short.
-
-    """
+    """Test the residuals of a model, channel by channel."""
     parts = recording.split(residuals(recording, model, robust=False))
     channels = {'force': recording.force, 'motion': recording.motion}
     if recording.driven_by_force(model):

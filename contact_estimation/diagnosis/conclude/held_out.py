@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from .result import Errors, HeldOutErrors
 from ..observe.model import Model
 from ..observe.prepared_recording import PreparedRecording
-from ..observe.residuals import force_residual, residuals
+from ..observe.residuals import force_residual
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -32,7 +32,6 @@ Flags = NDArray[np.bool_]
 _BLOCK_S = 0.25
 _RESOLVED_S = 0.025  # over which the acceleration of a driven mass is averaged, twice
 _DRAWS = 400
-_NEGLIGIBLE = 1.0  # difference of cost
 
 
 class Part(NamedTuple):
@@ -65,28 +64,7 @@ def measure_part(
     name: str, recording: PreparedRecording, samples: Flags, models: Sequence[Model],
     runs: Sequence[Array] | None,
 ) -> Part:
-    """
-    Measure the errors of models on one part.
-
-    Parameters
-    ----------
-    name : str
-        Of the part.
-    recording : PreparedRecording
-        With the part among its samples that count.
-    samples : ndarray of bool, shape (N,)
-        The part.
-    models : sequence of Model
-        Nominal, recalibrated, corrected.
-    runs : sequence of ndarray or None
-        Their free-run positions [m].
-
-    Returns
-    -------
-    part : Part
-        Block sums.
-
-    """
+    """Measure the errors of models on one part."""
     o = recording.observed
     touching = samples & recording.force.use
     laws = models[-1].laws()
@@ -123,20 +101,7 @@ def _sums(signal: Array, span: int) -> Array:
 
 
 def errors_of(parts: Sequence[Part]) -> tuple[Errors, Errors]:
-    """
-    Compute the root-mean-square errors over all parts.
-
-    Parameters
-    ----------
-    parts : sequence of Part
-        Held out.
-
-    Returns
-    -------
-    force, motion : Errors
-        Root-mean-square [N], [m].
-
-    """
+    """Compute the root-mean-square errors over all parts."""
     force = sum(part.force.sum(axis=1) for part in parts)
     count = sum(float(part.samples.sum()) for part in parts)
     moved = [part for part in parts if part.motion is not None]
@@ -152,37 +117,14 @@ def _errors(sums: Array | int, count: float) -> Errors:
 
 
 def by_part(parts: Sequence[Part]) -> list[HeldOutErrors]:
-    """
-    List the errors part by part; parameters as `errors_of`.
-
-    Returns
-    -------
-    errors : list of HeldOutErrors
-        In order.
-
-    """
+    """List the errors part by part; parameters as `errors_of`."""
     return [HeldOutErrors(part.name, *errors_of([part])) for part in parts]
 
 
 def improvement_interval(
     parts: Sequence[Part], generator: np.random.Generator
 ) -> tuple[float, float] | None:
-    """
-    Bootstrap 1 - corrected / recalibrated over blocks of time, paired.
-
-    Parameters
-    ----------
-    parts : sequence of Part
-        Held out.
-    generator : numpy.random.Generator
-        Draws the blocks.
-
-    Returns
-    -------
-    interval : (float, float) or None
-        95 %; None with fewer than two blocks.
-
-    """
+    """Bootstrap 1 - corrected / recalibrated over blocks of time, paired."""
     force = np.concatenate([part.force for part in parts], axis=1)
     count = np.concatenate([part.samples for part in parts])
     use = np.flatnonzero(count > 0.0)
@@ -193,40 +135,3 @@ def improvement_interval(
     ratios = 1.0 - np.sqrt(corrected / np.maximum(recalibrated, 1e-300))
     low, high = np.percentile(ratios, (2.5, 97.5))
     return float(low), float(high)
-
-
-def as_good(
-    recording: PreparedRecording, samples: Flags, best: Model, rival: Model,
-    generator: np.random.Generator,
-) -> bool:
-    """
-    Return whether a rival predicts held-out data as well, to within the interval's width.
-
-    Parameters
-    ----------
-    recording : PreparedRecording
-        With the part among its samples that count, and the discount of `best`.
-    samples : ndarray of bool, shape (N,)
-        The held-out part.
-    best, rival : Model
-        Fitted on the rest.
-    generator : numpy.random.Generator
-        Draws blocks of time.
-
-    Returns
-    -------
-    as_good : bool
-        By a paired 95 % bootstrap over blocks of time.
-
-    """
-    squares = [np.sum(recording.split(residuals(recording, model, robust=False)) ** 2, axis=0)
-               for model in (rival, best)]
-    span = max(1, round(_BLOCK_S * recording.observed.pace / recording.block_s))
-    use = recording.blocks((samples & recording.use).astype(float))
-    differences = _sums((squares[0] - squares[1]) * (use > 0.0), span)
-    blocks = np.flatnonzero(_sums(use, span) > 0.0)
-    if len(blocks) < 2:
-        return False
-    drawn = generator.choice(blocks, (_DRAWS, len(blocks)))
-    low, high = np.percentile(differences[drawn].sum(axis=1), (2.5, 97.5))
-    return bool(differences.sum() <= max(high - low, _NEGLIGIBLE))

@@ -83,24 +83,7 @@ class Location(NamedTuple):
 def locate(
     recording: PreparedRecording, model: Model, acting: type[Effect] | None = None,
 ) -> Location:
-    """
-    Locate the misfit of a model.
-
-    Parameters
-    ----------
-    recording : PreparedRecording
-        The recording.
-    model : Model
-        Fitted without the effect that is located.
-    acting : type of Effect, optional
-        What is missing, if it is known.
-
-    Returns
-    -------
-    location : Location
-        Of the energy of the residuals.
-
-    """
+    """Locate the misfit of a model."""
     parts = recording.split(residuals(recording, model)) ** 2
     port = acting.port if acting else guess_port(recording, model)
     in_motion = acting.needs_robot if acting else port == 'robot'
@@ -117,17 +100,6 @@ def guess_port(recording: PreparedRecording, model: Model) -> str:
 
     A missing effect of the contact shows in the measured force and, through that force, in the
     motion; one of the sensor in the force alone; one of the robot in the motion alone.
-
-    Parameters
-    ----------
-    recording, model
-        As for `locate`.
-
-    Returns
-    -------
-    port : str
-        'contact', 'force_sensor' or 'robot'.
-
     """
     missing = force_residual(recording, model)
     response = response_to(recording, missing * recording.use, model)
@@ -146,22 +118,7 @@ def guess_port(recording: PreparedRecording, model: Model) -> str:
 
 
 def intervals(recording: PreparedRecording, energy: Array) -> list[tuple[float, float]]:
-    """
-    Find the times at which residuals exceed the noise.
-
-    Parameters
-    ----------
-    recording : PreparedRecording
-        The recording.
-    energy : ndarray, shape (blocks,)
-        Squared residuals, in variances of the noise.
-
-    Returns
-    -------
-    intervals : list of (float, float)
-        Times [s]; the strongest few, in order.
-
-    """
+    """Find the times at which residuals exceed the noise."""
     step, pace = recording.block_s, recording.observed.pace
     span = max(1, round(_WINDOW_S * pace / step))
     mean = np.convolve(energy, np.ones(span) / span, mode='same')
@@ -179,22 +136,7 @@ def intervals(recording: PreparedRecording, energy: Array) -> list[tuple[float, 
 
 
 def phases(recording: PreparedRecording, model: Model) -> dict[str, Flags]:
-    """
-    Divide a recording into the phases of its contacts.
-
-    Parameters
-    ----------
-    recording : PreparedRecording
-        The recording.
-    model : Model
-        Fitted.
-
-    Returns
-    -------
-    phases : dict of str to ndarray of bool, shape (blocks,)
-        By name; only loading and unloading for a permanently attached wall.
-
-    """
+    """Divide a recording into the phases of its contacts."""
     o, law = recording.observed, model.laws().contact
     v = recording.blocks(o.v)
     if not law.unilateral:

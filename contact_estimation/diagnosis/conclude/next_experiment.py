@@ -32,12 +32,11 @@ from numpy.typing import NDArray
 from .candidates import Candidate, candidates, Reach, scaling_test
 from .naming import indistinguishable_pairs, what_is_explained
 from .result import Diagnosis
-from ..fit.criteria import THRESHOLD
+from ..compare.order import ranked_by
 from ..fit.fitting import residual_function
 from ..fit.free_run import plant_of, steps_a_sample
 from ..fit.jacobian import differentiate_by
 from ..fit.model_uncertainty import discounted
-from ..fit.order import ranked_by
 from ..observe.episodes import episodes
 from ..observe.model import Model
 from ..observe.observed import Observed
@@ -51,6 +50,7 @@ Array = NDArray[np.float64]
 
 _INTEGRATION_RATE = 1000.0
 _LEAST_PACE = 0.1
+_SEPARATES = 0.1  # mean square of a difference, in that of noise: a clear one
 
 
 class Proposal(NamedTuple):
@@ -91,21 +91,7 @@ class Difference(NamedTuple):
 
 
 def choose(diagnosis: Diagnosis) -> Proposal | None:
-    """
-    Propose an experiment.
-
-    Parameters
-    ----------
-    diagnosis : Diagnosis
-        The result.
-
-    Returns
-    -------
-    proposal : Proposal or None
-        None if no question is open, if the recordings must first be put right, or without a robot
-        to run it: a permanently attached environment is driven by a force.
-
-    """
+    """Propose an experiment."""
     if diagnosis.refused or not diagnosis.nominal.nominal.environment.unilateral:
         return None
     if diagnosis.rivals:
@@ -118,20 +104,7 @@ def choose(diagnosis: Diagnosis) -> Proposal | None:
 
 
 def reach_of(diagnosis: Diagnosis) -> Reach:
-    """
-    Measure the reach of the recordings, the limit of every proposal.
-
-    Parameters
-    ----------
-    diagnosis : Diagnosis
-        The result.
-
-    Returns
-    -------
-    reach : Reach
-        Over all recordings.
-
-    """
+    """Measure the reach of the recordings, the limit of every proposal."""
     model = diagnosis.recalibrated
     depths, speeds, touching = [], [], []
     x_e = model.nominal.environment.location
@@ -164,7 +137,7 @@ def _sentence(
             'times the noise of a sample)')
     if difference.motion is not None:
         size += f' and {_short(difference.motion)} times the noise in motion'
-    if difference.strength < THRESHOLD:
+    if difference.strength < _SEPARATES:
         return (
             f'Within the reach of this recording it is hard to tell {pairs}. The best of {tried} '
             f'experiments is to {best.words}: whatever the values, the predictions then '
@@ -200,20 +173,7 @@ class Judge:
         }
 
     def least_difference(self, experiment: Experiment) -> Difference:
-        """
-        Simulate an experiment and compare.
-
-        Parameters
-        ----------
-        experiment : Experiment
-            A candidate.
-
-        Returns
-        -------
-        difference : Difference
-            From the nearest rival.
-
-        """
+        """Simulate an experiment and compare."""
         played = discounted(self._played(experiment), self._model)
         true = residuals(played, self._model, robust=False)
         differences = (self._difference(played, true, name) for name in self._rivals)

@@ -27,22 +27,7 @@ _NOTHING = Errors(None, None, None)
 
 
 def refuse(checks: Sequence[Check], nominal: Model) -> Diagnosis:
-    """
-    Return a diagnosis without names, fits and recordings.
-
-    Parameters
-    ----------
-    checks : sequence of Check
-        Those that failed say what to change.
-    nominal : Model
-        The model under diagnosis.
-
-    Returns
-    -------
-    diagnosis : Diagnosis
-        'unexplained'.
-
-    """
+    """Return a diagnosis without names, fits and recordings."""
     failed = [check.text for check in checks if not check.ok and check.fatal]
     return Diagnosis(
         verdict='unexplained', effects=[], location=None, remainder=None, nominal=nominal,
@@ -50,6 +35,6 @@ def refuse(checks: Sequence[Check], nominal: Model) -> Diagnosis:
         damping=Value(nominal.damping, nan, 'N s/m'), noise_floor=nan, force=_NOTHING,
         motion=_NOTHING, improvement=None, holdouts=[],
         next_experiment=f'Put this right and repeat: {"; ".join(failed)}.', rivals={},
-        evidence={}, residual_power=nan, predictable=0.0, dependences={}, recordings=[],
+        evidence={}, residual_power=nan, dependences={}, recordings=[],
         free_runs={}, checks=list(checks),
     )

@@ -24,12 +24,14 @@ from numpy.typing import NDArray
 from .dependence import Dependence
 from .location import Location
 from ..checks.check import Check
-from ..fit.marks import Mark
-from ..fit.share import Share
+from ..compare.beam import Compared
+from ..compare.shares import Share
 from ..observe.model import Model
 from ..observe.prepared_recording import Recordings
 
 Array = NDArray[np.float64]
+
+_BEYOND = 1.2  # times the noise: an error that shows a misfit
 
 
 @dataclass(frozen=True)
@@ -96,11 +98,6 @@ class NamedEffect:
         Effects that predict held-out data as well.
     location : Location
         Of the misfit without it.
-    share_in_form : float or None
-        Of an effect that holds in form alone, its size differing from part to part: the share
-        that it explains with a size of its own in each part.
-    mark : Mark or None
-        What tells an effect that predicts little, such as the force at reversals of the motion.
     beside_zeros : Share or None
         Of a law beside named zeros of sensor and surface: its share of what these leave.
 
@@ -117,8 +114,6 @@ class NamedEffect:
     parameters: dict[str, Value]
     indistinguishable_from: list[str]
     location: Location
-    share_in_form: float | None = None
-    mark: Mark | None = None
     beside_zeros: Share | None = None
 
 
@@ -158,6 +153,31 @@ class Errors:
     nominal: float | None
     recalibrated: float | None
     corrected: float | None
+
+    def explained(self, noise: float, least: float) -> float | None:
+        """
+        Return the share of a misfit that the names explain.
+
+        Parameters
+        ----------
+        noise : float
+            Error of a correct model.
+        least : float
+            Error of the recalibrated model, below which a misfit is not shown.
+
+        Returns
+        -------
+        share : float or None
+            None where no misfit is shown, unless the names more than double what there is of it.
+
+        """
+        if self.recalibrated is None or self.corrected is None:
+            return None
+        some = (_BEYOND * noise) ** 2
+        share = 1.0 - (self.corrected**2 - noise**2) / max(
+            max(self.recalibrated**2, some) - noise**2, 1e-300)
+        shown = self.recalibrated**2 > max(least**2, some)
+        return share if shown or share < -1.0 else None
 
 
 @dataclass(frozen=True)
@@ -214,8 +234,6 @@ class Diagnosis:
         Share of the misfit that each candidate alone explains, by name.
     residual_power : float
         Mean square of the residuals of the corrected model, in that of the noise.
-    predictable : float
-        Share of it that a flexible smoother predicts in blocks it was not fitted on.
     dependences : dict of str to list of Dependence
         Of the residuals of the shown recording, for each model of `pair`.
     recordings : list of PreparedRecording
@@ -228,6 +246,12 @@ class Diagnosis:
         Whether the robot holds its reference between setpoints instead of interpolating it.
     rests_left_out : bool
         Whether the stretches were left out in which a drive is held at rest.
+    untried : list of tuple of str
+        Families of which no law was tried, with the reason.
+    nearly : str
+        Which law comes near where the verdict is 'unexplained'; '' if none does.
+    compared : Compared, optional
+        All models that were compared, with their errors on parts left out.
 
     """
 
@@ -249,13 +273,15 @@ class Diagnosis:
     rivals: dict[str, Model]
     evidence: dict[str, float]
     residual_power: float
-    predictable: float
     dependences: dict[str, list[Dependence]] = field(repr=False)
     recordings: Recordings = field(repr=False)
     free_runs: dict[str, Array] = field(repr=False)
     checks: list[Check] = field(default_factory=list)
     holds_reference: bool = False
     rests_left_out: bool = False
+    untried: list[tuple[str, str]] = field(default_factory=list)
+    nearly: str = ''
+    compared: Compared | None = field(default=None, repr=False)
 
     @property
     def refused(self) -> bool:
@@ -289,18 +315,5 @@ class Diagnosis:
 
 
 def pair_of(with_effects: bool) -> tuple[str, str]:
-    """
-    Return which models a diagnosis compares.
-
-    Parameters
-    ----------
-    with_effects : bool
-        Whether effects are named.
-
-    Returns
-    -------
-    before, after : str
-        Attributes of `Diagnosis`.
-
-    """
+    """Return which models a diagnosis compares."""
     return ('recalibrated', 'corrected') if with_effects else ('nominal', 'recalibrated')

@@ -31,7 +31,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
-from .fitting import Fit
 from .model_uncertainty import discounted
 from ..observe.channel import Channel
 from ..observe.model import Model
@@ -53,22 +52,7 @@ _MATCHED = 0.05  # relative, of the size of an unknown force
 
 
 def with_discrepancy(recording: PreparedRecording, model: Model) -> PreparedRecording:
-    """
-    Return the recording with the discrepancy that a fitted model leaves.
-
-    Parameters
-    ----------
-    recording : PreparedRecording
-        Its present discrepancy is replaced, and its discount removed.
-    model : Model
-        Fitted.
-
-    Returns
-    -------
-    recording : PreparedRecording
-        With residuals of variance 1 where the model leaves more than noise.
-
-    """
+    """Return the recording with the discrepancy that a fitted model leaves."""
     plain, unknown = without_discrepancy(recording), 0.0
     if plain.driven_by_force(model):
         plain, unknown = _widened(plain, model)
@@ -117,82 +101,24 @@ def _unknown_force(plain: PreparedRecording, model: Model) -> float:
     return max(total**2 - plain.force_noise**2, 0.0) ** 0.5
 
 
-def forces(recording: PreparedRecording, model: Model) -> list[float]:
-    """
-    Express the errors of a block's mean in each channel as forces.
-
-    Innovations answer to a force below the observer's cut-off by 1 / (M_t omega_o^2): so much
-    position is equivalent to a newton.
-
-    Parameters
-    ----------
-    recording : PreparedRecording
-        With or without a discrepancy.
-    model : Model
-        With the mass of the robot.
-
-    Returns
-    -------
-    stds : list of float
-        Of noise and discrepancy together [N], in the order of the channels; of a wall driven by
-        a force [m].
-
-    """
-    stds = [channel.mean_error for channel in recording.channels(model)]
-    if len(stds) == 2:
-        stds[1] *= _stiffness(recording, model)
-    return stds
-
-
-def material(recordings: Recordings, model: Model, share: float = 1.0) -> set[int]:
-    """
-    Return in which channels a discrepancy is large enough, beside the force, to be worth a name.
-
-    Parameters
-    ----------
-    recordings : sequence of PreparedRecording
-        With their discrepancies.
-    model : Model
-        With the mass of the robot.
-    share : float
-        Of `least_material`, from which on it is.
-
-    Returns
-    -------
-    channels : set of int
-        Of `CHANNELS`, in any recording; the only one of a wall driven by a force by the force that
-        it lacks.
-
-    """
+def material(recordings: Recordings, model: Model) -> set[int]:
+    """Return in which channels a discrepancy is worth a name beside the force."""
     channels = set[int]()
     for recording in recordings:
         sizes = [recording.force_discrepancy]
         if recording.observed.reference is not None:
-            sizes.append(_stiffness(recording, model) * recording.motion_discrepancy)
-        least = share * least_material(recording)
+            sizes.append(force_of_motion(recording, model) * recording.motion_discrepancy)
+        least = least_material(recording)
         channels |= {k for k, size in enumerate(sizes) if size >= least}
     return channels
 
 
 def least_material(recording: PreparedRecording) -> float:
-    """
-    Return the least force that is worth a name.
-
-    Parameters
-    ----------
-    recording : PreparedRecording
-        With the force.
-
-    Returns
-    -------
-    least : float
-        Root mean square [N]: 0.6 % of the range of the force.
-
-    """
+    """Return the least force that is worth a name."""
     return _MATERIAL * recording.observed.force_range
 
 
-def _stiffness(recording: PreparedRecording, model: Model) -> float:
+def force_of_motion(recording: PreparedRecording, model: Model) -> float:
     """Return the force that changes innovations by a metre [N/m]; see `forces`."""
     return model.laws().robot.mass * recording.observed.observer_cutoff**2
 
@@ -203,88 +129,8 @@ def without_discrepancy(recording: PreparedRecording) -> PreparedRecording:
 
 
 def weighed(recordings: Recordings, model: Model) -> Recordings:
-    """
-    Return recordings with the discrepancy and the discount of a fitted model.
-
-    Parameters
-    ----------
-    recordings : sequence of PreparedRecording
-        Their present ones are replaced.
-    model : Model
-        Fitted to them.
-
-    Returns
-    -------
-    recordings : sequence of PreparedRecording
-        In which every channel counts by what the model leaves there.
-
-    """
+    """Return recordings with the discrepancy and the discount of a fitted model."""
     return [discounted(with_discrepancy(one, model), model) for one in recordings]
-
-
-def noise_by_channel(
-    recordings: Recordings, model: Model, counts: Array | float = 1.0
-) -> Array:
-    """
-    Compute the cost that noise alone would leave in each channel.
-
-    Parameters
-    ----------
-    recordings : sequence of PreparedRecording
-        With or without a discrepancy.
-    model : Model
-        Defines the channels.
-    counts : ndarray, shape (R,), or float
-        Factor of each square.
-
-    Returns
-    -------
-    costs : ndarray, shape (CHANNELS,)
-        The number of residuals where there is no discrepancy, less where there is one.
-
-    """
-    shares = [channel.noise_share for one in recordings for channel in one.channels(model)]
-    return _by_channel(recordings, model, counts * np.concatenate(shares))
-
-
-def costs_by_channel(
-    recordings: Recordings, found: Fit, counts: Array | float = 1.0
-) -> Array:
-    """
-    Compute the cost of a fit in each channel.
-
-    Parameters
-    ----------
-    recordings : sequence of PreparedRecording
-        As fitted.
-    found : Fit
-        To them.
-    counts : ndarray, shape (R,), or float
-        Factor of each square.
-
-    Returns
-    -------
-    costs : ndarray, shape (CHANNELS,)
-        Sums of squared residuals.
-
-    """
-    return _by_channel(recordings, found.model, counts * found.residuals**2)
-
-
-def _by_channel(recordings: Recordings, model: Model, stacked: Array) -> Array:
-    """Sum stacked values, one for each residual, by channel."""
-    sums, begin = np.zeros(CHANNELS), 0
-    for one in recordings:
-        for number in range(len(one.channels(model))):
-            stop = begin + one.block_count
-            sums[number] += np.sum(stacked[begin:stop])
-            begin = stop
-    return sums
-
-
-def has_discrepancy(recordings: Recordings) -> bool:
-    """Return whether any recording carries a discrepancy."""
-    return any(one.carries_discrepancy for one in recordings)
 
 
 def std_beyond_noise(left: Array, channel: Channel) -> float:
@@ -293,19 +139,6 @@ def std_beyond_noise(left: Array, channel: Channel) -> float:
 
     Where the noise differs from block to block, those count most that tell most (DerSimonian and
     Laird 1986).
-
-    Parameters
-    ----------
-    left : ndarray, shape (blocks,)
-        Residuals of the channel, in standard deviations.
-    channel : Channel
-        Without a discrepancy.
-
-    Returns
-    -------
-    std : float
-        In the unit of the channel's noise; 0 where the noise explains all.
-
     """
     there = channel.filled
     if not there.any():
@@ -321,21 +154,7 @@ def std_beyond_noise(left: Array, channel: Channel) -> float:
 
 
 def correlation_time(left: Array) -> float:
-    """
-    Measure for how many neighbours residuals are correlated.
-
-    Parameters
-    ----------
-    left : ndarray, shape (R,)
-        Residuals of one channel in order of time; 0 for empty blocks.
-
-    Returns
-    -------
-    blocks : float
-        Integrated autocorrelation time, 1 for white noise: R residuals determine as much as
-        R / blocks independent ones (Sokal 1997, windowed where the correlation has vanished).
-
-    """
+    """Measure for how many neighbours residuals are correlated."""
     power, total = float(left @ left), 1.0
     if power == 0.0:
         return 1.0

@@ -70,24 +70,7 @@ def residual_function(
     recordings: Recordings, model: Model, robust: bool = True,
     briefly: bool = False,
 ) -> Callable[[Array], Array]:
-    """
-    Return the function whose squares are minimised.
-
-    Parameters
-    ----------
-    recordings : sequence of PreparedRecording
-        Fitted together.
-    model : Model
-        Its `coordinates` are the unknowns.
-    robust, briefly : bool
-        As for `residuals`.
-
-    Returns
-    -------
-    residuals : callable
-        Coordinates to stacked residuals.
-
-    """
+    """Return the function whose squares are minimised."""
 
     def stacked_residuals(values: Array) -> Array:
         there = model.with_free(values)
@@ -104,28 +87,7 @@ def fit(
     recordings: Recordings, model: Model, steps: int = 25, briefly: bool = False,
     known: Array | None = None,
 ) -> Fit:
-    """
-    Search from the model's own values.
-
-    Parameters
-    ----------
-    recordings : sequence of PreparedRecording
-        Fitted together.
-    model : Model
-        Start; its free values are searched.
-    steps : int
-        Most steps of the search; with few of them it also ends at a thousandth of the cost.
-    briefly : bool
-        As for `residuals`.
-    known : ndarray, shape (R,), optional
-        Residuals at the start, where they are known.
-
-    Returns
-    -------
-    fit : Fit
-        The best found.
-
-    """
+    """Search from the model's own values."""
     # Several stages of a diagnosis start from the same model.
     return recordings[0].fits.of(
         (tuple(recordings[1:]), model, steps, briefly),
@@ -160,22 +122,7 @@ def _searched(
 
 
 def fit_to_end(recordings: Recordings, found: Fit) -> Fit:
-    """
-    Continue a search that ran out of steps.
-
-    Parameters
-    ----------
-    recordings : sequence of PreparedRecording
-        Fitted together.
-    found : Fit
-        So far.
-
-    Returns
-    -------
-    fit : Fit
-        At which no further step gains much.
-
-    """
+    """Continue a search that ran out of steps."""
     for _ in range(_MOST_SEARCHES):
         if found.ended:
             break
@@ -186,44 +133,14 @@ def fit_to_end(recordings: Recordings, found: Fit) -> Fit:
 
 
 def fit_at(recordings: Recordings, model: Model) -> Fit:
-    """
-    Evaluate a model at its values.
-
-    Parameters
-    ----------
-    recordings : sequence of PreparedRecording
-        To compare it with.
-    model : Model
-        With its values.
-
-    Returns
-    -------
-    fit : Fit
-        Nothing is searched.
-
-    """
+    """Evaluate a model at its values."""
     left = residual_function(recordings, model)(model.coordinates)
     count = sum(recording.residual_count for recording in recordings)
     return Fit(model, sum_of_squares(left), left, count, False)
 
 
 def cost_of(recordings: Recordings, model: Model) -> float:
-    """
-    Return the cost of a model at its values.
-
-    Parameters
-    ----------
-    recordings : sequence of PreparedRecording
-        To compare it with.
-    model : Model
-        With its values.
-
-    Returns
-    -------
-    cost : float
-        Sum of the squared residuals, in standard deviations.
-
-    """
+    """Return the cost of a model at its values."""
     return fit_at(recordings, model).cost
 
 

@@ -48,20 +48,7 @@ _WALL_STEPS = 2  # Runge-Kutta steps a sample of a wall without a robot
 
 
 def plant_of(model: Model) -> PlantParameters:
-    """
-    Convert a fitted model to the parameters of a plant.
-
-    Parameters
-    ----------
-    model : Model
-        Fitted.
-
-    Returns
-    -------
-    parameters : PlantParameters
-        As in a model file.
-
-    """
+    """Convert a fitted model to the parameters of a plant."""
     values: dict[str, Any] = dict(flatten(model.nominal))
     values['environment.stiffness'] = model.stiffness
     values['environment.damping'] = model.damping
@@ -92,23 +79,7 @@ class Run(NamedTuple):
 
 
 def steps_a_sample(model: Model, o: Observed) -> int:
-    """
-    Return how many Runge-Kutta steps a sample asks for.
-
-    Parameters
-    ----------
-    model : Model
-        With a robot.
-    o : Observed
-        Defines the sample period and the reach of the motion.
-
-    Returns
-    -------
-    steps : int
-        So many that steep drag at standstill and states that follow the motion fast are stable
-        and, at a slow pace, the oscillation of robot and wall is resolved.
-
-    """
+    """Return how many Runge-Kutta steps a sample asks for."""
     laws, wall = model.laws(), model.nominal.environment
     least = min(1e-4, 1e-2 * float(np.ptp(o.x)))
     x = wall.location + 0.5 * max(float(np.max(o.x)) - wall.location, least)
@@ -140,22 +111,7 @@ def _decay(law: ContactLaw, x: float, speed: float) -> float:
 
 
 def free_run(model: Model, observed: Observed) -> Run:
-    """
-    Simulate a recording from its command, or a wall without a robot from the measured force.
-
-    Parameters
-    ----------
-    model : Model
-        Fitted.
-    observed : Observed
-        Source of the reference trajectory (or the force) and the initial position.
-
-    Returns
-    -------
-    run : Run
-        Without noise.
-
-    """
+    """Simulate a recording from its command, or a wall without a robot from the measured force."""
     o = observed
     if o.reference is None:
         return Run(_free_wall(model, o), o.force)

@@ -94,18 +94,7 @@ class SecantJacobian:
         return columns / self._size
 
     def renew(self, evaluations: float = np.inf, gain: float = -np.inf) -> None:
-        """
-        Difference the next Jacobian.
-
-        Parameters
-        ----------
-        evaluations : float
-            The search ends after so many further ones; by default it does not.
-        gain : float
-            The search ends after a step that lowers the cost by less than this share of it; by
-            default it does not. After its last step it asks for a Jacobian that it does not use.
-
-        """
+        """Difference the next Jacobian."""
         self._at = None
         self._left, self._gain = evaluations, gain
 
@@ -132,30 +121,7 @@ def differentiate_by(
     values: Array, size: Array, function: Callable[[Array], Array], here: Array,
     share: float | Array = _STEP, most: Array | None = None,
 ) -> Array:
-    """
-    Differentiate a function of several values by forward differences.
-
-    Parameters
-    ----------
-    values : ndarray, shape (P,)
-        The point.
-    size : ndarray, shape (P,)
-        Typical change of each value.
-    function : callable
-        Values to residuals.
-    here : ndarray, shape (R,)
-        Its result at `values`.
-    share : float or ndarray, shape (P,)
-        Step, as a share of `size`.
-    most : ndarray, shape (P,), optional
-        Upper bounds of the values; steps that would exceed them go backwards.
-
-    Returns
-    -------
-    jacobian : ndarray, shape (R, P)
-        A column for each value, for a change by its size.
-
-    """
+    """Differentiate a function of several values by forward differences."""
     columns = np.empty((len(here), len(values)))
     for k, change in enumerate(np.broadcast_to(share, values.shape).tolist()):
         moved = values.copy()
@@ -167,24 +133,7 @@ def differentiate_by(
 
 
 def jacobian_at(model: Model, function: Callable[[Array], Array], here: Array) -> Array:
-    """
-    Differentiate residuals by the free values of a model, with steps that show its switches.
-
-    Parameters
-    ----------
-    model : Model
-        The point.
-    function : callable
-        Coordinates to residuals.
-    here : ndarray, shape (R,)
-        Its result at the point.
-
-    Returns
-    -------
-    jacobian : ndarray, shape (R, F)
-        For a change of each value by its typical size.
-
-    """
+    """Differentiate residuals by the free values of a model, with steps that show its switches."""
     lets_go = [EFFECTS[effect].lets_go for effect in model.effects for _ in names_of(effect)]
     shares = np.where([False] * model.base_count + lets_go, _ACROSS, _STEP)[model.free]
     return differentiate_by(

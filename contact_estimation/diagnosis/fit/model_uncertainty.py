@@ -52,20 +52,6 @@ def discounted(recording: PreparedRecording, model: Model) -> PreparedRecording:
 
     Beside `UNCERTAINTIES` these are the instant, within a sample, at which the reference steps,
     and whether the robot holds the desired acceleration between samples or interpolates it.
-
-    Parameters
-    ----------
-    recording : PreparedRecording
-        Its present discount, if any, is replaced.
-    model : Model
-        Fitted, at which the derivatives are taken.
-
-    Returns
-    -------
-    recording : PreparedRecording
-        Without a discount for a wall driven by a force: its whole motion determines when the
-        force arrived and what it was between samples.
-
     """
     recording = replace(recording, discount=None)
     if recording.driven_by_force(model):

@@ -28,8 +28,7 @@ from typing import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from .criteria import leaves_noise, penalty
-from .fitting import cost_of, Fit, fit, fit_at, fit_to_end, sum_of_squares
+from .fitting import Fit, fit, fit_at, fit_to_end, sum_of_squares
 from .free_run import free_run, Run
 from .jacobian import SecantJacobian
 from ..observe.model import Model
@@ -40,7 +39,7 @@ Array = NDArray[np.float64]
 
 _STEP = 1e-3  # relative, of the finite differences
 _CLOSE = 4.0  # standard deviations of the position noise, within which a run is refined
-_AT_NOISE = 1.5  # times the noise: largest error of a correct free run
+_ALIKE = 1.5  # times the cost at the measured motion: more is another optimum
 _PICARD = 8  # rounds in which the free run of a wall converges
 _MOST_STEPS, _SLOWLY = 5, 0.99  # of Gauss and Newton; less than a hundredth is no progress
 _AS_FORETOLD = 1.001  # of the cost: most after a step that foretold next to nothing
@@ -48,86 +47,16 @@ _WORSE = 4.0  # times the cost with effects at the measured motion: the iteratio
 
 
 def refine(recordings: Recordings, found: Fit) -> tuple[Recordings, Fit]:
-    """
-    Minimise the output error.
-
-    Parameters
-    ----------
-    recordings : sequence of PreparedRecording
-        With a robot, or of a permanently attached wall.
-    found : Fit
-        Start.
-
-    Returns
-    -------
-    recordings : sequence of PreparedRecording
-        With the rounds of Picard's iteration that residuals of the refined model need.
-    refined : Fit
-        With the values of least output error. For a robot cost and residuals are still those of
-        the start; so are the values if the output error does not fall, if the command is not
-        known well enough for a free run to follow the motion, or if the residuals would be more
-        than noise: then the free run followed what is not the values' own.
-
-    """
+    """Minimise the output error."""
     if not found.model.nominal.environment.unilateral:
         return _refine_wall(recordings, found)
     runs = _free_runs(recordings, found.model)
     if not all(_close(one, run, _CLOSE) for one, run in zip(recordings, runs)):
         return recordings, found
     model = _least_output_error(recordings, found.model, runs)
-    kept = not leaves_noise(found) or leaves_noise(fit_at(recordings, model))
-    return recordings, found._replace(model=model) if kept and model.plausible() else found
-
-
-def refine_and_prune(recordings: Recordings, found: Fit) -> tuple[Recordings, Fit]:
-    """
-    Minimise the output error, and drop effects that then no longer reduce the cost.
-
-    Parameters
-    ----------
-    recordings, found
-        As for `refine`.
-
-    Returns
-    -------
-    recordings, refined
-        As of `refine`; at least one effect stays.
-
-    """
-    recordings, best = refine(recordings, found)
-    cost = cost_of(recordings, best.model)
-    for name in best.model.effects:
-        rest = best.model.without(name)
-        price = penalty(best.model) - penalty(rest)
-        if rest.effects and cost_of(recordings, rest) <= cost + price:
-            return refine_and_prune(recordings, fit(recordings, rest))
-    return recordings, best
-
-
-def runs_true(recordings: Recordings, model: Model) -> bool:
-    """
-    Return whether the free run of a model predicts motion and force to their noise.
-
-    Parameters
-    ----------
-    recordings : sequence of PreparedRecording
-        With a robot.
-    model : Model
-        Refined.
-
-    Returns
-    -------
-    true : bool
-        If so, the model is complete, whatever the residuals.
-
-    """
-    for recording, run in zip(recordings, _free_runs(recordings, model)):
-        o = recording.observed
-        force_error = float(np.std((o.force - run.force)[recording.use & o.measured]))
-        if (not _close(recording, run, _AT_NOISE)
-                or force_error > _AT_NOISE * recording.force.error):
-            return False
-    return True
+    refined = fit_at(recordings, model)
+    kept = refined.cost <= _ALIKE * found.cost and model.plausible()
+    return recordings, refined if kept else found
 
 
 def _refine_wall(recordings: Recordings, found: Fit) -> tuple[Recordings, Fit]:

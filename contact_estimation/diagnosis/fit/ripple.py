@@ -34,23 +34,7 @@ _WHITE = 0.3  # power of such a mean, in that of residuals that are all of one s
 
 
 def without_ripple(recording: PreparedRecording, model: Model) -> PreparedRecording:
-    """
-    Average the innovations of a driven wall over longer blocks if its positions ripple.
-
-    Parameters
-    ----------
-    recording : PreparedRecording
-        Without a discrepancy.
-    model : Model
-        Recalibrated.
-
-    Returns
-    -------
-    recording : PreparedRecording
-        In blocks of a tenth of a second if means of residuals are nearly as independent as those
-        of white noise, though the model leaves far more than noise; else as it is.
-
-    """
+    """Average the innovations of a driven wall over longer blocks if its positions ripple."""
     one, size = recording, round(_MEAN_S * recording.observed.pace / recording.block_s)
     if not one.driven_by_force(model) or size < 2:
         return one

@@ -37,22 +37,7 @@ _SPACED_S, _FINER = 0.02, 4  # samples of the residual; grid of the spectrum, ov
 
 
 def measure_scales(recordings: Recordings, base: Fit) -> Scales:
-    """
-    Measure depth, speed, forces and the periodic part of the contact residual.
-
-    Parameters
-    ----------
-    recordings : sequence of PreparedRecording
-        The spectrum is that of the first.
-    base : Fit
-        Without the effect that is searched for.
-
-    Returns
-    -------
-    scales : Scales
-        All above 0.
-
-    """
+    """Measure depth, speed, forces and the periodic part of the contact residual."""
     model, laws = base.model, base.model.laws()
     depth = speed = force = control = pull = duration = _LEAST
     for recording in recordings:

@@ -105,17 +105,6 @@ def surfaces_of(recordings: Recordings) -> Surfaces:
     Measure where the surface of each contact is.
 
     -F_e = K_e (x - x_k) + B_e v + M_e a in contact k, by least squares.
-
-    Parameters
-    ----------
-    recordings : sequence of PreparedRecording
-        Of a wall that can be left.
-
-    Returns
-    -------
-    surfaces : Surfaces
-        Of all contacts that begin in the recordings.
-
     """
     found = [(number, *contact) for number, one in enumerate(recordings)
              for contact in _contacts(one)]
@@ -154,23 +143,6 @@ def on_one_surface(
 
     What an impedance-controlled robot does depends on their difference alone. Between contacts
     both are moved from rest to rest, while the tool is before both surfaces.
-
-    Parameters
-    ----------
-    signals : Signals
-        As recorded.
-    contacts : sequence of Contact
-        Of this recording, in order.
-    places : sequence of float
-        Where the surface of each is [m].
-    location : float
-        Where it shall be [m].
-
-    Returns
-    -------
-    signals : Signals
-        Moved.
-
     """
     if not contacts:
         return signals

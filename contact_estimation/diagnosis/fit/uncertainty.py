@@ -36,19 +36,6 @@ def standard_deviations(recordings: Recordings, found: Fit) -> Array:
 
     Residuals may be correlated in any way within half a second and are independent across; the
     result is never below that for residuals of the correlation time that each channel shows.
-
-    Parameters
-    ----------
-    recordings : sequence of PreparedRecording
-        As fitted.
-    found : Fit
-        To them.
-
-    Returns
-    -------
-    std : ndarray, shape (P,)
-        Of all values; NaN for those that are not fitted or at a bound of their range.
-
     """
     model = found.model
     function = residual_function(recordings, model)

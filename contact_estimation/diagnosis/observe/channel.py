@@ -90,57 +90,19 @@ class Channel:
         return float(np.hypot(self.noise, self.discrepancy))
 
     @property
-    def mean_error(self) -> float:
-        """Return the standard deviation of a full block's mean."""
-        return float(np.hypot(self.noise / np.sqrt(self.block), self.discrepancy))
-
-    @property
-    def block_error(self) -> float:
-        """Return the standard deviation of a full block's mean, times the root of its samples."""
-        return float(np.hypot(self.noise, self.discrepancy * np.sqrt(self.block)))
-
-    @property
     def noise_share(self) -> Array:
         """Part of the variance of each block's mean that is noise, shape (blocks,)."""
         noise = self.noise_of_means**2
         return np.asarray(noise / (noise + self.discrepancy**2) * self.filled)
 
     def average(self, error: Array) -> Array:
-        """
-        Average an error over blocks.
-
-        Parameters
-        ----------
-        error : ndarray, shape (N,)
-            Measured less predicted, in the unit of the noise.
-
-        Returns
-        -------
-        averaged : ndarray, shape (blocks,)
-            In standard deviations of a block's mean; 0 for empty blocks.
-
-        """
+        """Average an error over blocks."""
         # Weighing and summing at once: every evaluation of a model asks for two averages.
         return np.asarray(np.einsum('ij,ij->i', _in_blocks(error, self.block), self._weights))
 
 
 def sum_blocks(signal: Array, block: int) -> Array:
-    """
-    Sum a signal over blocks; an incomplete last block is left out.
-
-    Parameters
-    ----------
-    signal : ndarray, shape (N,)
-        Any.
-    block : int
-        Samples in a block.
-
-    Returns
-    -------
-    sums : ndarray, shape (N // block,)
-        In the signal's unit.
-
-    """
+    """Sum a signal over blocks; an incomplete last block is left out."""
     return np.asarray(np.einsum('ij->i', _in_blocks(signal, block)))
 
 

@@ -32,20 +32,7 @@ _EXACTLY = 0.15  # of the resolution of the recording, 1 / duration
 
 
 def cycle_frequency(t: Array, x: Array) -> float:
-    """
-    Measure the frequency at which a motion repeats itself.
-
-    Parameters
-    ----------
-    t, x : ndarray, shape (N,)
-        Time [s], evenly spaced, and position [m].
-
-    Returns
-    -------
-    frequency : float
-        Whose first five multiples explain the motion [Hz]; 0 if none does in four cycles or more.
-
-    """
+    """Measure the frequency at which a motion repeats itself."""
     step = -(-len(t) // _SAMPLES)
     t, x = t[::step], x[::step] - np.mean(x[::step])
     duration = float(t[-1] - t[0])
@@ -66,23 +53,6 @@ def cycle_frequency(t: Array, x: Array) -> float:
 
 
 def keeps_step(tones: tuple[float, ...], cycle: float, duration: float) -> bool:
-    """
-    Return whether all tones are multiples of the frequency of a cyclic test.
-
-    Parameters
-    ----------
-    tones : tuple of float
-        Frequencies [Hz].
-    cycle : float
-        Of `cycle_frequency` [Hz].
-    duration : float
-        Of the recording [s].
-
-    Returns
-    -------
-    keeps : bool
-        False without tones, or without cycles.
-
-    """
+    """Return whether all tones are multiples of the frequency of a cyclic test."""
     away = [abs(tone - max(1, round(tone / cycle)) * cycle) for tone in tones if cycle]
     return bool(away) and max(away) * duration < _EXACTLY

@@ -46,38 +46,12 @@ class Discount:
 
     @classmethod
     def of(cls, columns: Array) -> 'Discount':
-        """
-        Discount what uncertain parameters could explain.
-
-        Parameters
-        ----------
-        columns : ndarray, shape (R, C)
-            Change of the residuals by one standard deviation of each uncertain parameter.
-
-        Returns
-        -------
-        discount : Discount
-            By the singular values of the columns; directions of little uncertainty are left out.
-
-        """
+        """Discount what uncertain parameters could explain."""
         squares, turns = np.linalg.eigh(columns.T @ columns)
         large = squares > LEAST_VARIANCE
         directions = columns @ (turns[:, large] / np.sqrt(squares[large]))
         return cls(directions, 1.0 - 1.0 / np.sqrt(1.0 + squares[large]))
 
     def apply(self, residuals: Array) -> Array:
-        """
-        Whiten residuals.
-
-        Parameters
-        ----------
-        residuals : ndarray, shape (R,)
-            In standard deviations of the sensor noise.
-
-        Returns
-        -------
-        whitened : ndarray, shape (R,)
-            Never larger in norm.
-
-        """
+        """Whiten residuals."""
         return residuals - self.directions @ (self.shares * (self.directions.T @ residuals))

@@ -97,20 +97,7 @@ class DrivenWall:
         return max(damping, 0.0), max(stiffness, 0.0)
 
     def free(self, rounds: int) -> Array:
-        """
-        Predict the motion with the effects at the predicted motion (Picard's iteration).
-
-        Parameters
-        ----------
-        rounds : int
-            At most; one without effects.
-
-        Returns
-        -------
-        motion : ndarray, shape (2, N)
-            Position [m] and velocity [m/s].
-
-        """
+        """Predict the motion with the effects at the predicted motion (Picard's iteration)."""
         o, free = self._observed, coast(self.system, len(self._observed.t))
         x, v, a, restoring = o.x, o.v, o.a, self._at_measured
         for left in range(rounds if self._law.effects else 1, 0, -1):
@@ -147,27 +134,7 @@ class DrivenWall:
     def innovations(
         self, rounds: int, force_noise: float, memory: float = np.inf, widening: float = 1.0
     ) -> Array:
-        """
-        Compute the one-step prediction errors of the position.
-
-        Parameters
-        ----------
-        rounds : int
-            1: the effects at the measured motion; more: as for `free`.
-        force_noise : float
-            Standard deviation [N].
-        memory : float
-            Longest memory of the filter [s]. With a short one the innovations are nearly linear
-            in K_e, B_e and M_e, even for a resonant wall.
-        widening : float
-            Of `kalman_filter`.
-
-        Returns
-        -------
-        innovations : ndarray, shape (N,)
-            [m].
-
-        """
+        """Compute the one-step prediction errors of the position."""
         o = self._observed
         if memory < np.inf:
             denominator = np.asarray(np.poly([exp(-o.h / memory)] * 2), float)
@@ -183,26 +150,7 @@ class DrivenWall:
     def kalman_filter(
         self, force_noise: float, widening: float = 1.0, block: int = 1
     ) -> tuple[Array, float]:
-        """
-        Design the filter that weighs force and position by their noise.
-
-        Parameters
-        ----------
-        force_noise : float
-            Standard deviation [N].
-        widening : float
-            Factor by which unknown forces exceed that noise: the filter then forgets sooner.
-        block : int
-            Samples that are averaged.
-
-        Returns
-        -------
-        denominator : ndarray
-            Of the innovations' filter.
-        std : float
-            Of the innovations that the noise alone leaves [m], see `innovation_std`.
-
-        """
+        """Design the filter that weighs force and position by their noise."""
         c, std = self._filter(widening * force_noise)
         if widening > 1.0:
             o = self._observed

@@ -57,22 +57,7 @@ class HeldOut(NamedTuple):
 
 
 def episodes(model: Model, observed: Observed) -> list[tuple[int, int]]:
-    """
-    Find the contacts; short ones are left out, unless all are.
-
-    Parameters
-    ----------
-    model : Model
-        Defines where the surface is.
-    observed : Observed
-        The recording.
-
-    Returns
-    -------
-    episodes : list of (int, int)
-        First sample and the one after the last.
-
-    """
+    """Find the contacts; short ones are left out, unless all are."""
     o = observed
     law = model.laws().contact
     if not law.unilateral:
@@ -87,24 +72,7 @@ def episodes(model: Model, observed: Observed) -> list[tuple[int, int]]:
 
 
 def require_contact(model: Model, observed: Observed, name: str) -> None:
-    """
-    Check that the recording has a contact.
-
-    Parameters
-    ----------
-    model : Model
-        Nominal.
-    observed : Observed
-        The recording.
-    name : str
-        For the error message.
-
-    Raises
-    ------
-    RecordingError
-        If the tool never reaches the wall.
-
-    """
+    """Check that the recording has a contact."""
     if model.nominal.environment.unilateral and not episodes(model, observed):
         location = model.nominal.environment.location
         raise RecordingError(
@@ -124,21 +92,6 @@ def hold_out(model: Model, observed: Observed, choice: int = 1) -> HeldOut:
     Blocks are chosen, where possible, with motion and at depths that occur in the rest too. They
     have the same duration or, where most of the motion under a force comes late, as with growing
     amplitudes, the same path.
-
-    Parameters
-    ----------
-    model : Model
-        Defines where the surface is.
-    observed : Observed
-        The recording.
-    choice : int
-        1: the best part, 2: the next.
-
-    Returns
-    -------
-    part : HeldOut
-        Name and samples.
-
     """
     o = observed
     found = episodes(model, o)

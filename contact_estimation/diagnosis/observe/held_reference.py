@@ -32,21 +32,7 @@ _APART = 1.0 - 1e-9  # ramps that meet must not overlap by rounding
 
 
 def with_held_reference(recording: Recording) -> Recording:
-    """
-    Let a robot hold its reference.
-
-    Parameters
-    ----------
-    recording : Recording
-        As recorded.
-
-    Returns
-    -------
-    recording : Recording
-        With a reference at the stamps of the wrenches whose straight lines have the areas of the
-        held one; the same if it has none.
-
-    """
+    """Let a robot hold its reference."""
     s = recording.signals
     if len(s.reference_t) < 2:
         return recording
@@ -55,25 +41,7 @@ def with_held_reference(recording: Recording) -> Recording:
 
 
 def held_at(t: Array, stamps: Array, values: Array) -> Array:
-    """
-    Sample values that are held from stamp to stamp.
-
-    Parameters
-    ----------
-    t : ndarray, shape (N,)
-        Where, increasing [s].
-    stamps : ndarray, shape (R,)
-        Of the values, increasing [s].
-    values : ndarray, shape (K, R)
-        Of K signals.
-
-    Returns
-    -------
-    samples : ndarray, shape (K, N)
-        Steps are ramps of one sample period around the stamps, or of the time between two stamps
-        if that is shorter: straight lines between samples then have the areas of the steps.
-
-    """
+    """Sample values that are held from stamp to stamp."""
     periods = np.diff(stamps, prepend=stamps[0] - (stamps[1] - stamps[0]))
     width = np.minimum(periods, float(np.median(np.diff(t))))
     width[:-1] = _APART * np.minimum(width[:-1], width[1:])

@@ -35,20 +35,7 @@ _COARSE = 4.0  # quanta: smaller steps come from the resolution
 
 
 def without_held_samples(recording: Recording) -> Recording:
-    """
-    Keep each value once where wrench or joint states repeat them regularly.
-
-    Parameters
-    ----------
-    recording : Recording
-        As recorded.
-
-    Returns
-    -------
-    recording : Recording
-        The same without repeated values; at standstill one sample of each update remains.
-
-    """
+    """Keep each value once where wrench or joint states repeat them regularly."""
     s = recording.signals
     wrench, joint = updates(s.force), updates(s.position)
     if len(wrench) == len(s.force) and len(joint) == len(s.position):
@@ -59,20 +46,7 @@ def without_held_samples(recording: Recording) -> Recording:
 
 
 def updates(values: Array) -> NDArray[np.int_]:
-    """
-    Find the samples at which a sensor gave a new value.
-
-    Parameters
-    ----------
-    values : ndarray, shape (N,)
-        Of one signal; values that are equal to the last digit count as repeated.
-
-    Returns
-    -------
-    indices : ndarray of int
-        All N unless most values are repeated as often; steps of the resolution are no updates.
-
-    """
+    """Find the samples at which a sensor gave a new value."""
     every = np.arange(len(values))
     starts = np.concatenate(([0], np.flatnonzero(np.diff(values)) + 1))
     counts = np.diff(np.append(starts, len(values)))

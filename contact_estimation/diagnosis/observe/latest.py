@@ -33,22 +33,7 @@ class Latest:
         self._known: list[tuple[object, Any]] = []
 
     def of(self, key: object, compute: Callable[[], Any]) -> Any:
-        """
-        Return a result, computed only if it is not among the latest.
-
-        Parameters
-        ----------
-        key : object
-            All on which it depends.
-        compute : callable
-            Returns it; it is shared from then on, and must not be changed.
-
-        Returns
-        -------
-        result : object
-            As computed.
-
-        """
+        """Return a result, computed only if it is not among the latest."""
         for place, (known, result) in enumerate(self._known):
             if known == key:
                 self._known.append(self._known.pop(place))

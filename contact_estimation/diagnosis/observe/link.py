@@ -41,25 +41,6 @@ def link_motion(
 
     z = y - x obeys m z'' + c z' + z / C = F_e - m x'': of a stiff joint it vanishes, however
     coarse the samples.
-
-    Parameters
-    ----------
-    joint : Joint
-        C, m and c.
-    x, v, a : ndarray, shape (N,)
-        Motion of the motor [m], [m/s], [m/s^2].
-    force : ndarray, shape (N,)
-        F_e, straight between samples [N].
-    h : float
-        Sample period [s].
-    bent : float
-        Force on the joint at rest, before the first sample [N].
-
-    Returns
-    -------
-    y, v, a : ndarray, shape (N,)
-        Motion of the link [m], [m/s], [m/s^2].
-
     """
     push, start = force - joint.mass * a, joint.compliance * bent
     system = discretise(joint.mass, joint.damping, joint.stiffness, h)
@@ -76,21 +57,6 @@ def link_against_wall(
 
     The link under the measured force would follow its noise. One Newton step from there solves
     m y'' = (x - y) / C + c (x' - y') + F_e(y, y') for a wall of K_e and B_e while it is touched.
-
-    Parameters
-    ----------
-    joint, x, v, a, force
-        As of `link_motion`.
-    law : ContactLaw
-        F_e(y, y').
-    t : ndarray, shape (N,)
-        Time [s], evenly spaced.
-
-    Returns
-    -------
-    y, v, a
-        As of `link_motion`.
-
     """
     h = float(t[1] - t[0])
     begins = float(force[0]) if law.contact(t, x, v)[0] else 0.0  # else it is noise
@@ -120,28 +86,7 @@ def _deflection(
 
 
 def run_jointed(robot: RobotLaw, push: Array, force: Array, position: float, h: float) -> Array:
-    """
-    Simulate motor and link from rest.
-
-    Parameters
-    ----------
-    robot : RobotLaw
-        With a joint; B_t and K_t act on the motor.
-    push : ndarray, shape (N,)
-        Other force on the motor, straight between samples [N].
-    force : ndarray, shape (N,)
-        F_e on the link, likewise [N].
-    position : float
-        Initial position of both [m].
-    h : float
-        Sample period [s].
-
-    Returns
-    -------
-    x : ndarray, shape (N,)
-        Position of the motor [m].
-
-    """
+    """Simulate motor and link from rest."""
     assert robot.joint is not None
     modes = _modes(robot.mass, robot.damping, robot.stiffness, robot.joint, h)
     pushes = (push - robot.stiffness * position, force)

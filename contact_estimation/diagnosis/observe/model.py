@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from .link import link_against_wall
 from .observed import Observed
 from ...parameters.specification import of_valid, specifications
-from ...physics import EFFECTS
+from ...physics import EFFECTS, effects_that_are_on
 from ...physics.contact_effect import ContactEffect
 from ...physics.contact_law import ContactLaw
 from ...physics.effect import Effect
@@ -62,20 +62,7 @@ class Laws(NamedTuple):
     robot: RobotLaw
 
     def at_wall(self, observed: Observed) -> tuple[Array, Array, Array]:
-        """
-        Return the motion of what touches the wall.
-
-        Parameters
-        ----------
-        observed : Observed
-            Measured motion, of the motor behind a flexible joint, and force.
-
-        Returns
-        -------
-        x, v, a : ndarray, shape (N,)
-            [m], [m/s], [m/s^2].
-
-        """
+        """Return the motion of what touches the wall."""
         o, joint = observed, self.robot.joint
         if joint is None:
             return o.x, o.v, o.a
@@ -104,6 +91,8 @@ class Model:
         Whether M_e is fitted.
     excluded : frozenset of str
         Effects that must not be added: wrong use would look like them.
+    given : tuple of str
+        Effects of the nominal model, the first of `effects`: recalibrated as K_e is, not named.
 
     """
 
@@ -112,16 +101,21 @@ class Model:
     values: tuple[float, ...]
     with_inertia: bool
     excluded: frozenset[str] = frozenset()
+    given: tuple[str, ...] = ()
 
     @classmethod
     def of(
         cls, nominal: PlantParameters, excluded: frozenset[str] = frozenset()
     ) -> 'Model':
-        """Return the nominal model without effects."""
+        """Return the nominal model, with the effects that it has."""
         wall = nominal.environment
         with_inertia = wall.inertia > 0.0
         base = (wall.stiffness, wall.damping) + ((wall.inertia,) if with_inertia else ())
-        return cls(nominal, (), base, with_inertia, excluded)
+        effects = effects_that_are_on(nominal.physics)
+        values = [getattr(effect.values, key)
+                  for effect in effects for key in names_of(effect.name)]
+        given = tuple(effect.name for effect in effects)
+        return cls(nominal, given, (*base, *values), with_inertia, excluded, given)
 
     @property
     def base_count(self) -> int:
@@ -256,8 +250,7 @@ class Model:
 
     def at(self, values: Any) -> 'Model':
         """Return the model with other values."""
-        return Model(self.nominal, self.effects, tuple(map(float, values)), self.with_inertia,
-                     self.excluded)
+        return replace(self, values=tuple(map(float, values)))
 
     @property
     def bounds(self) -> tuple[Array, Array]:
@@ -360,18 +353,5 @@ def _ranges(effect: str) -> tuple[tuple[str, float, float], ...]:
 
 
 def names_of(effect: str) -> list[str]:
-    """
-    List an effect's parameters.
-
-    Parameters
-    ----------
-    effect : str
-        Name.
-
-    Returns
-    -------
-    names : list of str
-        In the order of its dataclass.
-
-    """
+    """List an effect's parameters."""
     return [name for name, _, _ in _ranges(effect)]

@@ -36,20 +36,7 @@ _BESIDE = 5  # samples: reach of an error of differentiation
 
 
 def quantisation_step(values: Array) -> float:
-    """
-    Find the resolution of a signal.
-
-    Parameters
-    ----------
-    values : ndarray, shape (N,)
-        In any unit.
-
-    Returns
-    -------
-    step : float
-        Step of which all differences are multiples, or nearly all changes; 0 without one.
-
-    """
+    """Find the resolution of a signal."""
     return max(_of_levels(values), _of_changes(values))
 
 
@@ -101,28 +88,6 @@ def motion_error(
     Between samples far apart the motion is unknown: at half the rate position and velocity would
     come out differently, and these differences are the errors. A quantised position is off by up
     to half a step for as long as it rests.
-
-    Parameters
-    ----------
-    x, v : ndarray, shape (N,)
-        Position [m] and velocity [m/s].
-    h : float
-        Sample period [s].
-    step : float
-        Resolution of the position where it is coarser than the noise, else 0 [m].
-    cutoff : float
-        Of the smoothing [Hz].
-    noise : float
-        Of the position [m].
-    left : ndarray, shape (N,), or None
-        Measured less smoothed position [m] where no dynamics, but the measured motion alone,
-        determines the rate; else None.
-
-    Returns
-    -------
-    errors : ndarray, shape (2, N), or None
-        Standard deviations of x [m] and v [m/s]; None where they are negligible.
-
     """
     if not is_slow(h) and step == 0.0 and left is None:
         return None
@@ -155,20 +120,7 @@ def _lost_by_smoothing(left: Array, h: float, cutoff: float) -> Array:
 
 
 def lost_by_lines(signal: Array) -> Array:
-    """
-    Estimate how far a signal strays from straight lines between its samples.
-
-    Parameters
-    ----------
-    signal : ndarray, shape (N,)
-        Evenly spaced samples.
-
-    Returns
-    -------
-    error : ndarray, shape (N,)
-        In the signal's unit.
-
-    """
+    """Estimate how far a signal strays from straight lines between its samples."""
     bends = np.zeros(len(signal))
     bends[1:-1] = 0.25 * np.abs(np.diff(signal, 2))
     return np.asarray(maximum_filter1d(bends, 3))

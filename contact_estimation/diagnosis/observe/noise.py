@@ -42,19 +42,6 @@ def force_noise(model: Model, observed: Observed) -> float:
 
     From free flight, each tenth of a second less its own line: bias, drift and the slow force of a
     tool's mass do not count. Without free flight, from the top of the spectrum.
-
-    Parameters
-    ----------
-    model : Model
-        Nominal: defines where the surface is.
-    observed : Observed
-        The recording.
-
-    Returns
-    -------
-    std : float
-        [N], at least a ten thousandth of the force's range.
-
     """
     o = observed
     least = least_noise(o.force)
@@ -82,48 +69,14 @@ def force_noise(model: Model, observed: Observed) -> float:
 def motion_noise(
     model: Model, observed: Observed, force_noise: float, widening: float = 1.0, block: int = 1,
 ) -> float:
-    """
-    Return the standard deviation of the motion error of a correct model.
-
-    Parameters
-    ----------
-    model : Model
-        Nominal.
-    observed : Observed
-        The recording.
-    force_noise : float
-        Of `force_noise` [N].
-    widening, block
-        Of the filter of a wall that a force drives, see `DrivenWall.kalman_filter`.
-
-    Returns
-    -------
-    std : float
-        Of the positions; of a permanently attached wall that of the innovations [m].
-
-    """
+    """Return the standard deviation of the motion error of a correct model."""
     if observed.driven_by_force(model.nominal):
         return DrivenWall(model, observed).kalman_filter(force_noise, widening, block)[1]
     return observed.position_noise
 
 
 def force_error(model: Model, observed: Observed) -> Array | None:
-    """
-    Return the error of the wall's force that errors of the motion cause.
-
-    Parameters
-    ----------
-    model : Model
-        Nominal.
-    observed : Observed
-        The recording.
-
-    Returns
-    -------
-    std : ndarray, shape (N,), or None
-        [N]; None where it is negligible.
-
-    """
+    """Return the error of the wall's force that errors of the motion cause."""
     o = observed
     if o.motion_error is None:
         return None
@@ -134,24 +87,7 @@ def force_error(model: Model, observed: Observed) -> Array | None:
 def innovation_error(
     model: Model, observed: Observed, observer: SecondOrder | None
 ) -> Array | None:
-    """
-    Return the error of a robot's innovations that errors of the motion cause.
-
-    Parameters
-    ----------
-    model : Model
-        Nominal.
-    observed : Observed
-        The recording.
-    observer : SecondOrder or None
-        The robot.
-
-    Returns
-    -------
-    std : ndarray, shape (N,), or None
-        [m]; None where it is negligible, or without a robot.
-
-    """
+    """Return the error of a robot's innovations that errors of the motion cause."""
     o, robot = observed, model.laws().robot
     if observer is None or o.reference is None:
         return None

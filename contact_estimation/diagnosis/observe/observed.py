@@ -171,20 +171,7 @@ class Observed:
         return discretise(robot.mass, robot.damping, robot.stiffness, self.h)
 
     def reference_at(self, delay: float) -> Array:
-        """
-        Return the reference as it reaches a robot after a delay.
-
-        Parameters
-        ----------
-        delay : float
-            Delay [s].
-
-        Returns
-        -------
-        reference : ndarray, shape (4, N)
-            At t - delay.
-
-        """
+        """Return the reference as it reaches a robot after a delay."""
         assert self.reference is not None
         if delay == 0.0:
             return self.reference
@@ -201,29 +188,6 @@ def observe(
     The motion of the model's robot (or, without one, its wall) under the measured force is
     subtracted before smoothing and added after: it has the sharp bends of impacts, the difference
     has not.
-
-    Parameters
-    ----------
-    signals : Signals
-        The recording.
-    model : PlantParameters
-        The nominal model.
-    carried : ndarray, shape (N,), optional
-        The position that a better model predicts on the grid [m]; that of the nominal one by
-        default.
-    between : str
-        As of `Observed`.
-
-    Returns
-    -------
-    observed : Observed
-        On an even grid.
-
-    Raises
-    ------
-    RecordingError
-        If a signal is too short, not finite or constant.
-
     """
     check_signals(signals)
     t, h = _even_grid(signals.wrench_t)
@@ -323,21 +287,6 @@ def reference_on_grid(signals: Signals, model: PlantParameters, t: Array) -> Arr
     Interpolate a reference: straight lines as in a robot, but splines over dropped samples.
 
     The robot has received those; position and velocity are interpolated with recorded rates.
-
-    Parameters
-    ----------
-    signals : Signals
-        With a reference.
-    model : PlantParameters
-        Defines whether the robot tracks a force.
-    t : ndarray, shape (N,)
-        Where [s].
-
-    Returns
-    -------
-    reference : ndarray, shape (4, N)
-        As of `Observed`; the force is 0 without force tracking.
-
     """
     stamps, values = signals.reference_t, signals.reference
     reference = np.array([np.interp(t, stamps, row) for row in values])

@@ -40,62 +40,18 @@ OBSERVER_CUTOFF = 50.0
 
 
 def run(system: SecondOrder, force: Array, position: float, stiffness: float) -> Array:
-    """
-    Simulate the dynamics from rest.
-
-    Parameters
-    ----------
-    system : SecondOrder
-        Of `discretise`.
-    force : ndarray, shape (N,)
-        f [N].
-    position : float
-        Initial position [m].
-    stiffness : float
-        K [N/m]: f = K position holds it there.
-
-    Returns
-    -------
-    x : ndarray, shape (N,)
-        Position [m].
-
-    """
+    """Simulate the dynamics from rest."""
     moved = lfilter(system.position, system.denominator, force - stiffness * position)
     return np.asarray(moved + position)
 
 
 def run_velocity(system: SecondOrder, force: Array, position: float, stiffness: float) -> Array:
-    """
-    Simulate the dynamics from rest; parameters as `run`.
-
-    Returns
-    -------
-    v : ndarray, shape (N,)
-        Velocity [m/s].
-
-    """
+    """Simulate the dynamics from rest; parameters as `run`."""
     return np.asarray(lfilter(system.velocity, system.denominator, force - stiffness * position))
 
 
 def run_from(system: SecondOrder, force: Array, state: Array) -> Array:
-    """
-    Simulate the dynamics from a state.
-
-    Parameters
-    ----------
-    system : SecondOrder
-        Of `discretise`.
-    force : ndarray, shape (N,)
-        f [N].
-    state : ndarray, shape (2,)
-        Position [m] and velocity [m/s] at the first sample.
-
-    Returns
-    -------
-    motion : ndarray, shape (2, N)
-        Position and velocity.
-
-    """
+    """Simulate the dynamics from a state."""
     poles = system.denominator
     rows = zip((system.position, system.velocity), state, system.transition @ state)
     return np.array([
@@ -104,47 +60,13 @@ def run_from(system: SecondOrder, force: Array, state: Array) -> Array:
 
 
 def coast(system: SecondOrder, count: int) -> Array:
-    """
-    Simulate the dynamics without a force.
-
-    Parameters
-    ----------
-    system : SecondOrder
-        Of `discretise`.
-    count : int
-        N samples.
-
-    Returns
-    -------
-    motions : ndarray, shape (2, 2, N)
-        Position and velocity, from an initial position of 1 and from a velocity of 1.
-
-    """
+    """Simulate the dynamics without a force."""
     rest = np.zeros(count)
     return np.array([run_from(system, rest, state) for state in np.eye(2)])
 
 
 def innovations(misfit: Array, system: SecondOrder, cutoff: float, h: float) -> Array:
-    """
-    Filter the misfit of a free run to the innovations of an observer.
-
-    Parameters
-    ----------
-    misfit : ndarray, shape (N,)
-        Measured less free-run position [m].
-    system : SecondOrder
-        The dynamics.
-    cutoff : float
-        omega_o, both poles of the observer [rad/s].
-    h : float
-        Sample period [s].
-
-    Returns
-    -------
-    innovations : ndarray, shape (N,)
-        [m].
-
-    """
+    """Filter the misfit of a free run to the innovations of an observer."""
     pole = exp(-cutoff * h)
     return np.asarray(lfilter(system.denominator, [1.0, -2.0 * pole, pole * pole], misfit))
 
@@ -152,24 +74,7 @@ def innovations(misfit: Array, system: SecondOrder, cutoff: float, h: float) -> 
 def innovations_of(
     force: Array, system: SecondOrder, observer: SecondOrder, cutoff: float, h: float
 ) -> Array:
-    """
-    Filter the motion that a force causes to the innovations of an observer.
-
-    Parameters
-    ----------
-    force : ndarray, shape (N,)
-        On the mass, straight between samples [N].
-    system : SecondOrder
-        The dynamics.
-    observer, cutoff, h
-        As `system`, `cutoff` and `h` of `innovations`.
-
-    Returns
-    -------
-    innovations : ndarray, shape (N,)
-        Of the motion that the force alone causes [m].
-
-    """
+    """Filter the motion that a force causes to the innovations of an observer."""
     if not np.array_equal(system.denominator, observer.denominator):
         return innovations(run(system, force, 0.0, 0.0), observer, cutoff, h)
     pole = exp(-cutoff * h)  # the poles of the dynamics are zeros of the observer
@@ -185,27 +90,6 @@ def innovations_under(
 
     The poles of the dynamics are zeros of the filter a / c, with a their denominator: what is left
     is (a x - b f) / c, with b the numerator of the position.
-
-    Parameters
-    ----------
-    force : ndarray, shape (N,)
-        f [N], as of `run`.
-    position : ndarray, shape (N,)
-        Measured x [m].
-    start : float
-        Initial position of the run [m].
-    system : SecondOrder
-        The dynamics.
-    denominator : ndarray
-        c, such as of `kalman_filter`.
-    stiffness : float
-        K [N/m], as of `run`.
-
-    Returns
-    -------
-    innovations : ndarray, shape (N,)
-        [m].
-
     """
     x, f = position - start, force - stiffness * start
     (_, a_1, a_2), (b_0, b_1, b_2) = system.denominator.tolist(), system.position.tolist()
@@ -225,23 +109,6 @@ def kalman_filter(
     With a and b the polynomials of the position's transfer function, the spectra of both noises
     add up to S |c|^2 = force_noise^2 |b|^2 + position_noise^2 |a|^2; the misfit of a free run
     filtered by a / c is the innovation (spectral factorisation; Ljung 1999, section 4.3).
-
-    Parameters
-    ----------
-    system : SecondOrder
-        The dynamics.
-    force_noise, position_noise : float
-        Standard deviations of the white noise of both [N], [m].
-    weights : sequence of float
-        Of the W samples of force noise that act at a time.
-
-    Returns
-    -------
-    denominator : ndarray, shape (W + 2,)
-        c; that of the system for a force without noise: innovations are then the misfit itself.
-    std : float
-        Of the innovations, sqrt(S) [m].
-
     """
     a, b = system.denominator, np.convolve(system.position, weights)
     a = np.pad(a, (0, len(b) - len(a)))
@@ -259,24 +126,7 @@ def innovation_std(
     system: SecondOrder, denominator: Array, force_noise: float, position_noise: float,
     weights: Sequence[float], block: int,
 ) -> float:
-    """
-    Compute what the noise of force and position leaves in innovations of any filter.
-
-    Parameters
-    ----------
-    system, force_noise, position_noise, weights
-        As for `kalman_filter`.
-    denominator : ndarray
-        c of the filter, perhaps designed for another noise.
-    block : int
-        Samples that are averaged.
-
-    Returns
-    -------
-    std : float
-        Of a block's mean, times the root of its samples [m]: neighbours are correlated.
-
-    """
+    """Compute what the noise of force and position leaves in innovations of any filter."""
     c = freqz([1.0], denominator, worN=_FREQUENCIES)[1]
     a = freqz(system.denominator, [1.0], worN=_FREQUENCIES)[1]
     b = freqz(np.convolve(system.position, weights), [1.0], worN=_FREQUENCIES)[1]

@@ -27,37 +27,11 @@ def pace_of(h: float, duration: float) -> float:
     Its times (windows, blocks, memories) suit contacts that are sampled at 100 Hz to 1 kHz for
     seconds. Slower sampling lengthens them, so that they hold as many samples as at 100 Hz; faster
     sampling and a short recording shorten them.
-
-    Parameters
-    ----------
-    h : float
-        Sample period [s].
-    duration : float
-        Of the recording [s].
-
-    Returns
-    -------
-    pace : float
-        1 in the usual range, > 0.
-
     """
     by_rate = max(h / _SLOWEST_S, min(1.0, h / _FASTEST_S))
     return min(by_rate, duration / _SHORT_S) if duration > 0.0 else by_rate
 
 
 def is_slow(h: float) -> bool:
-    """
-    Return whether sampling is too slow to take the motion between samples for known.
-
-    Parameters
-    ----------
-    h : float
-        Sample period [s].
-
-    Returns
-    -------
-    slow : bool
-        Below 90 Hz.
-
-    """
+    """Return whether sampling is too slow to take the motion between samples for known."""
     return h > _SLOWEST_S

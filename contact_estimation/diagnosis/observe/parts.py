@@ -39,28 +39,7 @@ _LEAST_CONTACT_S = 0.2
 
 
 def continuous_parts(recording: Recording, model: PlantParameters) -> list[Recording]:
-    """
-    Split a recording at its gaps, and average recordings that are too long to be fitted.
-
-    Parameters
-    ----------
-    recording : Recording
-        As recorded.
-    model : PlantParameters
-        The nominal model.
-
-    Returns
-    -------
-    parts : list of Recording
-        Parts with a contact, if any has one; the recording itself without gaps. Their stamps still
-        count from the first wrench of the whole.
-
-    Raises
-    ------
-    RecordingError
-        If a signal is too short, not finite or constant.
-
-    """
+    """Split a recording at its gaps, and average recordings that are too long to be fitted."""
     check_signals(recording.signals)
     whole = _common(recording.signals)
     if not _is_enough(whole):
@@ -103,17 +82,6 @@ def spans_of(signals: Signals) -> list[tuple[float, float]]:
 
     A pause of less than a fiftieth of the recording over which the topic goes straight on is none:
     a straight line tells what happened.
-
-    Parameters
-    ----------
-    signals : Signals
-        The content of a recording.
-
-    Returns
-    -------
-    spans : list of (float, float)
-        Begin and end of each [s]; one without a pause.
-
     """
     s = signals
     begin, end = float(s.wrench_t[0]), float(s.wrench_t[-1])

@@ -30,7 +30,7 @@ from .episodes import HeldOut, hold_out, require_contact
 from .latest import Latest
 from .model import Model
 from .noise import force_error, force_noise, innovation_error, motion_noise
-from .observed import observe, Observed, reference_on_grid
+from .observed import observe, Observed
 from .signals import Recording
 from .usable_samples import default_block, force_drops, held_at_rest, usable
 from ...physics.second_order import SecondOrder
@@ -109,26 +109,7 @@ class PreparedRecording:
     def of(
         cls, name: str, observed: Observed, model: Model, held_out: HeldOut | None = None
     ) -> 'PreparedRecording':
-        """
-        Measure the noise of a smoothed recording and choose the samples that count.
-
-        Parameters
-        ----------
-        name : str
-            For texts.
-        observed : Observed
-            The recording.
-        model : Model
-            Nominal.
-        held_out : HeldOut, optional
-            The part excluded from fitting.
-
-        Returns
-        -------
-        prepared : PreparedRecording
-            Without a discount.
-
-        """
+        """Measure the noise of a smoothed recording and choose the samples that count."""
         o, use = observed, usable(model, observed)
         if held_out is not None:
             use = use & ~held_out.samples
@@ -216,48 +197,12 @@ class PreparedRecording:
         """Return the recording with another course of the force between samples, `BETWEEN`."""
         return self._filtered_again(model, observed=replace(self.observed, between=between))
 
-    def with_reference_of(self, recording: Recording, model: Model) -> 'PreparedRecording':
-        """Return the recording with the reference of another one of the same motion."""
-        o = self.observed
-        reference = reference_on_grid(recording.signals, model.nominal, o.t)
-        return replace(self, observed=replace(o, reference=reference), discount=None)
-
     def widened(self, widening: float, model: Model) -> 'PreparedRecording':
-        """
-        Return the recording with a filter that expects forces beyond the noise.
-
-        Parameters
-        ----------
-        widening : float
-            Standard deviation of such forces, over that of the noise; 1: the noise alone.
-        model : Model
-            With a wall that a force drives.
-
-        Returns
-        -------
-        widened : PreparedRecording
-            Without a discount.
-
-        """
+        """Return the recording with a filter that expects forces beyond the noise."""
         return self._filtered_again(model, widening=widening)
 
     def in_blocks(self, block: int, model: Model) -> 'PreparedRecording':
-        """
-        Return the recording with other blocks.
-
-        Parameters
-        ----------
-        block : int
-            Samples averaged to one residual.
-        model : Model
-            With its wall.
-
-        Returns
-        -------
-        averaged : PreparedRecording
-            Without a discount.
-
-        """
+        """Return the recording with other blocks."""
         return self._filtered_again(model, block=block)
 
     def _filtered_again(self, model: Model, **changes: Any) -> 'PreparedRecording':
@@ -267,37 +212,11 @@ class PreparedRecording:
             model, one.observed, one.force_noise, one.widening, one.block))
 
     def whole(self, model: Model) -> 'PreparedRecording':
-        """
-        Return the recording with its held-out part among the samples that count.
-
-        Parameters
-        ----------
-        model : Model
-            Defines where the surface is.
-
-        Returns
-        -------
-        whole : PreparedRecording
-            Without a discount: that was of the other samples.
-
-        """
+        """Return the recording with its held-out part among the samples that count."""
         return replace(self, use=usable(model, self.observed), discount=None)
 
     def split(self, residuals: Array) -> Array:
-        """
-        Split stacked residuals into channels.
-
-        Parameters
-        ----------
-        residuals : ndarray, shape (R,)
-            Of `residuals`.
-
-        Returns
-        -------
-        parts : ndarray, shape (channels, blocks)
-            Of the force, unless it drives the wall; of the motion, where there is one.
-
-        """
+        """Split stacked residuals into channels."""
         return residuals.reshape(-1, self.block_count)
 
     def blocks(self, signal: Array) -> Array:
@@ -305,20 +224,7 @@ class PreparedRecording:
         return sum_blocks(signal, self.block) / self.block
 
     def touching(self, model: Model) -> Flags:
-        """
-        Find the blocks in contact.
-
-        Parameters
-        ----------
-        model : Model
-            Defines where the surface is.
-
-        Returns
-        -------
-        touching : ndarray of bool, shape (blocks,)
-            For most of their samples; everywhere for a permanently attached wall.
-
-        """
+        """Find the blocks in contact."""
         o, laws = self.observed, model.laws()
         if not laws.contact.unilateral:
             return np.ones(self.block_count, bool)
@@ -328,57 +234,18 @@ class PreparedRecording:
 Recordings = Sequence[PreparedRecording]
 
 
-def prepare(recording: Recording, model: Model, hold: int) -> PreparedRecording:
-    """
-    Smooth a recording, measure its noise, hold a part out.
-
-    Parameters
-    ----------
-    recording : Recording
-        As recorded.
-    model : Model
-        Nominal.
-    hold : int
-        Which part is held out, see `hold_out`; 0: none.
-
-    Returns
-    -------
-    prepared : PreparedRecording
-        Ready to be fitted.
-
-    Raises
-    ------
-    RecordingError
-        If it has too little data, no contact or a constant signal.
-
-    """
+def prepare(recording: Recording, model: Model, hold: bool) -> PreparedRecording:
+    """Smooth a recording, measure its noise, hold a part out."""
     observed = observe(recording.signals, model.nominal)
     if not recording.rests_count:
         observed = replace(observed, held=held_at_rest(model, observed))
     require_contact(model, observed, recording.name)
-    held_out = hold_out(model, observed, hold) if hold else None
+    held_out = hold_out(model, observed) if hold else None
     return PreparedRecording.of(recording.name, observed, model, held_out)
 
 
 def is_flexible(recordings: Recordings, model: Model, name: str) -> bool:
-    """
-    Return whether an effect is a curve that follows any slow misfit of recordings.
-
-    Parameters
-    ----------
-    recordings : sequence of PreparedRecording
-        Of which the longest counts.
-    model : Model
-        With the effect.
-    name : str
-        Of the effect.
-
-    Returns
-    -------
-    flexible : bool
-        As of `Effect.is_flexible`.
-
-    """
+    """Return whether an effect is a curve that follows any slow misfit of recordings."""
     return model.is_flexible(name, max(float(one.observed.t[-1]) for one in recordings))
 
 

@@ -23,20 +23,7 @@ _SMOOTH = 0.9  # of the changes of x_r, that follow another one: else it is a st
 
 
 def lacks_rates(signals: Signals) -> bool:
-    """
-    Return whether a reference moves smoothly but has no rates.
-
-    Parameters
-    ----------
-    signals : Signals
-        Of a recording.
-
-    Returns
-    -------
-    lacks : bool
-        False for a staircase, whose rates are 0.
-
-    """
+    """Return whether a reference moves smoothly but has no rates."""
     if len(signals.reference_t) < 3 or signals.reference[1:3].any():
         return False
     moves = np.diff(signals.reference[0]) != 0.0
@@ -45,20 +32,7 @@ def lacks_rates(signals: Signals) -> bool:
 
 
 def with_reference_rates(recording: Recording) -> Recording:
-    """
-    Differentiate a reference that lacks its rates.
-
-    Parameters
-    ----------
-    recording : Recording
-        As recorded.
-
-    Returns
-    -------
-    recording : Recording
-        The same if its reference has rates, or should have none.
-
-    """
+    """Differentiate a reference that lacks its rates."""
     s = recording.signals
     if not lacks_rates(s):
         return recording

@@ -48,28 +48,7 @@ _DROP = 5.0  # standard deviations: the charge for a sample at which the force v
 def residuals(
     recording: PreparedRecording, model: Model, robust: bool = True, briefly: bool = False
 ) -> Array:
-    """
-    Stack the residuals of both channels, less the recording's discount.
-
-    Parameters
-    ----------
-    recording : PreparedRecording
-        Signals, noise, observer, discount.
-    model : Model
-        With its values.
-    robust : bool
-        Whether to bend large ones, see `huber`; an attached specimen whose law may be exact has no
-        impacts, so that there is no need to.
-    briefly : bool
-        Whether the innovations of a wall without a robot forget within the wall's own time, see
-        `DrivenWall.innovations`: less sharp, but a step from afar goes in the right direction.
-
-    Returns
-    -------
-    residuals : ndarray, shape (R,)
-        In standard deviations; white, of variance 1 for a correct model.
-
-    """
+    """Stack the residuals of both channels, less the recording's discount."""
     laws = model.laws()
     if recording.driven_by_force(model):
         memory = _wall_time(recording, model) if briefly else np.inf
@@ -85,22 +64,7 @@ def residuals(
 
 
 def bends(recording: PreparedRecording, model: Model) -> bool:
-    """
-    Return whether large residuals count linearly.
-
-    Parameters
-    ----------
-    recording : PreparedRecording
-        With or without a discrepancy.
-    model : Model
-        Defines whether the environment is attached.
-
-    Returns
-    -------
-    bends : bool
-        False for an attached specimen whose law may be exact.
-
-    """
+    """Return whether large residuals count linearly."""
     return model.nominal.environment.unilateral or recording.carries_discrepancy
 
 
@@ -113,36 +77,13 @@ def _of_channels(recording: PreparedRecording, model: Model, laws: Laws) -> Arra
 
 
 def force_residual(recording: PreparedRecording, model: Model) -> Array:
-    """
-    Subtract the predicted from the measured force.
-
-    Parameters
-    ----------
-    recording : PreparedRecording
-        Force and motion.
-    model : Model
-        With its values.
-
-    Returns
-    -------
-    residual : ndarray, shape (N,)
-        [N].
-
-    """
+    """Subtract the predicted from the measured force."""
     laws = model.laws()
     return _force_error(recording, laws, _at_wall(recording, model, laws))
 
 
 def motion_residual(recording: PreparedRecording, model: Model) -> Array | None:
-    """
-    Compute the innovations of the motion channel; parameters as `force_residual`.
-
-    Returns
-    -------
-    innovations : ndarray, shape (N,), or None
-        [m]; None without a robot, unless a force drives the wall.
-
-    """
+    """Compute the innovations of the motion channel; parameters as `force_residual`."""
     if recording.observed.reference is not None:
         laws = model.laws()
         return _robot_innovations(recording, model, laws, _at_wall(recording, model, laws))
@@ -152,24 +93,7 @@ def motion_residual(recording: PreparedRecording, model: Model) -> Array | None:
 
 
 def response_to(recording: PreparedRecording, push: Array, model: Model) -> Array | None:
-    """
-    Compute the innovations that an unknown force on the robot would leave.
-
-    Parameters
-    ----------
-    recording : PreparedRecording
-        With the observer.
-    push : ndarray, shape (N,)
-        Force that the model does not contain [N].
-    model : Model
-        Fitted.
-
-    Returns
-    -------
-    innovations : ndarray, shape (N,), or None
-        [m]; None without a robot.
-
-    """
+    """Compute the innovations that an unknown force on the robot would leave."""
     if recording.observer is None:
         return None
     robot, o = model.laws().robot, recording.observed
@@ -178,22 +102,7 @@ def response_to(recording: PreparedRecording, push: Array, model: Model) -> Arra
 
 
 def force_explains_motion(recording: PreparedRecording, model: Model) -> bool:
-    """
-    Return whether the force that a model lacks is also what its motion lacks.
-
-    Parameters
-    ----------
-    recording : PreparedRecording
-        With the observer.
-    model : Model
-        Fitted.
-
-    Returns
-    -------
-    explains : bool
-        True of a missing effect of the contact; without a robot nothing else moves.
-
-    """
+    """Return whether the force that a model lacks is also what its motion lacks."""
     missing = force_residual(recording, model) * recording.use
     response, innovations = response_to(recording, missing, model), motion_residual(
         recording, model)
@@ -284,20 +193,7 @@ def _wall_time(recording: PreparedRecording, model: Model) -> float:
 
 
 def huber(values: Array) -> Array:
-    """
-    Bend residuals so that their squares are Huber's loss.
-
-    Parameters
-    ----------
-    values : ndarray
-        In standard deviations.
-
-    Returns
-    -------
-    bent : ndarray
-        Unchanged up to `ROBUST`.
-
-    """
+    """Bend residuals so that their squares are Huber's loss."""
     size = np.abs(values)
     far = size > ROBUST
     if not far.any():

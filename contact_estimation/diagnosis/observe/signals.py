@@ -84,20 +84,7 @@ class Recording:
 
 
 def signals_of(recorded: RecordedSignals) -> Signals:
-    """
-    Convert recorded stamps to seconds from the first wrench.
-
-    Parameters
-    ----------
-    recorded : RecordedSignals
-        As read.
-
-    Returns
-    -------
-    signals : Signals
-        For `observe`.
-
-    """
+    """Convert recorded stamps to seconds from the first wrench."""
     start = int(recorded.wrench.stamp_ns[0])
 
     def seconds(stamps: NDArray[np.int64]) -> Array:
@@ -112,20 +99,7 @@ def signals_of(recorded: RecordedSignals) -> Signals:
 
 
 def check_signals(signals: Signals) -> None:
-    """
-    Check that the signals have enough samples, are finite and not constant.
-
-    Parameters
-    ----------
-    signals : Signals
-        The content of a recording.
-
-    Raises
-    ------
-    RecordingError
-        If one of them is not.
-
-    """
+    """Check that the signals have enough samples, are finite and not constant."""
     for name, stamps in (('wrench', signals.wrench_t), ('joint_states', signals.joint_t)):
         if len(stamps) < LEAST_SAMPLES:
             raise RecordingError(

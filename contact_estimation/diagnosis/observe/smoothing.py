@@ -53,24 +53,7 @@ class Derivatives(NamedTuple):
 
 
 def smooth(signal: Array, weight: Array, cutoff_cycles: float) -> Array:
-    """
-    Minimise sum w (y - s)^2 + lambda sum (third difference of s)^2 (Whittaker 1923).
-
-    Parameters
-    ----------
-    signal : ndarray, shape (N,)
-        Evenly spaced samples, N >= 4.
-    weight : ndarray, shape (N,)
-        1 where a sample was measured, nearly 0 where it was filled in.
-    cutoff_cycles : float
-        Frequency whose amplitude is halved, in cycles per sample.
-
-    Returns
-    -------
-    smoothed : ndarray, shape (N,)
-        Without phase shift.
-
-    """
+    """Minimise sum w (y - s)^2 + lambda sum (third difference of s)^2 (Whittaker 1923)."""
     stiffness = (2.0 * pi * cutoff_cycles) ** -6
     count, c = len(signal), _THIRD_DIFFERENCE
     bands = np.zeros((4, count))
@@ -82,22 +65,7 @@ def smooth(signal: Array, weight: Array, cutoff_cycles: float) -> Array:
 
 
 def differentiate(signal: Array, h: float) -> Derivatives:
-    """
-    Differentiate twice by central differences of fourth order.
-
-    Parameters
-    ----------
-    signal : ndarray, shape (N,)
-        Smooth, N >= 5.
-    h : float
-        Sample period [s].
-
-    Returns
-    -------
-    derivatives : Derivatives
-        Second order at the two samples next to each end.
-
-    """
+    """Differentiate twice by central differences of fourth order."""
     y, v = signal, np.gradient(signal, h)
     a = np.gradient(v, h)
     v[2:-2] = (8.0 * (y[3:-1] - y[1:-3]) - (y[4:] - y[:-4])) / (12.0 * h)
@@ -106,20 +74,7 @@ def differentiate(signal: Array, h: float) -> Derivatives:
 
 
 def white_noise_std(signal: Array) -> float:
-    """
-    Estimate white noise under a signal of less bandwidth from the top of its spectrum.
-
-    Parameters
-    ----------
-    signal : ndarray, shape (N,)
-        Evenly spaced samples, N >= 64.
-
-    Returns
-    -------
-    std : float
-        In the signal's unit; robust to a few outliers such as impacts.
-
-    """
+    """Estimate white noise under a signal of less bandwidth from the top of its spectrum."""
     span = min(256, len(signal) // 4)
     cycles, power = welch(np.diff(signal, 2), 1.0, nperseg=span, average='median')
     top = (cycles > 0.4) & (cycles < 0.49)
@@ -128,20 +83,7 @@ def white_noise_std(signal: Array) -> float:
 
 
 def least_noise(force: Array) -> float:
-    """
-    Return the least noise of a force sensor that is worth assuming.
-
-    Parameters
-    ----------
-    force : ndarray, shape (N,)
-        [N].
-
-    Returns
-    -------
-    std : float
-        [N], a ten thousandth of the force's range.
-
-    """
+    """Return the least noise of a force sensor that is worth assuming."""
     return _LEAST_NOISE * float(np.ptp(force))
 
 
@@ -149,30 +91,7 @@ def smooth_enough(
     signal: Array, weight: Array, h: float, noise: float, pace: float = 1.0,
     cutoffs: Sequence[float] = CUTOFFS_HZ,
 ) -> tuple[Array, float]:
-    """
-    Smooth with the lowest cut-off whose residual is only noise.
-
-    Parameters
-    ----------
-    signal, weight : ndarray, shape (N,)
-        As for `smooth`.
-    h : float
-        Sample period [s].
-    noise : float
-        Standard deviation of the white noise of `signal`.
-    pace : float
-        Of the recording, see `pace_of`.
-    cutoffs : sequence of float
-        At a pace of 1, rising [Hz].
-
-    Returns
-    -------
-    smoothed : ndarray, shape (N,)
-        Without phase shift.
-    cutoff : float
-        Chosen from `cutoffs` over the pace [Hz].
-
-    """
+    """Smooth with the lowest cut-off whose residual is only noise."""
     measured = weight > 0.5
     smoothed, cutoff = signal, 0.4 / h
     for cutoff in (at_pace_1 / pace for at_pace_1 in cutoffs):
@@ -189,24 +108,7 @@ def smooth_enough(
 
 
 def rate_noise(noise: float, cutoff: float, h: float) -> float:
-    """
-    Bound the standard deviation of the rate of a smoothed signal.
-
-    Parameters
-    ----------
-    noise : float
-        White noise of the signal.
-    cutoff : float
-        Of the smoothing [Hz].
-    h : float
-        Sample period [s].
-
-    Returns
-    -------
-    std : float
-        Unit of the signal per second; as if all noise in the band were at its upper end.
-
-    """
+    """Bound the standard deviation of the rate of a smoothed signal."""
     return noise * 2.0 * pi * cutoff * sqrt(min(1.0, 2.0 * cutoff * h))
 
 
@@ -219,23 +121,6 @@ def slower_by_force(
     What such a wall does shows in its force at once: a motion that is faster than the force is
     noise, whatever its spectrum. The rate would else be little but noise, which hides the damping
     and every misfit.
-
-    Parameters
-    ----------
-    force, weight : ndarray, shape (N,)
-        As for `smooth` [N].
-    h : float
-        Sample period [s].
-    felt : float
-        Standard deviation of the force that the noise of the rate would cause [N].
-    pace : float
-        Of the recording.
-
-    Returns
-    -------
-    cutoff : float or None
-        [Hz]; None where the noise of the motion matters little.
-
     """
     noise = max(white_noise_std(force), least_noise(force))
     return None if felt < _FELT * noise else smooth_enough(force, weight, h, noise, pace)[1]

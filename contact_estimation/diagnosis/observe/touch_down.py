@@ -28,17 +28,6 @@ def at_touch_down(force: Array, d: Array) -> Array:
 
     The force straight between samples would begin at the sample before touch-down. Its value
     there is set so that the area under the two lines that meet there is that of the true force.
-
-    Parameters
-    ----------
-    force, d : ndarray, shape (N,)
-        F_e [N] and penetration [m].
-
-    Returns
-    -------
-    force : ndarray, shape (N,)
-        Changed at the samples before touch-down alone.
-
     """
     inside = d > 0.0
     begins = np.flatnonzero(inside[1:] > inside[:-1])

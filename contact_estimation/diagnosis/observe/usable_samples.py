@@ -41,22 +41,7 @@ _IMPACT_BEFORE, _IMPACT_AFTER = 2, 3  # unpredictable samples around touch-down
 
 
 def usable(model: Model, observed: Observed) -> Flags:
-    """
-    Find the samples that a model can be expected to predict.
-
-    Parameters
-    ----------
-    model : Model
-        Nominal.
-    observed : Observed
-        The recording.
-
-    Returns
-    -------
-    use : ndarray of bool, shape (N,)
-        False around touch-downs, whose instant within a sample is unknown.
-
-    """
+    """Find the samples that a model can be expected to predict."""
     o = observed
     use = np.ones(len(o.t), bool)
     use[:5] = use[-5:] = False
@@ -108,19 +93,6 @@ def held_at_rest(model: Model, observed: Observed) -> Flags | None:
     Find the stretches in which a drive without a spring is held, by forces that differ.
 
     What holds it follows the force, so that no law of the motion predicts that.
-
-    Parameters
-    ----------
-    model : Model
-        Nominal.
-    observed : Observed
-        The recording.
-
-    Returns
-    -------
-    held : ndarray of bool, shape (N,), or None
-        None if there is no such stretch, or little else.
-
     """
     o, wall = observed, model.nominal.environment
     if o.reference is not None or wall.unilateral or wall.stiffness != 0.0:
@@ -137,25 +109,7 @@ def held_at_rest(model: Model, observed: Observed) -> Flags | None:
 
 
 def force_drops(observed: Observed, noise: float, touching: Flags) -> Flags | None:
-    """
-    Find the samples at which the force vanishes during contact.
-
-    Parameters
-    ----------
-    observed : Observed
-        The recording.
-    noise : float
-        Of the force [N].
-    touching : ndarray of bool, shape (N,)
-        Where the surface is reached: a tool that bounces off it has no contact.
-
-    Returns
-    -------
-    dropped : ndarray of bool, shape (N,), or None
-        No force between pressing samples less than half a second apart, one sample on either
-        way aside; None with fewer than three drops without such a sample.
-
-    """
+    """Find the samples at which the force vanishes during contact."""
     o = observed
     strong = max(20.0 * noise, 0.05 * float(np.max(np.abs(o.force))))
     size, pressing = np.abs(o.force), o.force < -strong
@@ -181,20 +135,7 @@ def _nearly_none(size: Array) -> Flags:
 
 
 def default_block(observed: Observed) -> int:
-    """
-    Choose how many samples make one residual.
-
-    Parameters
-    ----------
-    observed : Observed
-        The recording.
-
-    Returns
-    -------
-    block : int
-        So that the motion is resolved: a hundred blocks a second, or every sample of a fast one.
-
-    """
+    """Choose how many samples make one residual."""
     o = observed
     if o.reference is None and o.cutoff * o.pace > 15.0:
         return 1

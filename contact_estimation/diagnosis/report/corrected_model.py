@@ -28,20 +28,7 @@ from ...plant.plant_parameters import PlantParameters
 
 
 def model_file(diagnosis: Diagnosis) -> str:
-    """
-    Return the corrected model as a parameter file for plant and estimator.
-
-    Parameters
-    ----------
-    diagnosis : Diagnosis
-        The result.
-
-    Returns
-    -------
-    text : str
-        YAML with sections `plant_node` and `estimator_node`.
-
-    """
+    """Return the corrected model as a parameter file for plant and estimator."""
     plant = plant_of(diagnosis.corrected)
     default = dict(flatten(PlantParameters()))
     given = dict(flatten(diagnosis.nominal.nominal))

@@ -19,28 +19,12 @@ from __future__ import annotations
 from math import isfinite
 from typing import Any
 
-from .wording import nearly_of, untried_of
 from ..conclude.result import Diagnosis, Errors, NamedEffect, Remainder, Value
-from ..observe.model import Model
+from ..observe.model import Model, names_of
 
 
 def as_dict(diagnosis: Diagnosis, experiment_file: str | None = None) -> dict[str, Any]:
-    """
-    Return the report as nested dictionaries.
-
-    Parameters
-    ----------
-    diagnosis : Diagnosis
-        The result.
-    experiment_file : str, optional
-        Path of the next experiment's file.
-
-    Returns
-    -------
-    report : dict
-        Ready for JSON: numbers that are not finite are None.
-
-    """
+    """Return the report as nested dictionaries."""
     d = diagnosis
     return _finite({
         'verdict': d.verdict,
@@ -62,7 +46,6 @@ def as_dict(diagnosis: Diagnosis, experiment_file: str | None = None) -> dict[st
             'force_between_samples': d.between_samples,
             'reference_held': d.holds_reference, 'rests_left_out': d.rests_left_out,
             'left_over_noise': d.residual_power,
-            'left_predictable': d.predictable,
         },
         'evidence': d.evidence,
         'dependence': {
@@ -70,8 +53,8 @@ def as_dict(diagnosis: Diagnosis, experiment_file: str | None = None) -> dict[st
                    for one in found]
             for name, found in d.dependences.items()
         },
-        'untried': [{'family': family, 'reason': reason} for family, reason in untried_of(d)],
-        'nearly': nearly_of(d),
+        'untried': [{'family': family, 'reason': reason} for family, reason in d.untried],
+        'nearly': d.nearly,
         'next_experiment': {'text': d.next_experiment, 'file': experiment_file},
     })
 
@@ -114,9 +97,13 @@ def _value(value: Value) -> dict[str, float | None]:
     return {'value': value.value, 'std': value.std}
 
 
-def _base(model: Model) -> dict[str, float]:
-    base = {'stiffness': model.stiffness, 'damping': model.damping}
-    return {**base, 'inertia': model.values[2]} if model.with_inertia else base
+def _base(model: Model) -> dict[str, Any]:
+    base: dict[str, Any] = {'stiffness': model.stiffness, 'damping': model.damping}
+    if model.with_inertia:
+        base['inertia'] = model.values[2]
+    given = {f'{effect}.{key}': value for effect in model.given
+             for key, value in zip(names_of(effect), model.values[model.place(effect)])}
+    return {**base, **({'physics': given} if given else {})}
 
 
 def _finite(data: Any) -> Any:

@@ -24,7 +24,6 @@ from .wording import (
     improvement,
     mismatch,
     MODELS,
-    nearly_of,
     place_of,
     PORTS,
     remainder,
@@ -32,29 +31,14 @@ from .wording import (
     significant,
     tested_dependences,
     trifle,
-    untried_of,
 )
 from ..conclude.naming import listed
 from ..conclude.result import Diagnosis, Errors, NamedEffect, Value
+from ..observe.model import names_of
 
 
 def as_text(diagnosis: Diagnosis) -> str:
-    """
-    Return the report as text.
-
-    Parameters
-    ----------
-    diagnosis : Diagnosis
-        The result.
-
-    Returns
-    -------
-    text : str
-        Failed checks, verdict, effects, what they leave, model parameters, held-out errors,
-        location of the mismatch, course of inputs between samples, what was not tried, next
-        experiment.
-
-    """
+    """Return the report as text."""
     d = diagnosis
     sections = [[f'Check {check.name}: {check.text}' for check in d.checks if not check.ok],
                 _verdict(d)]
@@ -72,7 +56,7 @@ def _verdict(d: Diagnosis) -> list[str]:
     lines = [f'{d.verdict.replace("_", " ")}: {sentence[0].lower()}{sentence[1:]}.']
     if d.verdict == 'physics_missing':
         lines.append('Recalibrating K_e and B_e alone cannot explain the recording.')
-    return lines + [f'{one.rstrip(".")}.' for one in (trifle(d), nearly_of(d)) if one]
+    return lines + [f'{one.rstrip(".")}.' for one in (trifle(d), d.nearly) if one]
 
 
 def _effect(effect: NamedEffect) -> list[str]:
@@ -122,6 +106,10 @@ def _parameters(d: Diagnosis) -> list[str]:
     if d.nominal.with_inertia:
         masses = (f'{getattr(d, name).values[2]:.6g}' for name in MODELS)
         lines.append(_row('  M_e [kg]', *masses))
+    for effect in d.nominal.given:
+        for key, *values in zip(names_of(effect), *(
+                getattr(d, name).values[getattr(d, name).place(effect)] for name in MODELS)):
+            lines.append(_row(f'  {effect}.{key}', *(f'{value:.6g}' for value in values)))
     return lines
 
 
@@ -161,5 +149,5 @@ def _location(d: Diagnosis) -> list[str]:
 
 
 def _untried(d: Diagnosis) -> list[str]:
-    untried = untried_of(d)
+    untried = d.untried
     return ['Not tried', *(f'  {family}: {reason}' for family, reason in untried)] * bool(untried)

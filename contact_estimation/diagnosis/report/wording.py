@@ -81,15 +81,7 @@ def share_of(effect: NamedEffect) -> str:
     if effect.beside_zeros is not None:
         rest = _percent(effect.beside_zeros.share, effect.beside_zeros.interval)
         sentence += f', {rest} of what the offsets leave'
-    if effect.mark is not None:
-        if not effect.share_interval[0] > 0.0:
-            sentence = 'explains no significant share of the misfit in cross-validation'
-        return (f'{sentence}, but is identified by its signature: {effect.mark.words}. '
-                'A larger effect is unexplained')
-    if effect.share_in_form is None:
-        return sentence
-    return (f'{sentence}, but {100.0 * effect.share_in_form:.0f} % if its magnitude may differ '
-            'between parts: the magnitude depends on something else, such as speed, depth or time')
+    return sentence
 
 
 def _percent(share: float, bounds: tuple[float, float]) -> str:
@@ -198,16 +190,6 @@ def how_it_was_read(diagnosis: Diagnosis) -> list[str]:
         said.append('The robot holds its reference between setpoints; straight lines explain '
                     'its motion less.')
     return said
-
-
-def untried_of(diagnosis: Diagnosis) -> list[tuple[str, str]]:
-    """Return the families that were not tried, each with the reason."""
-    return [(family, reason) for family, reason in getattr(diagnosis, 'untried', ())]
-
-
-def nearly_of(diagnosis: Diagnosis) -> str:
-    """Return what nearly was named, and what is missing to name it; '' if nothing was."""
-    return str(getattr(diagnosis, 'nearly', ''))
 
 
 def tested_dependences(diagnosis: Diagnosis) -> dict[str, list[Dependence]]:

@@ -38,29 +38,7 @@ DASH = Markup('&ndash;')
 
 
 def as_html(diagnosis: Diagnosis, title: str, experiment_file: str | None = None) -> str:
-    """
-    Build the page.
-
-    Parameters
-    ----------
-    diagnosis : Diagnosis
-        The result.
-    title : str
-        Names of the recordings.
-    experiment_file : str, optional
-        Path of the next experiment's file.
-
-    Returns
-    -------
-    page : str
-        HTML with style and figures embedded: no script, no external resource.
-
-    Raises
-    ------
-    MissingPackageError
-        If matplotlib is not installed.
-
-    """
+    """Build the page."""
     d = diagnosis
     verdict = 'recording refused' if d.refused else d.verdict.replace('_', ' ')
     template = environment(__name__).get_template('diagnosis.html')

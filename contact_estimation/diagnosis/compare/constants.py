@@ -1,0 +1,76 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The constants of the decision, in `constants.json`: fitted by `blind_trials --calibrate`."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import NamedTuple
+
+
+class Constants(NamedTuple):
+    """
+    Prior and error model of a comparison.
+
+    Attributes
+    ----------
+    parameter, law, curve : float
+        Log prior odds against a parameter, a law, and a law that is a curve through any slow
+        misfit [nat].
+    discrepancy : float
+        Log prior odds against a discrepancy at all: laws may be exact [nat].
+    independent : float
+        Independent errors by a discrepancy in a part, at most: it is correlated over most of it.
+    ideal : float
+        Part of the squared misfit that no law explains, since every law idealises.
+    instrument : float
+        Discrepancy that every instrument has, as a share of the range of the force.
+    exact : float
+        Share of both that an exact law leaves: integration, rounding, what a rig cannot avoid.
+    left_out : float
+        Weight of the errors on parts left out; that on the parts as fitted has the rest
+        (.632 bootstrap: B. Efron, JASA 78, 1983).
+    temperature : float
+        Divisor of log posteriors that makes probabilities as large as names are often right.
+    named : float
+        Probability of a family from which on it is named.
+    worth, worth_exact : float
+        Least share of what zeros leave that is worth a name, of a law that is inexact or exact.
+    confirmed : float
+        Least share that names explain of what held-out data show.
+    listed : float
+        Weight of a law that is listed beside another, in that of the other.
+
+    """
+
+    parameter: float
+    law: float
+    curve: float
+    discrepancy: float
+    independent: float
+    ideal: float
+    instrument: float
+    exact: float
+    left_out: float
+    temperature: float
+    named: float
+    worth: float
+    worth_exact: float
+    confirmed: float
+    listed: float
+
+
+CONSTANTS = Constants(**json.loads(Path(__file__).with_name('constants.json').read_text()))

@@ -1,0 +1,216 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+The evidence for models: how well each predicts parts that it was not fitted on.
+
+Residuals of a part are white noise of known size plus a discrepancy of unknown size, correlated in
+time (M. C. Kennedy and A. O'Hagan, Bayesian calibration of computer models, J. R. Stat. Soc. B 63,
+2001). With the scale-invariant prior 1 / s of its size s, a part of n independent errors of mean
+square m has the marginal likelihood m^(-n/2), whatever m is: no part outweighs the others.
+Without a discrepancy it is exp(-n m / 2). The likelihood of a model is the sum of both, each with
+its prior.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import Any, Iterable, Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .constants import CONSTANTS, Constants
+from .order import ranked_by
+
+Array = NDArray[np.float64]
+
+_NOISE_IS_KNOWN = 1.2  # factor by which it may be larger than measured
+_DRAWS = 400  # of the Bayesian bootstrap: probabilities to two and a half per cent at worst
+
+
+@dataclass(frozen=True, eq=False)
+class Scored:
+    """
+    A fitted model, and its errors on P parts in C channels.
+
+    Attributes
+    ----------
+    effects : tuple of str
+        Its effects in the order in which they were found.
+    families : tuple of str
+        The family of each; '' for those of the nominal model, which are no names.
+    rank : tuple
+        Where it comes among models of equal score.
+    left_out, fitted : ndarray, shape (P, C)
+        Mean squares of the errors on each part, as predicted by the fit on the others and as
+        fitted, in those of noise.
+    counts : ndarray, shape (P, C)
+        Number of residuals.
+    parameters, laws, curves : int
+        Number of free values beyond those of the nominal model; laws other than zeros; curves
+        among them.
+    found : object
+        The fit.
+
+    """
+
+    effects: tuple[str, ...]
+    families: tuple[str, ...]
+    rank: tuple[Any, ...]
+    left_out: Array
+    fitted: Array
+    counts: Array
+    parameters: int
+    laws: int
+    curves: int
+    found: Any = field(repr=False, default=None)
+
+    @property
+    def key(self) -> frozenset[str]:
+        """Return its effects in no order."""
+        return frozenset(self.effects)
+
+    @property
+    def named(self) -> frozenset[str]:
+        """Return the families of its names."""
+        return frozenset(self.families) - {''}
+
+    def expected(self, constants: Constants = CONSTANTS) -> Array:
+        """Return the mean squares to expect on further data, shape (P, C)."""
+        share = constants.left_out
+        return share * self.left_out + (1.0 - share) * self.fitted
+
+
+@dataclass(frozen=True, eq=False)
+class Evidence:
+    """
+    What models are compared against.
+
+    Attributes
+    ----------
+    base : Scored
+        The nominal model, recalibrated.
+    instrument : ndarray, shape (C,)
+        Mean square of the discrepancy of every instrument, in that of noise.
+    as_force : ndarray, shape (C,)
+        Mean square of noise in each channel as that of a force, by which channels are added up.
+    constants : Constants
+        Prior and error model.
+    noise : ndarray, shape (P, C), optional
+        Mean square of noise, in that which was measured beforehand; 1 by default.
+    level : Scored, optional
+        The base with the zeros that it asks for; the base by default.
+
+    """
+
+    base: Scored
+    instrument: Array
+    as_force: Array
+    constants: Constants = CONSTANTS
+    noise: Array | None = None
+    level: Scored | None = None
+
+    def informed_by(self, models: Iterable[Scored]) -> 'Evidence':
+        """
+        Return the evidence with what further models tell of noise and zeros.
+
+        Parameters
+        ----------
+        models : iterable of Scored
+            All models so far.
+
+        Returns
+        -------
+        evidence : Evidence
+            Noise is measured to about a fifth, and as large as the best models leave. Laws are to
+            explain what the zeros leave, not what a zero takes away.
+
+        """
+        every = list(models)
+        least = np.min([one.fitted for one in every], axis=0)
+        level = self.ranked([one for one in every if not one.laws])[0]
+        return replace(self, noise=np.clip(least, 1.0, _NOISE_IS_KNOWN**2), level=level)
+
+    @property
+    def misfit(self) -> Array:
+        """Return what zeros alone leave beyond noise in each channel, shape (C,)."""
+        level = self.level or self.base
+        beyond = np.maximum(level.expected(self.constants) - 1.0, 0.0)
+        counts = level.counts
+        return np.asarray((beyond * counts).sum(axis=0) / np.maximum(counts.sum(axis=0), 1.0))
+
+    def log_likelihoods(self, one: Scored) -> tuple[Array, Array]:
+        """Return the log likelihood of each part, shape (P,), as exact and with a discrepancy."""
+        c, expected = self.constants, one.expected(self.constants)
+        beyond = self.instrument + c.ideal * self.misfit
+        exact = -0.5 * one.counts * (np.maximum(
+            expected / (self._noise_on(expected) * (1.0 + c.exact * beyond)), 1.0) - 1.0)
+        independent = np.minimum(one.counts, c.independent)
+        inexact = -0.5 * independent * np.log(np.maximum(expected, 1.0 + beyond))
+        return exact.sum(axis=1), inexact.sum(axis=1)
+
+    def _noise_on(self, parts: Array) -> Array | float:
+        """Return the noise on parts, shape (P, C), or its mean if these are others."""
+        if self.noise is None:
+            return 1.0
+        alike = self.noise.shape == parts.shape
+        return self.noise if alike else np.asarray(self.noise.mean(axis=0))
+
+    def log_prior(self, one: Scored) -> float:
+        """Return the log prior of a model but for a constant."""
+        c = self.constants
+        return -c.parameter * one.parameters - c.law * one.laws - c.curve * one.curves
+
+    def score(self, one: Scored) -> float:
+        """Return the log posterior of a model but for a constant."""
+        exact, inexact = self.log_likelihoods(one)
+        likelihood = np.logaddexp(exact.sum(), inexact.sum() - self.constants.discrepancy)
+        return float(likelihood) + self.log_prior(one)
+
+    def ranked(self, models: Iterable[Scored]) -> list[Scored]:
+        """Sort models by score, the best first; equal scores by their prior order."""
+        return ranked_by(models, lambda one: -self.score(one), lambda one: one.rank)
+
+    def is_exact(self, one: Scored) -> bool:
+        """Return whether a model is likelier without a discrepancy than with one."""
+        exact, inexact = self.log_likelihoods(one)
+        return bool(exact.sum() > inexact.sum() - self.constants.discrepancy)
+
+    def weights(self, models: Sequence[Scored], seed: int) -> Array:
+        """
+        Return the posterior weight of each model, shape (M,).
+
+        Averaged over a Bayesian bootstrap of the parts, so that few parts prove little
+        (pseudo-BMA+: Y. Yao, A. Vehtari, D. Simpson and A. Gelman, Bayesian Analysis 13, 2018).
+        """
+        both = [self.log_likelihoods(one) for one in models]
+        exact, inexact = (np.array([pair[k] for pair in both]) for k in (0, 1))
+        parts = exact.shape[1]
+        drawn = parts * np.random.default_rng(seed).dirichlet(np.ones(parts), _DRAWS)
+        scores = np.logaddexp(drawn @ exact.T, drawn @ inexact.T - self.constants.discrepancy)
+        scores += [self.log_prior(one) for one in models]
+        scores = scores / self.constants.temperature
+        scores -= scores.max(axis=1, keepdims=True)
+        each = np.exp(scores)
+        return np.asarray((each / each.sum(axis=1, keepdims=True)).mean(axis=0))
+
+
+def of_families(models: Sequence[Scored], weights: Array) -> Mapping[str, float]:
+    """Return the probability of each family: the weight of the models that have it."""
+    found = dict[str, float]()
+    for one, weight in zip(models, weights.tolist()):
+        for family in sorted(one.named):
+            found[family] = found.get(family, 0.0) + weight
+    return found

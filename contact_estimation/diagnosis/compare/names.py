@@ -1,0 +1,219 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The names that a comparison supports."""
+
+from __future__ import annotations
+
+from typing import Callable, NamedTuple, Sequence
+
+from .beam import Compared
+from .evidence import Evidence, of_families, Scored
+from .order import ranked_by, ZEROS
+from .shares import explained, Share, share_of
+
+_LISTED = 3  # effects in the place of one, at most
+
+
+class Name(NamedTuple):
+    """
+    A name.
+
+    Attributes
+    ----------
+    effect : str
+        Key of EFFECTS.
+    probability : float
+        Of its family.
+    alike : list of str
+        Effects that may as well stand in its place, the likeliest first.
+
+    """
+
+    effect: str
+    probability: float
+    alike: list[str]
+
+
+class Named(NamedTuple):
+    """
+    The model whose effects are named.
+
+    Attributes
+    ----------
+    model : Scored
+        The likeliest with exactly the families that are named.
+    names : list of Name
+        Of its effects.
+    rivals : dict of str to Scored
+        The likeliest model with another effect in the place of one, by that effect.
+
+    """
+
+    model: Scored
+    names: list[Name]
+    rivals: dict[str, Scored]
+
+
+Without = Callable[[Scored, Sequence[str]], 'Scored | None']
+"""Returns a model without some of its effects; None where that is not known."""
+
+
+class Part(NamedTuple):
+    """
+    What a name takes away.
+
+    Attributes
+    ----------
+    share : Share
+        Of the misfit of the base.
+    before, after : Scored
+        The model without this name and those that follow it, and with this name.
+
+    """
+
+    share: Share
+    before: Scored
+    after: Scored
+
+
+def name(compared: Compared, seed: int, without: Without) -> Named:
+    """
+    Name the families that are likely, and worth a name.
+
+    Parameters
+    ----------
+    compared : Compared
+        All models.
+    seed : int
+        Of the bootstrap over parts.
+    without : callable
+        Returns models that are not among those compared.
+
+    Returns
+    -------
+    named : Named
+        Without names where no family is likely.
+
+    """
+    evidence, models = compared.evidence, compared.models
+    weights = evidence.weights(models, seed)
+    families = of_families(models, weights)
+    likely = {family for family, weight in families.items()
+              if weight >= evidence.constants.named}
+    order = ranked_by(
+        range(len(models)), lambda k: -float(weights[k]), lambda k: models[k].rank)
+    exactly = [k for k in order if models[k].named == likely]
+    with_more = [k for k in order if likely <= models[k].named]
+    best = next(iter([*exactly, *with_more, models.index(evidence.base)]))
+    model = models[best]
+    names, rivals = list[Name](), dict[str, Scored]()
+    for effect, family in zip(model.effects, model.families):
+        if family not in likely:
+            continue
+        rest, alike = model.key - {effect}, list[str]()
+        least = evidence.constants.listed * float(weights[best])
+        for k in order:
+            other = models[k]
+            if not rest < other.key or len(other.effects) != len(model.effects):
+                continue
+            instead, = other.key - rest
+            of_family = other.families[other.effects.index(instead)] == family
+            if instead != effect and instead not in alike and (
+                    weights[k] >= least or of_family and _as_ideal(evidence, model, other)):
+                alike.append(instead)
+                rivals.setdefault(instead, other)
+        names.append(Name(effect, families[family], alike[:_LISTED]))
+    return _worth(compared, Named(model, names, rivals), without)
+
+
+def _as_ideal(evidence: Evidence, model: Scored, other: Scored) -> bool:
+    """Return whether a law explains as much as another, if neither is exact."""
+    if evidence.is_exact(model):
+        return False
+    lacks = explained(evidence, model).share - explained(evidence, other).share
+    return lacks <= 2.0 * evidence.constants.ideal  # both idealise
+
+
+def _worth(compared: Compared, named: Named, without: Without) -> Named:
+    """Drop names of which the share is too little: of laws, that of what the zeros leave."""
+    evidence = compared.evidence
+    c = evidence.constants
+    least = c.worth_exact if evidence.is_exact(named.model) else c.worth
+    told = parts(compared, named, without)
+    of_zeros = sum(part.share.share for effect, part in told.items() if effect in ZEROS)
+    of_laws = 1.0 - min(max(of_zeros, 0.0), 1.0)
+    little = [effect for effect, part in told.items()
+              if part.share.share < least * (1.0 if effect in ZEROS else of_laws)]
+    model = _known(compared, named.model, little, without) if little else None
+    if model is None:
+        listed = {one for each in named.names for one in each.alike}
+        return named._replace(rivals={one: named.rivals[one] for one in named.rivals
+                                      if one in listed})
+    kept = [one for one in named.names if one.effect not in little]
+    return _worth(compared, named._replace(model=model, names=kept), without)
+
+
+def parts(compared: Compared, named: Named, without: Without) -> dict[str, Part]:
+    """
+    Divide what is explained among the names: zeros first, then the law that takes away most.
+
+    Parameters
+    ----------
+    compared : Compared
+        All models.
+    named : Named
+        The names.
+    without : callable
+        Returns models that are not among those compared.
+
+    Returns
+    -------
+    parts : dict of str to Part
+        In that order; empty where a model is not known.
+
+    """
+    left, found = [one.effect for one in named.names], dict[str, Part]()
+    present = _known(compared, named.model, left, without)
+    while left and present is not None:
+        shares = dict[str, tuple[Share, Scored]]()
+        for one in [one for one in left if one in ZEROS] or left:
+            after = _known(
+                compared, named.model, [other for other in left if other != one], without)
+            if after is None:
+                return {}
+            shares[one] = share_of(compared.evidence, present, after), after
+        first = ranked_by(shares, lambda one: -shares[one][0].share)[0]
+        found[first] = Part(shares[first][0], present, shares[first][1])
+        present = shares[first][1]
+        left.remove(first)
+    for effect, part in found.items():  # a law may help beside the others alone
+        rest = _known(compared, named.model, [effect], without)
+        if rest is not None and part.share.share < compared.evidence.constants.worth:
+            last = share_of(compared.evidence, rest, named.model)
+            found[effect] = max(part, part._replace(share=last), key=lambda one: one.share.share)
+    return found
+
+
+def _known(
+    compared: Compared, model: Scored, dropped: Sequence[str], without: Without
+) -> Scored | None:
+    """Return a model without some of its effects, from those compared if it is among them."""
+    key = model.key - set(dropped)
+    known = next((one for one in compared.models if one.key == key), None)
+    if known is None:
+        known = without(model, dropped)
+        if known is not None:
+            compared.models.append(known)
+    return known

@@ -1,0 +1,399 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+How recordings are looked at: what is between samples, where surfaces are, which samples count.
+
+A view is one more axis of the comparison of models: each alternative is compared with the view
+that is best so far, by the same evidence, and pays the prior of a law.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Callable, Iterator, NamedTuple, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize_scalar
+
+from ..checks.check import Check
+from ..compare.beam import Compared, search
+from ..compare.evidence import Scored
+from ..fit.fitting import Fit, fit, residual_function
+from ..fit.free_run import free_run
+from ..fit.model_uncertainty import discounted
+from ..fit.parts import Part
+from ..fit.ripple import without_ripple
+from ..fit.space import ContactModels
+from ..fit.surfaces import on_one_surface, Surfaces, surfaces_of
+from ..observe.held_reference import with_held_reference
+from ..observe.model import Model
+from ..observe.observed import observe
+from ..observe.prepared_recording import prepare, PreparedRecording, Recordings
+from ..observe.signals import Recording
+from ...physics import EFFECTS
+from ...plant.between_samples import BETWEEN
+
+Array = NDArray[np.float64]
+Progress = Callable[[str], None]
+
+_DIVERGED = 1e3  # times the range of the motion: a free run that tells nothing
+_REFITTED = 4  # models that are fitted again to a motion smoothed by the best of them
+_AS_LIKELY = 1.0  # nats: no evidence either way
+_CAUSED = ('timing', 'inertia', 'relaxation')  # families that stamps which are off look like
+_STEPS = 3  # of Gauss and Newton to an offset of stamps
+_FAR_S = 0.03  # the longest of them: beyond, residuals are not linear
+_FILTER_S, _OF_PERIOD = 0.003, 0.9  # less late is a filter, or the course between two samples
+_EARLY_S = 0.0012  # less early is how well stamps are known
+
+
+class Given(NamedTuple):
+    """
+    What is diagnosed, after all checks.
+
+    Attributes
+    ----------
+    nominal : Model
+        The model under diagnosis.
+    fitted, held_out : sequence of Recording
+        To fit, and to test on; without the latter a part of the former is held out.
+    checks : list of Check
+        Of all recordings.
+
+    """
+
+    nominal: Model
+    fitted: Sequence[Recording]
+    held_out: Sequence[Recording]
+    checks: list[Check]
+
+
+class Offset(NamedTuple):
+    """
+    A topic whose stamps differ from those of the others.
+
+    Attributes
+    ----------
+    topic : str
+        'wrench' or 'joint_states'.
+    seconds : float
+        How late the topic is stamped [s]; negative if early.
+
+    """
+
+    topic: str
+    seconds: float
+
+    def put_right(self, one: Recording) -> Recording:
+        """Shift the stamps of a recording, which count from the first wrench."""
+        s, others = one.signals, self.seconds if self.topic == 'wrench' else 0.0
+        joints = others - (self.seconds if self.topic == 'joint_states' else 0.0)
+        return replace(one, signals=s._replace(
+            joint_t=s.joint_t + joints, reference_t=s.reference_t + others))
+
+
+class View(NamedTuple):
+    """
+    A way to look at recordings.
+
+    Attributes
+    ----------
+    given : Given
+        What is diagnosed, with what the view changes in the signals.
+    between : str
+        Course between samples of a force that drives a wall; a key of BETWEEN.
+    holds_reference : bool
+        Whether the robot holds its reference between setpoints.
+    places : tuple of float
+        Where each contact begins, if at different places [m].
+    moving : bool
+        Whether samples at rest are left out.
+    offset : Offset, optional
+        By which the stamps of a topic are put right.
+
+    """
+
+    given: Given
+    between: str = next(iter(BETWEEN))
+    holds_reference: bool = False
+    places: tuple[float, ...] = ()
+    moving: bool = False
+    offset: Offset | None = None
+
+    @property
+    def changes(self) -> int:
+        """Return the number of assumptions that are less usual; courses of a force are alike."""
+        return self.holds_reference + len(self.places) + (self.offset is not None)
+
+
+class Seen(NamedTuple):
+    """
+    Models compared in a view.
+
+    Attributes
+    ----------
+    view : View
+        How the recordings are looked at.
+    recordings : sequence of PreparedRecording
+        Fitted together, without a discrepancy.
+    base : Fit
+        The recalibrated model.
+    models : ContactModels
+        The models.
+    compared : Compared
+        What was found.
+
+    """
+
+    view: View
+    recordings: Recordings
+    base: Fit
+    models: ContactModels
+    compared: Compared
+
+    @property
+    def best(self) -> Scored:
+        """Return the most likely model."""
+        return self.compared.models[0]
+
+    @property
+    def best_model(self) -> Model:
+        """Return it as it was fitted."""
+        model: Model = self.best.found.found.model
+        return model
+
+    @property
+    def driven(self) -> bool:
+        """Return whether a force drives a wall."""
+        return any(one.driven_by_force(self.base.model) for one in self.recordings)
+
+
+def compare(view: View, progress: Progress, parts: Sequence[Part] = ()) -> Seen:
+    """Compare models in a view."""
+    recordings, base = recalibrated(_prepared(view), view.given.nominal)
+    models = ContactModels(recordings, base, progress=progress, parts=parts)
+    seen = Seen(view, recordings, base, models, search(models, progress))
+    if seen.driven and seen.best.effects:
+        models = ContactModels(recordings, base, seen.best_model, progress, models.parts)
+        seen = seen._replace(models=models, compared=search(
+            models, progress, seen.compared.models[:_REFITTED]))
+    return _smoothed(seen, progress)
+
+
+def _prepared(view: View) -> Recordings:
+    """Smooth the recordings of a view."""
+    given, hold = view.given, not view.given.held_out
+    prepared: Recordings = [prepare(one, given.nominal, hold) for one in given.fitted]
+    if view.between != next(iter(BETWEEN)):
+        prepared = [one.with_force_between_samples(view.between, given.nominal)
+                    for one in prepared]
+    return prepared
+
+
+def recalibrated(recordings: Recordings, model: Model) -> tuple[Recordings, Fit]:
+    """Fit the nominal model, then discount what is uncertain of it there and fit it again."""
+    rough = fit(recordings, model)
+    recordings = [discounted(without_ripple(one, rough.model), rough.model) for one in recordings]
+    return recordings, fit(recordings, rough.model)
+
+
+def _smoothed(seen: Seen, progress: Progress) -> Seen:
+    """
+    Smooth the motion by the best model, and fit the most likely models again.
+
+    The free run of a good model follows the sharp bends of the motion, so that the difference
+    needs less bandwidth and velocities get more accurate; friction near standstill needs that.
+    """
+    runs = all(one.observed.has_dynamics(seen.base.model.nominal) for one in seen.recordings)
+    if not seen.best.effects or not runs:
+        return seen
+    progress('smoothing with the best model')
+    sharper = _smoothed_with(seen.best_model, seen)
+    if sharper is None:
+        return seen
+    recordings, base = recalibrated(sharper, seen.base.model)
+    models = ContactModels(recordings, base, seen.best_model if seen.driven else None, progress,
+                           seen.models.parts)
+    again = seen._replace(
+        recordings=recordings, base=base, models=models,
+        compared=search(models, progress, seen.compared.models[:_REFITTED], extend=False))
+    return again if again.compared.score > seen.compared.score else seen
+
+
+def _smoothed_with(model: Model, seen: Seen) -> Recordings | None:
+    """Smooth with the free run of a model; None if it diverges or needs more bandwidth."""
+    nominal, again = seen.view.given.nominal, list[PreparedRecording]()
+    for raw, one in zip(seen.view.given.fitted, seen.recordings):
+        o = one.observed
+        carried = free_run(model, o).position
+        largest = _DIVERGED * np.max(np.abs(o.x))
+        if not np.isfinite(carried).all() or np.max(np.abs(carried)) > largest:
+            return None
+        better = replace(observe(raw.signals, nominal.nominal, carried, o.between), held=o.held)
+        if better.cutoff > o.cutoff:
+            return None
+        again.append(PreparedRecording.of(one.name, better, nominal, one.held_out))
+    return again
+
+
+def best_view(given: Given, progress: Progress) -> Seen:
+    """Compare the models in the usual view, and in others that promise more."""
+    seen = compare(View(given), progress)
+    for alternatives in (_between, _held_reference, _surfaces, _stamps):
+        for view in alternatives(seen):
+            progress('another view')
+            if not _promises(view, seen):
+                continue
+            other = compare(view, progress, seen.models.parts)
+            if _score(other) > _score(seen) or _leaves_less(other, seen):
+                seen = other
+    return seen
+
+
+def _between(seen: Seen) -> Iterator[View]:
+    """Yield other courses of a force that drives a wall."""
+    if seen.driven:
+        for name in BETWEEN:
+            if name != seen.view.between:
+                yield seen.view._replace(between=name)
+
+
+def _held_reference(seen: Seen) -> Iterator[View]:
+    """Yield the view in which a robot holds its reference between setpoints."""
+    if all(one.observed.reference is not None for one in seen.recordings):
+        given = seen.view.given
+        fitted, held_out = ([with_held_reference(one) for one in every]
+                            for every in (given.fitted, given.held_out))
+        yield seen.view._replace(
+            given=given._replace(fitted=fitted, held_out=held_out), holds_reference=True)
+
+
+def _surfaces(seen: Seen) -> Iterator[View]:
+    """Yield the view in which each contact has a surface of its own."""
+    given, nominal = seen.view.given, seen.view.given.nominal
+    if not nominal.nominal.environment.unilateral:
+        return
+    every = [*given.fitted, *given.held_out]
+    surfaces = surfaces_of(seen.recordings if len(every) == 1 else [
+        prepare(one, nominal, hold=False) for one in every])
+    if surfaces.are_apart:
+        yield seen.view._replace(given=_on_one_surface(given, surfaces),
+                                 places=tuple(surfaces.fitted.tolist()))
+
+
+def _on_one_surface(given: Given, surfaces: Surfaces) -> Given:
+    """Move the contacts to the surface of the model."""
+    moved, location = [], given.nominal.nominal.environment.location
+    for number, one in enumerate((*given.fitted, *given.held_out)):
+        of_it = [k for k, contact in enumerate(surfaces.contacts) if contact.recording == number]
+        moved.append(replace(one, signals=on_one_surface(
+            one.signals, [surfaces.contacts[k] for k in of_it],
+            [float(surfaces.fitted[k]) for k in of_it], location)))
+    count = len(given.fitted)
+    return given._replace(fitted=moved[:count], held_out=moved[count:])
+
+
+def _stamps(seen: Seen) -> Iterator[View]:
+    """Yield views with the stamps of a topic put right, if they are off by more than a filter."""
+    if not all(one.observed.has_dynamics(seen.base.model.nominal) for one in seen.recordings):
+        return
+    lawful = _lawful(seen)
+    for topic in ('wrench', 'joint_states'):
+        offset = Offset(topic, 0.0)
+        for _ in range(_STEPS):
+            offset = _closer(seen, lawful, offset)
+        given = seen.view.given
+        period = max(float(np.median(np.diff(one.signals.joint_t))) for one in given.fitted)
+        # A wrench that is late is what a sensor with a delay measures, an effect of the library.
+        late = offset.seconds > 0.0
+        least = max(_FILTER_S, _OF_PERIOD * period) if late else _EARLY_S
+        if abs(offset.seconds) < least or late and topic == 'wrench':
+            continue
+        offset = _fitted_offset(seen, lawful, offset)
+        fitted, held_out = ([offset.put_right(one) for one in every]
+                            for every in (given.fitted, given.held_out))
+        yield seen.view._replace(
+            given=given._replace(fitted=fitted, held_out=held_out), offset=offset)
+
+
+def _lawful(seen: Seen) -> Scored:
+    """Return the best model without what stamps that are off, or a held reference, look like."""
+    caused = [name for name in seen.best.effects if EFFECTS[name].family in _CAUSED]
+    return seen.models.without(seen.best, caused) if caused else seen.best
+
+
+def _shifted(seen: Seen, lawful: Scored, offset: Offset) -> Recordings:
+    """Put the stamps of a topic right, with noise and discrepancy as before."""
+    return [
+        replace(prepare(offset.put_right(raw), seen.base.model, hold=False),
+                use=one.use, block=one.block, force_noise=one.force_noise,
+                motion_noise=one.motion_noise, force_discrepancy=one.force_discrepancy,
+                motion_discrepancy=one.motion_discrepancy, discount=one.discount)
+        for raw, one in zip(seen.view.given.fitted, lawful.found.recordings)]
+
+
+def _fitted_offset(seen: Seen, lawful: Scored, offset: Offset) -> Offset:
+    """Return the offset near one at which a model, fitted again, leaves least."""
+    model = lawful.found.found.model
+    found = minimize_scalar(
+        lambda share: fit(_shifted(seen, lawful, offset._replace(
+            seconds=share * offset.seconds)), model, steps=8).cost,
+        method='bounded', bounds=(0.7, 1.5), options={'maxiter': 8})
+    return offset._replace(seconds=float(found.x) * offset.seconds)
+
+
+def _closer(seen: Seen, lawful: Scored, offset: Offset) -> Offset:
+    """Take a Gauss-Newton step of the offset of a topic, together with the values of a model."""
+    told, period = lawful.found, min(one.observed.h for one in seen.recordings)
+
+    def residuals_at(seconds: float) -> Array:
+        recordings = _shifted(seen, lawful, offset._replace(seconds=seconds))
+        return residual_function(recordings, told.found.model)(told.found.model.coordinates)
+
+    here = residuals_at(offset.seconds)
+    by_offset = (residuals_at(offset.seconds + period) - here) / period
+    columns = np.column_stack((told.jacobian, by_offset * period))
+    step = np.linalg.lstsq(columns, -here, rcond=1e-10)[0][-1] * period
+    return offset._replace(seconds=offset.seconds + float(np.clip(step, -_FAR_S, _FAR_S)))
+
+
+def _promises(view: View, seen: Seen) -> bool:
+    """Return whether the models known so far are likelier in another view, or one with fewer."""
+    recordings, base = recalibrated(_prepared(view), view.given.nominal)
+    models = ContactModels(recordings, base, seen.best_model if seen.driven else None,
+                           parts=seen.models.parts)
+    lawful = _lawful(seen)
+    alone = [one for one in seen.compared.models
+             if len(one.effects) == 1 and one.key < seen.best.key]
+    known = search(models, lambda text: None, [seen.best, lawful, *alone], extend=False)
+    return known.score - _price(view, seen) > _score(seen) - _AS_LIKELY
+
+
+def _score(seen: Seen) -> float:
+    """Return the score of the best model of a view, with its price."""
+    return seen.compared.score - _price(seen.view, seen)
+
+
+def _leaves_less(other: Seen, seen: Seen) -> bool:
+    """Return whether another course of the force leaves less where both are as likely."""
+    if other.view.between == seen.view.between or _score(seen) - _score(other) > _AS_LIKELY:
+        return False
+    left = [float(np.sum(one.best.counts * one.best.left_out)) for one in (other, seen)]
+    return left[0] < left[1]
+
+
+def _price(view: View, seen: Seen) -> float:
+    """Return the log prior odds against a view."""
+    return view.changes * seen.compared.evidence.constants.law

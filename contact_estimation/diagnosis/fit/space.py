@@ -1,0 +1,235 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The models of a contact that are compared, and how they are fitted."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Callable, NamedTuple, Sequence, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .applicable import candidates_in
+from .credible import is_credible
+from .discrepancy import CHANNELS, force_of_motion, weighed
+from .fitting import Fit, fit, fit_at
+from .left_out import Linearised
+from .parts import Part, parts_of
+from .scales import measure_scales
+from .screening import Screening, Step
+from ..compare.constants import CONSTANTS
+from ..compare.evidence import Evidence, Scored
+from ..compare.order import prior, ranked, ZEROS
+from ..observe.model import Model
+from ..observe.prepared_recording import is_flexible, PreparedRecording, Recordings
+from ...physics import EFFECTS
+
+Array = NDArray[np.float64]
+
+
+class _Counts(NamedTuple):
+    """How many effects are fitted briefly, longer, and scored: the best, and further families."""
+
+    tried: tuple[int, int]
+    followed: tuple[int, int]
+    scored: tuple[int, int]
+
+
+_BESIDE_NONE, _BESIDE_OTHERS = _Counts((8, 6), (5, 3), (4, 3)), _Counts((5, 3), (3, 1), (2, 1))
+_BRIEF, _LONGER, _TO_THE_END = 4, 8, 25  # steps of fits
+_STARTS, _BRANCHES = 6, 3  # of an effect of which one step tells little: tried, and fitted
+
+
+class ContactModels:
+    """
+    Models of a contact: the nominal one with effects of the library.
+
+    Parameters
+    ----------
+    recordings : sequence of PreparedRecording
+        Fitted together.
+    base : Fit
+        The recalibrated model.
+    leaves : Model, optional
+        The model whose discrepancy all models are fitted with; without it, each has its own.
+    progress : callable
+        Called with a description of each stage.
+    parts : sequence of Part, optional
+        As of another view of the recordings, by which both are compared.
+
+    Attributes
+    ----------
+    parts : sequence of Part
+        That are left out in turn.
+
+    """
+
+    def __init__(
+        self, recordings: Recordings, base: Fit, leaves: Model | None = None,
+        progress: Callable[[str], None] = lambda text: None, parts: Sequence[Part] = (),
+    ) -> None:
+        self._plain, self._progress = recordings, progress
+        self._driven = any(one.driven_by_force(base.model) for one in recordings)
+        self._common = weighed(recordings, leaves or base.model)
+        self._base = fit(self._common, base.model)
+        alike = parts and len(parts[0].there) == len(self._base.residuals)
+        self.parts = parts if alike else parts_of(self._common, self._base)
+        self._screening = Screening(
+            self._common, self._base, candidates_in(self._common, base.model),
+            measure_scales(self._common, self._base))
+
+    def evidence(self) -> Evidence:
+        """Return what models are compared against, with the recalibrated nominal model."""
+        instrument, as_force = (
+            np.mean([row(one) for one in self._common], axis=0)
+            for row in (self._instrument_of, self._force_of_noise))
+        return Evidence(self._scored(self._common, self._base), instrument, as_force)
+
+    def _force_of_noise(self, one: PreparedRecording) -> Array:
+        """Return the mean square of noise in each channel as that of a force [N^2]."""
+        stds = np.zeros(CHANNELS)
+        if one.driven_by_force(self._base.model):
+            stds[0] = 1.0
+            return stds
+        for k, channel in enumerate(one.channels(self._base.model)):
+            stds[k] = channel.noise / np.sqrt(channel.block)
+        stds[1] *= force_of_motion(one, self._base.model)
+        return stds**2
+
+    def _instrument_of(self, one: PreparedRecording) -> Array:
+        """Return the mean square of the discrepancy of every instrument, in that of noise."""
+        if one.driven_by_force(self._base.model):
+            return np.zeros(CHANNELS)
+        size, noise = CONSTANTS.instrument * one.observed.force_range, self._force_of_noise(one)
+        return np.asarray(np.where(noise > 0.0, size**2 / np.maximum(noise, 1e-300), 0.0))
+
+    def weighed(self, model: Model) -> Recordings:
+        """Return the recordings with the discrepancy of a model."""
+        return self._common if self._driven else weighed(self._plain, model)
+
+    def _scored(self, recordings: Recordings, found: Fit) -> Scored:
+        """Let a fitted model predict parts left out."""
+        model, told = found.model, Linearised(recordings, found, self.parts)
+        laws = [name for name in model.effects if name not in (*ZEROS, *model.given)]
+        return Scored(
+            model.effects,
+            tuple('' if name in model.given else EFFECTS[name].family for name in model.effects),
+            (len(model.effects), [prior(name) for name in model.effects]),
+            told.left_out, told.fitted, told.counts,
+            self._parameters(model), len(laws),
+            sum(is_flexible(recordings, model, name) for name in laws), told)
+
+    def _parameters(self, model: Model) -> int:
+        """Count the free values of effects."""
+        return int(np.count_nonzero(model.free) - np.count_nonzero(self._base.model.free))
+
+    def extensions(self, one: Scored) -> list[Scored]:
+        """Fit the most promising candidates beside the effects of a model."""
+        present: Model = one.found.found.model
+        recordings = self.weighed(present)
+        names = [name for name in candidates_in(recordings, present)
+                 if EFFECTS[name].family not in one.named]
+        self._progress(f'{len(names)} effects')
+        here, by_name = fit_at(recordings, present), self._screening.steps(present, names)
+        counts = _BESIDE_OTHERS if one.named else _BESIDE_NONE
+        ringing = [name for name in by_name if EFFECTS[name].resonates and not one.named]
+        tried = [self._tried(recordings, here.cost, by_name[name])
+                 for name in dict.fromkeys([*_first(list(by_name), counts.tried), *ringing])]
+        rough = ranked([each for each in tried if is_credible(recordings, each.model)],
+                       lambda found: found.cost)
+        longer = ranked([
+            fit(recordings, each.model, _LONGER, known=each.residuals)
+            for each in _first_of(rough, lambda each: each.name, counts.followed)],
+            lambda found: found.cost)
+        finished = [self._finished(each.model, _LONGER)
+                    for each in _first_of(longer, lambda each: each.name, counts.scored)]
+        return [each for each in finished if each is not None]
+
+    def siblings(self, one: Scored) -> list[Scored]:
+        """Fit the other laws of its family in the place of each law of a model."""
+        model, found = one.found.found.model, list[Scored | None]()
+        for name in set(model.effects) - {*ZEROS, *model.given}:
+            rest = model.without(name)
+            recordings = self.weighed(model)
+            others = [other for other in candidates_in(recordings, rest) if other != name
+                      and EFFECTS[other].family == EFFECTS[name].family]
+            present = fit_at(recordings, rest).cost
+            for steps in self._screening.steps(rest, others).values():
+                near = self._tried(recordings, present, steps).model
+                found.append(self._finished(near, _TO_THE_END))
+        return [each for each in found if each is not None]
+
+    def _tried(self, recordings: Recordings, present: float, steps: Sequence[Step]) -> Fit:
+        """Fit an effect briefly, from the best of its steps, or of its starts where these fail."""
+        # Of where a resonance, or a wall with a long memory, leads to one step tells little.
+        rings, near = EFFECTS[steps[0].name].resonates, list[Fit]()
+        several = self._driven or rings
+        for step in steps[:_STARTS if several else 2]:
+            near.append(fit_at(recordings, step.model))
+            if not several and near[-1].cost < present:
+                break
+        if several or near[-1].cost >= present:
+            near += [fit_at(recordings, step.start)
+                     for step in (steps if rings else steps[:_STARTS])]
+        near.sort(key=lambda found: found.cost)
+        if not rings and near[0].cost < present:
+            return fit(recordings, near[0].model, _BRIEF, known=near[0].residuals)
+        branches = near[:2 * _STARTS if rings and self._driven else _BRANCHES]
+        return min((fit(recordings, one.model, _LONGER, self._driven) for one in branches),
+                   key=lambda found: found.cost)
+
+    def to_the_end(self, one: Scored) -> Scored | None:
+        """Fit a model to the end; None if its values are not possible."""
+        return self._finished(one.found.found.model, _TO_THE_END)
+
+    def _finished(self, model: Model, steps: int) -> Scored | None:
+        recordings = self.weighed(model)
+        found = fit(recordings, model, steps)
+        return self._scored(recordings, found) if is_credible(recordings, found.model) else None
+
+    def without(self, one: Scored, names: Sequence[str]) -> Scored:
+        """Fit a model without some of its effects."""
+        present: Model = one.found.found.model
+        rest = present.without(*names)
+        recordings = self.weighed(rest)
+        return self._scored(recordings, fit(recordings, rest))
+
+    def as_given(self, model: Model) -> Scored:
+        """Score a model at its values: what nothing is fitted to predicts all parts alike."""
+        recordings = self.weighed(model)
+        scored = self._scored(recordings, fit_at(recordings, model))
+        return replace(scored, left_out=scored.fitted, parameters=0)
+
+
+def _first(names: Sequence[str], count: tuple[int, int]) -> list[str]:
+    return _first_of(names, lambda name: name, count)
+
+
+Item = TypeVar('Item')
+
+
+def _first_of(
+    items: Sequence[Item], name_of: Callable[[Item], str], count: tuple[int, int]
+) -> list[Item]:
+    """Return the first items, and the first of each of some families that these lack."""
+    most, families = count
+    chosen, seen = list(items[:most]), {EFFECTS[name_of(one)].family for one in items[:most]}
+    for one in items[most:]:
+        if EFFECTS[name_of(one)].family not in seen and families:
+            seen.add(EFFECTS[name_of(one)].family)
+            chosen.append(one)
+            families -= 1
+    return chosen

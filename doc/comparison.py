@@ -1,0 +1,36 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Print the best models in a file of `diagnose --write-comparison`, and the nominal one."""
+
+import json
+from pathlib import Path
+import sys
+
+from contact_estimation.diagnosis.compare.comparison_file import of_dict
+from contact_estimation.diagnosis.compare.constants import CONSTANTS
+
+MODELS = 3
+
+compared = of_dict(json.loads(Path(sys.argv[1]).read_text()), CONSTANTS)
+evidence, models = compared.evidence, compared.models
+weights = evidence.weights(models, seed=0)
+print('                        errors left out       log evidence       log')
+print('model                    force   motion      exact inexact     prior   score  weight')
+for model in [*models[:MODELS], evidence.base]:
+    name, (force, motion) = ' + '.join(model.effects), model.left_out.mean(axis=0)
+    exact, inexact = (parts.sum() for parts in evidence.log_likelihoods(model))
+    print(f'{name or "(recalibrated)":<22}{force:8.2f} {motion:8.2f} {exact:10.0f} '
+          f'{inexact - CONSTANTS.discrepancy:7.0f} {evidence.log_prior(model) + 0.0:9.1f} '
+          f'{evidence.score(model):7.1f} {weights[models.index(model)]:7.3f}')

@@ -1,0 +1,134 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Calibration of the constants of a decision, and the file of a comparison."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+from contact_estimation.blind_trials import calibration as calibration_module
+from contact_estimation.blind_trials.calibration import (
+    calibrate,
+    FITTED,
+    judged,
+    JudgedTrial,
+    loss,
+)
+from contact_estimation.diagnosis.compare.beam import Compared
+from contact_estimation.diagnosis.compare.comparison_file import as_dict, of_dict
+from contact_estimation.diagnosis.compare.constants import CONSTANTS, Constants
+from contact_estimation.diagnosis.compare.evidence import Evidence, Scored
+from contact_estimation.exceptions import ParameterRangeError
+from diagnosed_worlds import diagnosed
+import numpy as np
+import pytest
+
+PARTS = 6
+
+
+def scored(left: float, *effects: str) -> Scored:
+    """Make a model that leaves so much, in squares of noise, of every part."""
+    squares = np.column_stack((np.full(PARTS, left), np.ones(PARTS)))
+    return Scored(effects, tuple(f'family of {one}' for one in effects), (len(effects), effects),
+                  squares, squares, np.full((PARTS, 2), 50.0), len(effects), len(effects), 0)
+
+
+def trial(right: frozenset[str], before: float, **after: float) -> JudgedTrial:
+    """Judge models that each leave so much, against the base."""
+    base = scored(before)
+    models = [base, *(scored(left, name) for name, left in after.items())]
+    evidence = Evidence(base, np.zeros(2), np.ones(2)).informed_by(models)
+    return JudgedTrial(Compared(evidence, evidence.ranked(models)), right)
+
+
+FRICTION = frozenset({'coulomb_friction', 'stribeck_friction'})
+TRIALS = [
+    *(trial(frozenset(), before, cubic_stiffness=0.7 * before) for before in (20.0, 60.0, 90.0)),
+    *(trial(FRICTION, before, coulomb_friction=0.05 * before, cubic_stiffness=0.3 * before)
+      for before in (40.0, 100.0, 200.0)),
+]
+
+
+def test_loss_is_the_logarithmic_score_of_the_truth() -> None:
+    for one in TRIALS:
+        weights = one.compared.evidence.weights(one.compared.models, 0)
+        of_right = sum(float(weight) for weight, model in zip(weights, one.compared.models)
+                       if (model.key & FRICTION if one.effects else not model.effects))
+        assert loss([one], CONSTANTS) == pytest.approx(-np.log(max(of_right, 0.02)))
+    assert loss(TRIALS, CONSTANTS) == pytest.approx(
+        np.mean([loss([one], CONSTANTS) for one in TRIALS]))
+
+
+@pytest.mark.parametrize('wrong', [{'law': 0.3, 'parameter': 0.3}, {'temperature': 3.0}])
+def test_wrong_constants_are_corrected(
+    monkeypatch: pytest.MonkeyPatch, wrong: dict[str, float]
+) -> None:
+    start = CONSTANTS._replace(**wrong)
+    monkeypatch.setattr(calibration_module, 'CONSTANTS', start)
+    found = calibrate(TRIALS)
+    assert found.trials == len(TRIALS)
+    assert found.before == pytest.approx(loss(TRIALS, start))
+    assert found.after == pytest.approx(loss(TRIALS, found.constants))
+    assert found.after < 0.8 * found.before
+    if 'law' in wrong:
+        assert found.constants.law + found.constants.parameter > start.law + start.parameter
+    else:
+        assert found.constants.temperature < start.temperature
+
+
+def test_constants_that_are_not_of_the_evidence_stay() -> None:
+    found = calibrate(TRIALS).constants
+    for name in set(Constants._fields) - set(FITTED):
+        assert getattr(found, name) == getattr(CONSTANTS, name)
+
+
+def test_fitted_constants_are_written_and_read_back(tmp_path: Path) -> None:
+    found, path = calibrate(TRIALS), tmp_path / 'constants.json'
+    found.write(path)
+    assert Constants(**json.loads(path.read_text())) == found.constants
+    text = found.text()
+    assert f'{len(TRIALS)} trials' in text and all(name in text for name in FITTED)
+
+
+def test_calibration_without_trials_is_refused() -> None:
+    with pytest.raises(ParameterRangeError, match='--calibrate needs trials with a comparison'):
+        calibrate([])
+
+
+def test_truth_is_that_of_families_or_effects_and_refusals_are_left_out() -> None:
+    comparison: Any = as_dict(TRIALS[0].compared)
+    found = judged([
+        ({'families': ['friction']}, {'comparison': comparison}),
+        ({'effects': [{'name': 'coulomb_friction'}]}, {'comparison': comparison}),
+        ({'families': []}, {'comparison': comparison}),
+        ({'families': ['friction']}, {'comparison': None}),
+        ({'families': ['friction']}, {})])
+    assert len(found) == 3
+    assert found[0].effects == found[1].effects >= FRICTION
+    assert found[2].effects == frozenset()
+
+
+def test_a_comparison_that_is_written_has_the_same_scores() -> None:
+    for compared in (TRIALS[3].compared, diagnosed('friction').compared):
+        assert compared is not None
+        again = of_dict(json.loads(json.dumps(as_dict(compared))), CONSTANTS)
+        assert len(again.models) >= 3
+        for one in again.models:
+            before = next(other for other in compared.models if other.key == one.key)
+            assert again.evidence.score(one) == pytest.approx(
+                compared.evidence.score(before), abs=1e-6)
+        assert again.models[0].effects == compared.models[0].effects

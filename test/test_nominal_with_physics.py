@@ -1,0 +1,78 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""A nominal model with physics: these are recalibrated, and names are what lacks beyond."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from concealed_worlds import diagnosed, named, physics, recorded
+from contact_estimation.diagnosis.conclude.result import Diagnosis
+from contact_estimation.diagnosis.fit.free_run import plant_of
+from contact_estimation.diagnosis.report.corrected_model import model_file
+from contact_estimation.diagnosis.report.text_report import as_text
+from contact_estimation.plant.model_file import read_model
+from contact_estimation.plant.plant_parameters import PlantParameters
+import pytest
+
+F_C = 3.0
+RUBBING = physics('coulomb_friction', F_C)
+
+
+@lru_cache(maxsize=None)
+def corrected() -> Diagnosis:
+    """Diagnose friction, from the plain model."""
+    return diagnosed(recorded(**RUBBING))
+
+
+def again(seed: int, **changes: Any) -> Diagnosis:
+    """Diagnose another recording of a world with friction, from the corrected model."""
+    signals = recorded(seed=seed, **{**RUBBING, **changes})
+    return diagnosed(signals, plant_of(corrected().corrected))
+
+
+def test_corrected_model_is_read_from_its_file(tmp_path: Path) -> None:
+    path = tmp_path / 'model.yaml'
+    path.write_text(model_file(corrected()))
+    model: PlantParameters = read_model(str(path))
+    assert model.physics.coulomb_friction.F_c == pytest.approx(F_C, rel=0.03)
+    assert model.environment.stiffness == pytest.approx(
+        plant_of(corrected().corrected).environment.stiffness)
+
+
+def test_corrected_model_is_consistent_with_another_recording() -> None:
+    found = again(seed=5)
+    assert (found.verdict, named(found)) == ('consistent', [])
+    assert found.recalibrated.parameters_of('coulomb_friction').F_c == pytest.approx(F_C, rel=0.03)
+
+
+def test_physics_of_the_nominal_model_are_recalibrated() -> None:
+    found = again(5, **physics('coulomb_friction', 1.5 * F_C))
+    assert (found.verdict, named(found)) == ('recalibrate', [])
+    assert found.recalibrated.parameters_of('coulomb_friction').F_c == pytest.approx(
+        1.5 * F_C, rel=0.03)
+    assert 'F_c' in as_text(found)
+
+
+@pytest.mark.parametrize('effect, values', [
+    ('quadratic_damping', (600.0,)), ('force_bias', (2.0,)), ('robot_friction', (3.0,))])
+def test_what_lacks_beyond_is_named_alone(effect: str, values: tuple[float, ...]) -> None:
+    found = again(6, **physics(effect, *values))
+    assert (found.verdict, named(found)) == ('physics_missing', [effect])
+    value, = found.effects[0].parameters.values()
+    assert value.value == pytest.approx(values[0], rel=0.1)
+    assert found.corrected.parameters_of('coulomb_friction').F_c == pytest.approx(F_C, rel=0.1)
