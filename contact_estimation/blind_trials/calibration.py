@@ -138,8 +138,8 @@ def loss(trials: Sequence[JudgedTrial], constants: Constants) -> float:
     Returns
     -------
     loss : float
-        -log of the probability that a right family is missing, or, where none is, that no law is
-        [nat a trial].
+        -log of the probability of models with a right family, or, where no name is right, of those
+        without a law [nat a trial].
 
     """
     scores = []

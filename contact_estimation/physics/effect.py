@@ -64,8 +64,6 @@ class Effect(DrawnEffect):
         make up for it.
     base_parameter : str
         Name of the parameter of the wall that describes the same physics; '' if there is none.
-    is_mass : bool
-        Whether the parameter is a mass that shows in the measured force.
     resonates : bool
         Whether it is a mass on a spring of its own: of its frequency one step tells little.
     clips_force : bool
@@ -109,7 +107,6 @@ class Effect(DrawnEffect):
     needs_spring: ClassVar[bool] = False
     needs_robot: ClassVar[bool] = False
     base_parameter: ClassVar[str] = ''
-    is_mass: ClassVar[bool] = False
     resonates: ClassVar[bool] = False
     clips_force: ClassVar[bool] = False
     lets_go: ClassVar[bool] = False

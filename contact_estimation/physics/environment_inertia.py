@@ -38,7 +38,6 @@ class EnvironmentInertia(ContactEffect):
     family = 'inertia'
     description = 'Part of the wall moves with the tool, and its inertia adds to the force.'
     Parameters = EnvironmentInertiaParameters
-    is_mass = True
     base_parameter = 'inertia'
 
     def __init__(self, values: EnvironmentInertiaParameters) -> None:

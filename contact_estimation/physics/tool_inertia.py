@@ -41,7 +41,6 @@ class ToolInertia(ForceSensorEffect):
     family = 'inertia'
     description = 'The force sensor also measures the inertia of the tool mounted on it.'
     Parameters = ToolInertiaParameters
-    is_mass = True
     needs_touch = True  # in an attached environment it is indistinguishable from M_e
 
     def __init__(self, values: ToolInertiaParameters) -> None:

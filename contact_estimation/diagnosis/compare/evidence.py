@@ -26,6 +26,7 @@ its prior.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any, Iterable, Mapping, Sequence
 
 import numpy as np
@@ -143,7 +144,7 @@ class Evidence:
         level = self.ranked([one for one in every if not one.laws])[0]
         return replace(self, noise=np.clip(least, 1.0, _NOISE_IS_KNOWN**2), level=level)
 
-    @property
+    @cached_property
     def misfit(self) -> Array:
         """Return what zeros alone leave beyond noise in each channel, shape (C,)."""
         level = self.level or self.base

@@ -91,24 +91,6 @@ def ranked(laws: Iterable[Law], score: Callable[[Law], float]) -> list[Law]:
     return ranked_by(laws, score, lambda law: prior(law.name))
 
 
-def best(laws: Iterable[Law], score: Callable[[Law], float]) -> Law | None:
-    """
-    Return the first candidate of `ranked`.
-
-    Parameters
-    ----------
-    laws, score
-        As of `ranked`.
-
-    Returns
-    -------
-    law : Fit or Candidate, or None
-        None if there is none.
-
-    """
-    return next(iter(ranked(laws, score)), None)
-
-
 def ranked_by(
     items: Iterable[Item], score: Callable[[Item], float],
     first: Callable[[Item], Any] = lambda item: 0,

@@ -107,7 +107,7 @@ def _tested(seen: Seen, chosen: Scored, progress: Progress) -> _Tested:
 
 def _holds(seen: Seen, chosen: Scored, tested: _Tested) -> bool:
     """
-    Return whether names hold: the one test of adequacy, and the one place where they are dropped.
+    Return whether names hold: the one test of adequacy, with the only use of held-out data.
 
     They explain a fair share of what is left out, and of what held-out data show in the channels
     that tell them: the force does not tell an effect of the robot, nor the motion one of the
@@ -206,7 +206,6 @@ class _Conclusion:
         """Return the verdict, the one place where it is made."""
         if effects:
             return 'physics_missing' if self._explained.share >= _MOST else 'unexplained'
-        carried = self._seen.models.weighed(self._tested.base.model)
         force, motion = errors_of(self._tested.parts)
         fitted = (max(self._tested.force_error, self._shown.force_noise),
                   max(self._tested.free_run_error, self._shown.observed.position_noise))
@@ -214,12 +213,13 @@ class _Conclusion:
                 (force.recalibrated, motion.recalibrated), fitted, _AS_FITTED):
             if there is not None and there > factor * here:
                 return 'unexplained'
+        base = self._tested.base.model
         if not self._evidence.is_exact(self._evidence.base) and material(
-                carried, self._tested.base.model):
+                self._seen.models.weighed(base), base):
             return 'unexplained'
         nominal = self._seen.models.as_given(self._seen.view.given.nominal)
         gain = self._evidence.score(self._evidence.base) - self._evidence.score(nominal)
-        free = int(np.count_nonzero(self._tested.base.model.free))
+        free = int(np.count_nonzero(base.free))
         price = self._evidence.constants.parameter * free
         return 'consistent' if gain < price else 'recalibrate'
 
@@ -232,6 +232,7 @@ class _Conclusion:
         told = parts(self._seen.compared, self._named, self._seen.models.without)
         zeros = [part for effect, part in told.items() if effect in ZEROS]
         rest = replace(self._evidence, base=zeros[-1].after) if zeros else None
+        alone = [model.found.values_on(part) for part in model.found.parts]
         found = []
         for effect, (share, before, after) in told.items():
             beside = None if rest is None or effect in ZEROS else share_of(rest, before, after)
@@ -240,7 +241,6 @@ class _Conclusion:
             parameters = {
                 key: Value(value, float(std), unit) for key, value, std, unit in zip(
                     names_of(effect), values.values[place], self._stds[place], units)}
-            alone = [model.found.values_on(part) for part in model.found.parts]
             on_parts = [EffectOnPart(part.name, float(of_part), dict(zip(
                 names_of(effect), each.values[each.place(effect)])))
                 for part, of_part, each in zip(model.found.parts, share.parts, alone)]

@@ -103,10 +103,8 @@ def _moving(seen: Seen, diagnosis: Diagnosis, seed: int, progress: Progress) -> 
     if given.nominal.nominal.environment.unilateral or all(
             held_at_rest(given.nominal, one.observed) is None for one in seen.recordings):
         return diagnosis
-    fitted, held_out = ([replace(one, rests_count=False) for one in every]
-                        for every in (given.fitted, given.held_out))
-    view = seen.view._replace(
-        given=given._replace(fitted=fitted, held_out=held_out), moving=True)
+    moving = given.with_each(lambda one: replace(one, rests_count=False))
+    view = seen.view._replace(given=moving, moving=True)
     other = conclude(compare(view, progress), seed, progress)
     return other if other.verdict == 'physics_missing' else diagnosis
 

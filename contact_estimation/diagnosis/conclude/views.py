@@ -16,7 +16,7 @@
 How recordings are looked at: what is between samples, where surfaces are, which samples count.
 
 A view is one more axis of the comparison of models: each alternative is compared with the view
-that is best so far, by the same evidence, and pays the prior of a law.
+that is best so far, and pays the prior of a law.
 """
 
 from __future__ import annotations
@@ -49,6 +49,7 @@ from ...plant.between_samples import BETWEEN
 Array = NDArray[np.float64]
 Progress = Callable[[str], None]
 
+_STRAIGHT = next(iter(BETWEEN))  # the usual course of a force between samples
 _DIVERGED = 1e3  # times the range of the motion: a free run that tells nothing
 _REFITTED = 4  # models that are fitted again to a motion smoothed by the best of them
 _AS_LIKELY = 1.0  # nats: no evidence either way
@@ -78,6 +79,11 @@ class Given(NamedTuple):
     fitted: Sequence[Recording]
     held_out: Sequence[Recording]
     checks: list[Check]
+
+    def with_each(self, change: Callable[[Recording], Recording]) -> 'Given':
+        """Return the same with every recording changed."""
+        return self._replace(fitted=[change(one) for one in self.fitted],
+                             held_out=[change(one) for one in self.held_out])
 
 
 class Offset(NamedTuple):
@@ -126,7 +132,7 @@ class View(NamedTuple):
     """
 
     given: Given
-    between: str = next(iter(BETWEEN))
+    between: str = _STRAIGHT
     holds_reference: bool = False
     places: tuple[float, ...] = ()
     moving: bool = False
@@ -179,6 +185,11 @@ class Seen(NamedTuple):
         """Return whether a force drives a wall."""
         return any(one.driven_by_force(self.base.model) for one in self.recordings)
 
+    @property
+    def leaves(self) -> Model | None:
+        """Return the model whose discrepancy all models share; None if each has its own."""
+        return self.best_model if self.driven else None
+
 
 def compare(view: View, progress: Progress, parts: Sequence[Part] = ()) -> Seen:
     """Compare models in a view."""
@@ -196,7 +207,7 @@ def _prepared(view: View) -> Recordings:
     """Smooth the recordings of a view."""
     given, hold = view.given, not view.given.held_out
     prepared: Recordings = [prepare(one, given.nominal, hold) for one in given.fitted]
-    if view.between != next(iter(BETWEEN)):
+    if view.between != _STRAIGHT:
         prepared = [one.with_force_between_samples(view.between, given.nominal)
                     for one in prepared]
     return prepared
@@ -224,8 +235,7 @@ def _smoothed(seen: Seen, progress: Progress) -> Seen:
     if sharper is None:
         return seen
     recordings, base = recalibrated(sharper, seen.base.model)
-    models = ContactModels(recordings, base, seen.best_model if seen.driven else None, progress,
-                           seen.models.parts)
+    models = ContactModels(recordings, base, seen.leaves, progress, seen.models.parts)
     again = seen._replace(
         recordings=recordings, base=base, models=models,
         compared=search(models, progress, seen.compared.models[:_REFITTED], extend=False))
@@ -273,11 +283,8 @@ def _between(seen: Seen) -> Iterator[View]:
 def _held_reference(seen: Seen) -> Iterator[View]:
     """Yield the view in which a robot holds its reference between setpoints."""
     if all(one.observed.reference is not None for one in seen.recordings):
-        given = seen.view.given
-        fitted, held_out = ([with_held_reference(one) for one in every]
-                            for every in (given.fitted, given.held_out))
         yield seen.view._replace(
-            given=given._replace(fitted=fitted, held_out=held_out), holds_reference=True)
+            given=seen.view.given.with_each(with_held_reference), holds_reference=True)
 
 
 def _surfaces(seen: Seen) -> Iterator[View]:
@@ -309,23 +316,19 @@ def _stamps(seen: Seen) -> Iterator[View]:
     """Yield views with the stamps of a topic put right, if they are off by more than a filter."""
     if not all(one.observed.has_dynamics(seen.base.model.nominal) for one in seen.recordings):
         return
-    lawful = _lawful(seen)
+    lawful, given = _lawful(seen), seen.view.given
+    period = max(float(np.median(np.diff(one.signals.joint_t))) for one in given.fitted)
     for topic in ('wrench', 'joint_states'):
         offset = Offset(topic, 0.0)
         for _ in range(_STEPS):
             offset = _closer(seen, lawful, offset)
-        given = seen.view.given
-        period = max(float(np.median(np.diff(one.signals.joint_t))) for one in given.fitted)
         # A wrench that is late is what a sensor with a delay measures, an effect of the library.
         late = offset.seconds > 0.0
         least = max(_FILTER_S, _OF_PERIOD * period) if late else _EARLY_S
         if abs(offset.seconds) < least or late and topic == 'wrench':
             continue
         offset = _fitted_offset(seen, lawful, offset)
-        fitted, held_out = ([offset.put_right(one) for one in every]
-                            for every in (given.fitted, given.held_out))
-        yield seen.view._replace(
-            given=given._replace(fitted=fitted, held_out=held_out), offset=offset)
+        yield seen.view._replace(given=given.with_each(offset.put_right), offset=offset)
 
 
 def _lawful(seen: Seen) -> Scored:
@@ -372,8 +375,7 @@ def _closer(seen: Seen, lawful: Scored, offset: Offset) -> Offset:
 def _promises(view: View, seen: Seen) -> bool:
     """Return whether the models known so far are likelier in another view, or one with fewer."""
     recordings, base = recalibrated(_prepared(view), view.given.nominal)
-    models = ContactModels(recordings, base, seen.best_model if seen.driven else None,
-                           parts=seen.models.parts)
+    models = ContactModels(recordings, base, seen.leaves, parts=seen.models.parts)
     lawful = _lawful(seen)
     alone = [one for one in seen.compared.models
              if len(one.effects) == 1 and one.key < seen.best.key]

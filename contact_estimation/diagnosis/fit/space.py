@@ -17,6 +17,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cached_property
 from typing import Callable, NamedTuple, Sequence, TypeVar
 
 import numpy as np
@@ -87,8 +88,12 @@ class ContactModels:
         self._base = fit(self._common, base.model)
         alike = parts and len(parts[0].there) == len(self._base.residuals)
         self.parts = parts if alike else parts_of(self._common, self._base)
-        self._screening = Screening(
-            self._common, self._base, candidates_in(self._common, base.model),
+
+    @cached_property
+    def _screening(self) -> Screening:
+        """Return all starts; a space in which known models are fitted again needs none."""
+        return Screening(
+            self._common, self._base, candidates_in(self._common, self._base.model),
             measure_scales(self._common, self._base))
 
     def evidence(self) -> Evidence:
@@ -123,18 +128,15 @@ class ContactModels:
     def _scored(self, recordings: Recordings, found: Fit) -> Scored:
         """Let a fitted model predict parts left out."""
         model, told = found.model, Linearised(recordings, found, self.parts)
-        laws = [name for name in model.effects if name not in (*ZEROS, *model.given)]
+        laws = _laws(model)
         return Scored(
             model.effects,
             tuple('' if name in model.given else EFFECTS[name].family for name in model.effects),
             (len(model.effects), [prior(name) for name in model.effects]),
             told.left_out, told.fitted, told.counts,
-            self._parameters(model), len(laws),
+            int(np.count_nonzero(model.free) - np.count_nonzero(self._base.model.free)),
+            len(laws),
             sum(is_flexible(recordings, model, name) for name in laws), told)
-
-    def _parameters(self, model: Model) -> int:
-        """Count the free values of effects."""
-        return int(np.count_nonzero(model.free) - np.count_nonzero(self._base.model.free))
 
     def extensions(self, one: Scored) -> list[Scored]:
         """Fit the most promising candidates beside the effects of a model."""
@@ -146,8 +148,9 @@ class ContactModels:
         here, by_name = fit_at(recordings, present), self._screening.steps(present, names)
         counts = _BESIDE_OTHERS if one.named else _BESIDE_NONE
         ringing = [name for name in by_name if EFFECTS[name].resonates and not one.named]
+        first = _first_of(list(by_name), str, counts.tried)
         tried = [self._tried(recordings, here.cost, by_name[name])
-                 for name in dict.fromkeys([*_first(list(by_name), counts.tried), *ringing])]
+                 for name in dict.fromkeys([*first, *ringing])]
         rough = ranked([each for each in tried if is_credible(recordings, each.model)],
                        lambda found: found.cost)
         longer = ranked([
@@ -161,9 +164,9 @@ class ContactModels:
     def siblings(self, one: Scored) -> list[Scored]:
         """Fit the other laws of its family in the place of each law of a model."""
         model, found = one.found.found.model, list[Scored | None]()
-        for name in set(model.effects) - {*ZEROS, *model.given}:
+        recordings = self.weighed(model)
+        for name in _laws(model):
             rest = model.without(name)
-            recordings = self.weighed(model)
             others = [other for other in candidates_in(recordings, rest) if other != name
                       and EFFECTS[other].family == EFFECTS[name].family]
             present = fit_at(recordings, rest).cost
@@ -214,8 +217,9 @@ class ContactModels:
         return replace(scored, left_out=scored.fitted, parameters=0)
 
 
-def _first(names: Sequence[str], count: tuple[int, int]) -> list[str]:
-    return _first_of(names, lambda name: name, count)
+def _laws(model: Model) -> list[str]:
+    """List the effects of a model that are neither zeros nor of the nominal model."""
+    return [name for name in model.effects if name not in (*ZEROS, *model.given)]
 
 
 Item = TypeVar('Item')

@@ -82,7 +82,7 @@ def require_contact(model: Model, observed: Observed, name: str) -> None:
         )
 
 
-def hold_out(model: Model, observed: Observed, choice: int = 1) -> HeldOut:
+def hold_out(model: Model, observed: Observed) -> HeldOut:
     """
     Choose what is held out of a recording: a whole episode, or a late block of each third.
 
@@ -96,10 +96,10 @@ def hold_out(model: Model, observed: Observed, choice: int = 1) -> HeldOut:
     o = observed
     found = episodes(model, o)
     if len(found) < _FEW:
-        return _late_blocks(o, *(found[-1] if found else (0, len(o.t))), choice)
+        return _late_blocks(o, *(found[-1] if found else (0, len(o.t))))
     depth = [float(np.max(o.x[first:stop])) for first, stop in found]
     others, middle = set(range(len(found))) - {int(np.argmax(depth))}, len(found) // 2
-    chosen = sorted(others, key=lambda k: (abs(k - middle), k))[choice - 1]
+    chosen = min(others, key=lambda k: (abs(k - middle), k))
     first = (found[chosen - 1][1] + found[chosen][0]) // 2 if chosen else 0
     last = chosen + 1 == len(found)
     stop = len(o.t) if last else (found[chosen][1] + found[chosen + 1][0]) // 2
@@ -108,7 +108,7 @@ def hold_out(model: Model, observed: Observed, choice: int = 1) -> HeldOut:
     return HeldOut(f'episode {chosen + 1}', samples)
 
 
-def _late_blocks(o: Observed, first: int, stop: int, choice: int) -> HeldOut:
+def _late_blocks(o: Observed, first: int, stop: int) -> HeldOut:
     """Hold out a late block of each third."""
     count = _THIRDS * _BLOCKS
     if stop - first < count:  # a contact of fewer samples than blocks
@@ -123,7 +123,7 @@ def _late_blocks(o: Observed, first: int, stop: int, choice: int) -> HeldOut:
     samples, names = np.zeros(len(o.t), bool), []
     digits = max(1, 1 + ceil(-log10(o.pace)))
     for third in range(_THIRDS):
-        numbers = [third * _BLOCKS + k for k in _LATE[choice - 1:] + _LATE[:choice - 1]]
+        numbers = [third * _BLOCKS + k for k in _LATE]
         blocks = [(int(edges[k]), int(edges[k + 1])) for k in numbers]
         moved = [travel[end - 1 - first] - travel[begin - first] for begin, end in blocks]
         known = [pair for pair in blocks if _visited(o.x, *pair)]
