@@ -20,7 +20,7 @@ from dataclasses import replace
 from math import exp, log
 from typing import Sequence
 
-from contact_estimation.diagnosis.compare.beam import Compared, search
+from contact_estimation.diagnosis.compare.beam import Compared, refit, search
 from contact_estimation.diagnosis.compare.constants import CONSTANTS, Constants
 from contact_estimation.diagnosis.compare.evidence import Evidence, of_families, Scored
 from contact_estimation.diagnosis.compare.names import name
@@ -264,7 +264,9 @@ def test_search_ends_where_nothing_is_left_to_gain() -> None:
     assert frozenset() in space.extended and frozenset('a') not in space.extended
 
 
-def test_search_of_known_models_extends_none() -> None:
+def test_known_models_are_fitted_again_and_the_best_is_extended() -> None:
     space = Worlds(a=0.01, b=0.02)
-    found = search(space, lambda text: None, [scored(100.0, 'a')], extend=False)
-    assert [one.effects for one in found.models] == [('a',), ()] and not space.extended
+    known = refit(space, [scored(100.0, 'a')])
+    assert [one.effects for one in known.models] == [('a',), ()] and not space.extended
+    assert search(space, lambda text: None, known).models[0].key == {'a', 'b'}
+    assert space.extended[0] == {'a'} and frozenset() not in space.extended

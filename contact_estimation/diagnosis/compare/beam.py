@@ -67,8 +67,7 @@ class Compared(NamedTuple):
 
 
 def search(
-    space: Space, progress: Callable[[str], None], known: Sequence[Scored] = (),
-    extend: bool = True,
+    space: Space, progress: Callable[[str], None], known: Compared | None = None
 ) -> Compared:
     """
     Extend the best models as long as the gain that is left could pay for a further law.
@@ -79,11 +78,8 @@ def search(
         The models.
     progress : callable
         Called with a description of each stage.
-    known : sequence of Scored
-        Models of another space that are fitted again in this one, instead of all extensions of
-        the nominal model.
-    extend : bool
-        Whether models are extended.
+    known : Compared, optional
+        Models as fitted in this space, of which the best is extended.
 
     Returns
     -------
@@ -91,17 +87,11 @@ def search(
         All models that were fitted.
 
     """
-    evidence = space.evidence()
-    root = evidence.base
-    pool = {root.key: root}
-    done = {root.key} if known else set[frozenset[str]]()  # its extensions are known
-    for other in known:
-        again = space.to_the_end(other) if other.key != root.key else None
-        if again is not None:
-            _keep(evidence, pool, again)
-    evidence = evidence.informed_by(pool.values())
-    for _ in range(_DEEP if extend else 0):
-        frontier = [one for one in evidence.ranked(pool.values())[:_WIDE]
+    evidence, models = known or refit(space, [])
+    pool = {one.key: one for one in models}
+    done, wide = set[frozenset[str]](), 1 if known else _WIDE
+    for _ in range(_DEEP):
+        frontier = [one for one in evidence.ranked(pool.values())[:wide]
                     if one.key not in done and one.laws < _LAWS
                     and _may_gain(evidence, one)]
         if not frontier:
@@ -115,17 +105,28 @@ def search(
             best = evidence.score(evidence.ranked(pool.values())[0])
             for rough in extended[:_REFINED]:
                 if evidence.score(rough) > best - _NEAR:
-                    fitted = space.to_the_end(rough)
-                    if fitted is not None:
-                        _keep(evidence, pool, fitted)
+                    _keep(evidence, pool, space.to_the_end(rough))
         evidence = evidence.informed_by(pool.values())
-    for sibling in space.siblings(evidence.ranked(pool.values())[0]) if extend else ():
+    for sibling in space.siblings(evidence.ranked(pool.values())[0]):
         _keep(evidence, pool, sibling)
     return Compared(evidence, evidence.ranked(pool.values()))
 
 
-def _keep(evidence: Evidence, pool: dict[frozenset[str], Scored], one: Scored) -> None:
-    """Keep a model unless a better fit of the same effects is known."""
+def refit(space: Space, models: Sequence[Scored]) -> Compared:
+    """Fit models of another space again, beside the nominal model of this one."""
+    evidence = space.evidence()
+    pool = {evidence.base.key: evidence.base}
+    for one in models:
+        if one.key != evidence.base.key:
+            _keep(evidence, pool, space.to_the_end(one))
+    evidence = evidence.informed_by(pool.values())
+    return Compared(evidence, evidence.ranked(pool.values()))
+
+
+def _keep(evidence: Evidence, pool: dict[frozenset[str], Scored], one: Scored | None) -> None:
+    """Keep a model that is possible unless a better fit of the same effects is known."""
+    if one is None:
+        return
     key = one.key
     if key not in pool or evidence.score(one) > evidence.score(pool[key]):
         pool[key] = one

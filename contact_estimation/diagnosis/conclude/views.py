@@ -29,7 +29,7 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
 from ..checks.check import Check
-from ..compare.beam import Compared, search
+from ..compare.beam import Compared, refit, search
 from ..compare.evidence import Scored
 from ..fit.fitting import Fit, fit, residual_function
 from ..fit.free_run import free_run
@@ -198,8 +198,8 @@ def compare(view: View, progress: Progress, parts: Sequence[Part] = ()) -> Seen:
     seen = Seen(view, recordings, base, models, search(models, progress))
     if seen.driven and seen.best.effects:
         models = ContactModels(recordings, base, seen.best_model, progress, models.parts)
-        seen = seen._replace(models=models, compared=search(
-            models, progress, seen.compared.models[:_REFITTED]))
+        known = refit(models, seen.compared.models[:_REFITTED])
+        seen = seen._replace(models=models, compared=search(models, progress, known))
     return _smoothed(seen, progress)
 
 
@@ -238,7 +238,7 @@ def _smoothed(seen: Seen, progress: Progress) -> Seen:
     models = ContactModels(recordings, base, seen.leaves, progress, seen.models.parts)
     again = seen._replace(
         recordings=recordings, base=base, models=models,
-        compared=search(models, progress, seen.compared.models[:_REFITTED], extend=False))
+        compared=refit(models, seen.compared.models[:_REFITTED]))
     return again if again.compared.score > seen.compared.score else seen
 
 
@@ -264,10 +264,14 @@ def best_view(given: Given, progress: Progress) -> Seen:
     for alternatives in (_between, _held_reference, _surfaces, _stamps):
         for view in alternatives(seen):
             progress('another view')
-            if not _promises(view, seen):
-                continue
-            other = compare(view, progress, seen.models.parts)
-            if _score(other) > _score(seen) or _leaves_less(other, seen):
+            other = _refitted(view, seen, progress)
+            if view.between == seen.view.between:
+                if _score(other) > _score(seen) - _AS_LIKELY:
+                    other = compare(view, progress, seen.models.parts)
+            elif _promises(other, seen):  # hardly another problem: the best model goes on
+                other = _smoothed(other._replace(
+                    compared=search(other.models, progress, other.compared)), progress)
+            if _promises(other, seen):
                 seen = other
     return seen
 
@@ -372,30 +376,25 @@ def _closer(seen: Seen, lawful: Scored, offset: Offset) -> Offset:
     return offset._replace(seconds=offset.seconds + float(np.clip(step, -_FAR_S, _FAR_S)))
 
 
-def _promises(view: View, seen: Seen) -> bool:
-    """Return whether the models known so far are likelier in another view, or one with fewer."""
+def _refitted(view: View, seen: Seen, progress: Progress) -> Seen:
+    """Fit the best models known so far, or one with fewer effects, again in another view."""
     recordings, base = recalibrated(_prepared(view), view.given.nominal)
-    models = ContactModels(recordings, base, seen.leaves, parts=seen.models.parts)
-    lawful = _lawful(seen)
-    alone = [one for one in seen.compared.models
+    models = ContactModels(recordings, base, seen.leaves, progress, seen.models.parts)
+    fewer = [one for one in seen.compared.models
              if len(one.effects) == 1 and one.key < seen.best.key]
-    known = search(models, lambda text: None, [seen.best, lawful, *alone], extend=False)
-    return known.score - _price(view, seen) > _score(seen) - _AS_LIKELY
+    known = [*seen.compared.models[:_REFITTED], _lawful(seen), *fewer]
+    return Seen(view, recordings, base, models, refit(models, known))
 
 
 def _score(seen: Seen) -> float:
-    """Return the score of the best model of a view, with its price."""
-    return seen.compared.score - _price(seen.view, seen)
+    """Return the score of the best model of a view, less the log prior odds against the view."""
+    return seen.compared.score - seen.view.changes * seen.compared.evidence.constants.law
 
 
-def _leaves_less(other: Seen, seen: Seen) -> bool:
-    """Return whether another course of the force leaves less where both are as likely."""
-    if other.view.between == seen.view.between or _score(seen) - _score(other) > _AS_LIKELY:
-        return False
+def _promises(other: Seen, seen: Seen) -> bool:
+    """Return whether a view is likelier, or a course of the force as likely and leaves less."""
+    gain = _score(other) - _score(seen)
+    if other.view.between == seen.view.between or gain < -_AS_LIKELY:
+        return gain > 0.0
     left = [float(np.sum(one.best.counts * one.best.left_out)) for one in (other, seen)]
-    return left[0] < left[1]
-
-
-def _price(view: View, seen: Seen) -> float:
-    """Return the log prior odds against a view."""
-    return view.changes * seen.compared.evidence.constants.law
+    return gain > 0.0 or left[0] < left[1]

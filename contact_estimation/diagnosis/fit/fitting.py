@@ -132,9 +132,9 @@ def fit_to_end(recordings: Recordings, found: Fit) -> Fit:
     return found
 
 
-def fit_at(recordings: Recordings, model: Model) -> Fit:
+def fit_at(recordings: Recordings, model: Model, briefly: bool = False) -> Fit:
     """Evaluate a model at its values."""
-    left = residual_function(recordings, model)(model.coordinates)
+    left = residual_function(recordings, model, briefly=briefly)(model.coordinates)
     count = sum(recording.residual_count for recording in recordings)
     return Fit(model, sum_of_squares(left), left, count, False)
 

@@ -47,11 +47,13 @@ class _Counts(NamedTuple):
     tried: tuple[int, int]
     followed: tuple[int, int]
     scored: tuple[int, int]
+    branches: int  # of a resonance
 
 
-_BESIDE_NONE, _BESIDE_OTHERS = _Counts((8, 6), (5, 3), (4, 3)), _Counts((5, 3), (3, 1), (2, 1))
-_BRIEF, _LONGER, _TO_THE_END = 4, 8, 25  # steps of fits
 _STARTS, _BRANCHES = 6, 3  # of an effect of which one step tells little: tried, and fitted
+_BESIDE_NONE = _Counts((8, 6), (5, 3), (4, 3), 12)
+_BESIDE_OTHERS = _Counts((5, 3), (3, 1), (2, 1), _BRANCHES)
+_BRIEF, _LONGER, _TO_THE_END = 4, 8, 25  # steps of fits
 
 
 class ContactModels:
@@ -149,7 +151,7 @@ class ContactModels:
         counts = _BESIDE_OTHERS if one.named else _BESIDE_NONE
         ringing = [name for name in by_name if EFFECTS[name].resonates and not one.named]
         first = _first_of(list(by_name), str, counts.tried)
-        tried = [self._tried(recordings, here.cost, by_name[name])
+        tried = [self._tried(recordings, here.cost, by_name[name], counts.branches)
                  for name in dict.fromkeys([*first, *ringing])]
         rough = ranked([each for each in tried if is_credible(recordings, each.model)],
                        lambda found: found.cost)
@@ -171,28 +173,36 @@ class ContactModels:
                       and EFFECTS[other].family == EFFECTS[name].family]
             present = fit_at(recordings, rest).cost
             for steps in self._screening.steps(rest, others).values():
-                near = self._tried(recordings, present, steps).model
+                near = self._tried(recordings, present, steps, _BESIDE_OTHERS.branches).model
                 found.append(self._finished(near, _TO_THE_END))
         return [each for each in found if each is not None]
 
-    def _tried(self, recordings: Recordings, present: float, steps: Sequence[Step]) -> Fit:
-        """Fit an effect briefly, from the best of its steps, or of its starts where these fail."""
-        # Of where a resonance, or a wall with a long memory, leads to one step tells little.
-        rings, near = EFFECTS[steps[0].name].resonates, list[Fit]()
-        several = self._driven or rings
+    def _tried(
+        self, recordings: Recordings, present: float, steps: Sequence[Step], branches: int
+    ) -> Fit:
+        """Fit an effect briefly, from the best of its steps, or from afar where these fail."""
+        rings = EFFECTS[steps[0].name].resonates
+        several, near = self._driven or rings, list[Fit]()
         for step in steps[:_STARTS if several else 2]:
             near.append(fit_at(recordings, step.model))
             if not several and near[-1].cost < present:
                 break
-        if several or near[-1].cost >= present:
-            near += [fit_at(recordings, step.start)
-                     for step in (steps if rings else steps[:_STARTS])]
-        near.sort(key=lambda found: found.cost)
-        if not rings and near[0].cost < present:
-            return fit(recordings, near[0].model, _BRIEF, known=near[0].residuals)
-        branches = near[:2 * _STARTS if rings and self._driven else _BRANCHES]
-        return min((fit(recordings, one.model, _LONGER, self._driven) for one in branches),
-                   key=lambda found: found.cost)
+        best = min(near, key=lambda found: found.cost)
+        if rings or best.cost >= present:
+            return self._from_afar(recordings, steps if rings else steps[:_STARTS],
+                                   branches if rings else _BRANCHES)
+        return fit(recordings, best.model, _BRIEF, known=best.residuals)
+
+    def _from_afar(self, recordings: Recordings, steps: Sequence[Step], branches: int) -> Fit:
+        """Fit an effect of which one step tells little; a driven wall with a short memory."""
+        near = sorted((fit_at(recordings, model, self._driven)
+                       for step in steps for model in (step.model, step.start)),
+                      key=lambda found: found.cost)
+        found = [fit(recordings, one.model, _LONGER, self._driven) for one in near[:branches]]
+        if self._driven:
+            found = [fit_at(recordings, one.model) for one in found]
+        best = min(found, key=lambda found: found.cost)
+        return fit(recordings, best.model, _BRIEF, known=best.residuals)
 
     def to_the_end(self, one: Scored) -> Scored | None:
         """Fit a model to the end; None if its values are not possible."""
