@@ -204,6 +204,18 @@ def test_two_effects_are_named_together() -> None:
     assert values['force_delay']['delay'].value == pytest.approx(0.006, rel=BOUND)
 
 
+def test_a_world_of_nanonewtons_and_micrometres_gets_the_same_name_and_values() -> None:
+    length, force = 1e-6, 1e-9
+    s, scale = recorded(**physics('coulomb_friction', 2.0)), force / length
+    small = s._replace(
+        force=force * s.force, position=length * s.position,
+        reference=np.array([length, length, length, force])[:, None] * s.reference)
+    found = diagnosed(small, nominal(**{
+        name.replace('.', '__'): scale * value for name, value in MODEL.items()}))
+    assert named(found) == ['coulomb_friction']
+    assert found.effects[0].parameters['F_c'].value == pytest.approx(2.0 * force, rel=BOUND)
+
+
 def test_a_sensor_that_clips_in_one_contact_is_named_by_its_level_force() -> None:
     places = [(0.02, 0.8), (0.022, 0.8), (0.02, 0.8), (0.036, 0.8), (0.02, 0.8)]
     found = diagnosed(recorded(touches(*places, swing=0.006), **physics('force_saturation', 65.0)))

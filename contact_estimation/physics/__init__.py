@@ -53,6 +53,7 @@ from .impact_damping import ImpactDamping
 from .impedance_mismatch import ImpedanceMismatch
 from .joint_flexibility import JointFlexibility
 from .moving_environment import MovingEnvironment
+from .numeric import SIGN_VELOCITY
 from .plastic_set import PlasticSet
 from .polynomial_stiffness import PolynomialStiffness
 from .power_law_damping import PowerLawDamping
@@ -139,7 +140,9 @@ PhysicsParameters: type[ParameterGroup] = make_dataclass(
 PhysicsParameters.__doc__ = 'Effects by name; all off by default.'
 
 
-def effects_that_are_on(physics: ParameterGroup) -> list[Effect]:
+def effects_that_are_on(
+    physics: ParameterGroup, sign_velocity: float = SIGN_VELOCITY
+) -> list[Effect]:
     """
     Return the effects whose parameters are given.
 
@@ -147,6 +150,8 @@ def effects_that_are_on(physics: ParameterGroup) -> list[Effect]:
     ----------
     physics : PhysicsParameters
         Parameters of all effects; NaN means off.
+    sign_velocity : float
+        Width of the smooth sign of a velocity [m/s].
 
     Returns
     -------
@@ -160,4 +165,7 @@ def effects_that_are_on(physics: ParameterGroup) -> list[Effect]:
 
     """
     made = (cls.when_on(getattr(physics, name)) for name, cls in EFFECTS.items())
-    return [effect for effect in made if effect is not None]
+    effects = [effect for effect in made if effect is not None]
+    for effect in effects:
+        effect.sign_velocity = sign_velocity
+    return effects

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from .contact_effect import ContactEffect
-from .numeric import Number, SIGN_VELOCITY
+from .numeric import Number
 from .scales import Scales
 from ..parameters.specification import optional_parameter, ParameterGroup
 
@@ -45,7 +45,7 @@ class CoulombFriction(ContactEffect):
 
     def resistance(self, t: Number, d: Number, v: Number, state: Any, m: Any) -> Number:
         """Return F_c sgn(v); see `ContactEffect.resistance`."""
-        return self.values.F_c * m.tanh(v / SIGN_VELOCITY)
+        return self.values.F_c * m.tanh(v / self.sign_velocity)
 
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:

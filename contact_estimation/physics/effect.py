@@ -21,6 +21,7 @@ from math import isnan
 from typing import Any, ClassVar
 
 from .drawn_effect import DrawnEffect
+from .numeric import SIGN_VELOCITY
 from ..exceptions import ParameterRangeError
 from ..parameters.specification import ParameterGroup
 
@@ -79,11 +80,15 @@ class Effect(DrawnEffect):
         The same, of the motion in contact.
     resolved_length : str
         Parameter that is a length well above the noise of the positions; '' if there is none.
+    resolved_speed : str
+        Parameter that is a speed beyond that at which dry friction fades; '' if there is none.
     sampled_frequency : str
         Parameter that is a frequency which the samples have to resolve; '' if there is none.
     sampled_delay : str
         Parameter that is a delay or a lag, to be a fair share of a sample period; '' if there is
         none.
+    sign_velocity : float
+        Width of the smooth sign of a velocity [m/s], sgn(v) = tanh(v / sign_velocity).
 
     Parameters
     ----------
@@ -114,8 +119,10 @@ class Effect(DrawnEffect):
     reached_length: ClassVar[str] = ''
     covered_depth: ClassVar[str] = ''
     resolved_length: ClassVar[str] = ''
+    resolved_speed: ClassVar[str] = ''
     sampled_frequency: ClassVar[str] = ''
     sampled_delay: ClassVar[str] = ''
+    sign_velocity: float = SIGN_VELOCITY
 
     def __init__(self, values: ParameterGroup) -> None:
         self.values: Any = values

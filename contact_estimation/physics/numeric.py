@@ -32,7 +32,7 @@ Flags = NDArray[np.bool_]
 Number = TypeVar('Number', float, Any)
 
 SIGN_VELOCITY = 4e-4
-"""Width of the smooth sign [m/s]: sgn(v) = tanh(v / SIGN_VELOCITY)."""
+"""Usual width of the smooth sign [m/s]: sgn(v) = tanh(v / SIGN_VELOCITY)."""
 
 
 def positive(x: Number, m: Any) -> Number:

@@ -19,7 +19,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from .numeric import Number, SIGN_VELOCITY
+from .numeric import Number
 from .robot_effect import RobotEffect
 from .scales import Scales
 from ..parameters.specification import optional_parameter, ParameterGroup
@@ -43,7 +43,7 @@ class RobotFriction(RobotEffect):
 
     def drag(self, velocity: Number, m: Any) -> Number:
         """Return F_c sgn(xd); see `RobotEffect.drag`."""
-        return self.values.F_c * m.tanh(velocity / SIGN_VELOCITY)
+        return self.values.F_c * m.tanh(velocity / self.sign_velocity)
 
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:

@@ -22,7 +22,7 @@ from typing import Any
 from numpy.random import Generator
 
 from .contact_effect import ContactEffect
-from .numeric import Number, SIGN_VELOCITY
+from .numeric import Number
 from .random_strength import log_uniform, Strength
 from .scales import Scales
 from ..parameters.specification import optional_parameter, ParameterGroup
@@ -50,19 +50,19 @@ class StribeckFriction(ContactEffect):
     Parameters = StribeckFrictionParameters
     needs_return = True
     linear_in = ('F_c', 'F_s')
+    resolved_speed = 'v_s'
     jumps = True
 
     def resistance(self, t: Number, d: Number, v: Number, state: Any, m: Any) -> Number:
         """Return the falling friction; see `ContactEffect.resistance`."""
         p = self.values
         level = p.F_c + (p.F_s - p.F_c) * m.exp(-((v / p.v_s) ** 2))
-        return level * m.tanh(v / SIGN_VELOCITY)
+        return level * m.tanh(v / self.sign_velocity)
 
     @classmethod
     def plausible(cls, values: Any) -> bool:
-        """Return whether friction falls with speed, not to nothing, outside the smooth sign."""
-        falls = _LEAST_LEFT * values.F_s < values.F_c < values.F_s
-        return bool(falls and values.v_s > SIGN_VELOCITY)
+        """Return whether friction falls with speed, not to nothing."""
+        return bool(_LEAST_LEFT * values.F_s < values.F_c < values.F_s)
 
     @classmethod
     def starts(cls, scales: Scales) -> list[tuple[float, ...]]:

@@ -22,6 +22,7 @@ from typing import Any
 from ..exceptions import ParameterRangeError
 from ..parameters.specification import group, parameter, ParameterGroup
 from ..physics import PhysicsParameters
+from ..physics.numeric import SIGN_VELOCITY
 
 PAPER_NOISE = {'sensors.force_noise': 1.0, 'sensors.distribution': 'uniform'}
 """The paper's simulated force sensor: uniform, +-1 N."""
@@ -111,4 +112,7 @@ class PlantParameters(ParameterGroup):
         5000.0, 'Minimum rate of integration steps', 'Hz', minimum=1e-4, maximum=1e7,
         read_only=True,
     )
+    sign_velocity: float = parameter(
+        SIGN_VELOCITY, 'Speed below which dry friction fades: sgn(v) = tanh(v / sign_velocity)',
+        'm/s', minimum=1e-15, read_only=True)
     seed: int = parameter(0, 'Seed of all noise', minimum=0, read_only=True)

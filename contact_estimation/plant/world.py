@@ -111,7 +111,8 @@ class World:
         before = [effect.name for effect in self._effects]
         if parameters.physics != self._physics:  # else effects would lose their past
             self._physics = parameters.physics
-            self._effects = [*effects_that_are_on(parameters.physics), *self._further]
+            self._effects = [*effects_that_are_on(
+                parameters.physics, parameters.sign_velocity), *self._further]
             self._chain = [e for e in self._effects if isinstance(e, ForceSensorEffect)]
         effects = self._effects
         wall, robot = parameters.environment, parameters.robot.law()

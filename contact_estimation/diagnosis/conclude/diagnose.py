@@ -19,6 +19,8 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Sequence
 
+import numpy as np
+
 from .conclusion import conclude
 from .naming import diagnose_apart
 from .refusal import refuse
@@ -30,6 +32,7 @@ from ..checks.stamps import with_offset
 from ..fit.surfaces import surfaces_of
 from ..observe.held_samples import without_held_samples
 from ..observe.model import Model
+from ..observe.observed import observe
 from ..observe.parts import continuous_parts
 from ..observe.prepared_recording import prepare
 from ..observe.reference_rates import with_reference_rates
@@ -37,6 +40,8 @@ from ..observe.signals import Recording
 from ..observe.usable_samples import held_at_rest
 from ...exceptions import ParameterRangeError
 from ...plant.plant_parameters import PlantParameters
+
+_FADES = 0.015  # of the speed of a motion: where dry friction fades, as 4e-4 of 0.027 m/s
 
 
 def diagnose(
@@ -87,6 +92,7 @@ def diagnose(
     fitted, held_out = (
         [part for one in some for part in continuous_parts(one, model)]
         for some in (every[:len(fitted)], every[len(fitted):]))
+    nominal = _with_sharp_sign(nominal, [*fitted, *held_out])
     seen = best_view(Given(nominal, fitted, held_out, examined.checks), progress)
     if seen.view.offset is not None:
         commanded = all(one.observed.reference is not None for one in seen.recordings)
@@ -95,6 +101,14 @@ def diagnose(
     if diagnosis.verdict != 'unexplained':
         return diagnosis
     return _moving(seen, diagnosis, seed, progress)
+
+
+def _with_sharp_sign(nominal: Model, recordings: Sequence[Recording]) -> Model:
+    """Let dry friction fade at a speed far below those of the recordings."""
+    known = nominal.nominal
+    speeds = [np.sqrt(np.mean(observe(one.signals, known).v**2)) for one in recordings]
+    width = min(known.sign_velocity, _FADES * float(min(speeds)))
+    return replace(nominal, nominal=replace(known, sign_velocity=width))
 
 
 def _moving(seen: Seen, diagnosis: Diagnosis, seed: int, progress: Progress) -> Diagnosis:

@@ -30,7 +30,6 @@ from ...parameters.specification import specifications
 from ...parameters.values import build, flatten
 from ...physics import EFFECTS
 from ...physics.contact_law import ContactLaw
-from ...physics.numeric import SIGN_VELOCITY
 from ...plant.driven_wall import run_driven_wall
 from ...plant.open_loop import simulate_on
 from ...plant.plant_parameters import PlantParameters
@@ -83,7 +82,7 @@ def steps_a_sample(model: Model, o: Observed) -> int:
     laws, wall = model.laws(), model.nominal.environment
     least = min(1e-4, 1e-2 * float(np.ptp(o.x)))
     x = wall.location + 0.5 * max(float(np.max(o.x)) - wall.location, least)
-    fast, slow = float(np.max(np.abs(o.v))), 0.1 * SIGN_VELOCITY
+    fast, slow = float(np.max(np.abs(o.v))), 0.1 * model.nominal.sign_velocity
     states = laws.contact.settle(0.0, x, _SLOW_TOUCH * fast, (0.0,) * laws.contact.states)
     touch = [laws.contact.touch(0.0, x, v, states, math).resistance for v in (0.0, slow)]
     drag = [laws.robot.force(x, v, (x, v, 0.0, 0.0), math) for v in (0.0, slow)]

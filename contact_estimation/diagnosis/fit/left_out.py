@@ -36,7 +36,7 @@ Array = NDArray[np.float64]
 _LOOSE = 3.0  # typical sizes of a value: standard deviation of its prior
 _OUTLIER = 5.0  # standard deviations beyond which an error counts as one at that distance
 _SUSPICIOUS = 3.0  # times the error as fitted: a prediction that may be no longer linear
-_SHARES = (1.0, 0.5, 0.25, 0.1)  # of a step that are tried
+_DAMPING = (0.0, 0.01, 0.1, 1.0, 10.0)  # of a step, of the normal matrix (Marquardt 1963)
 _USUAL = 0.455  # median of a squared normal error, in its mean
 
 
@@ -99,10 +99,10 @@ class Linearised:
         return [(self._weighed[part.there].T @ self.jacobian[part.there],
                  self._weighed[part.there].T @ self.here[part.there]) for part in self.parts]
 
-    def _step(self, normal: Array, gradient: Array) -> Array:
+    def _step(self, normal: Array, gradient: Array, damping: float = 0.0) -> Array:
         """Return the step of the coordinates, in typical sizes, within their ranges."""
         model = self.found.model
-        prior = np.eye(len(gradient)) / _LOOSE**2
+        prior = np.eye(len(gradient)) / _LOOSE**2 + damping * np.diag(np.diag(normal))
         change = -np.linalg.solve(normal + prior, gradient)
         low, high = ((bound - model.coordinates) / model.steps for bound in model.ranges)
         return np.clip(change, np.minimum(low, 0.0), np.maximum(high, 0.0))
@@ -117,16 +117,18 @@ class Linearised:
             errors = self.here[part.there] + self.jacobian[part.there] @ change
             squares[k] = self._mean_squares(part, errors)
             if np.any(squares[k] > _SUSPICIOUS * np.maximum(self.fitted[k], 1.0)):
-                squares[k] = self._mean_squares(part, self._stepped(part, change))
+                squares[k] = self._mean_squares(part, self._stepped(
+                    part, normal - of_part, gradient - pull))
         return squares
 
-    def _stepped(self, part: Part, change: Array) -> Array:
-        """Return the errors on a part after the longest step that does not harm the rest."""
+    def _stepped(self, part: Part, normal: Array, gradient: Array) -> Array:
+        """Return the errors on a part after the least damped step that does not harm the rest."""
         model, rest = self.found.model, ~part.there
         function = residual_function(self.recordings, model, robust=False)
         bent = huber(self.here[rest])
-        for share in _SHARES:
-            there = function(model.coordinates + share * change * model.steps)
+        for damping in _DAMPING:
+            change = self._step(normal, gradient, damping)
+            there = function(model.coordinates + change * model.steps)
             left = huber(there[rest])
             if left @ left <= bent @ bent:
                 return np.asarray(there[part.there])

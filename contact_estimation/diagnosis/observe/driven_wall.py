@@ -38,14 +38,13 @@ from .observer import (
     run,
     run_velocity,
 )
-from ...physics.numeric import SIGN_VELOCITY
 from ...physics.second_order import discretise
 from ...plant.between_samples import NOISE, smooth
 
 Array = NDArray[np.float64]
 
 _WITHIN = np.linspace(-0.5, 0.5, 9)  # of a sample, within which a force may jump
-_SLOW = 10.0 * SIGN_VELOCITY  # beyond, drag no longer depends on the direction's smoothing
+_SLOW = 10.0  # widths of the smooth sign, beyond which it does not bend drag
 _FARTHEST = 3.0  # times the largest force that the motion shows
 _CONVERGED = 1e-9  # change of the motion by a round, of the largest position
 
@@ -71,7 +70,7 @@ class DrivenWall:
     def __init__(self, model: Model, observed: Observed) -> None:
         laws, o = model.laws(), observed
         self._observed, self._law = observed, laws.contact
-        self._push = -o.driving
+        self._push, self._slow = -o.driving, _SLOW * model.nominal.sign_velocity
         for effect in reversed(laws.chain):
             self._push = -effect.undo_along(o.t, -self._push)
         self._mass = laws.contact.inertia + sum(effect.added_mass for effect in laws.chain)
@@ -125,7 +124,7 @@ class DrivenWall:
             if effect.jumps:  # within the sample in which the motion turns
                 at_once = effect.resistance(0.0, 0.0, v, (), np)
                 beyond, jumping = beyond - at_once, at_once.copy()
-                turns = np.abs(v) < 0.5 * self._observed.h * np.abs(a) + _SLOW
+                turns = np.abs(v) < 0.5 * self._observed.h * np.abs(a) + self._slow
                 rates = v[turns] + np.multiply.outer(_WITHIN * self._observed.h, a[turns])
                 jumping[turns] = np.mean(effect.resistance(0.0, 0.0, rates, (), np), axis=0)
                 push = push - jumping

@@ -273,6 +273,7 @@ class Model:
         for name in self.effects:
             cls = EFFECTS[name]
             found[name] = cls(of_valid(cls.Parameters, self.values[self.place(name)]))
+            found[name].sign_velocity = self.nominal.sign_velocity
         return [found[name] for name in EFFECTS if name in found]
 
     def plausible(self) -> bool:
@@ -284,6 +285,9 @@ class Model:
         cls = EFFECTS[name]
         values = self.parameters_of(name)
         if cls.family in _OF_SPRING and self._lost_its_spring():
+            return False
+        slow = cls.resolved_speed and getattr(values, cls.resolved_speed)
+        if slow and slow <= self.nominal.sign_velocity:
             return False
         return cls.plausible(values) and not cls.drives(values, self.stiffness, self.damping)
 
