@@ -27,7 +27,7 @@ from contact_estimation.diagnosis.checks.measures import bend_of, Lag, Line, STR
 from contact_estimation.diagnosis.checks.sensors import jumps
 from contact_estimation.diagnosis.checks.stamps import clock_offset
 from contact_estimation.diagnosis.conclude.diagnose import diagnose
-from contact_estimation.diagnosis.observe.reference_rates import with_reference_rates
+from contact_estimation.diagnosis.observe.reference import with_reference_rates
 from contact_estimation.diagnosis.observe.signals import Recording, Signals
 from contact_estimation.diagnosis.report.json_report import as_dict
 from contact_estimation.diagnosis.report.page import as_html

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from concealed_worlds import ATTACHED, nominal, prepared_from
 from contact_estimation.diagnosis.fit.credible import may_show
-from contact_estimation.diagnosis.observe.cycle import cycle_frequency, keeps_step
+from contact_estimation.diagnosis.observe.pace import cycle_frequency, keeps_step
 from contact_estimation.diagnosis.observe.signals import Signals
 import numpy as np
 import pytest

@@ -26,8 +26,7 @@ import sys
 
 from contact_estimation.diagnosis.checks.check import Check
 from contact_estimation.diagnosis.conclude.location import Location
-from contact_estimation.diagnosis.conclude.refusal import refuse
-from contact_estimation.diagnosis.conclude.result import Remainder
+from contact_estimation.diagnosis.conclude.result import refuse, Remainder
 from contact_estimation.diagnosis.observe.model import Model
 from contact_estimation.diagnosis.report import page as page_module
 from contact_estimation.diagnosis.report.json_report import as_dict

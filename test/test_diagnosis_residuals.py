@@ -29,7 +29,7 @@ from concealed_worlds import (
     recorded,
 )
 from contact_estimation.diagnosis.fit.model_uncertainty import discounted
-from contact_estimation.diagnosis.observe.discount import Discount
+from contact_estimation.diagnosis.observe.channel import Discount
 from contact_estimation.diagnosis.observe.model import Model
 from contact_estimation.diagnosis.observe.observed import Observed
 from contact_estimation.diagnosis.observe.prepared_recording import PreparedRecording

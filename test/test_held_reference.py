@@ -20,7 +20,7 @@ from math import floor
 from typing import Any
 
 from contact_estimation.diagnosis.conclude.diagnose import diagnose
-from contact_estimation.diagnosis.observe.held_reference import held_at, with_held_reference
+from contact_estimation.diagnosis.observe.reference import held_at, with_held_reference
 from contact_estimation.diagnosis.observe.signals import Recording, Signals
 from contact_estimation.diagnosis.report.text_report import as_text
 from contact_estimation.plant.open_loop import run_open_loop

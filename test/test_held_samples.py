@@ -17,8 +17,8 @@
 from __future__ import annotations
 
 from concealed_worlds import diagnosed, nominal
-from contact_estimation.diagnosis.observe.held_samples import updates, without_held_samples
 from contact_estimation.diagnosis.observe.signals import Recording, Signals
+from contact_estimation.diagnosis.observe.usable_samples import updates, without_held_samples
 import numpy as np
 from numpy.typing import NDArray
 import pytest

@@ -20,7 +20,7 @@ from functools import lru_cache
 
 from concealed_worlds import diagnosed, named, nominal, prepared_from
 from contact_estimation.diagnosis.fit.fitting import fit
-from contact_estimation.diagnosis.fit.ripple import without_ripple
+from contact_estimation.diagnosis.fit.model_uncertainty import without_ripple
 from contact_estimation.diagnosis.observe.signals import Signals
 import numpy as np
 import pytest

@@ -23,21 +23,19 @@ import numpy as np
 
 from .conclusion import conclude
 from .naming import diagnose_apart
-from .refusal import refuse
-from .result import Diagnosis
+from .result import Diagnosis, refuse
 from .views import best_view, compare, Given, Progress, Seen
 from ..checks import examine
 from ..checks.experiment import with_places
 from ..checks.stamps import with_offset
 from ..fit.surfaces import surfaces_of
-from ..observe.held_samples import without_held_samples
 from ..observe.model import Model
 from ..observe.observed import observe
 from ..observe.parts import continuous_parts
 from ..observe.prepared_recording import prepare
-from ..observe.reference_rates import with_reference_rates
+from ..observe.reference import with_reference_rates
 from ..observe.signals import Recording
-from ..observe.usable_samples import held_at_rest
+from ..observe.usable_samples import held_at_rest, without_held_samples
 from ...exceptions import ParameterRangeError
 from ...plant.plant_parameters import PlantParameters
 

@@ -17,6 +17,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from math import nan
+from typing import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -317,3 +319,18 @@ class Diagnosis:
 def pair_of(with_effects: bool) -> tuple[str, str]:
     """Return which models a diagnosis compares."""
     return ('recalibrated', 'corrected') if with_effects else ('nominal', 'recalibrated')
+
+
+def refuse(checks: Sequence[Check], nominal: Model) -> Diagnosis:
+    """Return a diagnosis without names, fits and recordings."""
+    failed = [check.text for check in checks if not check.ok and check.fatal]
+    return Diagnosis(
+        verdict='unexplained', effects=[], location=None, remainder=None, nominal=nominal,
+        recalibrated=nominal, corrected=nominal, stiffness=Value(nominal.stiffness, nan, 'N/m'),
+        damping=Value(nominal.damping, nan, 'N s/m'), noise_floor=nan,
+        force=Errors(None, None, None), motion=Errors(None, None, None), improvement=None,
+        holdouts=[],
+        next_experiment=f'Put this right and repeat: {"; ".join(failed)}.', rivals={},
+        evidence={}, residual_power=nan, dependences={}, recordings=[],
+        free_runs={}, checks=list(checks),
+    )

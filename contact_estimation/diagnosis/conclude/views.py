@@ -26,22 +26,21 @@ from typing import Callable, Iterator, NamedTuple, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import minimize_scalar
 
+from .offsets import Offset, offset_of
 from ..checks.check import Check
 from ..compare.beam import Compared, refit, search
 from ..compare.evidence import Scored
-from ..fit.fitting import Fit, fit, residual_function
+from ..fit.fitting import Fit, fit
 from ..fit.free_run import free_run
-from ..fit.model_uncertainty import discounted
+from ..fit.model_uncertainty import discounted, without_ripple
 from ..fit.parts import Part
-from ..fit.ripple import without_ripple
 from ..fit.space import ContactModels
 from ..fit.surfaces import on_one_surface, Surfaces, surfaces_of
-from ..observe.held_reference import with_held_reference
 from ..observe.model import Model
 from ..observe.observed import observe
 from ..observe.prepared_recording import prepare, PreparedRecording, Recordings
+from ..observe.reference import with_held_reference
 from ..observe.signals import Recording
 from ...physics import EFFECTS
 from ...plant.between_samples import BETWEEN
@@ -54,10 +53,6 @@ _DIVERGED = 1e3  # times the range of the motion: a free run that tells nothing
 _REFITTED = 4  # models that are fitted again to a motion smoothed by the best of them
 _AS_LIKELY = 1.0  # nats: no evidence either way
 _CAUSED = ('timing', 'inertia', 'relaxation')  # families that stamps which are off look like
-_STEPS = 3  # of Gauss and Newton to an offset of stamps
-_FAR_S = 0.03  # the longest of them: beyond, residuals are not linear
-_FILTER_S, _OF_PERIOD = 0.003, 0.9  # less late is a filter, or the course between two samples
-_EARLY_S = 0.0012  # less early is how well stamps are known
 
 
 class Given(NamedTuple):
@@ -84,30 +79,6 @@ class Given(NamedTuple):
         """Return the same with every recording changed."""
         return self._replace(fitted=[change(one) for one in self.fitted],
                              held_out=[change(one) for one in self.held_out])
-
-
-class Offset(NamedTuple):
-    """
-    A topic whose stamps differ from those of the others.
-
-    Attributes
-    ----------
-    topic : str
-        'wrench' or 'joint_states'.
-    seconds : float
-        How late the topic is stamped [s]; negative if early.
-
-    """
-
-    topic: str
-    seconds: float
-
-    def put_right(self, one: Recording) -> Recording:
-        """Shift the stamps of a recording, which count from the first wrench."""
-        s, others = one.signals, self.seconds if self.topic == 'wrench' else 0.0
-        joints = others - (self.seconds if self.topic == 'joint_states' else 0.0)
-        return replace(one, signals=s._replace(
-            joint_t=s.joint_t + joints, reference_t=s.reference_t + others))
 
 
 class View(NamedTuple):
@@ -321,59 +292,16 @@ def _stamps(seen: Seen) -> Iterator[View]:
     if not all(one.observed.has_dynamics(seen.base.model.nominal) for one in seen.recordings):
         return
     lawful, given = _lawful(seen), seen.view.given
-    period = max(float(np.median(np.diff(one.signals.joint_t))) for one in given.fitted)
     for topic in ('wrench', 'joint_states'):
-        offset = Offset(topic, 0.0)
-        for _ in range(_STEPS):
-            offset = _closer(seen, lawful, offset)
-        # A wrench that is late is what a sensor with a delay measures, an effect of the library.
-        late = offset.seconds > 0.0
-        least = max(_FILTER_S, _OF_PERIOD * period) if late else _EARLY_S
-        if abs(offset.seconds) < least or late and topic == 'wrench':
-            continue
-        offset = _fitted_offset(seen, lawful, offset)
-        yield seen.view._replace(given=given.with_each(offset.put_right), offset=offset)
+        offset = offset_of(topic, given.fitted, lawful)
+        if offset is not None:
+            yield seen.view._replace(given=given.with_each(offset.put_right), offset=offset)
 
 
 def _lawful(seen: Seen) -> Scored:
     """Return the best model without what stamps that are off, or a held reference, look like."""
     caused = [name for name in seen.best.effects if EFFECTS[name].family in _CAUSED]
     return seen.models.without(seen.best, caused) if caused else seen.best
-
-
-def _shifted(seen: Seen, lawful: Scored, offset: Offset) -> Recordings:
-    """Put the stamps of a topic right, with noise and discrepancy as before."""
-    return [
-        replace(prepare(offset.put_right(raw), seen.base.model, hold=False),
-                use=one.use, block=one.block, force_noise=one.force_noise,
-                motion_noise=one.motion_noise, force_discrepancy=one.force_discrepancy,
-                motion_discrepancy=one.motion_discrepancy, discount=one.discount)
-        for raw, one in zip(seen.view.given.fitted, lawful.found.recordings)]
-
-
-def _fitted_offset(seen: Seen, lawful: Scored, offset: Offset) -> Offset:
-    """Return the offset near one at which a model, fitted again, leaves least."""
-    model = lawful.found.found.model
-    found = minimize_scalar(
-        lambda share: fit(_shifted(seen, lawful, offset._replace(
-            seconds=share * offset.seconds)), model, steps=8).cost,
-        method='bounded', bounds=(0.7, 1.5), options={'maxiter': 8})
-    return offset._replace(seconds=float(found.x) * offset.seconds)
-
-
-def _closer(seen: Seen, lawful: Scored, offset: Offset) -> Offset:
-    """Take a Gauss-Newton step of the offset of a topic, together with the values of a model."""
-    told, period = lawful.found, min(one.observed.h for one in seen.recordings)
-
-    def residuals_at(seconds: float) -> Array:
-        recordings = _shifted(seen, lawful, offset._replace(seconds=seconds))
-        return residual_function(recordings, told.found.model)(told.found.model.coordinates)
-
-    here = residuals_at(offset.seconds)
-    by_offset = (residuals_at(offset.seconds + period) - here) / period
-    columns = np.column_stack((told.jacobian, by_offset * period))
-    step = np.linalg.lstsq(columns, -here, rcond=1e-10)[0][-1] * period
-    return offset._replace(seconds=offset.seconds + float(np.clip(step, -_FAR_S, _FAR_S)))
 
 
 def _refitted(view: View, seen: Seen, progress: Progress) -> Seen:

@@ -20,8 +20,8 @@ from typing import Any, Sequence
 
 import numpy as np
 
-from ..observe.cycle import keeps_step
 from ..observe.model import Model
+from ..observe.pace import keeps_step
 from ..observe.prepared_recording import PreparedRecording, Recordings
 from ..observe.residuals import force_residual
 from ...parameters.specification import ParameterGroup

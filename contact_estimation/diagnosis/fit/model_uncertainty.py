@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import median_filter
 
-from ..observe.discount import Discount, LEAST_VARIANCE
+from ..observe.channel import Discount, LEAST_VARIANCE, sum_blocks
 from ..observe.model import Model
 from ..observe.prepared_recording import PreparedRecording
 from ..observe.residuals import residuals, response_to
@@ -44,6 +44,9 @@ _SHOWS = 0.1  # of the least variance that a discount takes away: as much may ad
 _STANDS_OUT = 10.0  # times the median: else it is not a step
 _AROUND = 5  # samples among which it stands out
 _UNIFORM = 1.0 / sqrt(12.0)  # standard deviation of an instant within a sample
+_FAR = 4.0  # times the noise: power of the residuals
+_MEAN_S, _BLOCK_S = 0.04, 0.1  # tells ripple, and averages it
+_WHITE = 0.3  # power of such a mean, in that of residuals that are all of one sign
 
 
 def discounted(recording: PreparedRecording, model: Model) -> PreparedRecording:
@@ -119,3 +122,17 @@ def _steps_of_reference(recording: PreparedRecording, model: Model) -> list[Arra
             moved[first:] = response[:len(o.t) - first] * jumps[k] * _UNIFORM
             responses.append(moved)
     return responses
+
+
+def without_ripple(recording: PreparedRecording, model: Model) -> PreparedRecording:
+    """Average the innovations of a driven wall over longer blocks if its positions ripple."""
+    one, size = recording, round(_MEAN_S * recording.observed.pace / recording.block_s)
+    if not one.driven_by_force(model) or size < 2:
+        return one
+    left = residuals(one, model, robust=False)
+    full = sum_blocks(one.motion.filled.astype(float), size) == size
+    power = float(np.mean(sum_blocks(left**2, size)[full])) / size if full.any() else 0.0
+    if power < _FAR or float(np.mean(sum_blocks(left, size)[full] ** 2)) > (
+            _WHITE * power * size**2):
+        return one
+    return one.in_blocks(round(_BLOCK_S * one.observed.pace / one.observed.h), model)

@@ -25,6 +25,9 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
+LEAST_VARIANCE = 0.02
+"""Least variance along a direction, in that of the noise: of less a hundredth were taken away."""
+
 
 @dataclass(frozen=True, eq=False)
 class Channel:
@@ -110,3 +113,33 @@ def _in_blocks(signal: Array, block: int) -> Array:
     """Return a signal block by block, shape (N // block, block)."""
     count = len(signal) // block
     return signal[:count * block].reshape(count, block)
+
+
+@dataclass(frozen=True, eq=False)
+class Discount:
+    """
+    The whitening of residuals r with covariance I + C C^T, C the columns given to `of`.
+
+    Attributes
+    ----------
+    directions : ndarray, shape (R, C)
+        Orthonormal.
+    shares : ndarray, shape (C,)
+        The part of the residuals along each direction that is taken away, 0 to 1.
+
+    """
+
+    directions: Array
+    shares: Array
+
+    @classmethod
+    def of(cls, columns: Array) -> 'Discount':
+        """Discount what uncertain parameters could explain."""
+        squares, turns = np.linalg.eigh(columns.T @ columns)
+        large = squares > LEAST_VARIANCE
+        directions = columns @ (turns[:, large] / np.sqrt(squares[large]))
+        return cls(directions, 1.0 - 1.0 / np.sqrt(1.0 + squares[large]))
+
+    def apply(self, residuals: Array) -> Array:
+        """Whiten residuals."""
+        return residuals - self.directions @ (self.shares * (self.directions.T @ residuals))

@@ -24,18 +24,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline
 
-from .cycle import cycle_frequency
 from .motion_error import lost_by_lines, motion_error, quantisation_step
 from .observer import OBSERVER_CUTOFF, run
-from .pace import pace_of
+from .pace import cycle_frequency, pace_of
 from .signals import check_signals, Signals
 from .smoothing import (
-    differentiate,
-    rate_noise,
-    slower_by_force,
-    smooth,
-    smooth_enough,
-    STEADY_CUTOFFS_HZ,
+    differentiate, rate_noise, slower_by_force, smooth, smooth_enough, STEADY_CUTOFFS_HZ,
     white_noise_std,
 )
 from ...physics.robot_law import RobotLaw

@@ -19,15 +19,13 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import sqrt
-from typing import Any, Sequence
+from typing import Any, Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .channel import Channel, sum_blocks
-from .discount import Discount
+from .channel import Channel, Discount, sum_blocks
 from .episodes import HeldOut, hold_out, require_contact
-from .latest import Latest
 from .model import Model
 from .noise import force_error, force_noise, innovation_error, motion_noise
 from .observed import observe, Observed
@@ -40,6 +38,25 @@ Flags = NDArray[np.bool_]
 
 _SLOPE_S = 0.02  # over which the rate of the force is averaged
 _FORGOTTEN = 8.0  # times 1 / omega_o: the observer has forgotten an error
+_MOST = 8  # a model and those that differ from it in one value
+
+
+class Latest:
+    """The latest results of a function, by what they depend on."""
+
+    def __init__(self) -> None:
+        self._known: list[tuple[object, Any]] = []
+
+    def of(self, key: object, compute: Callable[[], Any]) -> Any:
+        """Return a result, computed only if it is not among the latest."""
+        for place, (known, result) in enumerate(self._known):
+            if known == key:
+                self._known.append(self._known.pop(place))
+                return result
+        result = compute()
+        self._known.append((key, result))
+        del self._known[:-_MOST]
+        return result
 
 
 @dataclass(frozen=True, eq=False)

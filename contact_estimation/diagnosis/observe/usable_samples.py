@@ -16,12 +16,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d, minimum_filter1d, uniform_filter1d
 
 from .model import Model
+from .motion_error import quantisation_step
 from .observed import Observed
+from .signals import LEAST_SAMPLES, Recording
 from ...physics.numeric import stretches
 
 Array = NDArray[np.float64]
@@ -38,6 +42,8 @@ _SLOW, _FASTEST = 0.02, 0.99  # of the speed that so many samples do not exceed
 _LONG, _SMOOTHED, _MOST_AT_REST = 0.02, 0.005, 0.7  # of the samples
 _HELD = 0.1  # of the range of the force
 _IMPACT_BEFORE, _IMPACT_AFTER = 2, 3  # unpredictable samples around touch-down
+_REGULAR = 0.7  # of the values must be repeated as often as usual, give or take one
+_COARSE = 4.0  # quanta: smaller steps come from the resolution
 
 
 def usable(model: Model, observed: Observed) -> Flags:
@@ -140,3 +146,30 @@ def default_block(observed: Observed) -> int:
     if o.reference is None and o.cutoff * o.pace > 15.0:
         return 1
     return max(1, round(0.01 * o.pace / o.h))
+
+
+def without_held_samples(recording: Recording) -> Recording:
+    """Keep each value once where wrench or joint states repeat them regularly."""
+    s = recording.signals
+    wrench, joint = updates(s.force), updates(s.position)
+    if len(wrench) == len(s.force) and len(joint) == len(s.position):
+        return recording
+    return replace(recording, signals=s._replace(
+        wrench_t=s.wrench_t[wrench], force=s.force[wrench],
+        joint_t=s.joint_t[joint], position=s.position[joint]))
+
+
+def updates(values: Array) -> NDArray[np.int_]:
+    """Find the samples at which a sensor gave a new value."""
+    every = np.arange(len(values))
+    starts = np.concatenate(([0], np.flatnonzero(np.diff(values)) + 1))
+    counts = np.diff(np.append(starts, len(values)))
+    usual = int(np.median(counts))
+    if usual < 2 or len(starts) < LEAST_SAMPLES:
+        return every
+    size = float(np.median(np.abs(np.diff(values[starts]))))
+    regular = np.mean(np.abs(counts - usual) <= 1) >= _REGULAR
+    if not regular or size < _COARSE * quantisation_step(values):
+        return every
+    since = every - np.repeat(starts, counts)
+    return every[since % usual == 0]
