@@ -25,7 +25,8 @@ from .evidence import Evidence, Scored
 
 _WIDE, _LAWS, _DEEP = 3, 3, 4  # models that are extended at a time; laws and effects of a model
 # Extensions that are fitted to the end; nats below the best, from where that may bring one back.
-_REFINED, _NEAR = 2, 10.0
+_REFINED, _FAR = 2, 10.0
+_NEAR = 3.0  # nats below the best: a twentieth of its weight
 
 
 class Space(Protocol):
@@ -91,9 +92,9 @@ def search(
     pool = {one.key: one for one in models}
     done, wide = set[frozenset[str]](), 1 if known else _WIDE
     for _ in range(_DEEP):
-        frontier = [one for one in evidence.ranked(pool.values())[:wide]
-                    if one.key not in done and one.laws < _LAWS
-                    and _may_gain(evidence, one)]
+        ranked = evidence.ranked(pool.values())
+        frontier = [one for one in ranked[:wide] if one.key not in done and one.laws < _LAWS
+                    and _may_matter(evidence, one, ranked[0])]
         if not frontier:
             break
         for one in frontier:
@@ -104,7 +105,7 @@ def search(
                 _keep(evidence, pool, rough)
             best = evidence.score(evidence.ranked(pool.values())[0])
             for rough in extended[:_REFINED]:
-                if evidence.score(rough) > best - _NEAR:
+                if evidence.score(rough) > best - _FAR:
                     _keep(evidence, pool, space.to_the_end(rough))
         evidence = evidence.informed_by(pool.values())
     for sibling in space.siblings(evidence.ranked(pool.values())[0]):
@@ -132,9 +133,9 @@ def _keep(evidence: Evidence, pool: dict[frozenset[str], Scored], one: Scored | 
         pool[key] = one
 
 
-def _may_gain(evidence: Evidence, one: Scored) -> bool:
-    """Return whether a law that explained all that is left would be worth its prior."""
+def _may_matter(evidence: Evidence, one: Scored, best: Scored) -> bool:
+    """Return whether a law that explained all that is left would pay, and come near the best."""
     perfect = replace(one, left_out=np.minimum(one.left_out, 1.0),
                       fitted=np.minimum(one.fitted, 1.0))
-    c = evidence.constants
-    return evidence.score(perfect) - evidence.score(one) > c.parameter + c.law
+    bound = evidence.score(perfect) - evidence.constants.parameter - evidence.constants.law
+    return bound > max(evidence.score(one), evidence.score(best) - _NEAR)

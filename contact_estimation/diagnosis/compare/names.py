@@ -156,13 +156,45 @@ def _worth(compared: Compared, named: Named, without: Without) -> Named:
     of_laws = 1.0 - min(max(of_zeros, 0.0), 1.0)
     little = [effect for effect, part in told.items()
               if part.share.share < least * (1.0 if effect in ZEROS else of_laws)]
-    model = _known(compared, named.model, little, without) if little else None
-    if model is None:
-        listed = {one for each in named.names for one in each.alike}
-        return named._replace(rivals={one: named.rivals[one] for one in named.rivals
-                                      if one in listed})
-    kept = [one for one in named.names if one.effect not in little]
-    return _worth(compared, named._replace(model=model, names=kept), without)
+    fewer = _dropped(compared, named, little, without) if little else None
+    if fewer is not None:
+        return _worth(compared, fewer, without)
+    listed = {one for each in named.names for one in each.alike}
+    return named._replace(rivals={one: named.rivals[one] for one in named.rivals if one in listed})
+
+
+def without_least(compared: Compared, named: Named, without: Without) -> Named:
+    """
+    Drop the name that takes away least.
+
+    Parameters
+    ----------
+    compared : Compared
+        All models.
+    named : Named
+        At least one name.
+    without : callable
+        Returns models that are not among those compared.
+
+    Returns
+    -------
+    named : Named
+        The others.
+
+    """
+    told = parts(compared, named, without)
+    least = ranked_by(told, lambda effect: told[effect].share.share)[:1]
+    fewer = _dropped(compared, named, least, without) if len(told) > 1 else None
+    return fewer or Named(compared.evidence.base, [], {})
+
+
+def _dropped(
+    compared: Compared, named: Named, effects: Sequence[str], without: Without
+) -> Named | None:
+    """Drop names; None where the model without them is not known."""
+    model = _known(compared, named.model, effects, without)
+    kept = [one for one in named.names if one.effect not in effects]
+    return None if model is None else named._replace(model=model, names=kept)
 
 
 def parts(compared: Compared, named: Named, without: Without) -> dict[str, Part]:

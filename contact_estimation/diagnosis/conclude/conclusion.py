@@ -29,7 +29,7 @@ from .naming import advice, nearly
 from .result import Diagnosis, EffectOnPart, NamedEffect, pair_of, Remainder, Value
 from .views import Progress, Seen
 from ..compare.evidence import Scored
-from ..compare.names import name, Named, parts
+from ..compare.names import name, Named, parts, without_least
 from ..compare.order import ranked_by, ZEROS
 from ..compare.shares import explained, share_of
 from ..fit.applicable import untried
@@ -60,8 +60,8 @@ def conclude(seen: Seen, seed: int, progress: Progress) -> Diagnosis:
     progress('names')
     named = name(seen.compared, seed, seen.models.without)
     tested = _tested(seen, named.model, progress)
-    if named.names and not _holds(seen, named.model, tested):
-        named = named._replace(model=seen.compared.evidence.base, names=[], rivals={})
+    while named.names and not _holds(seen, named.model, tested):
+        named = without_least(seen.compared, named, seen.models.without)
         tested = _tested(seen, named.model, progress)
     generator = np.random.default_rng(seed)
     return _Conclusion(seen, named, tested, generator).diagnosis()
