@@ -153,14 +153,14 @@ class Evidence:
         return np.asarray((beyond * counts).sum(axis=0) / np.maximum(counts.sum(axis=0), 1.0))
 
     def log_likelihoods(self, one: Scored) -> tuple[Array, Array]:
-        """Return the log likelihoods, shape (P, C), as exact and with a discrepancy."""
+        """Return the log likelihood of each part, shape (P,), as exact and with a discrepancy."""
         c, expected = self.constants, one.expected(self.constants)
         beyond = self.instrument + c.ideal * self.misfit
         exact = -0.5 * one.counts * (np.maximum(
             expected / (self._noise_on(expected) * (1.0 + c.exact * beyond)), 1.0) - 1.0)
         independent = np.minimum(one.counts, c.independent)
         inexact = -0.5 * independent * np.log(np.maximum(expected, 1.0 + beyond))
-        return exact, inexact
+        return exact.sum(axis=1), inexact.sum(axis=1)
 
     def _noise_on(self, parts: Array) -> Array | float:
         """Return the noise on parts, shape (P, C), or its mean if these are others."""
@@ -176,9 +176,9 @@ class Evidence:
 
     def score(self, one: Scored) -> float:
         """Return the log posterior of a model but for a constant."""
-        exact, inexact = (each.sum(axis=0) for each in self.log_likelihoods(one))
-        likelihoods = np.logaddexp(exact, inexact - self.constants.discrepancy)
-        return float(likelihoods.sum()) + self.log_prior(one)
+        exact, inexact = self.log_likelihoods(one)
+        likelihood = np.logaddexp(exact.sum(), inexact.sum() - self.constants.discrepancy)
+        return float(likelihood) + self.log_prior(one)
 
     def ranked(self, models: Iterable[Scored]) -> list[Scored]:
         """Sort models by score, the best first; equal scores by their prior order."""
@@ -186,8 +186,8 @@ class Evidence:
 
     def is_exact(self, one: Scored) -> bool:
         """Return whether a model is likelier without a discrepancy than with one."""
-        exact, inexact = (each.sum(axis=0) for each in self.log_likelihoods(one))
-        return bool(np.all(exact > inexact - self.constants.discrepancy))
+        exact, inexact = self.log_likelihoods(one)
+        return bool(exact.sum() > inexact.sum() - self.constants.discrepancy)
 
     def weights(self, models: Sequence[Scored], seed: int) -> Array:
         """
@@ -200,8 +200,7 @@ class Evidence:
         exact, inexact = (np.array([pair[k] for pair in both]) for k in (0, 1))
         parts = exact.shape[1]
         drawn = parts * np.random.default_rng(seed).dirichlet(np.ones(parts), _DRAWS)
-        exact, inexact = (np.einsum('dp,mpc->cdm', drawn, each) for each in (exact, inexact))
-        scores = np.logaddexp(exact, inexact - self.constants.discrepancy).sum(axis=0)
+        scores = np.logaddexp(drawn @ exact.T, drawn @ inexact.T - self.constants.discrepancy)
         scores += [self.log_prior(one) for one in models]
         scores = scores / self.constants.temperature
         scores -= scores.max(axis=1, keepdims=True)

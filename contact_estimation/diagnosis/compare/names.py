@@ -116,7 +116,8 @@ def name(compared: Compared, seed: int, without: Without) -> Named:
         range(len(models)), lambda k: -float(weights[k]), lambda k: models[k].rank)
     exactly = [k for k in order if models[k].named == likely]
     with_more = [k for k in order if likely <= models[k].named]
-    best = next(iter([*exactly, *with_more, models.index(evidence.base)]))
+    of_them = [k for k in order if models[k].named <= likely]  # two may tie in one place
+    best = next(iter([*exactly, *with_more, *of_them, models.index(evidence.base)]))
     model = models[best]
     names, rivals = list[Name](), dict[str, Scored]()
     for effect, family in zip(model.effects, model.families):
