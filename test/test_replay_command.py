@@ -328,7 +328,7 @@ def test_wrong_option_is_refused(
 
 
 @pytest.mark.parametrize('text, part', [
-    ('estimator_node: [', 'not YAML'),
+    ('estimator_node: [', 'cannot be read: '),
     ('estimator_node: 5', 'ros__parameters'),
     ('estimator_node: {ros__parameters: {estimater: rls}}', "did you mean 'estimator'"),
     ('estimator_node: {ros__parameters: {sample_rate: -1.0}}', 'sample_rate'),

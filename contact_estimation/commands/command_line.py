@@ -26,6 +26,7 @@ from ..exceptions import ContactEstimationError, RecordingError
 from ..parameters.file import read_parameter_file
 from ..recordings.identity import is_bag_folder, is_recording
 from ..recordings.source import RecordingSource, TOPICS
+from ..texts import printable
 
 
 class Parser(argparse.ArgumentParser):
@@ -33,7 +34,7 @@ class Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Print the message on one line and exit."""
-        self.exit(1, f'{self.prog}: {message}; see {self.prog} --help\n')
+        self.exit(1, f'{self.prog}: {printable(message)}; see {self.prog} --help\n')
 
 
 def command(
@@ -68,7 +69,8 @@ def command(
         except KeyboardInterrupt:
             print(f'{parser.prog}: interrupted', file=sys.stderr)
         except OSError as error:
-            print(f'{parser.prog}: {error.strerror}: {error.filename}', file=sys.stderr)
+            where = f': {error.filename}' if error.filename else ''
+            print(f'{parser.prog}: {printable(f"{error.strerror}{where}")}', file=sys.stderr)
         return 1
 
     return main

@@ -30,6 +30,7 @@ from ..estimation.result import AxesEstimates
 from ..estimators.estimate import Estimate, EstimateStatus
 from ..exceptions import RecordingError
 from ..recordings import RecordingReader
+from ..texts import printable
 
 _SAID_OTHERWISE = ('model_fit',)  # warnings that the summary states anyway
 _NO_CAUSE = 'surface_unchecked'  # warns that there is no estimate, not why
@@ -217,7 +218,8 @@ def print_summary(summary: dict[str, Any]) -> None:
               f'(until {summary["model_fit"]["worst_stamp"]} s)')
     for found in summary['warnings']:
         if found['name'] not in _SAID_OTHERWISE:
-            print(f'  warning: {found["text"]} (until {found["last_stamp"]} s)', file=sys.stderr)
+            print(f'  warning: {printable(found["text"])} (until {found["last_stamp"]} s)',
+                  file=sys.stderr)
     if 'stiffness_matrix' in summary:
         _print_matrix(summary['stiffness_matrix'])
     for axis, own in list(summary.get('axes', {}).items())[1:]:

@@ -24,6 +24,7 @@ from typing import Iterator, NamedTuple, Sequence
 
 from ..exceptions import ParameterRangeError, RecordingError
 from ..recordings.bag_folder import natural_order
+from ..texts import printable
 
 ONE_GROUP = 'all'
 """Name of the only group without a pattern."""
@@ -88,24 +89,6 @@ def find_recordings(paths: Sequence[str], group_by: str | None = None) -> list[F
                 found[real] = FoundRecording(
                     name, os.path.abspath(path), _group(name, pattern))
     return sorted(found.values(), key=lambda one: natural_order(one.name))
-
-
-def printable(text: str) -> str:
-    """
-    Escape what a file name has that is not UTF-8.
-
-    Parameters
-    ----------
-    text : str
-        With a file name as of `os.listdir`: undecodable bytes as surrogates.
-
-    Returns
-    -------
-    text : str
-        Can be encoded; such a byte reads as a backslash, x and two digits.
-
-    """
-    return text.encode('utf-8', 'surrogateescape').decode('utf-8', 'backslashreplace')
 
 
 def _compiled(group_by: str) -> re.Pattern[str]:

@@ -22,7 +22,6 @@ from typing import Any, Callable, NamedTuple, Sequence
 
 import numpy as np
 
-from .discovery import printable
 from .episodes import replay_episodes
 from .fingerprint import Settings
 from ..diagnosis.conclude.diagnose import diagnose
@@ -34,9 +33,13 @@ from ..diagnosis.report.json_report import as_dict
 from ..diagnosis.report.page import as_html
 from ..exceptions import ContactEstimationError, MissingPackageError
 from ..recordings import RecordingReader
+from ..texts import printable
 
 Outcome = dict[str, Any]
-"""Plain data: version, start_ns, duration_s, episodes, diagnosed_s, report and error."""
+"""Plain data with `OUTCOME_NAMES`; of recordings together, with `POOLED_NAMES`."""
+OUTCOME_NAMES = {
+    'version', 'start_ns', 'duration_s', 'episodes', 'diagnosed_s', 'report', 'error'}
+POOLED_NAMES = {'version', 'report', 'error'}
 
 
 class Result(NamedTuple):
@@ -88,7 +91,7 @@ def process(path: str, settings: Settings, with_page: bool) -> Result:
         except MissingPackageError:
             raise  # of the worker, not of the recording
         except ContactEstimationError as error:
-            errors.append(printable(str(error).replace(path, Path(path).name)))
+            errors.append(str(error).replace(printable(path), printable(Path(path).name)))
         return None
 
     attempt(lambda: outcome.update(start_ns=RecordingReader(path).start_ns))
@@ -132,16 +135,15 @@ def process_pooled(
         raise
     except ContactEstimationError as error:
         return Result({'version': settings.version, 'report': None,
-                       'error': printable(str(error))}, '')
+                       'error': str(error)}, '')
     title = printable(', '.join(Path(path).name for path in paths))
     page = as_html(diagnosis, title) if with_page else ''
     return Result({'version': settings.version, 'report': as_dict(diagnosis), 'error': ''}, page)
 
 
 def _read(path: str, settings: Settings) -> Recording:
-    recording = read_recording(path, topics=settings.topics, axis=settings.axis,
-                               joint=settings.joint, most_samples=settings.most_samples)
-    return replace(recording, name=printable(recording.name))
+    return read_recording(path, topics=settings.topics, axis=settings.axis,
+                          joint=settings.joint, most_samples=settings.most_samples)
 
 
 def _replayed(path: str, recording: Recording, settings: Settings) -> Outcome:

@@ -172,6 +172,14 @@ class RecordingReader:
         wanted = None
         if topics is not None:
             types = self.topics(topics)
+            hidden = sum(file.hidden for file in self._files)
+            if hidden and {canonical(topic) for topic in topics} - set(map(canonical, types)):
+                raise RecordingError(
+                    f'recording {self.path} has {hidden} damaged stretches, and what describes '
+                    f'{", ".join(topics)} is in none that can be read (there: '
+                    f'{", ".join(types) or "no topic"}); use another copy of the file, or '
+                    'recover it with: mcap recover'
+                )
             if self.truncated and not types:
                 raise RecordingError(
                     f'recording {self.path} must hold messages, but it ends before the first '

@@ -44,7 +44,7 @@ class RosbagsFile:
     ----------
     size, position : int
         Number of messages, and of those read in the current pass.
-    damaged : int
+    damaged, hidden : int
         Always 0: damage is an error.
     summary : Summary
         Says that the recording is complete.
@@ -60,7 +60,7 @@ class RosbagsFile:
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        self.position = self.damaged = 0
+        self.position = self.damaged = self.hidden = 0
         self.summary = Summary(whole=True)
         with self._opened() as reader:
             self.size = max(1, int(reader.message_count))

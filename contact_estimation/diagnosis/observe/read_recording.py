@@ -29,6 +29,7 @@ from ...messages import FORCE_OF_AXIS
 from ...parameters.values import build
 from ...recordings import RecordingReader
 from ...recordings.source import RecordingSource
+from ...texts import printable
 
 
 def read_recording(
@@ -76,7 +77,7 @@ def read_recording(
     arm = build(EstimationParameters, arm_parameters(reader, source, parameters or {}))
     signals = read_contact_signals(reader, source, arm, axis, joint, most_samples)
     back = max(signals.wrench.back_ns, signals.joint_states.back_ns)
-    return Recording(Path(path).name, signals_of(signals), 1e-9 * back, _damage(reader))
+    return Recording(printable(Path(path).name), signals_of(signals), 1e-9 * back, _damage(reader))
 
 
 def _damage(reader: RecordingReader) -> str:
