@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from .plant.closed_loop import run_closed_loop
     from .plant.model_file import read_model
     from .plant.plant_parameters import PlantParameters, SensorParameters
+    from .recordings.arrays import read_table, write_recording
     from .reference.experiments import experiment_named
 
 __all__ = [
@@ -54,8 +55,10 @@ __all__ = [
     'PlantParameters',
     'read_model',
     'read_recording',
+    'read_table',
     'run_closed_loop',
     'SensorParameters',
+    'write_recording',
 ]
 
 _MODULES = {
@@ -73,8 +76,10 @@ _MODULES = {
     'PlantParameters': 'plant.plant_parameters',
     'read_model': 'plant.model_file',
     'read_recording': 'diagnosis.observe.read_recording',
+    'read_table': 'recordings.arrays',
     'run_closed_loop': 'plant.closed_loop',
     'SensorParameters': 'plant.plant_parameters',
+    'write_recording': 'recordings.arrays',
 }
 
 if not TYPE_CHECKING:  # a type checker would accept any name of a module that has __getattr__

@@ -24,7 +24,14 @@ from xml.etree import ElementTree
 from scipy.spatial.transform import Rotation
 import yaml
 
-from .command_line import add_topic_option, command, different_files, new_file, Parser, source_of
+from .command_line import (
+    add_reading_options,
+    command,
+    different_files,
+    new_file,
+    Parser,
+    source_of,
+)
 from ..estimation.recorded_arm import recorded_description
 from ..exceptions import ModelFileError, ParameterRangeError, RecordingError
 from ..kinematics.calibration_recording import BLOCK_S, read_blocks, recorded_frame
@@ -55,7 +62,7 @@ def make_parser() -> Parser:
     parser.add_argument('--output', required=True, metavar='tool.yaml',
                         help='ROS 2 parameter file to write, for estimator_node and replay')
     parser.add_argument('--json', metavar='FILE', help='write values and deviations as JSON')
-    add_topic_option(parser)
+    add_reading_options(parser)
     return parser
 
 
@@ -79,7 +86,8 @@ def run(options: Any) -> int:
         'the recording': [options.recording], 'the parameter file': [options.params],
         'the robot description': [options.robot_description]})
     given = read_parameter_file(options.params, 'estimator_node') if options.params else {}
-    reader, source = RecordingReader(options.recording), source_of(options)
+    source = source_of(options)
+    reader = RecordingReader(options.recording, source)
     frame = str(given.get('force_sensor.frame') or recorded_frame(reader, source))
     if not frame:
         raise RecordingError(

@@ -24,6 +24,7 @@ from typing import Any, Callable, Iterable, Mapping, NoReturn, Sequence
 
 from ..exceptions import ContactEstimationError, RecordingError
 from ..parameters.file import read_parameter_file
+from ..recordings.columns import KEYS
 from ..recordings.identity import is_bag_folder, is_recording
 from ..recordings.source import RecordingSource, TOPICS
 from ..texts import printable
@@ -86,16 +87,25 @@ def add_source_options(parser: argparse.ArgumentParser) -> None:
         Extended in place.
 
     """
-    add_topic_option(parser)
+    add_reading_options(parser)
     parser.add_argument('--axis', choices=('x', 'y', 'z'), help='force axis (default: x)')
     parser.add_argument('--joint', help='joint of the contact axis (default: the only one)')
 
 
-def add_topic_option(parser: argparse.ArgumentParser) -> None:
-    """Add the option that chooses recorded topics; the parser is extended in place."""
+def add_reading_options(parser: argparse.ArgumentParser) -> None:
+    """Add the options that say how a recording is read; the parser is extended in place."""
     parser.add_argument(
         '--topic', action='append', default=[], metavar='NAME:=TOPIC',
         help='read NAME (' + ', '.join(TOPICS) + ') from TOPIC; may be repeated',
+    )
+    parser.add_argument(
+        '--columns', nargs='+', action='extend', default=[], metavar='SIGNAL=COLUMN',
+        help='of a CSV, Parquet or MAT file: column of a signal (' + ', '.join(KEYS) + '; x '
+        'likewise y, z), -COLUMN with the opposite sign; t=500Hz is a rate; default: by name',
+    )
+    parser.add_argument(
+        '--units', default='', metavar='UNIT,...',
+        help='of its columns, such as mm,N,ms (default: as in their names, else SI)',
     )
 
 
@@ -132,7 +142,7 @@ def topics_of(options: Any) -> dict[str, str]:
 
 def source_of(options: Any) -> RecordingSource:
     """
-    Return the topics of a recording, with those chosen by --topic; see `topics_of`.
+    Return where and how a recording is read; see `topics_of` and `reading_of`.
 
     Raises
     ------
@@ -140,7 +150,37 @@ def source_of(options: Any) -> RecordingSource:
         If the name of a chosen topic is unknown.
 
     """
-    return RecordingSource.of_topics(topics_of(options))
+    return RecordingSource.of_topics(topics_of(options), **reading_of(options))
+
+
+def reading_of(options: Any) -> dict[str, Any]:
+    """
+    Return how a recording is read, as chosen with the options of `add_reading_options`.
+
+    Parameters
+    ----------
+    options : argparse.Namespace
+        With these options.
+
+    Returns
+    -------
+    reading : dict
+        Attributes of `RecordingSource` that are no topics, ready for JSON.
+
+    Raises
+    ------
+    RecordingError
+        If a --columns is not SIGNAL=COLUMN.
+
+    """
+    columns = {}
+    for text in options.columns:
+        signal, found, column = text.partition('=')
+        if not found or not column:
+            raise RecordingError(
+                f'--columns must be SIGNAL=COLUMN, got {text!r}; example: wrench.force.z=Fz')
+        columns[signal] = column
+    return {'columns': columns, 'units': tuple(filter(None, options.units.split(',')))}
 
 
 def add_params_option(parser: argparse.ArgumentParser, meaning: str) -> None:

@@ -30,6 +30,7 @@ from .command_line import (
     different_files,
     new_file,
     Parser,
+    reading_of,
     topics_of,
 )
 from .progress import Progress
@@ -113,9 +114,10 @@ def run(options: Any) -> int:
         progress.show(min(0.95, len(stages) / 80.0), text)
 
     topics, axis, joint = topics_of(options), options.axis or 'x', options.joint or ''
-    chosen = chosen_parameters(options)
+    chosen, reading = chosen_parameters(options), reading_of(options)
     recordings, held_out = (
-        [read_recording(path, topics=topics, axis=axis, joint=joint, parameters=chosen)
+        [read_recording(path, topics=topics, axis=axis, joint=joint, parameters=chosen,
+                        **reading)
          for path in paths]
         for paths in (options.recordings, options.holdout)
     )

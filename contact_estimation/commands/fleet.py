@@ -19,7 +19,14 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from .command_line import add_source_options, command, different_files, Parser, topics_of
+from .command_line import (
+    add_source_options,
+    command,
+    different_files,
+    Parser,
+    reading_of,
+    topics_of,
+)
 from .progress import Progress
 from ..exceptions import ParameterRangeError, RecordingError
 from ..figures import require_matplotlib
@@ -123,7 +130,7 @@ def _settings(options: Any) -> Settings:
             'diagnosis names the physics that a model without any lacks')
     return Settings.of(
         model, topics=topics_of(options), axis=options.axis or 'x', joint=options.joint or '',
-        seed=options.seed, most_samples=options.most_samples)
+        seed=options.seed, most_samples=options.most_samples, reading=reading_of(options))
 
 
 def _output(path: str) -> Path:

@@ -106,9 +106,10 @@ def run(options: Any) -> int:
     different_files(outputs, {
         'the recording': [options.recording], 'a parameter file': options.params})
     trace = picture_trace(options.picture)
-    reader = RecordingReader(options.recording)
+    source = source_of(options)
+    reader = RecordingReader(options.recording, source)
     chosen = {**replayed_parameters(options), **_further(options.further)}
-    replay = RecordingReplay(reader, source_of(options), chosen)
+    replay = RecordingReplay(reader, source, chosen)
     with ExitStack() as stack:
         files = [*_open_files(options, ''.join(replay.session.pipelines), stack),
                  *filter(None, (trace,))]
@@ -119,8 +120,7 @@ def run(options: Any) -> int:
         new_file(options.json).write_text(json.dumps(summary, indent=1) + '\n')
     print_summary(summary)
     if trace is not None:
-        write_picture(options.picture, reader, source_of(options), replay.session.parameters,
-                      trace)
+        write_picture(options.picture, reader, source, replay.session.parameters, trace)
     return 0
 
 

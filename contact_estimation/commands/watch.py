@@ -142,7 +142,8 @@ def _watch_live(options: Any, target: str) -> int:
 
 
 def _replay(options: Any, target: str) -> None:
-    reader, source = RecordingReader(options.recording), source_of(options)
+    source = source_of(options)
+    reader = RecordingReader(options.recording, source)
     replay = RecordingReplay(reader, source, replayed_parameters(options))
     progress = Progress('watch')
     view = _opened(options, target)

@@ -94,7 +94,7 @@ def process(path: str, settings: Settings, with_page: bool) -> Result:
             errors.append(str(error).replace(printable(path), printable(Path(path).name)))
         return None
 
-    attempt(lambda: outcome.update(start_ns=RecordingReader(path).start_ns))
+    attempt(lambda: outcome.update(start_ns=RecordingReader(path, settings.source).start_ns))
     recording = attempt(lambda: _read(path, settings))
     if recording is not None:
         attempt(lambda: outcome.update(_replayed(path, recording, settings)))
@@ -143,7 +143,8 @@ def process_pooled(
 
 def _read(path: str, settings: Settings) -> Recording:
     return read_recording(path, topics=settings.topics, axis=settings.axis,
-                          joint=settings.joint, most_samples=settings.most_samples)
+                          joint=settings.joint, most_samples=settings.most_samples,
+                          **settings.reading)
 
 
 def _replayed(path: str, recording: Recording, settings: Settings) -> Outcome:
@@ -155,7 +156,7 @@ def _replayed(path: str, recording: Recording, settings: Settings) -> Outcome:
     }
     if settings.joint:
         chosen['joint'] = settings.joint
-    episodes = replay_episodes(path, settings.topics, chosen)
+    episodes = replay_episodes(path, settings.source, chosen)
     first, last = episodes.first_ns or 0, episodes.last_ns or 0
     return {'start_ns': first, 'duration_s': (last - first) * 1e-9, 'episodes': episodes.found()}
 

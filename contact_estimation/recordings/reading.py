@@ -23,6 +23,9 @@ from .bag_folder import needs_rosbags, recording_files
 from .chunk_reader import RecordedMessage
 from .mcap_file import McapFile
 from .rosbags_file import RosbagsFile
+from .source import RecordingSource
+from .table import is_table
+from .table_file import TableFile
 from .topic_names import canonical, require_topics
 from ..exceptions import RecordingError
 
@@ -39,7 +42,9 @@ class RecordingReader:
     Parameters
     ----------
     path : Path or str
-        An .mcap or .db3 file, or a rosbag2 folder.
+        An .mcap or .db3 file, a rosbag2 folder, or a table, see `read_columns`.
+    source : RecordingSource, optional
+        How it is read; by default as recorded.
 
     Attributes
     ----------
@@ -55,10 +60,10 @@ class RecordingReader:
 
     """
 
-    def __init__(self, path: Path | str) -> None:
+    def __init__(self, path: Path | str, source: RecordingSource | None = None) -> None:
         self.path = Path(path)
-        self._files = [RosbagsFile(file) if needs_rosbags(file) else McapFile(file)
-                       for file in recording_files(self.path)]
+        self._source = source or RecordingSource()
+        self._files = [self._opened(file) for file in recording_files(self.path)]
         self.truncated = not all(file.summary.whole for file in self._files)
 
     @property
@@ -188,6 +193,11 @@ class RecordingReader:
             require_topics(topics, types, f'recording {self.path}')
             wanted = {canonical(topic): topic for topic in topics}
         return self._batches(wanted)
+
+    def _opened(self, file: Path) -> McapFile | RosbagsFile | TableFile:
+        if is_table(file):
+            return TableFile(file, self._source)
+        return RosbagsFile(file) if needs_rosbags(file) else McapFile(file)
 
     def _batches(self, wanted: dict[str, str] | None) -> Iterator[list[RecordedMessage]]:
         """Read one file after the other."""
