@@ -24,6 +24,7 @@ from typing import Any, Callable, Iterable, Mapping, NoReturn, Sequence
 
 from ..exceptions import ContactEstimationError, RecordingError
 from ..parameters.file import read_parameter_file
+from ..recordings.adaptation import STAMPS
 from ..recordings.columns import KEYS
 from ..recordings.identity import is_bag_folder, is_recording
 from ..recordings.source import RecordingSource, TOPICS
@@ -107,6 +108,15 @@ def add_reading_options(parser: argparse.ArgumentParser) -> None:
         '--units', default='', metavar='UNIT,...',
         help='of its columns, such as mm,N,ms (default: as in their names, else SI)',
     )
+    parser.add_argument(
+        '--stamps', choices=STAMPS, default='header',
+        help='time of a message: its header, or its reception by the recorder, where headers have '
+        'none or that of another clock (header)',
+    )
+    parser.add_argument(
+        '--wrench-field', default='', metavar='FIELD',
+        help='force and torque in messages that are no WrenchStamped, such as data[0:6]',
+    )
 
 
 def topics_of(options: Any) -> dict[str, str]:
@@ -180,7 +190,8 @@ def reading_of(options: Any) -> dict[str, Any]:
             raise RecordingError(
                 f'--columns must be SIGNAL=COLUMN, got {text!r}; example: wrench.force.z=Fz')
         columns[signal] = column
-    return {'columns': columns, 'units': tuple(filter(None, options.units.split(',')))}
+    return {'columns': columns, 'units': tuple(filter(None, options.units.split(','))),
+            'stamps': options.stamps, 'wrench_field': options.wrench_field}
 
 
 def add_params_option(parser: argparse.ArgumentParser, meaning: str) -> None:

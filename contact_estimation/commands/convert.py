@@ -32,6 +32,7 @@ from ..exceptions import RecordingError
 from ..recordings import RecordingReader, RecordingWriter
 from ..recordings.arrays import signals_of_recording, write_csv
 from ..recordings.source import RecordingSource, TOPICS
+from ..recordings.table_file import TYPES
 from ..recordings.topic_names import canonical
 
 
@@ -95,8 +96,10 @@ def _copy(reader: RecordingReader, source: RecordingSource, output: Path) -> str
         for name, values in reader.metadata().items():
             writer.write_metadata(name, values)
         for topic, log_time_ns, data in messages:
-            writer.write(names[topic], types[canonical(topic)], data, log_time_ns)
-            counts[names[topic]] += 1
+            name = names[topic]
+            kind = TYPES.get(name.strip('/'), types[canonical(topic)])
+            writer.write(name, kind, data, log_time_ns)
+            counts[name] += 1
     return ', '.join(f'{count} {name}' for name, count in counts.items())
 
 

@@ -19,10 +19,11 @@ from __future__ import annotations
 from collections import Counter
 from math import isfinite
 import sys
-from typing import Any, Sequence
+from typing import Any, Callable, Sequence
 
 import numpy as np
 
+from ..diagnosis.observe.signals import LEAST_SAMPLES
 from ..estimation.estimate_files import stamp_text
 from ..estimation.model_fit import ModelFitMonitor
 from ..estimation.replay import RecordingReplay
@@ -70,7 +71,9 @@ class Replayed:
                                  for own in axes if own.status is EstimateStatus.FROZEN])
 
 
-def refuse_empty(recording: str, replay: RecordingReplay, replayed: Replayed) -> None:
+def refuse_empty(
+    recording: str, replay: RecordingReplay, replayed: Replayed, cause: Callable[[], str]
+) -> None:
     """
     Refuse a replay that never updated the first guess.
 
@@ -82,6 +85,9 @@ def refuse_empty(recording: str, replay: RecordingReplay, replayed: Replayed) ->
         At its end.
     replayed : Replayed
         Its estimates.
+    cause : callable
+        Returns what the diagnosis finds wrong with the recording, '' for nothing; called where
+        there are too few samples to tell anything else.
 
     Raises
     ------
@@ -89,6 +95,8 @@ def refuse_empty(recording: str, replay: RecordingReplay, replayed: Replayed) ->
         If there was no sample, no contact or no estimate, with the reason.
 
     """
+    if replayed.samples < LEAST_SAMPLES and (found := cause()):
+        raise RecordingError(found)
     if not replayed.samples:
         raise RecordingError(_no_sample(recording, replay))
     if EstimateStatus.ESTIMATING not in replayed.statuses:
@@ -143,7 +151,11 @@ def summary_of(
 
 
 def _no_sample(recording: str, replay: RecordingReplay) -> str:
-    reasons = ', '.join(f'{count} {reason}' for reason, count in replay.session.rejected.items())
+    session = replay.session
+    reasons = ', '.join(
+        f'{count} {reason}' + (f' ({session.rejection_texts[reason]})'
+                               if session.rejection_texts.get(reason) else '')
+        for reason, count in session.rejected.items())
     return (
         f'no usable sample in {recording}: expected wrenches with joint states at or around '
         f'their stamps, got {reasons or "none"}; check topics, joint and stamps'

@@ -18,6 +18,7 @@ from __future__ import annotations
 
 from collections import deque
 from functools import partial
+from math import nan
 from typing import Any, Iterator, Mapping
 
 from .arm_frames import static_of_parameters
@@ -31,16 +32,32 @@ from .result import AxesEstimates
 from .session import ContactSession
 from .start_up import StartUp
 from ..estimators import ESTIMATORS
-from ..exceptions import MessageError
+from ..exceptions import MessageError, ParameterRangeError
 from ..messages import decode_string, TrajectoryDecoder
 from ..parameters.values import build
 from ..recordings import RecordedMessage, RecordingReader
+from ..recordings.recorded_signals import wrench_rate
 from ..recordings.source import RecordingSource
 from ..recordings.topic_names import canonical
 from ..reference.setpoints import Reference
 from ..signals.stamp_screen import BEFORE_ANY
 
+_CUTOFF = 'conditioning.cutoff_frequency'
 _AHEAD = 6000  # messages by which an event may be recorded after the sample that it follows
+
+
+def _measured(
+    reader: RecordingReader, source: RecordingSource, given: Mapping[str, Any]
+) -> dict[str, Any]:
+    """Return the rate of the wrench where it is not given, and no filter if that is too low."""
+    rate = nan if 'sample_rate' in given else wrench_rate(reader, source)
+    for measured in ({'sample_rate': rate}, {'sample_rate': rate, _CUTOFF: 0.0}):
+        try:
+            build(EstimationParameters, {**measured, **given})
+            return measured
+        except ParameterRangeError:
+            continue
+    return {}
 
 
 class RecordingReplay:
@@ -70,8 +87,8 @@ class RecordingReplay:
         self, reader: RecordingReader, source: RecordingSource, chosen: Mapping[str, Any]
     ) -> None:
         self._reader, self._source, self._chosen = reader, source, dict(chosen)
-        recorded = recorded_parameters(reader, source, chosen)
-        parameters = build(EstimationParameters, {**recorded, **chosen})
+        given = {**recorded_parameters(reader, source, chosen), **chosen}
+        parameters = build(EstimationParameters, {**_measured(reader, source, given), **given})
         self.session = ContactSession(parameters, generate_reference=False)
         of_tf = parameters.pose_source == 'tf'
         if parameters.kinematics.tip and self.session.arm is None and not of_tf:

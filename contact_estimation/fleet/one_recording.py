@@ -97,7 +97,7 @@ def process(path: str, settings: Settings, with_page: bool) -> Result:
     attempt(lambda: outcome.update(start_ns=RecordingReader(path, settings.source).start_ns))
     recording = attempt(lambda: _read(path, settings))
     if recording is not None:
-        attempt(lambda: outcome.update(_replayed(path, recording, settings)))
+        attempt(lambda: outcome.update(_replayed(path, settings)))
         outcome['diagnosed_s'] = float(np.ptp(recording.signals.wrench_t))
         diagnosis = attempt(lambda: _diagnosed([recording], settings))
         if diagnosis is not None:
@@ -147,11 +147,10 @@ def _read(path: str, settings: Settings) -> Recording:
                           **settings.reading)
 
 
-def _replayed(path: str, recording: Recording, settings: Settings) -> Outcome:
-    """Replay with the model's wall and the recording's rate, unless the node's are recorded."""
+def _replayed(path: str, settings: Settings) -> Outcome:
+    """Replay with the model's wall, unless the node's is recorded."""
     chosen: dict[str, Any] = {
         'environment.location': settings.nominal.environment.location,
-        'sample_rate': float(1.0 / np.median(np.diff(recording.signals.wrench_t))),
         'axis': settings.axis,
     }
     if settings.joint:

@@ -72,6 +72,8 @@ class Channels:
     ----------
     types : dict of str to str
         Type of each topic found so far.
+    definitions : dict of str to str
+        Of each type found so far.
     handed_out : dict of int to str
         The wanted channels and the topic to hand out for their messages.
 
@@ -81,12 +83,14 @@ class Channels:
         self.types: dict[str, str] = {}
         self.handed_out: dict[int, str] = {}
         self._wanted = wanted
+        self.definitions: dict[str, str] = {}
         self._schemas: dict[int, str] = {}
 
     def add(self, record: Schema | Channel | None) -> None:
         """Add a schema or channel; None (damaged) is ignored."""
         if isinstance(record, Schema):
             self._schemas[record.id] = record.name
+            self.definitions[record.name] = record.data.decode(errors='replace')
         elif record is not None:
             self.types[record.topic] = self._schemas.get(record.schema_id, '')
             name = canonical(record.topic)

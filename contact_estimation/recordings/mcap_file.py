@@ -55,6 +55,8 @@ class McapFile:
         End of the bytes read in the current or last pass over the messages.
     damaged : int
         Chunks and records skipped in that pass.
+    definitions : dict of str to str
+        Of the types found by the last search for topics.
     hidden : int
         Those skipped in the last search for topics, some of which they may describe.
 
@@ -69,6 +71,7 @@ class McapFile:
         self.path = path
         self.position = 0
         self.damaged = self.hidden = 0
+        self.definitions: dict[str, str] = {}
         with _opened(path) as stream:
             start = stream.read(len(_LFS))
             self.size = stream.seek(0, 2)
@@ -108,6 +111,7 @@ class McapFile:
 
         """
         channels = Channels({})
+        self.definitions = channels.definitions
         self._describe(channels)
         if self.summary.complete:
             return channels.types

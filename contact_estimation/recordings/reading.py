@@ -19,6 +19,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Collection, Iterator
 
+from .adaptation import changed, changes_of
 from .bag_folder import needs_rosbags, recording_files
 from .chunk_reader import RecordedMessage
 from .mcap_file import McapFile
@@ -165,16 +166,17 @@ class RecordingReader:
         Returns
         -------
         batches : iterator of list of RecordedMessage
-            In file order, never empty. Their `topic` is written as in `topics`.
+            In file order, never empty. Their `topic` is written as in `topics`; their data are
+            as recorded, or as `source` says.
 
         Raises
         ------
         RecordingError
-            If the recording lacks one of the topics, or ends before any: at the call, not at the
-            first message.
+            If the recording lacks one of the topics, has it with another type, or ends before
+            any: at the call, not at the first message.
 
         """
-        wanted = None
+        wanted, changes = None, {}
         if topics is not None:
             types = self.topics(topics)
             hidden = sum(file.hidden for file in self._files)
@@ -192,7 +194,16 @@ class RecordingReader:
                 )
             require_topics(topics, types, f'recording {self.path}')
             wanted = {canonical(topic): topic for topic in topics}
-        return self._batches(wanted)
+            changes = changes_of(
+                self._source, {name: kind for name, kind in types.items()
+                               if canonical(name) in wanted},
+                self._definition_of, f'recording {self.path}')
+        batches = self._batches(wanted)
+        return changed(batches, changes) if changes else batches
+
+    def _definition_of(self, type_name: str) -> str:
+        return next((file.definitions[type_name] for file in self._files
+                     if type_name in file.definitions), '')
 
     def _opened(self, file: Path) -> McapFile | RosbagsFile | TableFile:
         if is_table(file):

@@ -44,6 +44,10 @@ class RecordingSource:
         found by name.
     units : sequence of str
         Of a table: units of its columns, such as ('mm', 'N'); SI by default.
+    stamps : str
+        'header', or 'received' for the time at which the bag received each message.
+    wrench_field : str
+        Where messages that are no WrenchStamped hold force and torque, such as 'data[0:6]'.
 
     """
 
@@ -56,6 +60,8 @@ class RecordingSource:
     events: str = 'estimator_node/events'
     columns: Mapping[str, str] = field(default_factory=dict)
     units: tuple[str, ...] = ()
+    stamps: str = 'header'
+    wrench_field: str = ''
 
     @classmethod
     def of_topics(cls, topics: Mapping[str, str], **reading: Any) -> 'RecordingSource':

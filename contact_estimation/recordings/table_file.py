@@ -59,6 +59,7 @@ class TableFile:
     """
 
     hidden = damaged = 0
+    definitions: Mapping[str, str] = {}
 
     def __init__(self, path: Path, source: RecordingSource) -> None:
         self.path, self.summary, self.position = path, Summary(whole=True), 0

@@ -104,7 +104,8 @@ def check_signals(signals: Signals) -> None:
         if len(stamps) < LEAST_SAMPLES:
             raise RecordingError(
                 f'{name} has {len(stamps)} samples, expected at least {LEAST_SAMPLES} with '
-                'different stamps; stamp every header, record longer or at a higher rate'
+                'different stamps; stamp every header, record longer or at a higher rate, or take '
+                'the time of reception with --stamps received'
             )
     for name, values in (
         ('wrench', signals.force), ('joint_states', signals.position),
