@@ -26,6 +26,7 @@ from ..exceptions import ContactEstimationError, RecordingError
 from ..parameters.file import read_parameter_file
 from ..recordings.adaptation import STAMPS
 from ..recordings.columns import KEYS
+from ..recordings.free_flight import FIRST
 from ..recordings.identity import is_bag_folder, is_recording
 from ..recordings.source import RecordingSource, TOPICS
 from ..texts import printable
@@ -119,6 +120,15 @@ def add_reading_options(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_tare_option(parser: argparse.ArgumentParser) -> None:
+    """Add the option that chooses the zero of the force; the parser is extended in place."""
+    parser.add_argument(
+        '--tare', default='', metavar=f'{FIRST}|A:B',
+        help='zero of the force: its median in the first free flight, or from A to B s after the '
+        'first wrench (default: as recorded)',
+    )
+
+
 def topics_of(options: Any) -> dict[str, str]:
     """
     Return the topics chosen with --topic.
@@ -191,7 +201,8 @@ def reading_of(options: Any) -> dict[str, Any]:
                 f'--columns must be SIGNAL=COLUMN, got {text!r}; example: wrench.force.z=Fz')
         columns[signal] = column
     return {'columns': columns, 'units': tuple(filter(None, options.units.split(','))),
-            'stamps': options.stamps, 'wrench_field': options.wrench_field}
+            'stamps': options.stamps, 'wrench_field': options.wrench_field,
+            'tare': getattr(options, 'tare', '')}
 
 
 def add_params_option(parser: argparse.ArgumentParser, meaning: str) -> None:

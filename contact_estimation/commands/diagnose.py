@@ -25,6 +25,7 @@ from typing import Any, Sequence
 from .command_line import (
     add_params_option,
     add_source_options,
+    add_tare_option,
     chosen_parameters,
     command,
     different_files,
@@ -76,6 +77,7 @@ def make_parser() -> Parser:
         parser, ': its arm (kinematics.*, contact.normal, tool.*, the inertia of the tool '
         'physics.tool_inertia.mass) and force_sign; default: as recorded')
     add_source_options(parser)
+    add_tare_option(parser)
     return parser
 
 
@@ -128,6 +130,8 @@ def run(options: Any) -> int:
     if proposal is not None:
         diagnosis = replace(diagnosis, next_experiment=proposal.text)
     _write(diagnosis, proposal, options)  # before the text: piped into `head`, it may end here
+    for recording in filter(lambda one: one.tare, (*recordings, *held_out)):
+        print(f'{recording.name}: {recording.tare}')
     print(as_text(diagnosis))
     return 0
 

@@ -21,6 +21,7 @@ from typing import Any
 
 from .command_line import (
     add_source_options,
+    add_tare_option,
     command,
     different_files,
     Parser,
@@ -80,6 +81,7 @@ def make_parser() -> Parser:
                         "bound of a worker's memory (1000000)")
     parser.add_argument('--seed', type=int, default=0, help='seed of the bootstraps (0)')
     add_source_options(parser)
+    add_tare_option(parser)
     return parser
 
 

@@ -26,6 +26,7 @@ from typing import Any, Protocol, Sequence
 from .command_line import (
     add_params_option,
     add_source_options,
+    add_tare_option,
     chosen_parameters,
     command,
     different_files,
@@ -80,6 +81,7 @@ def make_parser() -> Parser:
     parser.add_argument('--picture', metavar='FILE.png',
                         help='plot force, motion and the estimates with their bands')
     add_source_options(parser)
+    add_tare_option(parser)
     parser.add_argument(
         '--further', action='append', default=[], metavar='AXIS:=JOINT',
         help='also estimate this axis; may be given twice',

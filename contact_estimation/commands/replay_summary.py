@@ -31,6 +31,7 @@ from ..estimation.result import AxesEstimates
 from ..estimators.estimate import Estimate, EstimateStatus
 from ..exceptions import RecordingError
 from ..recordings import RecordingReader
+from ..recordings.free_flight import Tare
 from ..texts import printable
 
 _SAID_OTHERWISE = ('model_fit',)  # warnings that the summary states anyway
@@ -132,6 +133,8 @@ def summary_of(
         'samples': replayed.samples,
         **_state_of(last[0], session.pipeline.model_fit),
         'warnings': _warnings_of(replay),
+        **({'tare': {axis: tare._asdict() for axis, tare in replay.tares.items()}}
+           if replay.tares else {}),
         'recorded_s': (last[0].stamp_ns - replayed.first[0].stamp_ns) * 1e-9,
         'wall_s': wall_s,
         'rejected': dict(session.rejected),
@@ -224,6 +227,8 @@ def print_summary(summary: dict[str, Any]) -> None:
         if value is not None:
             band = f' +- {std:.3g}' if std is not None else ''
             print(f'  {name:<10}{value:12.6g}{band} {unit}')
+    for axis, tare in summary.get('tare', {}).items():
+        print(f'  {axis}: {Tare(**tare)}')
     print(f'  status    {summary["status"]:>12}')
     if summary['model_fit']['text']:
         print(f'  model     {summary["model_fit"]["text"]} '

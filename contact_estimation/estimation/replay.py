@@ -22,7 +22,8 @@ from math import nan
 from typing import Any, Iterator, Mapping
 
 from .arm_frames import static_of_parameters
-from .events import apply_event, EstimationEvent, STATIC
+from .arm_signals import read_contact_signals
+from .events import apply_event, EstimationEvent, STATIC, TARE
 from .inputs import MessageInputs
 from .late_messages import LateMessages
 from .parameters import EstimationParameters
@@ -36,6 +37,7 @@ from ..exceptions import MessageError, ParameterRangeError
 from ..messages import decode_string, TrajectoryDecoder
 from ..parameters.values import build
 from ..recordings import RecordedMessage, RecordingReader
+from ..recordings.free_flight import Tare
 from ..recordings.recorded_signals import wrench_rate
 from ..recordings.source import RecordingSource
 from ..recordings.topic_names import canonical
@@ -105,9 +107,20 @@ class RecordingReplay:
         # The first transform of a message stands for none of the others.
         self._late = None if of_tf else LateMessages(
             source.wrench, lambda: self.session.parameters.synchronisation)
+        self.tares = self._tare() if source.tare else {}
         self._references = TrajectoryDecoder()
         self._left_over: list[RecordedMessage] = []
         self._last_reference_ns, self._reference_jumps = BEFORE_ANY, 0
+
+    def _tare(self) -> dict[str, Tare]:
+        """Set the zero of the force of each axis as the user chose."""
+        parameters = self.session.parameters
+        signals = {axis: read_contact_signals(
+            self._reader, self._source, parameters, axis, joint)
+            for axis, joint in parameters.joints.items()}
+        tares = {axis: own.tare for axis, own in signals.items() if own.tare is not None}
+        self.session.set_bias({axis: tare.force for axis, tare in tares.items()})
+        return tares
 
     def estimates(self) -> Iterator[list[AxesEstimates]]:
         """
@@ -173,6 +186,8 @@ class RecordingReplay:
 
     def _add_event(self, raw: bytes) -> None:
         event = EstimationEvent.from_text(decode_string(raw))
+        if event.kind == TARE and self.tares:
+            return  # the user has chosen another
         kept = {k: v for k, v in event.parameters.items() if k not in self._chosen}
         event = event._replace(parameters=kept)
         apply = partial(apply_event, self.session, event)

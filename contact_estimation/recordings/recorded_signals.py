@@ -24,6 +24,7 @@ from typing import Callable, Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from .free_flight import Tare
 from .reading import RecordingReader
 from .source import RecordingSource
 from .topic_names import canonical
@@ -74,6 +75,8 @@ class RecordedSignals:
         Empty where none was recorded.
     frame_id : str
         Frame of the wrench.
+    tare : Tare or None
+        What was subtracted from the force.
 
     """
 
@@ -81,6 +84,7 @@ class RecordedSignals:
     joint_states: Signal
     reference_trajectory: Signal
     frame_id: str
+    tare: Tare | None = None
 
 
 def read_signals(

@@ -48,6 +48,9 @@ class RecordingSource:
         'header', or 'received' for the time at which the bag received each message.
     wrench_field : str
         Where messages that are no WrenchStamped hold force and torque, such as 'data[0:6]'.
+    tare : str
+        When the force is zero: 'first-free-flight', or a span 'A:B' [s from the first wrench];
+        '': as recorded. Used where the force along the contact axis is known.
 
     """
 
@@ -62,6 +65,7 @@ class RecordingSource:
     units: tuple[str, ...] = ()
     stamps: str = 'header'
     wrench_field: str = ''
+    tare: str = ''
 
     @classmethod
     def of_topics(cls, topics: Mapping[str, str], **reading: Any) -> 'RecordingSource':

@@ -79,7 +79,8 @@ def read_recording(
     arm = build(EstimationParameters, arm_parameters(reader, source, parameters or {}))
     signals = read_contact_signals(reader, source, arm, axis, joint, most_samples)
     back = max(signals.wrench.back_ns, signals.joint_states.back_ns)
-    return Recording(printable(Path(path).name), signals_of(signals), 1e-9 * back, _damage(reader))
+    return Recording(printable(Path(path).name), signals_of(signals), 1e-9 * back,
+                     _damage(reader), tare=signals.tare)
 
 
 def _damage(reader: RecordingReader) -> str:
