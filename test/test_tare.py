@@ -23,6 +23,8 @@ from typing import Any
 
 import contact_estimation as ce
 from contact_estimation.commands.replay import main as replay
+from contact_estimation.fleet.fingerprint import Settings
+from contact_estimation.fleet.one_recording import read as read_of_fleet
 from contact_estimation.plant.simulation import simulate_experiment
 from contact_estimation.recordings.free_flight import FIRST, tare_of
 import numpy as np
@@ -97,6 +99,13 @@ def test_tare_or_declared_bias_silences_the_warning(
     if '--tare' in options:
         assert summary['tare']['x']['force'] == pytest.approx(8.0, abs=0.01)
         assert 'tare: 8 N subtracted from the force' in ended.out
+
+
+def test_fleet_reads_with_parameters_and_tare(untared: Path) -> None:
+    plain, turned = (
+        read_of_fleet(str(untared), Settings.of(ce.PlantParameters(), **options)) for options in (
+            {}, {'parameters': {'force_sign': -1.0}, 'reading': {'tare': '0:0.5'}}))
+    np.testing.assert_allclose(plain.signals.force + turned.signals.force, 8.0, atol=0.01)
 
 
 def test_diagnosis_takes_the_tared_force(untared: Path) -> None:

@@ -98,7 +98,8 @@ class Episodes:
 
 
 def replay_episodes(
-    path: str, source: RecordingSource, chosen: Mapping[str, Any]
+    path: str, source: RecordingSource, chosen: Mapping[str, Any],
+    over: Mapping[str, Any] | None = None,
 ) -> Episodes:
     """
     Replay a recording.
@@ -112,6 +113,8 @@ def replay_episodes(
     chosen : mapping of str to value
         Parameters of the estimator that the recording does not hold; where it holds those of
         the node, they are used instead.
+    over : mapping of str to value, optional
+        Parameters that take precedence over recorded ones.
 
     Returns
     -------
@@ -127,7 +130,7 @@ def replay_episodes(
     reader = RecordingReader(path, source)
     recorded = from_metadata(reader.metadata())
     chosen = {name: value for name, value in chosen.items() if name not in recorded}
-    replay = RecordingReplay(reader, source, chosen)
+    replay = RecordingReplay(reader, source, {**chosen, **(over or {})})
     episodes = Episodes()
     for estimates in replay.estimates():
         episodes.add(of_axes[0] for of_axes in estimates)

@@ -43,6 +43,8 @@ class Settings:
         As in `read_recording`.
     reading : mapping
         How recordings are read: attributes of `RecordingSource` that are no topics.
+    parameters : mapping of str to value
+        Of the estimator, chosen over recorded ones.
     axis, joint : str
         Contact axis of the force, and its joint; '' for the only joint.
     seed : int
@@ -57,6 +59,7 @@ class Settings:
     model: Mapping[str, Any]
     topics: Mapping[str, str] = field(default_factory=dict)
     reading: Mapping[str, Any] = field(default_factory=dict)
+    parameters: Mapping[str, Any] = field(default_factory=dict)
     axis: str = 'x'
     joint: str = ''
     seed: int = 0

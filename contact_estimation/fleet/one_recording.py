@@ -95,7 +95,7 @@ def process(path: str, settings: Settings, with_page: bool) -> Result:
         return None
 
     attempt(lambda: outcome.update(start_ns=RecordingReader(path, settings.source).start_ns))
-    recording = attempt(lambda: _read(path, settings))
+    recording = attempt(lambda: read(path, settings))
     if recording is not None:
         attempt(lambda: outcome.update(_replayed(path, settings)))
         outcome['diagnosed_s'] = float(np.ptp(recording.signals.wrench_t))
@@ -129,7 +129,7 @@ def process_pooled(
 
     """
     try:
-        fitted, tested = ([_read(path, settings) for path in some] for some in (paths, held_out))
+        fitted, tested = ([read(path, settings) for path in some] for some in (paths, held_out))
         diagnosis = _diagnosed(fitted, settings, tested)
     except MissingPackageError:
         raise
@@ -141,10 +141,26 @@ def process_pooled(
     return Result({'version': settings.version, 'report': as_dict(diagnosis), 'error': ''}, page)
 
 
-def _read(path: str, settings: Settings) -> Recording:
+def read(path: str, settings: Settings) -> Recording:
+    """
+    Read a recording for the diagnosis.
+
+    Parameters
+    ----------
+    path : str
+        File or rosbag2 folder.
+    settings : Settings
+        How to read it.
+
+    Returns
+    -------
+    recording : Recording
+        Its first samples, see `Settings.most_samples`.
+
+    """
     return read_recording(path, topics=settings.topics, axis=settings.axis,
                           joint=settings.joint, most_samples=settings.most_samples,
-                          **settings.reading)
+                          parameters=settings.parameters, **settings.reading)
 
 
 def _replayed(path: str, settings: Settings) -> Outcome:
@@ -155,7 +171,7 @@ def _replayed(path: str, settings: Settings) -> Outcome:
     }
     if settings.joint:
         chosen['joint'] = settings.joint
-    episodes = replay_episodes(path, settings.source, chosen)
+    episodes = replay_episodes(path, settings.source, chosen, settings.parameters)
     first, last = episodes.first_ns or 0, episodes.last_ns or 0
     return {'start_ns': first, 'duration_s': (last - first) * 1e-9, 'episodes': episodes.found()}
 
