@@ -40,12 +40,14 @@ from ..diagnosis.conclude.diagnose import diagnose
 from ..diagnosis.conclude.next_experiment import choose, Proposal
 from ..diagnosis.conclude.result import Diagnosis
 from ..diagnosis.observe.read_recording import read_recording
+from ..diagnosis.fit.free_run import plant_of
 from ..diagnosis.report.corrected_model import model_file
 from ..diagnosis.report.json_report import as_dict
 from ..diagnosis.report.page import as_html
 from ..diagnosis.report.text_report import as_text
-from ..exceptions import RecordingError
+from ..exceptions import RecordingError, UnknownNameError
 from ..figures import require_matplotlib
+from ..plant.engines import ENGINES
 from ..plant.model_file import read_model
 from ..recordings.identity import share_data
 from ..reference.experiment_file import experiment_text
@@ -69,6 +71,10 @@ def make_parser() -> Parser:
     parser.add_argument('--html', metavar='FILE',
                         help='write the report with figures as one HTML file')
     parser.add_argument('--write-model', metavar='FILE', help='write the corrected model file')
+    parser.add_argument('--export', nargs=2, action='append', default=[],
+                        metavar=('ENGINE', 'FILE'),
+                        help='write the corrected contact for an engine: ' + ', '.join(ENGINES)
+                        + '; may be repeated')
     parser.add_argument('--write-comparison', metavar='FILE',
                         help='write all models that were compared, with their errors on parts '
                         'left out, as JSON')
@@ -97,7 +103,10 @@ def run(options: Any) -> int:
 
     """
     outputs = (options.json, options.html, options.write_model, options.write_comparison,
-               _experiment_file(options))
+               _experiment_file(options), *(file for _, file in options.export))
+    for engine, _ in options.export:
+        if engine not in ENGINES:
+            raise UnknownNameError.among('engine of --export', engine, ENGINES)
     for path in outputs:
         if path:
             new_file(path)
@@ -172,6 +181,8 @@ def _write(diagnosis: Diagnosis, proposal: Proposal | None, options: Any) -> Non
         new_file(options.write_comparison).write_text(json.dumps(compared) + '\n')
     if options.write_model:
         new_file(options.write_model).write_text(model_file(diagnosis))
+    for engine, file in options.export:
+        new_file(file).write_text(ENGINES[engine](plant_of(diagnosis.corrected)))
 
 
 def _experiment_file(options: Any) -> str | None:
