@@ -103,8 +103,8 @@ def sdf_xml(model: PlantParameters) -> str:
     """
     wall = model.environment
     return f"""<!-- {_expressed(model)}
-     Give the collisions of tool and wall the same surface. DART ignores kp and kd. One contact
-     point: set max_contacts to 1. mu is not in a force along the normal: measure it by sliding. -->
+     Give the collisions of tool and wall the same surface. DART ignores kp and kd. One
+     contact point: set max_contacts to 1. mu is not in a force along the normal: measure it by sliding. -->
 <surface>
   <contact>
     <ode>
