@@ -104,7 +104,7 @@ def sdf_xml(model: PlantParameters) -> str:
     wall = model.environment
     return f"""<!-- {_expressed(model)}
      Give the collisions of tool and wall the same surface. DART ignores kp and kd. One
-     contact point: set max_contacts to 1. mu is not in a force along the normal: measure it by sliding. -->
+     contact point: set max_contacts to 1. mu is in no force along the normal: measure it. -->
 <surface>
   <contact>
     <ode>
@@ -145,8 +145,8 @@ def drake_xml(model: PlantParameters) -> str:
             'repels')
     chi = _or_zero(model.physics.hunt_crossley_damping.chi)
     return f"""<!-- {_expressed(model, 'hunt_crossley_damping')}
-     Give the collisions of tool and wall the same properties. relaxation_time counts with
-     discrete_contact_approximation "sap", hunt_crossley_dissipation with "tamsi" and "similar". -->
+     Give the collisions of tool and wall the same properties. With discrete_contact_approximation
+     "sap" relaxation_time counts, with "tamsi" and "similar" hunt_crossley_dissipation. -->
 <drake:proximity_properties>
   <drake:point_contact_stiffness>{2.0 * wall.stiffness:.10g}</drake:point_contact_stiffness>
   <drake:relaxation_time>{0.5 * wall.damping / wall.stiffness:.10g}</drake:relaxation_time>
