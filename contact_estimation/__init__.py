@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from .plant.plant_parameters import PlantParameters, SensorParameters
     from .recordings.arrays import read_table, write_recording
     from .reference.experiments import experiment_named
+    from .reference.stable_gains import stable_gains, StableGains
 
 __all__ = [
     'ContactEstimationError',
@@ -58,6 +59,8 @@ __all__ = [
     'read_table',
     'run_closed_loop',
     'SensorParameters',
+    'stable_gains',
+    'StableGains',
     'write_recording',
 ]
 
@@ -79,6 +82,8 @@ _MODULES = {
     'read_table': 'recordings.arrays',
     'run_closed_loop': 'plant.closed_loop',
     'SensorParameters': 'plant.plant_parameters',
+    'stable_gains': 'reference.stable_gains',
+    'StableGains': 'reference.stable_gains',
     'write_recording': 'recordings.arrays',
 }
 
