@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Any
+from typing import Any, Callable
 from xml.etree import ElementTree
 
 from scipy.spatial.transform import Rotation
@@ -33,9 +33,15 @@ from .command_line import (
     source_of,
 )
 from ..estimation.recorded_arm import recorded_description
-from ..exceptions import ModelFileError, ParameterRangeError, RecordingError
+from ..exceptions import (
+    EstimationError,
+    ModelFileError,
+    ParameterRangeError,
+    RecordingError,
+    UnknownNameError,
+)
 from ..kinematics.calibration_recording import BLOCK_S, read_blocks, recorded_frame
-from ..kinematics.parameters import ForceSensorParameters
+from ..kinematics.parameters import AXES, ForceSensorParameters
 from ..kinematics.robot_model import RobotModel
 from ..kinematics.tool_calibration import calibrate_tool, ToolCalibration
 from ..parameters.file import read_parameter_file
@@ -92,17 +98,42 @@ def run(options: Any) -> int:
     if not frame:
         raise RecordingError(
             f'the wrenches of {options.recording} have no frame_id; name the frame of the sensor '
-            'in --params as force_sensor.frame'
+            'in --params as force_sensor.frame (UR drivers that leave it empty: tool0, with '
+            'force_sensor.axes: base)'
         )
     urdf, origin = _description(options, reader, source)
     model = RobotModel(urdf, _root(urdf, origin), frame)
     sign = _force_sign(given)
-    found = calibrate_tool(read_blocks(reader, source, model, sign, _mount(given)), sign)
+    base = str(given.get('kinematics.base') or model.base)
+
+    def calibrated(axes: str) -> ToolCalibration:
+        return calibrate_tool(read_blocks(
+            reader, source, model, sign, _mount(given), base if axes == 'base' else ''), sign)
+
+    found = _in_right_axes(calibrated, str(given.get('force_sensor.axes', AXES[0])))
     files[0].write_text(_parameter_file(found, frame))
     if options.json:
         files[1].write_text(json.dumps(_as_json(found), indent=1) + '\n')
     _print(found, frame, options.output)
     return 0
+
+
+def _in_right_axes(calibrated: Callable[[str], ToolCalibration], axes: str) -> ToolCalibration:
+    """Calibrate; where no tool explains the wrenches, say whether one does in other axes."""
+    if axes not in AXES:
+        raise UnknownNameError.among('force_sensor.axes', axes, AXES)
+    try:
+        return calibrated(axes)
+    except EstimationError as error:
+        other, = set(AXES) - {axes}
+        try:
+            found = calibrated(other)
+        except EstimationError:
+            raise error from None
+        raise EstimationError(
+            f'the wrench is expressed in axes of the {other}, where its weight of '
+            f'{found.tool.mass:.3g} kg {"keeps its direction" if other == "base" else "turns"}: '
+            f'set force_sensor.axes: {other} in --params, and calibrate again') from error
 
 
 def _description(
