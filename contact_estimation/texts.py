@@ -115,6 +115,8 @@ def json_content(text: str) -> Any:
         return json.loads(text)
     except RecursionError as error:
         raise ValueError('its brackets are nested too deep') from error
+    except ValueError as error:
+        raise ValueError(str(error).partition(';')[0]) from error  # no advice on Python
 
 
 class _BoundedLoader(yaml.SafeLoader):
