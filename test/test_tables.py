@@ -52,6 +52,8 @@ def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
     ('__time,/ft/wrench/force/x,/joint_states/slide/position', 'wrench.force.x joint.slide'),
     ('Time (s),Load (N),Extension (m)', 'wrench.force.x joint.x'),
     ('t,F,x', 'wrench.force.x joint.x'),
+    ('t,force_y,current_pos_z', 'wrench.force.y joint.z'),
+    ('t,force_y,joint_1', 'wrench.force.y joint.q1'),
     ('t,wrench.force.y,joint.left', 'wrench.force.y joint.left'),
 ])
 def test_columns_are_found_by_the_names_of_common_logs(

@@ -108,7 +108,7 @@ class RecordingReplay:
         self._late = None if of_tf else LateMessages(
             source.wrench, lambda: self.session.parameters.synchronisation)
         self.tares = self._tare() if source.tare else {}
-        self._references = TrajectoryDecoder()
+        self._references = TrajectoryDecoder(parameters.joint)
         self._left_over: list[RecordedMessage] = []
         self._last_reference_ns, self._reference_jumps = BEFORE_ANY, 0
 

@@ -65,7 +65,7 @@ _NAMES: tuple[tuple[str, str], ...] = (
     (r'(?:q_d|target_q)_?(\d+)', 'reference.q{0}'),
     (r'(?:x|pos|position)_(?:d|r|ref|des|desired|reference|cmd|command)|setpoint',
      'reference.x'),
-    (r'(?:actual_)?q_?(\d+)', 'joint.q{0}'),
+    (r'(?:actual_)?q_?(\d+)|joint_?(\d+)(?:_pos|_position)?', 'joint.q{0}'),
     (r'(?:dq|qd|actual_qd)_?(\d+)', 'joint.q{0}.velocity'),
     (r'joint_states_(.+)_position', 'joint.{0}'),
     (r'joint_states_(.+)_velocity', 'joint.{0}.velocity'),
@@ -73,8 +73,10 @@ _NAMES: tuple[tuple[str, str], ...] = (
     (r'v|velocity|vel|x_dot|xdot|speed', 'joint.x.velocity'),
     (r'([yz])', 'joint.{0}'),
     (r'o_t_ee_(12|13|14)', 'joint.{0}'),
-    (r'target_tcp_pose_([0-2])|o_t_ee_d_(12|13|14)', 'reference.{0}'),
-    (rf'(?:actual_|ee_|eef_|tool_|tcp_)?(?:p|pose|{_POSITION}|tcp_pose|tcp)_?([xyz0-2])',
+    (r'target_tcp_pose_([0-2])|o_t_ee_d_(12|13|14)'
+     r'|(?:goal|target|desired|command|reference)_(?:p|pos|position|pose)_?([xyz])',
+     'reference.{0}'),
+    (rf'(?:actual_|current_|ee_|eef_|tool_|tcp_)?(?:p|pose|{_POSITION}|tcp_pose|tcp)_?([xyz0-2])',
      'joint.{0}'),
 )
 
@@ -173,8 +175,7 @@ def _rank_and_key(name: str) -> tuple[int, str]:
         if match:
             parts = [part for part in match.groups() if part]
             part = parts[0] if parts else ''
-            return rank, key.format(part if key.startswith(('joint.q', 'reference.q'))
-                                    else _AXIS.get(part, part))
+            return rank, key.format(_AXIS.get(part, part) if '.{0}' in key else part)
     return len(_NAMES), ''
 
 
