@@ -23,6 +23,8 @@ from typing import Any
 
 import yaml
 
+LFS_POINTER = 'version https://git-lfs'
+"""Begin of a file that stands for one that Git LFS has not fetched."""
 MOST_BYTES = 1 << 20
 """Longest YAML file; parameter files hold some 20 kB."""
 MOST_LEVELS = 50
@@ -85,6 +87,8 @@ def yaml_file(path: Path) -> Any:
         data = stream.read(MOST_BYTES + 1)
     if len(data) > MOST_BYTES:
         raise ValueError(f'expected at most {MOST_BYTES} bytes, got more')
+    if data.startswith(LFS_POINTER.encode()):
+        raise ValueError('it is a Git LFS pointer; get the file with: git lfs pull')
     try:
         return yaml.load(data.decode(), _BoundedLoader)
     except (yaml.YAMLError, UnicodeDecodeError) as error:

@@ -39,6 +39,7 @@ import pytest
     ('[' * 100_000, 'more than 50 levels deep'),
     ('a: &a {b: 1}\nc: *a', r'alias \*a is not supported'),
     ('#' * (1 << 21), 'at most 1048576 bytes'),
+    ('version https://git-lfs.github.com/spec/v1', 'git lfs pull'),
 ])
 def test_yaml_that_python_cannot_hold_is_named(tmp_path: Path, content: str, text: str) -> None:
     (tmp_path / 'a.yaml').write_text(content)

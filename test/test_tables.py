@@ -25,6 +25,7 @@ from contact_estimation.commands.convert import main as convert
 from contact_estimation.commands.replay import main as replay
 from contact_estimation.plant.simulation import simulate_experiment
 from contact_estimation.plant.simulation_file import write_simulation
+from contact_estimation.recordings import table
 from contact_estimation.recordings.columns import signals_of_columns
 from contact_estimation.recordings.table import read_columns
 import numpy as np
@@ -130,6 +131,15 @@ def test_table_that_is_not_understood_says_how_to_choose(
         ce.read_table(tmp_path / 'a.csv', **options)
 
 
+def test_compressed_tables_are_bounded(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(table, 'MOST_CELLS', 5)
+    savemat(tmp_path / 'a.mat', {'t': np.zeros(3), 'F': np.zeros(3)}, do_compression=True)
+    with pytest.raises(ce.ContactEstimationError, match='has 6 cells, expected at most 5'):
+        ce.read_table(tmp_path / 'a.mat')
+
+
 @pytest.mark.parametrize('name', ['a.csv', 'a.parquet', 'a.mat'])
 def test_damaged_table_is_one_line(tmp_path: Path, name: str) -> None:
     (tmp_path / name).write_bytes(b'\x00garbage' * 9)
@@ -140,11 +150,11 @@ def test_damaged_table_is_one_line(tmp_path: Path, name: str) -> None:
 def test_bag_to_csv_to_bag_gives_the_same_estimates(
     recording: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    table, copy = tmp_path / 'a.csv', tmp_path / 'b.mcap'
-    for paths in ((recording, table), (table, copy)):
+    as_csv, copy = tmp_path / 'a.csv', tmp_path / 'b.mcap'
+    for paths in ((recording, as_csv), (as_csv, copy)):
         assert Command('convert', convert, capfd)(*paths).code == 0
     written = []
-    for number, path in enumerate((recording, table, copy)):
+    for number, path in enumerate((recording, as_csv, copy)):
         estimates = tmp_path / f'{number}.estimates'
         assert Command('replay', replay, capfd)(path, '--csv', estimates).code == 0
         written.append(estimates.read_bytes())

@@ -114,7 +114,9 @@ def run(options: Any) -> int:
     for require in (require_matplotlib, require_distributed, require_pyarrow):
         require()  # before the first recording, not after the last
     settings = _settings(options)
-    found, skipped = find_recordings(options.paths, options.group_by), passed_over(options.paths)
+    found = find_recordings(options.paths, options.group_by)
+    used = {one.name for one in found}
+    skipped = [name for name in passed_over(options.paths) if name not in used]
     folder = _output(options.output)
     different_files((str(folder / name) for name in ('table.parquet', 'index.html')),
                     {'the nominal model file': [options.nominal]})

@@ -31,9 +31,10 @@ from .mcap_summary import read_summary, Summary
 from .record_scanner import MAGIC, Record, RECORD_HEAD, RecordScanner
 from .topic_names import canonical
 from ..exceptions import RecordingError
+from ..texts import LFS_POINTER
 
 _BLOCK = 1 << 20
-_LFS = b'version https://git-lfs'
+_LFS = LFS_POINTER.encode()
 _LOOSE = (Opcode.MESSAGE, Opcode.SCHEMA, Opcode.CHANNEL)
 _TIMES = Struct('<QQ')  # of the first and last message of a chunk
 

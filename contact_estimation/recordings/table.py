@@ -19,6 +19,7 @@ from __future__ import annotations
 
 import csv
 from itertools import islice
+from math import prod
 from pathlib import Path
 import re
 from typing import Any, Callable, Iterator, Sequence
@@ -27,6 +28,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..exceptions import MissingPackageError, RecordingError
+from ..texts import LFS_POINTER
 
 Columns = dict[str, NDArray[Any]]
 """Numbers by name, all of one length: int64 where a file has integers, else float64."""
@@ -34,7 +36,8 @@ Columns = dict[str, NDArray[Any]]
 _HEAD = 200  # lines in which the data begin
 _DELIMITERS = (',', ';', '\t', None)  # None: spaces
 _UNIT = re.compile(r'[\[(]?[a-zA-Z%/]{0,4}[\])]?')
-_LFS = 'version https://git-lfs'
+MOST_CELLS = 1 << 28
+"""Numbers of a compressed table; 2 GiB in memory."""
 
 
 def is_table(path: Path) -> bool:
@@ -83,7 +86,7 @@ def _csv(path: Path) -> Columns:
     """Read text with any of the usual delimiters, lines before the header, and units."""
     with open(path, encoding='utf-8-sig', errors='surrogateescape', newline='') as stream:
         head = list(islice(stream, _HEAD))
-        if head and head[0].startswith(_LFS):
+        if head and head[0].startswith(LFS_POINTER):
             raise RecordingError(
                 f'{path} is a Git LFS pointer, expected the table itself; get it with: git lfs '
                 'pull')
@@ -190,6 +193,8 @@ def _parquet(path: Path) -> Columns:
     except ImportError as error:
         raise MissingPackageError.of('pyarrow', f'reading {path}') from error
     try:
+        metadata = parquet.read_metadata(path)
+        _require_size(path, metadata.num_rows * metadata.num_columns)
         table = parquet.read_table(path).flatten()
         return _of_arrays({name: column.to_numpy()
                            for name, column in zip(table.column_names, table.columns)})
@@ -199,18 +204,26 @@ def _parquet(path: Path) -> Columns:
 
 
 def _mat(path: Path) -> Columns:
-    from scipy.io import loadmat
+    from scipy.io import loadmat, whosmat
 
     try:
+        _require_size(path, sum(prod(shape) for _, shape, _ in whosmat(path)))
         return _of_arrays(loadmat(path, simplify_cells=True))
     except NotImplementedError as error:  # HDF5
         raise RecordingError(
             f"table {path} is a MAT file of version 7.3; save it with save(..., '-v7'), or as CSV "
             'by writetable') from error
-    except OSError:
+    except (OSError, RecordingError):
         raise
     except Exception as error:  # of damaged files scipy raises almost anything
         raise RecordingError(f'scipy cannot read table {path}: {error}; save it again') from error
+
+
+def _require_size(path: Path, cells: int) -> None:
+    if cells > MOST_CELLS:
+        raise RecordingError(
+            f'table {path} has {cells} cells, expected at most {MOST_CELLS}; split it, or keep '
+            'the columns that are needed')
 
 
 def _of_arrays(arrays: Any, prefix: str = '') -> Columns:

@@ -86,7 +86,8 @@ def stable_gains(
     characteristic polynomial M_t s^2 + (B_t + B_e) s + K_t + K_e in either case, whose damping
     ratio Love and Book ("Environment estimation for enhanced impedance control", ICRA 1995)
     choose by B_t. Here it is discretised exactly (Astrom and Wittenmark, "Computer-Controlled
-    Systems", section 3.2), and stable where all poles lie in the unit circle.
+    Systems", sampling of systems with time delays), and stable where all poles lie in the unit
+    circle.
 
     Parameters
     ----------
