@@ -55,6 +55,7 @@ def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
     ('t,F,x', 'wrench.force.x joint.x'),
     ('t,force_y,current_pos_z', 'wrench.force.y joint.z'),
     ('t,force_y,joint_1', 'wrench.force.y joint.q1'),
+    ('Running Time,250 kN MTS Force,250 kN MTS Displacement', 'wrench.force.x joint.x'),
     ('t,wrench.force.y,joint.left', 'wrench.force.y joint.left'),
 ])
 def test_columns_are_found_by_the_names_of_common_logs(
@@ -159,6 +160,8 @@ def test_bag_to_csv_to_bag_gives_the_same_estimates(
         assert Command('replay', replay, capfd)(path, '--csv', estimates).code == 0
         written.append(estimates.read_bytes())
     assert written[0] == written[1] == written[2]
+    said = Command('replay', replay, capfd)(as_csv).out.splitlines()[0]
+    assert said.startswith('columns: ') and said.endswith(' t=t_ns')
 
 
 def test_arrays_become_a_recording_of_an_arm(tmp_path: Path) -> None:

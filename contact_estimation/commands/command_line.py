@@ -24,6 +24,7 @@ from typing import Any, Callable, Iterable, Mapping, NoReturn, Sequence
 
 from ..exceptions import ContactEstimationError, RecordingError
 from ..parameters.file import read_parameter_file
+from ..recordings import RecordingReader
 from ..recordings.adaptation import STAMPS
 from ..recordings.columns import KEYS
 from ..recordings.free_flight import FIRST
@@ -127,6 +128,12 @@ def add_tare_option(parser: argparse.ArgumentParser) -> None:
         help='zero of the force: its median in the first free flight, or from A to B s after the '
         'first wrench (default: as recorded)',
     )
+
+
+def print_columns(reader: RecordingReader) -> None:
+    """Print which columns of a table are read; nothing for other recordings."""
+    if reader.columns:
+        print('columns: ' + printable(' '.join(f'{k}={v}' for k, v in reader.columns.items())))
 
 
 def topics_of(options: Any) -> dict[str, str]:

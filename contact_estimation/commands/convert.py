@@ -26,6 +26,7 @@ from .command_line import (
     different_files,
     new_file,
     Parser,
+    print_columns,
     source_of,
 )
 from ..exceptions import RecordingError
@@ -75,6 +76,7 @@ def run(options: Any) -> int:
     different_files([options.output], {'the recording': [options.recording]})
     source = source_of(options)
     reader = RecordingReader(options.recording, source)
+    print_columns(reader)
     if output.suffix.lower() == '.csv':
         signals = signals_of_recording(reader, source)
         write_csv(output, signals)

@@ -32,6 +32,7 @@ from .command_line import (
     different_files,
     new_file,
     Parser,
+    print_columns,
     reading_of,
     source_of,
     topics_of,
@@ -120,6 +121,7 @@ def run(options: Any) -> int:
     trace = picture_trace(options.picture)
     source = source_of(options)
     reader = RecordingReader(options.recording, source)
+    print_columns(reader)
     chosen = {**replayed_parameters(options), **_further(options.further)}
     replay = RecordingReplay(reader, source, chosen)
     with ExitStack() as stack:

@@ -51,13 +51,14 @@ KEYS = ('t', 'wrench.force.x', 'wrench.torque.x', 'joint.NAME', 'joint.NAME.velo
 _AXIS = {'0': 'x', '1': 'y', '2': 'z', '12': 'x', '13': 'y', '14': 'z'}  # 12: of a 4 x 4 matrix
 _POSITION = (r'pos|position|disp|displacement|deflection|depth|indentation|penetration|stroke|'
              r'travel|extension|crosshead')
+_MEASURED = r'(?!.*(?:desired|target|ref|goal|cmd|command|set)).+'
 # Normalised names, in lower case with underscores: pandas, MATLAB, testing machines, libfranka
 # (O_F_ext_hat_K[2], q[0], q_d[0]) and RTDE (actual_TCP_force_2, actual_q_0); the first
 # that matches counts.
 _NAMES: tuple[tuple[str, str], ...] = (
     (r't|time|timestamp', 't'),
     (r'(?:.*_)?(?:time|timestamp|stamp|sec|secs|seconds)', 't'),
-    (r'(?:.*_)?(?:f_?|force_)([xyz])', 'wrench.force.{0}'),
+    (rf'(?:{_MEASURED}_)?(?:f_?|force_)([xyz])', 'wrench.force.{0}'),
     (r'(?:actual_)?tcp_force_([0-2])|(?:o|k)_f_ext_hat_k_([0-2])|wrench_([0-2])',
      'wrench.force.{0}'),
     (r'(?:.*_)?(?:torque_|moment_|[tm]_?)([xyz])', 'wrench.torque.{0}'),
@@ -78,6 +79,8 @@ _NAMES: tuple[tuple[str, str], ...] = (
      'reference.{0}'),
     (rf'(?:actual_|current_|ee_|eef_|tool_|tcp_)?(?:p|pose|{_POSITION}|tcp_pose|tcp)_?([xyz0-2])',
      'joint.{0}'),
+    (rf'{_MEASURED}_(?:force|load)', 'wrench.force.x'),
+    (rf'{_MEASURED}_(?:{_POSITION})', 'joint.x'),
 )
 
 
@@ -119,7 +122,7 @@ def signals_of_columns(
 
     """
     general = _general(units)
-    sources = _sources(columns, chosen, where)
+    sources = columns_of_signals(columns, chosen, where)
     there = f'{where} has the columns: ' + ', '.join(map(repr, columns))
     for need, key in (('t', 't'), ('wrench.force.', 'wrench.force.z'), ('joint.', 'joint.z')):
         if not any(found.startswith(need) for found in sources):
@@ -137,8 +140,28 @@ def signals_of_columns(
     return stamp_ns[rows], {key: values[rows] for key, values in signals.items()}
 
 
-def _sources(columns: Columns, chosen: Mapping[str, str], where: str) -> dict[str, str]:
-    """Return the column of each signal, chosen or found by name."""
+def columns_of_signals(
+    columns: Columns, chosen: Mapping[str, str], where: str
+) -> dict[str, str]:
+    """
+    Choose the column of each signal.
+
+    Parameters
+    ----------
+    columns, chosen, where
+        As of `signals_of_columns`.
+
+    Returns
+    -------
+    sources : dict of str to str
+        Column by signal, as chosen or found by name.
+
+    Raises
+    ------
+    RecordingError
+        If a key or column is unknown, or a name is ambiguous.
+
+    """
     there = f'{where} has the columns: ' + ', '.join(map(repr, columns))
     for key, column in chosen.items():
         if not is_key(key):

@@ -73,6 +73,12 @@ class RecordingReader:
         return sum(file.damaged for file in self._files)
 
     @property
+    def columns(self) -> dict[str, str]:
+        """Return the column of each signal of a table; empty for other recordings."""
+        return {key: column for file in self._files if isinstance(file, TableFile)
+                for key, column in file.columns.items()}
+
+    @property
     def progress(self) -> float:
         """Fraction of the bytes read in the current pass over the messages."""
         total = sum(file.size for file in self._files)

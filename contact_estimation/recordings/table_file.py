@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .chunk_reader import RecordedMessage
-from .columns import signals_of_columns
+from .columns import columns_of_signals, signals_of_columns
 from .mcap_summary import Summary
 from .source import RecordingSource
 from .table import read_columns
@@ -51,6 +51,11 @@ class TableFile:
     source : RecordingSource
         Its columns and units, and what its topics are called.
 
+    Attributes
+    ----------
+    columns : dict of str to str
+        Column of each signal.
+
     Raises
     ------
     RecordingError
@@ -63,8 +68,9 @@ class TableFile:
 
     def __init__(self, path: Path, source: RecordingSource) -> None:
         self.path, self.summary, self.position = path, Summary(whole=True), 0
-        stamp_ns, signals = signals_of_columns(
-            read_columns(path), source.columns, source.units, f'table {path}')
+        columns, where = read_columns(path), f'table {path}'
+        stamp_ns, signals = signals_of_columns(columns, source.columns, source.units, where)
+        self.columns = columns_of_signals(columns, source.columns, where)
         order = np.argsort(stamp_ns, kind='stable')
         self._stamp_ns = stamp_ns[order]
         self._topics = {getattr(source, name): (TYPES[name], encode, rows[order]) for name, (
