@@ -24,14 +24,8 @@ from xml.etree import ElementTree
 from scipy.spatial.transform import Rotation
 import yaml
 
-from .command_line import (
-    add_reading_options,
-    command,
-    different_files,
-    new_file,
-    Parser,
-    source_of,
-)
+from .command_line import command, different_files, new_file, Parser, source_of
+from .reading_options import add_reading_options
 from ..estimation.recorded_arm import recorded_description
 from ..exceptions import (
     EstimationError,

@@ -20,15 +20,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from .command_line import (
-    add_reading_options,
-    command,
-    different_files,
-    new_file,
-    Parser,
-    print_columns,
-    source_of,
-)
+from .command_line import command, different_files, new_file, Parser, source_of
+from .reading_options import add_reading_options, print_columns
 from ..exceptions import RecordingError
 from ..recordings import RecordingReader, RecordingWriter
 from ..recordings.arrays import signals_of_recording, write_csv

@@ -25,16 +25,15 @@ from typing import Any, Sequence
 from .command_line import (
     add_params_option,
     add_source_options,
-    add_tare_option,
     chosen_parameters,
     command,
     different_files,
     new_file,
     Parser,
-    reading_of,
     topics_of,
 )
 from .progress import Progress
+from .reading_options import add_tare_option, reading_of
 from ..diagnosis.compare.comparison_file import as_dict as comparison
 from ..diagnosis.conclude.diagnose import diagnose
 from ..diagnosis.conclude.next_experiment import choose, Proposal

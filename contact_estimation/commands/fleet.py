@@ -22,15 +22,14 @@ from typing import Any
 from .command_line import (
     add_params_option,
     add_source_options,
-    add_tare_option,
     chosen_parameters,
     command,
     different_files,
     Parser,
-    reading_of,
     topics_of,
 )
 from .progress import Progress
+from .reading_options import add_tare_option, reading_of
 from ..exceptions import ParameterRangeError, RecordingError
 from ..figures import require_matplotlib
 from ..fleet.discovery import find_recordings, passed_over

@@ -26,19 +26,17 @@ from typing import Any, Protocol, Sequence
 from .command_line import (
     add_params_option,
     add_source_options,
-    add_tare_option,
     chosen_parameters,
     command,
     different_files,
     new_file,
     Parser,
-    print_columns,
-    reading_of,
     source_of,
     topics_of,
 )
 from .picture import picture_trace, write_picture
 from .progress import Progress
+from .reading_options import add_tare_option, print_columns, reading_of
 from .replay_summary import print_summary, refuse_empty, Replayed, summary_of
 from .replayed_parameters import replayed_parameters
 from ..diagnosis.checks import check
