@@ -55,6 +55,7 @@ setup(
         'console_scripts': [
             'blind_trials = contact_estimation.commands.entry_points:blind_trials',
             'calibrate_tool = contact_estimation.commands.entry_points:calibrate_tool',
+            'convert = contact_estimation.commands.entry_points:convert',
             'estimator_node = contact_estimation.ros.executables:estimator_node',
             'managed_estimator_node = contact_estimation.ros.executables:managed_estimator_node',
             'plant_node = contact_estimation.ros.executables:plant_node',

@@ -37,7 +37,9 @@ if TYPE_CHECKING:
     from .plant.closed_loop import run_closed_loop
     from .plant.model_file import read_model
     from .plant.plant_parameters import PlantParameters, SensorParameters
+    from .recordings.arrays import read_table, write_recording
     from .reference.experiments import experiment_named
+    from .reference.stable_gains import stable_gains, StableGains
 
 __all__ = [
     'ContactEstimationError',
@@ -54,8 +56,12 @@ __all__ = [
     'PlantParameters',
     'read_model',
     'read_recording',
+    'read_table',
     'run_closed_loop',
     'SensorParameters',
+    'stable_gains',
+    'StableGains',
+    'write_recording',
 ]
 
 _MODULES = {
@@ -73,8 +79,12 @@ _MODULES = {
     'PlantParameters': 'plant.plant_parameters',
     'read_model': 'plant.model_file',
     'read_recording': 'diagnosis.observe.read_recording',
+    'read_table': 'recordings.arrays',
     'run_closed_loop': 'plant.closed_loop',
     'SensorParameters': 'plant.plant_parameters',
+    'stable_gains': 'reference.stable_gains',
+    'StableGains': 'reference.stable_gains',
+    'write_recording': 'recordings.arrays',
 }
 
 if not TYPE_CHECKING:  # a type checker would accept any name of a module that has __getattr__

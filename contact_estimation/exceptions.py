@@ -19,15 +19,21 @@ from __future__ import annotations
 import difflib
 from typing import Iterable, Sequence
 
+from .texts import printable
+
 
 class ContactEstimationError(Exception):
     """
     Base class of all exceptions of this package.
 
     Commands print the text as one line on stderr and exit with 1. The text states what is wrong,
-    what was expected, what was received and what to change.
+    what was expected, what was received and what to change. What it quotes of files is escaped.
 
     """
+
+    def __str__(self) -> str:
+        """Return the text as one printable line."""
+        return printable(super().__str__())
 
 
 class ParameterRangeError(ContactEstimationError, ValueError):

@@ -25,7 +25,8 @@ import pytest
 
 ROOT = Path(contact_estimation.__file__).parent
 LAYERS = [
-    'exceptions', 'figures', 'scheduling', 'parameters', 'messages', 'recordings', 'signals',
+    'texts', 'exceptions', 'figures', 'scheduling', 'parameters', 'messages', 'recordings',
+    'signals',
     'kinematics', 'foreign_laws', 'physics', 'reference', 'estimators', 'estimation', 'plant',
     'reproduction',
     'diagnosis.observe', 'diagnosis.checks', 'diagnosis.compare', 'diagnosis.fit',

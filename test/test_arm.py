@@ -97,6 +97,31 @@ def test_without_compensation_the_weight_is_taken_for_contact() -> None:
     assert abs(error) == pytest.approx(MASS * 9.80665 * 0.8, rel=0.3)
 
 
+def test_a_wrench_in_axes_of_the_base_is_turned_before_the_tool() -> None:
+    session = ContactSession(build(
+        EstimationParameters, {**PARAMETERS, 'force_sensor.axes': 'base'}))
+    session.describe(urdf())
+    assert session.arm is not None
+    session.arm.use_sensor('sensor')
+    first = instants()[0]
+    R = pose(list(first.q), 'sensor')[:3, :3]
+    session.add_motion(0, *first.q, *first.q_dot)
+    (result,) = session.add_wrench(0, *(R @ first.wrench[:3]), *(R @ first.wrench[3:]))
+    assert result.sample.force == pytest.approx(first.contact.force, abs=1e-9)
+
+
+@pytest.mark.parametrize('frame, hint', [
+    ('left_tool0_controller', 'set force_sensor.frame to tool0'),
+    ('panda_K', 'stiffness frame of Franka drivers'),
+    ('', 'UR drivers tool0, with force_sensor.axes: base'),
+])
+def test_frames_of_common_drivers_are_explained(frame: str, hint: str) -> None:
+    session = ContactSession(build(EstimationParameters, PARAMETERS))
+    session.describe(urdf())
+    MessageInputs(session).process_wrench(wrench_bytes([0.0] * 3, frame_id=frame))
+    assert hint in session.rejection_texts['wrench_frame_unknown']
+
+
 def test_an_opposite_force_sign_is_corrected_before_the_tool() -> None:
     session = ContactSession(build(EstimationParameters, {**PARAMETERS, 'force_sign': -1}))
     session.describe(urdf())

@@ -42,7 +42,7 @@ PERIOD_S, HOLD_S = 0.01, 0.8
 def write(
     path: Path, poses: Any, sign: float = 1.0,
     contact: Sequence[int] = (), moved: float = 1.0,
-    rpy: Sequence[float] = (0.0, 0.0, 0.0), description: str = '',
+    rpy: Sequence[float] = (0.0, 0.0, 0.0), description: str = '', axes: str = 'sensor',
 ) -> None:
     """Record the arm held in poses; in some of them the environment presses with 20 N."""
     rng, store = np.random.default_rng(1), jazzy_typestore()
@@ -62,6 +62,9 @@ def write(
             if number in contact:
                 F = F + [0.0, 0.0, -20.0]
             F, T = sign * (F + rng.normal(0, 0.1, 3)), sign * (T + rng.normal(0, 0.01, 3))
+            if axes == 'base':
+                R = small_arm.pose(list(q), 'sensor')[:3, :3]
+                F, T = R @ F, R @ T
             wrench = types[wrench_type](header(stamp, 'sensor'), types['geometry_msgs/msg/Wrench'](
                 vector(*F), vector(*T)))
             empty, order = np.zeros(0), [2, 0, 1]
@@ -187,3 +190,20 @@ def test_mounting_of_the_parameter_file_is_applied(tmp_path: Path) -> None:
     assert calibrate(tmp_path, '--params', str(tmp_path / 'params.yaml')) == 0
     found = json.loads((tmp_path / 'tool.json').read_text())
     assert found['centre_m']['value'] == pytest.approx(CENTRE, abs=0.001)
+
+
+@pytest.mark.parametrize('recorded, given', [('base', 'sensor'), ('sensor', 'base')])
+def test_axes_of_the_wrench_are_recognised_and_named(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], recorded: str, given: str
+) -> None:
+    write(tmp_path / 'run.mcap', POSES, axes=recorded)
+    params = tmp_path / 'params.yaml'
+    for axes, code in ((given, 1), (recorded, 0)):
+        params.write_text('/**: {ros__parameters: {kinematics: {base: base_link}, '
+                          f'force_sensor: {{axes: {axes}}}}}}}')
+        assert calibrate(tmp_path, '--params', str(params)) == code
+    assert re.search(f'expressed in axes of the {recorded}, where its weight of 1.2 kg .*'
+                     f'force_sensor.axes: {recorded}', capsys.readouterr().err)
+    found = json.loads((tmp_path / 'tool.json').read_text())
+    assert found['mass_kg']['value'] == pytest.approx(MASS, abs=0.02)
+    assert found['centre_m']['value'] == pytest.approx(CENTRE, abs=0.002)

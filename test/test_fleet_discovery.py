@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import Any
 
 from contact_estimation.exceptions import ParameterRangeError, RecordingError
-from contact_estimation.fleet.discovery import find_recordings, ONE_GROUP
+from contact_estimation.fleet.discovery import find_recordings, ONE_GROUP, passed_over
 from contact_estimation.fleet.fingerprint import recording_sha256, Settings
 from contact_estimation.plant.plant_parameters import PlantParameters
 import pytest
@@ -133,3 +133,14 @@ def test_key_depends_on_recording_model_options_and_version() -> None:
 def test_settings_keep_the_model() -> None:
     model = PlantParameters(seed=3)
     assert Settings.of(model).nominal == model
+
+
+def test_tables_and_ros_1_bags_of_a_folder_are_told_and_tables_read_where_named(
+    tmp_path: Path
+) -> None:
+    for name in ('a.mcap', 'b.csv', 'c.bag', 'notes.md'):
+        (tmp_path / name).write_bytes(b'')
+    assert [Path(one.name).name for one in find_recordings([str(tmp_path)])] == ['a.mcap']
+    assert [Path(one).name for one in passed_over([str(tmp_path)])] == ['b.csv', 'c.bag']
+    named = find_recordings([str(tmp_path / '*')])
+    assert [Path(one.name).name for one in named] == ['a.mcap', 'b.csv']

@@ -18,17 +18,24 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Any
+from typing import Any, Callable
 from xml.etree import ElementTree
 
 from scipy.spatial.transform import Rotation
 import yaml
 
-from .command_line import add_topic_option, command, different_files, new_file, Parser, source_of
+from .command_line import command, different_files, new_file, Parser, source_of
+from .reading_options import add_reading_options
 from ..estimation.recorded_arm import recorded_description
-from ..exceptions import ModelFileError, ParameterRangeError, RecordingError
+from ..exceptions import (
+    EstimationError,
+    ModelFileError,
+    ParameterRangeError,
+    RecordingError,
+    UnknownNameError,
+)
 from ..kinematics.calibration_recording import BLOCK_S, read_blocks, recorded_frame
-from ..kinematics.parameters import ForceSensorParameters
+from ..kinematics.parameters import AXES, ForceSensorParameters
 from ..kinematics.robot_model import RobotModel
 from ..kinematics.tool_calibration import calibrate_tool, ToolCalibration
 from ..parameters.file import read_parameter_file
@@ -55,7 +62,7 @@ def make_parser() -> Parser:
     parser.add_argument('--output', required=True, metavar='tool.yaml',
                         help='ROS 2 parameter file to write, for estimator_node and replay')
     parser.add_argument('--json', metavar='FILE', help='write values and deviations as JSON')
-    add_topic_option(parser)
+    add_reading_options(parser)
     return parser
 
 
@@ -79,22 +86,48 @@ def run(options: Any) -> int:
         'the recording': [options.recording], 'the parameter file': [options.params],
         'the robot description': [options.robot_description]})
     given = read_parameter_file(options.params, 'estimator_node') if options.params else {}
-    reader, source = RecordingReader(options.recording), source_of(options)
+    source = source_of(options)
+    reader = RecordingReader(options.recording, source)
     frame = str(given.get('force_sensor.frame') or recorded_frame(reader, source))
     if not frame:
         raise RecordingError(
             f'the wrenches of {options.recording} have no frame_id; name the frame of the sensor '
-            'in --params as force_sensor.frame'
+            'in --params as force_sensor.frame (UR drivers that leave it empty: tool0, with '
+            'force_sensor.axes: base)'
         )
     urdf, origin = _description(options, reader, source)
     model = RobotModel(urdf, _root(urdf, origin), frame)
     sign = _force_sign(given)
-    found = calibrate_tool(read_blocks(reader, source, model, sign, _mount(given)), sign)
+    base = str(given.get('kinematics.base') or model.base)
+
+    def calibrated(axes: str) -> ToolCalibration:
+        return calibrate_tool(read_blocks(
+            reader, source, model, sign, _mount(given), base if axes == 'base' else ''), sign)
+
+    found = _in_right_axes(calibrated, str(given.get('force_sensor.axes', AXES[0])))
     files[0].write_text(_parameter_file(found, frame))
     if options.json:
         files[1].write_text(json.dumps(_as_json(found), indent=1) + '\n')
     _print(found, frame, options.output)
     return 0
+
+
+def _in_right_axes(calibrated: Callable[[str], ToolCalibration], axes: str) -> ToolCalibration:
+    """Calibrate; where no tool explains the wrenches, say whether one does in other axes."""
+    if axes not in AXES:
+        raise UnknownNameError.among('force_sensor.axes', axes, AXES)
+    try:
+        return calibrated(axes)
+    except EstimationError as error:
+        other, = set(AXES) - {axes}
+        try:
+            found = calibrated(other)
+        except EstimationError:
+            raise error from None
+        raise EstimationError(
+            f'the wrench is expressed in axes of the {other}, where its weight of '
+            f'{found.tool.mass:.3g} kg {"keeps its direction" if other == "base" else "turns"}: '
+            f'set force_sensor.axes: {other} in --params, and calibrate again') from error
 
 
 def _description(

@@ -22,10 +22,12 @@ from pathlib import Path
 import sys
 from typing import Any, Callable, Iterable, Mapping, NoReturn, Sequence
 
+from .reading_options import add_reading_options, reading_of
 from ..exceptions import ContactEstimationError, RecordingError
 from ..parameters.file import read_parameter_file
 from ..recordings.identity import is_bag_folder, is_recording
-from ..recordings.source import RecordingSource, TOPICS
+from ..recordings.source import RecordingSource
+from ..texts import printable
 
 
 class Parser(argparse.ArgumentParser):
@@ -33,7 +35,7 @@ class Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Print the message on one line and exit."""
-        self.exit(1, f'{self.prog}: {message}; see {self.prog} --help\n')
+        self.exit(1, f'{self.prog}: {printable(message)}; see {self.prog} --help\n')
 
 
 def command(
@@ -68,7 +70,8 @@ def command(
         except KeyboardInterrupt:
             print(f'{parser.prog}: interrupted', file=sys.stderr)
         except OSError as error:
-            print(f'{parser.prog}: {error.strerror}: {error.filename}', file=sys.stderr)
+            where = f': {error.filename}' if error.filename else ''
+            print(f'{parser.prog}: {printable(f"{error.strerror}{where}")}', file=sys.stderr)
         return 1
 
     return main
@@ -84,17 +87,9 @@ def add_source_options(parser: argparse.ArgumentParser) -> None:
         Extended in place.
 
     """
-    add_topic_option(parser)
+    add_reading_options(parser)
     parser.add_argument('--axis', choices=('x', 'y', 'z'), help='force axis (default: x)')
     parser.add_argument('--joint', help='joint of the contact axis (default: the only one)')
-
-
-def add_topic_option(parser: argparse.ArgumentParser) -> None:
-    """Add the option that chooses recorded topics; the parser is extended in place."""
-    parser.add_argument(
-        '--topic', action='append', default=[], metavar='NAME:=TOPIC',
-        help='read NAME (' + ', '.join(TOPICS) + ') from TOPIC; may be repeated',
-    )
 
 
 def topics_of(options: Any) -> dict[str, str]:
@@ -130,7 +125,7 @@ def topics_of(options: Any) -> dict[str, str]:
 
 def source_of(options: Any) -> RecordingSource:
     """
-    Return the topics of a recording, with those chosen by --topic; see `topics_of`.
+    Return where and how a recording is read; see `topics_of` and `reading_of`.
 
     Raises
     ------
@@ -138,7 +133,7 @@ def source_of(options: Any) -> RecordingSource:
         If the name of a chosen topic is unknown.
 
     """
-    return RecordingSource.of_topics(topics_of(options))
+    return RecordingSource.of_topics(topics_of(options), **reading_of(options))
 
 
 def add_params_option(parser: argparse.ArgumentParser, meaning: str) -> None:

@@ -33,17 +33,20 @@ from .command_line import (
     topics_of,
 )
 from .progress import Progress
+from .reading_options import add_tare_option, reading_of
 from ..diagnosis.compare.comparison_file import as_dict as comparison
 from ..diagnosis.conclude.diagnose import diagnose
 from ..diagnosis.conclude.next_experiment import choose, Proposal
 from ..diagnosis.conclude.result import Diagnosis
+from ..diagnosis.fit.free_run import plant_of
 from ..diagnosis.observe.read_recording import read_recording
 from ..diagnosis.report.corrected_model import model_file
 from ..diagnosis.report.json_report import as_dict
 from ..diagnosis.report.page import as_html
 from ..diagnosis.report.text_report import as_text
-from ..exceptions import RecordingError
+from ..exceptions import RecordingError, UnknownNameError
 from ..figures import require_matplotlib
+from ..plant.engines import ENGINES
 from ..plant.model_file import read_model
 from ..recordings.identity import share_data
 from ..reference.experiment_file import experiment_text
@@ -67,6 +70,10 @@ def make_parser() -> Parser:
     parser.add_argument('--html', metavar='FILE',
                         help='write the report with figures as one HTML file')
     parser.add_argument('--write-model', metavar='FILE', help='write the corrected model file')
+    parser.add_argument('--export', nargs=2, action='append', default=[],
+                        metavar=('ENGINE', 'FILE'),
+                        help='write the corrected contact for an engine: ' + ', '.join(ENGINES)
+                        + '; may be repeated')
     parser.add_argument('--write-comparison', metavar='FILE',
                         help='write all models that were compared, with their errors on parts '
                         'left out, as JSON')
@@ -75,6 +82,7 @@ def make_parser() -> Parser:
         parser, ': its arm (kinematics.*, contact.normal, tool.*, the inertia of the tool '
         'physics.tool_inertia.mass) and force_sign; default: as recorded')
     add_source_options(parser)
+    add_tare_option(parser)
     return parser
 
 
@@ -94,7 +102,10 @@ def run(options: Any) -> int:
 
     """
     outputs = (options.json, options.html, options.write_model, options.write_comparison,
-               _experiment_file(options))
+               _experiment_file(options), *(file for _, file in options.export))
+    for engine, _ in options.export:
+        if engine not in ENGINES:
+            raise UnknownNameError.among('engine of --export', engine, ENGINES)
     for path in outputs:
         if path:
             new_file(path)
@@ -113,9 +124,10 @@ def run(options: Any) -> int:
         progress.show(min(0.95, len(stages) / 80.0), text)
 
     topics, axis, joint = topics_of(options), options.axis or 'x', options.joint or ''
-    chosen = chosen_parameters(options)
+    chosen, reading = chosen_parameters(options), reading_of(options)
     recordings, held_out = (
-        [read_recording(path, topics=topics, axis=axis, joint=joint, parameters=chosen)
+        [read_recording(path, topics=topics, axis=axis, joint=joint, parameters=chosen,
+                        **reading)
          for path in paths]
         for paths in (options.recordings, options.holdout)
     )
@@ -126,6 +138,8 @@ def run(options: Any) -> int:
     if proposal is not None:
         diagnosis = replace(diagnosis, next_experiment=proposal.text)
     _write(diagnosis, proposal, options)  # before the text: piped into `head`, it may end here
+    for recording in filter(lambda one: one.tare, (*recordings, *held_out)):
+        print(f'{recording.name}: {recording.tare}')
     print(as_text(diagnosis))
     return 0
 
@@ -166,6 +180,8 @@ def _write(diagnosis: Diagnosis, proposal: Proposal | None, options: Any) -> Non
         new_file(options.write_comparison).write_text(json.dumps(compared) + '\n')
     if options.write_model:
         new_file(options.write_model).write_text(model_file(diagnosis))
+    for engine, file in options.export:
+        new_file(file).write_text(ENGINES[engine](plant_of(diagnosis.corrected)))
 
 
 def _experiment_file(options: Any) -> str | None:

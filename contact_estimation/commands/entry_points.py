@@ -46,6 +46,7 @@ def _entry_point(name: str) -> Callable[[], int]:
 
 blind_trials = _entry_point('blind_trials')
 calibrate_tool = _entry_point('calibrate_tool')
+convert = _entry_point('convert')
 demonstrate = _entry_point('demonstrate')
 diagnose = _entry_point('diagnose')
 fleet = _entry_point('fleet')

@@ -19,18 +19,29 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from .command_line import add_source_options, command, different_files, Parser, topics_of
+from .command_line import (
+    add_params_option,
+    add_source_options,
+    chosen_parameters,
+    command,
+    different_files,
+    Parser,
+    topics_of,
+)
 from .progress import Progress
+from .reading_options import add_tare_option, reading_of
 from ..exceptions import ParameterRangeError, RecordingError
 from ..figures import require_matplotlib
-from ..fleet.discovery import find_recordings
+from ..fleet.discovery import find_recordings, passed_over
 from ..fleet.fingerprint import Settings
 from ..fleet.finished import write_whole
 from ..fleet.page.builder import as_html
 from ..fleet.run import Fleet, run_fleet
 from ..fleet.table import as_parquet, require_pyarrow
+from ..parameters.values import without
 from ..physics import effects_that_are_on
 from ..plant.model_file import read_model
+from ..ros.estimator_node_parameters import EstimatorNodeParameters
 from ..scheduling import require_distributed, workers
 
 _LEAST = {'jobs': 1, 'seed': 0, 'pooled': 0, 'most_samples': 1000}
@@ -72,7 +83,10 @@ def make_parser() -> Parser:
                         help='wrenches of a recording that are diagnosed, from its start: a '
                         "bound of a worker's memory (1000000)")
     parser.add_argument('--seed', type=int, default=0, help='seed of the bootstraps (0)')
+    add_params_option(
+        parser, ', over what recordings hold: for archives recorded without this package')
     add_source_options(parser)
+    add_tare_option(parser)
     return parser
 
 
@@ -100,6 +114,8 @@ def run(options: Any) -> int:
         require()  # before the first recording, not after the last
     settings = _settings(options)
     found = find_recordings(options.paths, options.group_by)
+    used = {one.name for one in found}
+    skipped = [name for name in passed_over(options.paths) if name not in used]
     folder = _output(options.output)
     different_files((str(folder / name) for name in ('table.parquet', 'index.html')),
                     {'the nominal model file': [options.nominal]})
@@ -111,6 +127,10 @@ def run(options: Any) -> int:
     write_whole(folder / 'table.parquet', as_parquet(fleet.entries, settings.model_sha256))
     write_whole(folder / 'index.html', as_html(fleet).encode('utf-8'))
     _print(fleet, folder)
+    if skipped:
+        print(f'skipped {len(skipped)} files: {", ".join(skipped[:5])}'
+              f'{" and more" if len(skipped) > 5 else ""}; give tables as a quoted pattern, such '
+              "as 'archive/*.csv', and convert ROS 1 bags with rosbags-convert")
     return 0
 
 
@@ -123,7 +143,8 @@ def _settings(options: Any) -> Settings:
             'diagnosis names the physics that a model without any lacks')
     return Settings.of(
         model, topics=topics_of(options), axis=options.axis or 'x', joint=options.joint or '',
-        seed=options.seed, most_samples=options.most_samples)
+        seed=options.seed, most_samples=options.most_samples, reading=reading_of(options),
+        parameters=without(EstimatorNodeParameters, chosen_parameters(options)))
 
 
 def _output(path: str) -> Path:

@@ -17,6 +17,7 @@
 from __future__ import annotations
 
 from contextlib import ExitStack
+from functools import partial
 import gc
 import json
 import time
@@ -25,23 +26,32 @@ from typing import Any, Protocol, Sequence
 from .command_line import (
     add_params_option,
     add_source_options,
+    chosen_parameters,
     command,
     different_files,
     new_file,
     Parser,
     source_of,
+    topics_of,
 )
 from .picture import picture_trace, write_picture
 from .progress import Progress
+from .reading_options import add_tare_option, print_columns, reading_of
 from .replay_summary import print_summary, refuse_empty, Replayed, summary_of
 from .replayed_parameters import replayed_parameters
+from ..diagnosis.checks import check
+from ..diagnosis.observe.read_recording import read_recording
 from ..estimation.estimate_files import CsvEstimates, McapEstimates
 from ..estimation.replay import RecordingReplay
 from ..estimation.result import AxesEstimates
 from ..estimators import ONLINE_ESTIMATORS
 from ..estimators.stiffness_matrix import MatrixEstimate
-from ..exceptions import ParameterRangeError, UnknownNameError
+from ..exceptions import ContactEstimationError, ParameterRangeError, UnknownNameError
+from ..plant.plant_parameters import PlantParameters
 from ..recordings import RecordingReader
+
+
+_OF_STAMPS = ('stamp_order', 'stamp_bursts', 'clock_offset')
 
 
 class EstimateFile(Protocol):
@@ -70,6 +80,7 @@ def make_parser() -> Parser:
     parser.add_argument('--picture', metavar='FILE.png',
                         help='plot force, motion and the estimates with their bands')
     add_source_options(parser)
+    add_tare_option(parser)
     parser.add_argument(
         '--further', action='append', default=[], metavar='AXIS:=JOINT',
         help='also estimate this axis; may be given twice',
@@ -106,22 +117,37 @@ def run(options: Any) -> int:
     different_files(outputs, {
         'the recording': [options.recording], 'a parameter file': options.params})
     trace = picture_trace(options.picture)
-    reader = RecordingReader(options.recording)
+    source = source_of(options)
+    reader = RecordingReader(options.recording, source)
+    print_columns(reader)
     chosen = {**replayed_parameters(options), **_further(options.further)}
-    replay = RecordingReplay(reader, source_of(options), chosen)
+    replay = RecordingReplay(reader, source, chosen)
     with ExitStack() as stack:
         files = [*_open_files(options, ''.join(replay.session.pipelines), stack),
                  *filter(None, (trace,))]
         replayed = _replay(replay, reader, files)
-    refuse_empty(options.recording, replay, replayed)
+    refuse_empty(options.recording, replay, replayed, partial(_cause, options))
     summary = summary_of(replay, reader, replayed, time.perf_counter() - begin)
     if options.json:
         new_file(options.json).write_text(json.dumps(summary, indent=1) + '\n')
     print_summary(summary)
     if trace is not None:
-        write_picture(options.picture, reader, source_of(options), replay.session.parameters,
-                      trace)
+        write_picture(options.picture, reader, source, replay.session.parameters, trace)
     return 0
+
+
+def _cause(options: Any) -> str:
+    """Return what `diagnose` would say of a recording that gives next to no sample."""
+    try:
+        recording = read_recording(
+            options.recording, topics=topics_of(options), axis=options.axis or 'x',
+            joint=options.joint or '', parameters=chosen_parameters(options),
+            **reading_of(options))
+        checks, _ = check(recording, PlantParameters())
+    except ContactEstimationError as error:
+        return str(error)
+    return '; '.join(f'{one.name}: {one.text}' for one in checks if one.name in _OF_STAMPS
+                     and one.fatal)
 
 
 def _replay(

@@ -19,10 +19,11 @@ from __future__ import annotations
 from collections import Counter
 from math import isfinite
 import sys
-from typing import Any, Sequence
+from typing import Any, Callable, Sequence
 
 import numpy as np
 
+from ..diagnosis.observe.signals import LEAST_SAMPLES
 from ..estimation.estimate_files import stamp_text
 from ..estimation.model_fit import ModelFitMonitor
 from ..estimation.replay import RecordingReplay
@@ -30,6 +31,8 @@ from ..estimation.result import AxesEstimates
 from ..estimators.estimate import Estimate, EstimateStatus
 from ..exceptions import RecordingError
 from ..recordings import RecordingReader
+from ..recordings.free_flight import Tare
+from ..texts import printable
 
 _SAID_OTHERWISE = ('model_fit',)  # warnings that the summary states anyway
 _NO_CAUSE = 'surface_unchecked'  # warns that there is no estimate, not why
@@ -69,7 +72,9 @@ class Replayed:
                                  for own in axes if own.status is EstimateStatus.FROZEN])
 
 
-def refuse_empty(recording: str, replay: RecordingReplay, replayed: Replayed) -> None:
+def refuse_empty(
+    recording: str, replay: RecordingReplay, replayed: Replayed, cause: Callable[[], str]
+) -> None:
     """
     Refuse a replay that never updated the first guess.
 
@@ -81,6 +86,9 @@ def refuse_empty(recording: str, replay: RecordingReplay, replayed: Replayed) ->
         At its end.
     replayed : Replayed
         Its estimates.
+    cause : callable
+        Returns what the diagnosis finds wrong with the recording, '' for nothing; called where
+        there are too few samples to tell anything else.
 
     Raises
     ------
@@ -88,6 +96,8 @@ def refuse_empty(recording: str, replay: RecordingReplay, replayed: Replayed) ->
         If there was no sample, no contact or no estimate, with the reason.
 
     """
+    if replayed.samples < LEAST_SAMPLES and (found := cause()):
+        raise RecordingError(found)
     if not replayed.samples:
         raise RecordingError(_no_sample(recording, replay))
     if EstimateStatus.ESTIMATING not in replayed.statuses:
@@ -123,6 +133,8 @@ def summary_of(
         'samples': replayed.samples,
         **_state_of(last[0], session.pipeline.model_fit),
         'warnings': _warnings_of(replay),
+        **({'tare': {axis: tare._asdict() for axis, tare in replay.tares.items()}}
+           if replay.tares else {}),
         'recorded_s': (last[0].stamp_ns - replayed.first[0].stamp_ns) * 1e-9,
         'wall_s': wall_s,
         'rejected': dict(session.rejected),
@@ -142,7 +154,11 @@ def summary_of(
 
 
 def _no_sample(recording: str, replay: RecordingReplay) -> str:
-    reasons = ', '.join(f'{count} {reason}' for reason, count in replay.session.rejected.items())
+    session = replay.session
+    reasons = ', '.join(
+        f'{count} {reason}' + (f' ({session.rejection_texts[reason]})'
+                               if session.rejection_texts.get(reason) else '')
+        for reason, count in session.rejected.items())
     return (
         f'no usable sample in {recording}: expected wrenches with joint states at or around '
         f'their stamps, got {reasons or "none"}; check topics, joint and stamps'
@@ -211,13 +227,16 @@ def print_summary(summary: dict[str, Any]) -> None:
         if value is not None:
             band = f' +- {std:.3g}' if std is not None else ''
             print(f'  {name:<10}{value:12.6g}{band} {unit}')
+    for axis, tare in summary.get('tare', {}).items():
+        print(f'  {axis}: {Tare(**tare)}')
     print(f'  status    {summary["status"]:>12}')
     if summary['model_fit']['text']:
         print(f'  model     {summary["model_fit"]["text"]} '
               f'(until {summary["model_fit"]["worst_stamp"]} s)')
     for found in summary['warnings']:
         if found['name'] not in _SAID_OTHERWISE:
-            print(f'  warning: {found["text"]} (until {found["last_stamp"]} s)', file=sys.stderr)
+            print(f'  warning: {printable(found["text"])} (until {found["last_stamp"]} s)',
+                  file=sys.stderr)
     if 'stiffness_matrix' in summary:
         _print_matrix(summary['stiffness_matrix'])
     for axis, own in list(summary.get('axes', {}).items())[1:]:

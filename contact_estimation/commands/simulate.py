@@ -101,7 +101,8 @@ def run(options: Any) -> int:
     model = read_model(options.model, options.seed)
     frame_id = PlantNodeParameters().frame_id
     if options.like:
-        reader, source = RecordingReader(options.like), source_of(options)
+        source = source_of(options)
+        reader = RecordingReader(options.like, source)
         signals = read_signals(reader, source, options.axis or 'x', options.joint or '')
         simulation = _simulate_like(model, signals, options)
         frame_id = signals.frame_id

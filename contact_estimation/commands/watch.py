@@ -142,11 +142,18 @@ def _watch_live(options: Any, target: str) -> int:
 
 
 def _replay(options: Any, target: str) -> None:
-    reader, source = RecordingReader(options.recording), source_of(options)
+    source = source_of(options)
+    reader = RecordingReader(options.recording, source)
     replay = RecordingReplay(reader, source, replayed_parameters(options))
     progress = Progress('watch')
     view = _opened(options, target)
-    samples = show_recording(view, reader, source, replay, progress.show)
+    try:
+        samples = show_recording(view, reader, source, replay, progress.show)
+    except Exception:
+        view.close()
+        if options.save:  # not a view of anything
+            Path(target).unlink(missing_ok=True)
+        raise
     progress.done()
     print(f'{samples} samples', flush=True)
     if view.serves:

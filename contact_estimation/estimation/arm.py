@@ -108,7 +108,8 @@ def kinematics_of(parameters: EstimationParameters, description: str) -> Contact
     """
     p = parameters
     model = RobotModel(description, p.kinematics.base, p.kinematics.tip)
-    kinematics = ContactKinematics(model, p.contact, p.tool, p.force_sign, p.force_sensor.rpy)
+    kinematics = ContactKinematics(
+        model, p.contact, p.tool, p.force_sign, p.force_sensor.rpy, p.force_sensor.axes == 'base')
     frame = p.force_sensor.frame or p.frame_id
     if frame in model.links:  # tf may know others
         kinematics.use_sensor(frame)
@@ -139,7 +140,8 @@ def kinematics_of_frames(parameters: EstimationParameters, tree: FrameTree) -> C
     """
     p = parameters
     model = TransformModel(tree, p.kinematics.base, p.kinematics.tip)
-    return ContactKinematics(model, p.contact, p.tool, p.force_sign, p.force_sensor.rpy)
+    return ContactKinematics(
+        model, p.contact, p.tool, p.force_sign, p.force_sensor.rpy, p.force_sensor.axes == 'base')
 
 
 def described_in_file(parameters: EstimationParameters) -> str:

@@ -31,6 +31,16 @@ NOT_INSTALLED = (
     'sudo apt install ros-jazzy-tf2-msgs'
 )
 
+# Frames of the wrench that no robot description has, by the end of their names (with prefixes).
+_DRIVERS = (
+    ('tool0_controller', 'it is the active TCP of UR drivers: set force_sensor.frame to tool0, '
+     'and force_sensor.rpy where the TCP is turned against it'),
+    ('_K', 'it is the stiffness frame of Franka drivers: set force_sensor.frame to the link of '
+     'the end-effector, and force_sensor.rpy where it is turned against it'),
+)
+_NO_FRAME = ('the driver leaves frame_id empty: set force_sensor.frame to the link of the sensor; '
+             'for UR drivers tool0, with force_sensor.axes: base')
+
 
 class ArmFrames:
     """
@@ -98,6 +108,8 @@ class ArmFrames:
             If nothing connects it.
 
         """
+        if not frame:
+            raise UnknownNameError(_NO_FRAME)
         if self._refused[0] == frame:
             raise UnknownNameError(self._refused[1])  # nothing new since
         try:
@@ -106,6 +118,7 @@ class ArmFrames:
             found = self.tree.anchor(frame, arm.model.links)
             if found is None:
                 text = f'{error}; or publish its mounting on /tf_static'
+                text += next((f'; {hint}' for end, hint in _DRIVERS if frame.endswith(end)), '')
                 text += f' ({self.unreadable})' if self.unreadable else ''
                 self._refused = frame, text
                 raise UnknownNameError(text) from error

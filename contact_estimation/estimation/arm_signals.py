@@ -16,6 +16,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import repeat
 from math import isnan, nan
 from typing import Any, Callable, NamedTuple
@@ -33,6 +34,7 @@ from ..kinematics.moving_frames import MovingFrames, NUMBERS
 from ..kinematics.robot_model import RobotModel
 from ..messages import ForceTorqueDecoder, SomeJointsDecoder, TransformsDecoder
 from ..recordings import RecordingReader
+from ..recordings.free_flight import tare_of
 from ..recordings.recorded_signals import (
     read_rows,
     read_signals,
@@ -82,7 +84,7 @@ def read_contact_signals(
     Returns
     -------
     signals : RecordedSignals
-        F_e as of the environment on the end-effector.
+        F_e as of the environment on the end-effector, tared as `source` says.
 
     Raises
     ------
@@ -91,10 +93,16 @@ def read_contact_signals(
 
     """
     if parameters.kinematics.tip:
-        return read_arm_signals(reader, source, parameters, most_samples)
-    signals = read_signals(reader, source, axis, joint, most_samples)
-    signals.wrench.values[:] *= parameters.force_sign
-    return signals
+        signals = read_arm_signals(reader, source, parameters, most_samples)
+    else:
+        signals = read_signals(reader, source, axis, joint, most_samples)
+        signals.wrench.values[:] *= parameters.force_sign
+    if not source.tare:
+        return signals
+    tare = tare_of(1e-9 * (signals.wrench.stamp_ns - signals.wrench.stamp_ns[0]),
+                   signals.wrench.values[0], source.tare)
+    signals.wrench.values[0] -= tare.force
+    return replace(signals, tare=tare)
 
 
 def read_arm_signals(

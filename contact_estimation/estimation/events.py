@@ -17,11 +17,13 @@
 from __future__ import annotations
 
 import json
+from math import isfinite
 from typing import Any, Mapping, NamedTuple
 
 from .result import Moment
 from .session import ContactSession
 from ..exceptions import ContactEstimationError, RecordingError
+from ..texts import json_content
 
 START, CHANGE, RESET, TARE = 'start', 'set_parameters', 'reset', 'tare'
 DESCRIPTION, LOCATION = 'robot_description', 'set_location'
@@ -87,15 +89,31 @@ class EstimationEvent(NamedTuple):
 
         """
         try:
-            content = json.loads(text)
-            return cls(
-                content['event'], int(content['after_stamp_ns']), dict(content['parameters']),
-                int(content['time_jumps']),
-            )
-        except (ValueError, KeyError, TypeError) as error:
+            content = json_content(text)
+            parameters = dict(content['parameters'])
+            if not _is_usable(content['event'], parameters):
+                raise ValueError(f'unusable parameters of {content["event"]!r}')
+            return cls(content['event'], int(content['after_stamp_ns']), parameters,
+                       int(content['time_jumps']))
+        except (ValueError, KeyError, TypeError, OverflowError) as error:
             raise RecordingError(
-                f'expected an estimation event as JSON, got {text[:80]!r}'
+                f'expected an estimation event as JSON, got {text[:200]!r}; write a copy without '
+                'the topic by `convert`, which leaves events out'
             ) from error
+
+
+def _is_usable(kind: str, parameters: Mapping[str, Any]) -> bool:
+    """Return whether an event holds what its kind needs; errors of Python mean no, too."""
+    if kind == TARE:
+        return 'force_bias' in parameters and all(map(isfinite, parameters.values()))
+    if kind == DESCRIPTION:
+        return isinstance(parameters['text'], str)
+    if kind == READY:
+        return {'wrench_ns': int, 'motion_ns': int} == {
+            name: type(value) for name, value in parameters.items()}
+    return kind != STATIC or all(
+        isinstance(parent, str) and isinstance(child, str) and len(pose) == 7
+        and all(map(isfinite, pose)) for parent, child, *pose in parameters['transforms'])
 
 
 def event_now(
@@ -223,4 +241,10 @@ def apply_event(session: ContactSession, event: EstimationEvent) -> None:
         bias = {own: recorded.get(f'force_bias.{own}', recorded['force_bias'])}
         bias.update((axis, recorded[f'force_bias.{axis}']) for axis in others
                     if f'force_bias.{axis}' in recorded)
+        limit = session.parameters.synchronisation.maximum_force
+        if any(abs(value) > limit for value in bias.values()):
+            raise RecordingError(
+                f'recorded tare must be within synchronisation.maximum_force = {limit:g} N, got '
+                f'{", ".join(f"{value:g} N" for value in bias.values())}; write a copy without '
+                'events by `convert`, or raise the limit')
         session.set_bias(bias)

@@ -18,10 +18,12 @@ from __future__ import annotations
 
 from collections import deque
 from functools import partial
+from math import nan
 from typing import Any, Iterator, Mapping
 
 from .arm_frames import static_of_parameters
-from .events import apply_event, EstimationEvent, STATIC
+from .arm_signals import read_contact_signals
+from .events import apply_event, EstimationEvent, STATIC, TARE
 from .inputs import MessageInputs
 from .late_messages import LateMessages
 from .parameters import EstimationParameters
@@ -31,16 +33,33 @@ from .result import AxesEstimates
 from .session import ContactSession
 from .start_up import StartUp
 from ..estimators import ESTIMATORS
-from ..exceptions import MessageError
+from ..exceptions import MessageError, ParameterRangeError
 from ..messages import decode_string, TrajectoryDecoder
 from ..parameters.values import build
 from ..recordings import RecordedMessage, RecordingReader
+from ..recordings.free_flight import Tare
+from ..recordings.recorded_signals import wrench_rate
 from ..recordings.source import RecordingSource
 from ..recordings.topic_names import canonical
 from ..reference.setpoints import Reference
 from ..signals.stamp_screen import BEFORE_ANY
 
+_CUTOFF = 'conditioning.cutoff_frequency'
 _AHEAD = 6000  # messages by which an event may be recorded after the sample that it follows
+
+
+def _measured(
+    reader: RecordingReader, source: RecordingSource, given: Mapping[str, Any]
+) -> dict[str, Any]:
+    """Return the rate of the wrench where it is not given, and no filter if that is too low."""
+    rate = nan if 'sample_rate' in given else wrench_rate(reader, source)
+    for measured in ({'sample_rate': rate}, {'sample_rate': rate, _CUTOFF: 0.0}):
+        try:
+            build(EstimationParameters, {**measured, **given})
+            return measured
+        except ParameterRangeError:
+            continue
+    return {}
 
 
 class RecordingReplay:
@@ -70,8 +89,8 @@ class RecordingReplay:
         self, reader: RecordingReader, source: RecordingSource, chosen: Mapping[str, Any]
     ) -> None:
         self._reader, self._source, self._chosen = reader, source, dict(chosen)
-        recorded = recorded_parameters(reader, source, chosen)
-        parameters = build(EstimationParameters, {**recorded, **chosen})
+        given = {**recorded_parameters(reader, source, chosen), **chosen}
+        parameters = build(EstimationParameters, {**_measured(reader, source, given), **given})
         self.session = ContactSession(parameters, generate_reference=False)
         of_tf = parameters.pose_source == 'tf'
         if parameters.kinematics.tip and self.session.arm is None and not of_tf:
@@ -88,9 +107,20 @@ class RecordingReplay:
         # The first transform of a message stands for none of the others.
         self._late = None if of_tf else LateMessages(
             source.wrench, lambda: self.session.parameters.synchronisation)
-        self._references = TrajectoryDecoder()
+        self.tares = self._tare() if source.tare else {}
+        self._references = TrajectoryDecoder(parameters.joint)
         self._left_over: list[RecordedMessage] = []
         self._last_reference_ns, self._reference_jumps = BEFORE_ANY, 0
+
+    def _tare(self) -> dict[str, Tare]:
+        """Set the zero of the force of each axis as the user chose."""
+        parameters = self.session.parameters
+        signals = {axis: read_contact_signals(
+            self._reader, self._source, parameters, axis, joint)
+            for axis, joint in parameters.joints.items()}
+        tares = {axis: own.tare for axis, own in signals.items() if own.tare is not None}
+        self.session.set_bias({axis: tare.force for axis, tare in tares.items()})
+        return tares
 
     def estimates(self) -> Iterator[list[AxesEstimates]]:
         """
@@ -156,6 +186,8 @@ class RecordingReplay:
 
     def _add_event(self, raw: bytes) -> None:
         event = EstimationEvent.from_text(decode_string(raw))
+        if event.kind == TARE and self.tares:
+            return  # the user has chosen another
         kept = {k: v for k, v in event.parameters.items() if k not in self._chosen}
         event = event._replace(parameters=kept)
         apply = partial(apply_event, self.session, event)

@@ -24,6 +24,8 @@ from typing import Iterator, NamedTuple, Sequence
 
 from ..exceptions import ParameterRangeError, RecordingError
 from ..recordings.bag_folder import natural_order
+from ..recordings.table import is_table
+from ..texts import printable
 
 ONE_GROUP = 'all'
 """Name of the only group without a pattern."""
@@ -90,22 +92,24 @@ def find_recordings(paths: Sequence[str], group_by: str | None = None) -> list[F
     return sorted(found.values(), key=lambda one: natural_order(one.name))
 
 
-def printable(text: str) -> str:
+def passed_over(paths: Sequence[str]) -> list[str]:
     """
-    Escape what a file name has that is not UTF-8.
+    Find the logs in given folders that are recordings of no kind that is searched for.
 
     Parameters
     ----------
-    text : str
-        With a file name as of `os.listdir`: undecodable bytes as surrogates.
+    paths : sequence of str
+        As of `find_recordings`.
 
     Returns
     -------
-    text : str
-        Can be encoded; such a byte reads as a backslash, x and two digits.
+    names : list of str
+        Tables, which may be anything and are read where they are named, and ROS 1 bags.
 
     """
-    return text.encode('utf-8', 'surrogateescape').decode('utf-8', 'backslashreplace')
+    return [printable(file.as_posix()) for given in paths if os.path.isdir(given)
+            for file in sorted(Path(given).rglob('*'))
+            if (is_table(file) or file.suffix == '.bag') and file.is_file()]
 
 
 def _compiled(group_by: str) -> re.Pattern[str]:
@@ -155,7 +159,8 @@ def _recordings_at(path: Path, of_pattern: bool = False) -> Iterator[Path]:
     """Yield a regular file as it is, and the recordings of a folder, each place once."""
     if not os.path.isdir(path):
         # a file that is named is meant
-        if os.path.isfile(path) and (path.suffix in _SUFFIXES or not of_pattern):
+        if os.path.isfile(path) and (
+                path.suffix in _SUFFIXES or is_table(path) or not of_pattern):
             yield path
         return
     # Links come last: a recording has the name of its own place, and a loop ends.

@@ -98,7 +98,8 @@ class Episodes:
 
 
 def replay_episodes(
-    path: str, topics: Mapping[str, str], chosen: Mapping[str, Any]
+    path: str, source: RecordingSource, chosen: Mapping[str, Any],
+    over: Mapping[str, Any] | None = None,
 ) -> Episodes:
     """
     Replay a recording.
@@ -107,11 +108,13 @@ def replay_episodes(
     ----------
     path : str
         File or rosbag2 folder.
-    topics : mapping of str to str
-        As in `read_recording`.
+    source : RecordingSource
+        Where and how it is read.
     chosen : mapping of str to value
         Parameters of the estimator that the recording does not hold; where it holds those of
         the node, they are used instead.
+    over : mapping of str to value, optional
+        Parameters that take precedence over recorded ones.
 
     Returns
     -------
@@ -124,10 +127,10 @@ def replay_episodes(
         If the recording has no usable sample, or a parameter is not valid.
 
     """
-    reader = RecordingReader(path)
+    reader = RecordingReader(path, source)
     recorded = from_metadata(reader.metadata())
     chosen = {name: value for name, value in chosen.items() if name not in recorded}
-    replay = RecordingReplay(reader, RecordingSource.of_topics(topics), chosen)
+    replay = RecordingReplay(reader, source, {**chosen, **(over or {})})
     episodes = Episodes()
     for estimates in replay.estimates():
         episodes.add(of_axes[0] for of_axes in estimates)

@@ -26,6 +26,7 @@ from typing import Any, Mapping
 from ..parameters.values import build, flatten
 from ..plant.plant_parameters import PlantParameters
 from ..recordings.identity import file_sha256
+from ..recordings.source import RecordingSource
 from ..scheduling import installed_version
 
 
@@ -40,6 +41,10 @@ class Settings:
         All parameters of the nominal model, by dotted name.
     topics : mapping of str to str
         As in `read_recording`.
+    reading : mapping
+        How recordings are read: attributes of `RecordingSource` that are no topics.
+    parameters : mapping of str to value
+        Of the estimator, chosen over recorded ones.
     axis, joint : str
         Contact axis of the force, and its joint; '' for the only joint.
     seed : int
@@ -53,6 +58,8 @@ class Settings:
 
     model: Mapping[str, Any]
     topics: Mapping[str, str] = field(default_factory=dict)
+    reading: Mapping[str, Any] = field(default_factory=dict)
+    parameters: Mapping[str, Any] = field(default_factory=dict)
     axis: str = 'x'
     joint: str = ''
     seed: int = 0
@@ -78,6 +85,11 @@ class Settings:
 
         """
         return cls(dict(flatten(model)), **options)
+
+    @property
+    def source(self) -> RecordingSource:
+        """Return where and how recordings are read."""
+        return RecordingSource.of_topics(self.topics, **self.reading)
 
     @property
     def nominal(self) -> PlantParameters:

@@ -20,7 +20,8 @@ import json
 import os
 from pathlib import Path
 
-from .one_recording import Outcome, Result
+from .one_recording import Outcome, OUTCOME_NAMES, POOLED_NAMES, Result
+from ..texts import json_content
 
 _RESULTS, _PAGES = 'finished', 'recordings'
 
@@ -59,9 +60,11 @@ class Finished:
 
         """
         try:
-            outcome: Outcome = json.loads(self._file(key).read_text(encoding='utf-8'))
+            outcome: Outcome = json_content(self._file(key).read_text(encoding='utf-8'))
         except (FileNotFoundError, ValueError):
             return None
+        if not isinstance(outcome, dict) or set(outcome) not in (POOLED_NAMES, OUTCOME_NAMES):
+            return None  # damaged, or of another version
         lacks_page = with_page and outcome['report'] is not None and not self.page(key)
         return None if lacks_page else outcome
 

@@ -22,7 +22,6 @@ from typing import Any, Callable, NamedTuple, Sequence
 
 import numpy as np
 
-from .discovery import printable
 from .episodes import replay_episodes
 from .fingerprint import Settings
 from ..diagnosis.conclude.diagnose import diagnose
@@ -34,9 +33,13 @@ from ..diagnosis.report.json_report import as_dict
 from ..diagnosis.report.page import as_html
 from ..exceptions import ContactEstimationError, MissingPackageError
 from ..recordings import RecordingReader
+from ..texts import printable
 
 Outcome = dict[str, Any]
-"""Plain data: version, start_ns, duration_s, episodes, diagnosed_s, report and error."""
+"""Plain data with `OUTCOME_NAMES`; of recordings together, with `POOLED_NAMES`."""
+OUTCOME_NAMES = {
+    'version', 'start_ns', 'duration_s', 'episodes', 'diagnosed_s', 'report', 'error'}
+POOLED_NAMES = {'version', 'report', 'error'}
 
 
 class Result(NamedTuple):
@@ -88,13 +91,13 @@ def process(path: str, settings: Settings, with_page: bool) -> Result:
         except MissingPackageError:
             raise  # of the worker, not of the recording
         except ContactEstimationError as error:
-            errors.append(printable(str(error).replace(path, Path(path).name)))
+            errors.append(str(error).replace(printable(path), printable(Path(path).name)))
         return None
 
-    attempt(lambda: outcome.update(start_ns=RecordingReader(path).start_ns))
-    recording = attempt(lambda: _read(path, settings))
+    attempt(lambda: outcome.update(start_ns=RecordingReader(path, settings.source).start_ns))
+    recording = attempt(lambda: read(path, settings))
     if recording is not None:
-        attempt(lambda: outcome.update(_replayed(path, recording, settings)))
+        attempt(lambda: outcome.update(_replayed(path, settings)))
         outcome['diagnosed_s'] = float(np.ptp(recording.signals.wrench_t))
         diagnosis = attempt(lambda: _diagnosed([recording], settings))
         if diagnosis is not None:
@@ -126,34 +129,49 @@ def process_pooled(
 
     """
     try:
-        fitted, tested = ([_read(path, settings) for path in some] for some in (paths, held_out))
+        fitted, tested = ([read(path, settings) for path in some] for some in (paths, held_out))
         diagnosis = _diagnosed(fitted, settings, tested)
     except MissingPackageError:
         raise
     except ContactEstimationError as error:
         return Result({'version': settings.version, 'report': None,
-                       'error': printable(str(error))}, '')
+                       'error': str(error)}, '')
     title = printable(', '.join(Path(path).name for path in paths))
     page = as_html(diagnosis, title) if with_page else ''
     return Result({'version': settings.version, 'report': as_dict(diagnosis), 'error': ''}, page)
 
 
-def _read(path: str, settings: Settings) -> Recording:
-    recording = read_recording(path, topics=settings.topics, axis=settings.axis,
-                               joint=settings.joint, most_samples=settings.most_samples)
-    return replace(recording, name=printable(recording.name))
+def read(path: str, settings: Settings) -> Recording:
+    """
+    Read a recording for the diagnosis.
+
+    Parameters
+    ----------
+    path : str
+        File or rosbag2 folder.
+    settings : Settings
+        How to read it.
+
+    Returns
+    -------
+    recording : Recording
+        Its first samples, see `Settings.most_samples`.
+
+    """
+    return read_recording(path, topics=settings.topics, axis=settings.axis,
+                          joint=settings.joint, most_samples=settings.most_samples,
+                          parameters=settings.parameters, **settings.reading)
 
 
-def _replayed(path: str, recording: Recording, settings: Settings) -> Outcome:
-    """Replay with the model's wall and the recording's rate, unless the node's are recorded."""
+def _replayed(path: str, settings: Settings) -> Outcome:
+    """Replay with the model's wall, unless the node's is recorded."""
     chosen: dict[str, Any] = {
         'environment.location': settings.nominal.environment.location,
-        'sample_rate': float(1.0 / np.median(np.diff(recording.signals.wrench_t))),
         'axis': settings.axis,
     }
     if settings.joint:
         chosen['joint'] = settings.joint
-    episodes = replay_episodes(path, settings.topics, chosen)
+    episodes = replay_episodes(path, settings.source, chosen, settings.parameters)
     first, last = episodes.first_ns or 0, episodes.last_ns or 0
     return {'start_ns': first, 'duration_s': (last - first) * 1e-9, 'episodes': episodes.found()}
 

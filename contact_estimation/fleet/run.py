@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import Callable, Iterator, Mapping, Sequence
 
 from .changes import Change, changes
-from .discovery import FoundRecording, printable
+from .discovery import FoundRecording
 from .entry import Entry, in_time
 from .fingerprint import recording_sha256, Settings
 from .finished import Finished
@@ -29,6 +29,7 @@ from .one_recording import Outcome, process, Result
 from .pooling import pooled_calls, PooledResult, pools
 from .trends import by_group
 from ..scheduling import Answer, Call, Workers
+from ..texts import printable
 
 Progress = Callable[[float, str], None]
 

@@ -48,7 +48,7 @@ def recorded_frame(reader: RecordingReader, source: RecordingSource) -> str:
 
 def read_blocks(
     reader: RecordingReader, source: RecordingSource, model: RobotModel, force_sign: float = 1.0,
-    mount: Array = np.eye(3),
+    mount: Array = np.eye(3), base: str = '',
 ) -> CalibrationBlocks:
     """
     Read the blocks of a recording.
@@ -65,6 +65,8 @@ def read_blocks(
         -1 where the driver publishes the wrench that the robot applies.
     mount : ndarray, shape (3, 3)
         Turns the axes of the wrench into those of the model's tip.
+    base : str
+        Link in whose axes the wrench is expressed; '' for those of the sensor.
 
     Returns
     -------
@@ -102,8 +104,12 @@ def read_blocks(
     f, w, alpha, a = _motion(model, q[:, :, have], mount)
     limits = ((w, _FASTEST_TURN), (alpha, _FASTEST_SPIN_UP), (a, _FASTEST_START))
     slow = np.all([np.linalg.norm(each, axis=1) < limit for each, limit in limits], axis=0)
-    return CalibrationBlocks(
-        f, load_regressor(f, w, alpha), (sums[:, have] / counts[have]).T, slow)
+    measured = (sums[:, have] / counts[have]).T
+    if base:
+        axes = np.array([model.pose(joints, base)[0].T @ model.pose(joints)[0] @ mount
+                         for joints in q[:, 1, have].T])
+        measured = np.einsum('nij,nki->nkj', axes, measured.reshape(-1, 2, 3)).reshape(-1, 6)
+    return CalibrationBlocks(f, load_regressor(f, w, alpha), measured, slow)
 
 
 def _read(

@@ -110,6 +110,8 @@ class ContactKinematics:
         -1 where the driver publishes the wrench that the robot applies.
     mount : sequence of float
         Roll, pitch and yaw of the sensor's axes in its link [rad].
+    in_base : bool
+        Whether the driver expresses the wrench in axes of the base instead.
 
     Attributes
     ----------
@@ -131,7 +133,7 @@ class ContactKinematics:
 
     def __init__(
         self, model: RobotModel | TransformModel, contact: ContactParameters, tool: ToolParameters,
-        force_sign: float = 1.0, mount: Sequence[float] = (0.0, 0.0, 0.0),
+        force_sign: float = 1.0, mount: Sequence[float] = (0.0, 0.0, 0.0), in_base: bool = False,
     ) -> None:
         from scipy.spatial.transform import Rotation  # slow to import, and only arms need it
 
@@ -143,7 +145,7 @@ class ContactKinematics:
         self._in_tip = contact.normal_frame == 'tip'
         self._point = np.array(contact.point) if any(contact.point) else None
         self.configure(tool)
-        self._sign = force_sign
+        self._sign, self._in_base = force_sign, in_base
         self._axes = self._mount = Rotation.from_euler('xyz', mount).as_matrix()
         self._offset: Array | None = None
         self._gravity = model.root_axes.T @ np.array([0.0, 0.0, -STANDARD_GRAVITY])
@@ -270,7 +272,10 @@ class ContactKinematics:
 
     def _compensated(self, measured: Sequence[float], R_sensor: Array) -> Array:
         """Return a wrench without the tool's weight and the zero of the sensor."""
-        wrench = self._sign * np.array(measured, float) - self._bias
+        wrench = self._sign * np.array(measured, float)
+        if self._in_base:
+            wrench = (wrench.reshape(2, 3) @ R_sensor).ravel()
+        wrench -= self._bias
         if self._weighs:
             wrench -= self._load @ (self._gravity @ R_sensor)
         return wrench

@@ -20,6 +20,8 @@ from dataclasses import dataclass
 
 from ..parameters.specification import parameter, ParameterGroup
 
+AXES = ('sensor', 'base')
+
 
 @dataclass(frozen=True)
 class KinematicsParameters(ParameterGroup):
@@ -44,4 +46,9 @@ class ForceSensorParameters(ParameterGroup):
     rpy: tuple[float, ...] = parameter(
         (0.0, 0.0, 0.0), "Roll, pitch and yaw of the sensor's axes in that link, where the "
         'robot description lacks its mounting', 'rad', read_only=True,
+    )
+    axes: str = parameter(
+        'sensor', 'Axes in which the wrench is expressed: those of the sensor, or of '
+        'kinematics.base, as of UR drivers that leave frame_id empty', choices=AXES,
+        read_only=True,
     )

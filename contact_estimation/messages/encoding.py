@@ -149,6 +149,35 @@ class TrajectoryEncoder:
         )
 
 
+class JointRowEncoder:
+    """
+    Write several joints as sensor_msgs/msg/JointState or trajectory_msgs/msg/JointTrajectory.
+
+    Parameters
+    ----------
+    joints : sequence of str
+        Names of n joints.
+    trajectory : bool
+        Whether to write a trajectory of one point, due at its stamp.
+
+    """
+
+    def __init__(self, joints: Sequence[str], trajectory: bool) -> None:
+        count = len(joints)
+        head = _head('', *joints) + (_ONE if trajectory else b'')
+        self._head = _aligned(head + count.to_bytes(4, 'little'), 8)
+        further = f'I4x{count}d' * (3 if trajectory else 1)
+        self._pack = Struct(
+            f'<4siI{len(self._head)}s{count}d{further}' + ('8x' if trajectory else '4x')).pack
+        self._count = count
+
+    def encode(self, stamp_ns: int, *rows: Sequence[float]) -> bytes:
+        """Return the message with this stamp [ns], positions and their rates, n of each."""
+        positions, *rates = rows
+        return self._pack(_LITTLE_ENDIAN, *divmod(stamp_ns, NS_PER_S), self._head, *positions,
+                          *(value for row in rates for value in (self._count, *row)))
+
+
 def encode_string(text: str) -> bytes:
     """Return a std_msgs/msg/String with this text."""
     return _LITTLE_ENDIAN + _text(text)
@@ -186,9 +215,12 @@ def encode_multi_array(
     return _LITTLE_ENDIAN + head + Struct(f'<{len(values)}d').pack(*values)
 
 
-def _head(frame_id: str, joint: str) -> bytes:
-    """Write the frame and a sequence of one joint name, up to the next sequence."""
-    return _aligned(_aligned(_text(frame_id), 4) + _ONE + _text(joint), 4)
+def _head(frame_id: str, *joints: str) -> bytes:
+    """Write the frame and a sequence of joint names, up to the next sequence."""
+    head = _aligned(_text(frame_id), 4) + len(joints).to_bytes(4, 'little')
+    for joint in joints:
+        head = _aligned(head, 4) + _text(joint)
+    return _aligned(head, 4)
 
 
 def _text(text: str) -> bytes:

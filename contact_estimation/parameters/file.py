@@ -19,10 +19,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any, Mapping
 
-import yaml
-
 from .values import flatten_mapping
 from ..exceptions import ModelFileError, UnknownNameError
+from ..texts import yaml_file
 
 ANY_NODE = '/**'
 KNOWN_NODES = ('estimator_node', 'plant_node', 'recorder_node')
@@ -67,12 +66,10 @@ def read_parameter_file(path: Path | str, node: str) -> dict[str, Any]:
 
 def _load(path: Path) -> Mapping[str, Any]:
     try:
-        content = yaml.safe_load(path.read_text())
-    except OSError as error:
-        raise ModelFileError(f'parameter file {path} cannot be read: {error.strerror}') from error
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        reason = ' '.join(str(error).split())
-        raise ModelFileError(f'parameter file {path} is not YAML: {reason}') from error
+        content = yaml_file(path)
+    except (OSError, ValueError) as error:
+        reason = getattr(error, 'strerror', None) or error
+        raise ModelFileError(f'parameter file {path} cannot be read: {reason}') from error
     if not isinstance(content, Mapping):
         raise ModelFileError(
             f'parameter file {path} must hold `NODE: {{ros__parameters: ...}}`, got '
@@ -88,7 +85,4 @@ def _section(content: Any, path: Path | str, section: str) -> dict[str, Any]:
             f'section {section!r} of parameter file {path} must hold `ros__parameters` with a '
             f'mapping, got {content!r}'
         )
-    try:
-        return flatten_mapping(inner)
-    except RecursionError as error:
-        raise ModelFileError(f'parameter file {path} contains itself by an alias') from error
+    return flatten_mapping(inner)

@@ -20,10 +20,9 @@ from pathlib import Path, PurePosixPath
 import re
 from typing import Any
 
-import yaml
-
 from .bag_metadata import FILE_NAME
 from ..exceptions import RecordingError
+from ..texts import yaml_file
 
 _SQLITE = b'SQLite format 3\0'
 
@@ -52,6 +51,11 @@ def recording_files(path: Path) -> list[Path]:
     if not path.exists():
         raise RecordingError(
             f'recording {path} does not exist; give an existing .mcap file or rosbag2 folder'
+        )
+    if not path.is_dir() and not path.is_file():
+        raise RecordingError(
+            f'{path} is a pipe or device, expected a regular file, which can be read more than '
+            'once; save it to a file first'
         )
     if not path.is_dir():
         return [path]
@@ -97,10 +101,10 @@ def needs_rosbags(path: Path) -> bool:
 def _information(path: Path) -> dict[str, Any] | None:
     """Read metadata.yaml; None where it is missing or was cut short."""
     try:
-        content = yaml.safe_load(path.read_text(encoding='utf-8'))
+        content = yaml_file(path)
         information = content['rosbag2_bagfile_information']
         return information if information['relative_file_paths'] else None
-    except (OSError, ValueError, TypeError, KeyError, yaml.YAMLError):
+    except (OSError, ValueError, TypeError, KeyError):
         return None
 
 

@@ -16,21 +16,24 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from io import BytesIO
 from struct import Struct
 from typing import Any, Mapping, NamedTuple
 
-from mcap import exceptions
+from mcap import exceptions, stream_reader
 from mcap.data_stream import ReadDataStream
 from mcap.opcode import Opcode
 from mcap.records import Channel, Chunk, Schema
 from mcap.stream_reader import get_chunk_data_stream
 
 from .topic_names import canonical
-from ..exceptions import MissingPackageError
+from ..exceptions import MissingPackageError, RecordingError
 
 _MESSAGE_HEAD = Struct('<BQH4xQ8x')  # opcode, length, channel, log time
 _MESSAGE = int(Opcode.MESSAGE)
+LARGEST_CHUNK = 1 << 28
+"""Bytes of a decompressed chunk; recorders write some MB, and memory is bounded by one chunk."""
 # Older versions of mcap without it cannot be imported unless both decompressors are installed.
 _NoDecompressor: Any = getattr(exceptions, 'UnsupportedCompressionError', ())
 _DESCRIPTIONS = {int(Opcode.SCHEMA): Schema, int(Opcode.CHANNEL): Channel}
@@ -69,6 +72,8 @@ class Channels:
     ----------
     types : dict of str to str
         Type of each topic found so far.
+    definitions : dict of str to str
+        Of each type found so far.
     handed_out : dict of int to str
         The wanted channels and the topic to hand out for their messages.
 
@@ -78,12 +83,14 @@ class Channels:
         self.types: dict[str, str] = {}
         self.handed_out: dict[int, str] = {}
         self._wanted = wanted
+        self.definitions: dict[str, str] = {}
         self._schemas: dict[int, str] = {}
 
     def add(self, record: Schema | Channel | None) -> None:
         """Add a schema or channel; None (damaged) is ignored."""
         if isinstance(record, Schema):
             self._schemas[record.id] = record.name
+            self.definitions[record.name] = record.data.decode(errors='replace')
         elif record is not None:
             self.types[record.topic] = self._schemas.get(record.schema_id, '')
             name = canonical(record.topic)
@@ -174,23 +181,47 @@ def read_chunk(content: bytes, channels: Channels) -> list[RecordedMessage] | No
     ------
     MissingPackageError
         If the package for the compression is not installed.
+    RecordingError
+        If the chunk decompresses to more than `LARGEST_CHUNK`.
 
     """
     chunk = parsed(Chunk, content)
     if chunk is None:
         return None
     try:
-        stream, size = get_chunk_data_stream(chunk, validate_crc=True)
+        stream, size = get_chunk_data_stream(_of_stated_size(chunk), validate_crc=True)
     except _NoDecompressor as error:
         raise MissingPackageError.of(
             chunk.compression, 'reading this compressed recording'
         ) from error
+    except RecordingError:
+        raise
     except Exception:  # each decompressor has its own exceptions for damaged data
         return None
     if size != chunk.uncompressed_size:
         return None
     result = walk(stream.read(size), channels)
     return result.messages if result.end == size or result.messages else None
+
+
+def _of_stated_size(chunk: Chunk) -> Chunk:
+    """Require that a chunk decompresses to no more than it states, before that takes memory."""
+    size, data = chunk.uncompressed_size, chunk.data
+    if chunk.compression == 'zstd' and stream_reader.zstandard:
+        if stream_reader.zstandard.frame_content_size(data) not in (size, -1):
+            raise ValueError('another size than stated')
+    elif chunk.compression == 'lz4' and stream_reader.lz4:
+        data = stream_reader.lz4.LZ4FrameDecompressor().decompress(
+            data, min(size, LARGEST_CHUNK) + 1)
+        size, chunk = len(data), replace(chunk, compression='', data=data)
+    else:
+        return chunk
+    if size > LARGEST_CHUNK:
+        raise RecordingError(
+            f'a chunk of the recording takes {chunk.uncompressed_size >> 20} MiB decompressed, '
+            f'expected at most {LARGEST_CHUNK >> 20} MiB; write smaller chunks with: mcap '
+            'compress --chunk-size 4194304')
+    return chunk
 
 
 def parsed(kind: Any, content: bytes) -> Any:

@@ -61,9 +61,49 @@ def jazzy_typestore() -> Any:
         from rosbags.typesys import get_typestore, Stores
     except ImportError as error:
         raise MissingPackageError.of(
-            'rosbags', 'writing recordings, which hold message definitions'
+            'rosbags', 'a recording with message definitions'
         ) from error
     return get_typestore(Stores.ROS2_JAZZY)
+
+
+def fresh_typestore(type_name: str, definition: str) -> Any:
+    """
+    Load the message types of ROS 2 Jazzy and one that a recording defines.
+
+    Parameters
+    ----------
+    type_name : str
+        Such as 'geometry_msgs/msg/WrenchStamped'.
+    definition : str
+        As recorded; '' for a type of the distribution.
+
+    Returns
+    -------
+    typestore : rosbags.typesys.store.Typestore
+        New; has the type.
+
+    Raises
+    ------
+    MissingPackageError
+        If rosbags is not installed.
+    RecordingError
+        If the type is neither of the distribution nor defined.
+
+    """
+    jazzy_typestore()
+    from rosbags.typesys import get_types_from_msg, get_typestore, Stores
+
+    store = get_typestore(Stores.ROS2_JAZZY)
+    try:
+        if type_name not in store.fielddefs:
+            types = get_types_from_msg(definition, type_name)
+            store.register({name: fields for name, fields in types.items()
+                            if name not in store.fielddefs})
+    except Exception as error:  # rosbags has an error of its own for each way to be wrong
+        raise RecordingError(
+            f'the recording does not define the message type {type_name} readably: {error}; '
+            'record it with rosbag2, which writes definitions') from error
+    return store
 
 
 @functools.lru_cache(maxsize=None)

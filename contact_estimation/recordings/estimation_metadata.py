@@ -20,6 +20,7 @@ import json
 from typing import Any, Mapping
 
 from ..exceptions import RecordingError
+from ..texts import json_content
 
 RECORD = 'estimator_node'
 
@@ -63,9 +64,9 @@ def from_metadata(records: Mapping[str, Mapping[str, str]]) -> dict[str, Any]:
 
     """
     try:
-        return {name: json.loads(text) for name, text in records.get(RECORD, {}).items()}
+        return {name: json_content(text) for name, text in records.get(RECORD, {}).items()}
     except ValueError as error:
         raise RecordingError(
             f'metadata record {RECORD!r} must hold JSON values, got an unreadable one: {error}; '
-            'give the parameters with --params'
+            'write a copy without it by `convert`, to CSV and back'
         ) from error

@@ -31,8 +31,10 @@ from .mcap_summary import read_summary, Summary
 from .record_scanner import MAGIC, Record, RECORD_HEAD, RecordScanner
 from .topic_names import canonical
 from ..exceptions import RecordingError
+from ..texts import LFS_POINTER
 
 _BLOCK = 1 << 20
+_LFS = LFS_POINTER.encode()
 _LOOSE = (Opcode.MESSAGE, Opcode.SCHEMA, Opcode.CHANNEL)
 _TIMES = Struct('<QQ')  # of the first and last message of a chunk
 
@@ -54,6 +56,10 @@ class McapFile:
         End of the bytes read in the current or last pass over the messages.
     damaged : int
         Chunks and records skipped in that pass.
+    definitions : dict of str to str
+        Of the types found by the last search for topics.
+    hidden : int
+        Those skipped in the last search for topics, some of which they may describe.
 
     Raises
     ------
@@ -65,9 +71,10 @@ class McapFile:
     def __init__(self, path: Path) -> None:
         self.path = path
         self.position = 0
-        self.damaged = 0
+        self.damaged = self.hidden = 0
+        self.definitions: dict[str, str] = {}
         with _opened(path) as stream:
-            start = stream.read(max(len(MAGIC), 16))
+            start = stream.read(len(_LFS))
             self.size = stream.seek(0, 2)
             _require_magic(path, start, self.size)
             self.summary = read_summary(stream, self.size)
@@ -105,13 +112,16 @@ class McapFile:
 
         """
         channels = Channels({})
+        self.definitions = channels.definitions
         self._describe(channels)
         if self.summary.complete:
             return channels.types
         missing = None if asked is None else {canonical(topic) for topic in asked}
-        for _ in copy(self)._stretches(channels):  # progress and damage of this one stay
+        other = copy(self)  # progress and damage of this one stay
+        for _ in other._stretches(channels):
             if missing is not None and missing <= {canonical(topic) for topic in channels.types}:
                 break
+        self.hidden = other.damaged
         return channels.types
 
     def metadata(self) -> dict[str, dict[str, str]]:
@@ -210,6 +220,11 @@ def _require_magic(path: Path, start: bytes, size: int) -> None:
         raise RecordingError(
             f'recording {path} is empty (0 bytes), expected an MCAP file; '
             'it was stopped before its first message: record again'
+        )
+    if start == _LFS:
+        raise RecordingError(
+            f'{path} is a Git LFS pointer of {size} bytes, expected the recording itself; get it '
+            'with: git lfs pull'
         )
     if start.startswith(b'#ROSBAG'):
         raise RecordingError(

@@ -19,10 +19,14 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Collection, Iterator
 
+from .adaptation import changed, changes_of
 from .bag_folder import needs_rosbags, recording_files
 from .chunk_reader import RecordedMessage
 from .mcap_file import McapFile
 from .rosbags_file import RosbagsFile
+from .source import RecordingSource
+from .table import is_table
+from .table_file import TableFile
 from .topic_names import canonical, require_topics
 from ..exceptions import RecordingError
 
@@ -39,7 +43,9 @@ class RecordingReader:
     Parameters
     ----------
     path : Path or str
-        An .mcap or .db3 file, or a rosbag2 folder.
+        An .mcap or .db3 file, a rosbag2 folder, or a table, see `read_columns`.
+    source : RecordingSource, optional
+        How it is read; by default as recorded.
 
     Attributes
     ----------
@@ -55,16 +61,22 @@ class RecordingReader:
 
     """
 
-    def __init__(self, path: Path | str) -> None:
+    def __init__(self, path: Path | str, source: RecordingSource | None = None) -> None:
         self.path = Path(path)
-        self._files = [RosbagsFile(file) if needs_rosbags(file) else McapFile(file)
-                       for file in recording_files(self.path)]
+        self._source = source or RecordingSource()
+        self._files = [self._opened(file) for file in recording_files(self.path)]
         self.truncated = not all(file.summary.whole for file in self._files)
 
     @property
     def damaged_chunks(self) -> int:
         """Return the number of damaged chunks and stretches skipped while reading messages."""
         return sum(file.damaged for file in self._files)
+
+    @property
+    def columns(self) -> dict[str, str]:
+        """Return the column of each signal of a table; empty for other recordings."""
+        return {key: column for file in self._files if isinstance(file, TableFile)
+                for key, column in file.columns.items()}
 
     @property
     def progress(self) -> float:
@@ -160,18 +172,27 @@ class RecordingReader:
         Returns
         -------
         batches : iterator of list of RecordedMessage
-            In file order, never empty. Their `topic` is written as in `topics`.
+            In file order, never empty. Their `topic` is written as in `topics`; their data are
+            as recorded, or as `source` says.
 
         Raises
         ------
         RecordingError
-            If the recording lacks one of the topics, or ends before any: at the call, not at the
-            first message.
+            If the recording lacks one of the topics, has it with another type, or ends before
+            any: at the call, not at the first message.
 
         """
-        wanted = None
+        wanted, changes = None, {}
         if topics is not None:
             types = self.topics(topics)
+            hidden = sum(file.hidden for file in self._files)
+            if hidden and {canonical(topic) for topic in topics} - set(map(canonical, types)):
+                raise RecordingError(
+                    f'recording {self.path} has {hidden} damaged stretches, and what describes '
+                    f'{", ".join(topics)} is in none that can be read (there: '
+                    f'{", ".join(types) or "no topic"}); use another copy of the file, or '
+                    'recover it with: mcap recover'
+                )
             if self.truncated and not types:
                 raise RecordingError(
                     f'recording {self.path} must hold messages, but it ends before the first '
@@ -179,7 +200,21 @@ class RecordingReader:
                 )
             require_topics(topics, types, f'recording {self.path}')
             wanted = {canonical(topic): topic for topic in topics}
-        return self._batches(wanted)
+            changes = changes_of(
+                self._source, {name: kind for name, kind in types.items()
+                               if canonical(name) in wanted},
+                self._definition_of, f'recording {self.path}')
+        batches = self._batches(wanted)
+        return changed(batches, changes) if changes else batches
+
+    def _definition_of(self, type_name: str) -> str:
+        return next((file.definitions[type_name] for file in self._files
+                     if type_name in file.definitions), '')
+
+    def _opened(self, file: Path) -> McapFile | RosbagsFile | TableFile:
+        if is_table(file):
+            return TableFile(file, self._source)
+        return RosbagsFile(file) if needs_rosbags(file) else McapFile(file)
 
     def _batches(self, wanted: dict[str, str] | None) -> Iterator[list[RecordedMessage]]:
         """Read one file after the other."""

@@ -18,18 +18,22 @@ from __future__ import annotations
 
 from array import array
 from dataclasses import dataclass
+from itertools import islice
 from typing import Callable, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .free_flight import Tare
 from .reading import RecordingReader
 from .source import RecordingSource
 from .topic_names import canonical
 from ..exceptions import MessageError, RecordingError
 from ..messages import FORCE_OF_AXIS, JointStateDecoder, TrajectoryDecoder, WrenchDecoder
+from ..messages.cdr import header_stamp_ns
 
 Row = tuple[int, Sequence[float]]
+_RATE_SAMPLES = 2000
 
 
 @dataclass(frozen=True)
@@ -71,6 +75,8 @@ class RecordedSignals:
         Empty where none was recorded.
     frame_id : str
         Frame of the wrench.
+    tare : Tare or None
+        What was subtracted from the force.
 
     """
 
@@ -78,6 +84,7 @@ class RecordedSignals:
     joint_states: Signal
     reference_trajectory: Signal
     frame_id: str
+    tare: Tare | None = None
 
 
 def read_signals(
@@ -177,6 +184,29 @@ def read_rows(
                 f'stamps, got none{refused.get(name, "")}; check topic, axis and joint'
             )
     return signals
+
+
+def wrench_rate(reader: RecordingReader, source: RecordingSource) -> float:
+    """
+    Measure the rate of the wrench from the stamps of the first wrenches.
+
+    Parameters
+    ----------
+    reader : RecordingReader
+        The recording.
+    source : RecordingSource
+        Its topics.
+
+    Returns
+    -------
+    rate : float
+        Inverse of the median period of 2000 wrenches [Hz]; NaN where stamps do not increase.
+
+    """
+    first = islice(reader.messages([source.wrench]), _RATE_SAMPLES)
+    stamps = [header_stamp_ns(message.data) or 0 for message in first]
+    period_ns = float(np.median(np.diff(stamps))) if len(stamps) > 1 else 0.0
+    return 1e9 / period_ns if period_ns > 0.0 else float('nan')
 
 
 def _decoders(

@@ -44,7 +44,9 @@ class RosbagsFile:
     ----------
     size, position : int
         Number of messages, and of those read in the current pass.
-    damaged : int
+    definitions : dict of str to str
+        Of each type.
+    damaged, hidden : int
         Always 0: damage is an error.
     summary : Summary
         Says that the recording is complete.
@@ -60,11 +62,12 @@ class RosbagsFile:
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        self.position = self.damaged = 0
+        self.position = self.damaged = self.hidden = 0
         self.summary = Summary(whole=True)
         with self._opened() as reader:
             self.size = max(1, int(reader.message_count))
             self._types = {str(c.topic): str(c.msgtype) for c in reader.connections}
+            self.definitions = {str(c.msgtype): str(c.msgdef.data) for c in reader.connections}
             self._span = int(reader.start_time), int(reader.end_time) - 1
             self._empty = reader.message_count == 0
 

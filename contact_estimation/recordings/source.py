@@ -12,12 +12,12 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Topics of a recording that hold the contact signals."""
+"""Where a recording holds the contact signals, and how they are read."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Mapping
+from dataclasses import dataclass, field
+from typing import Any, Mapping
 
 from ..exceptions import UnknownNameError
 
@@ -27,7 +27,7 @@ TOPICS = ('wrench', 'joint_states', 'reference_trajectory', 'robot_description',
 @dataclass(frozen=True)
 class RecordingSource:
     """
-    Topics of a recording that hold the contact signals.
+    Topics or columns of a recording that hold the contact signals, and how they are read.
 
     Attributes
     ----------
@@ -39,6 +39,18 @@ class RecordingSource:
         Topics of the transforms of frames.
     events : str
         Topic of the estimator node's events.
+    columns : mapping of str to str
+        Of a table: column by signal, such as {'t': 'time', 'wrench.force.z': 'Fz'}; others are
+        found by name.
+    units : sequence of str
+        Of a table: units of its columns, such as ('mm', 'N'); SI by default.
+    stamps : str
+        'header', or 'received' for the time at which the bag received each message.
+    wrench_field : str
+        Where messages that are no WrenchStamped hold force and torque, such as 'data[0:6]'.
+    tare : str
+        When the force is zero: 'first-free-flight', or a span 'A:B' [s from the first wrench];
+        '': as recorded. Used where the force along the contact axis is known.
 
     """
 
@@ -49,9 +61,14 @@ class RecordingSource:
     tf: str = 'tf'
     tf_static: str = 'tf_static'
     events: str = 'estimator_node/events'
+    columns: Mapping[str, str] = field(default_factory=dict)
+    units: tuple[str, ...] = ()
+    stamps: str = 'header'
+    wrench_field: str = ''
+    tare: str = ''
 
     @classmethod
-    def of_topics(cls, topics: Mapping[str, str]) -> 'RecordingSource':
+    def of_topics(cls, topics: Mapping[str, str], **reading: Any) -> 'RecordingSource':
         """
         Return the source with other topics than the default ones.
 
@@ -59,6 +76,8 @@ class RecordingSource:
         ----------
         topics : mapping of str to str
             Recorded topic by its name here, one of `TOPICS`.
+        **reading
+            Attributes that are no topics.
 
         Returns
         -------
@@ -74,4 +93,5 @@ class RecordingSource:
         for name in topics:
             if name.strip('/') not in TOPICS:
                 raise UnknownNameError.among('topic', name, TOPICS)
-        return cls(**{name.strip('/'): topic for name, topic in topics.items()})
+        chosen: dict[str, Any] = {name.strip('/'): topic for name, topic in topics.items()}
+        return cls(**chosen, **reading)

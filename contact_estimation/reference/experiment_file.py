@@ -25,7 +25,9 @@ import yaml
 from .excitation import Excitation, Multisine, PseudoRandomBinary, Sine
 from .experiment import Experiment, Segment, START
 from ..exceptions import ModelFileError, UnknownNameError
+from ..texts import yaml_file
 
+_LONGEST_S = 86400.0
 _SEGMENT_KEYS = {'duration', 'position', 'force', 'force_excitation', 'position_excitation'}
 _EXCITATIONS: dict[str, tuple[Callable[..., Excitation], dict[str, str]]] = {
     'sine': (Sine, {'amplitude': 'amplitude', 'angular_frequency': 'omega'}),
@@ -55,12 +57,10 @@ def read_experiment(path: Path) -> Experiment:
 
     """
     try:
-        content = yaml.safe_load(path.read_text())
-    except OSError as error:
-        raise ModelFileError(f'experiment file {path} cannot be read: {error.strerror}') from error
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        reason = ' '.join(str(error).split())
-        raise ModelFileError(f'experiment file {path} is not YAML: {reason}') from error
+        content = yaml_file(path)
+    except (OSError, ValueError) as error:
+        reason = getattr(error, 'strerror', None) or error
+        raise ModelFileError(f'experiment file {path} cannot be read: {reason}') from error
     _expect(isinstance(content, Mapping), path, 'a mapping with `start` and `segments`', content)
     _expect_keys(content, {'name', 'start', 'segments'}, path)
     segments = content.get('segments')
@@ -113,7 +113,7 @@ def _segment(entry: Any, path: Path) -> Segment:
     _expect(isinstance(entry, Mapping), path, 'segments that are mappings', entry)
     _expect_keys(entry, _SEGMENT_KEYS, path)
     duration = _number(entry.get('duration'), path, 'duration')
-    _expect(duration >= 1e-3, path, 'duration >= 0.001 s', duration)
+    _expect(1e-3 <= duration <= _LONGEST_S, path, 'a duration of 0.001 s to one day', duration)
     return Segment(
         duration,
         _number(entry.get('position'), path, 'position'),

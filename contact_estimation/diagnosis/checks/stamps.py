@@ -118,7 +118,8 @@ def clock_offset(evidence: Evidence) -> Finding:
     if not overlap.enough:
         return Finding(False, f'{overlap.text}: expected the same time, got '
                               f'{overlap.seconds:.3g} s in common; stamp all topics by one '
-                              'clock, in one unit')
+                              'clock, in one unit, or take the time of reception with --stamps '
+                              'received')
     if not evidence.model.environment.unilateral:
         return Finding(True, overlap.text)
     lag = evidence.lag

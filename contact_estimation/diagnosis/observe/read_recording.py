@@ -29,12 +29,13 @@ from ...messages import FORCE_OF_AXIS
 from ...parameters.values import build
 from ...recordings import RecordingReader
 from ...recordings.source import RecordingSource
+from ...texts import printable
 
 
 def read_recording(
     path: str | PathLike[str], *, topics: Mapping[str, str] | None = None, axis: str = 'x',
     joint: str = '', parameters: Mapping[str, Any] | None = None,
-    most_samples: int | None = None,
+    most_samples: int | None = None, **reading: Any,
 ) -> Recording:
     """
     Read the signals of a recording.
@@ -42,7 +43,7 @@ def read_recording(
     Parameters
     ----------
     path : str or path-like
-        An `.mcap` file or a rosbag2 folder.
+        An `.mcap` file, a rosbag2 folder, or a CSV, Parquet or MAT file.
     topics : mapping of str to str, optional
         Recorded topic names by 'wrench', 'joint_states' and 'reference_trajectory'. A topic that
         is not given has that name.
@@ -55,6 +56,8 @@ def read_recording(
         the force's sign are used; they take precedence over recorded ones.
     most_samples : int, optional
         Number of wrenches after which reading stops, a bound of the memory; all by default.
+    **reading
+        Further attributes of `RecordingSource`, such as columns={'t': 'time'}, units=('mm',).
 
     Returns
     -------
@@ -71,12 +74,13 @@ def read_recording(
     """
     if axis not in FORCE_OF_AXIS:
         raise UnknownNameError.among('axis', axis, FORCE_OF_AXIS)
-    source = RecordingSource.of_topics(topics or {})
-    reader = RecordingReader(str(path))
+    source = RecordingSource.of_topics(topics or {}, **reading)
+    reader = RecordingReader(str(path), source)
     arm = build(EstimationParameters, arm_parameters(reader, source, parameters or {}))
     signals = read_contact_signals(reader, source, arm, axis, joint, most_samples)
     back = max(signals.wrench.back_ns, signals.joint_states.back_ns)
-    return Recording(Path(path).name, signals_of(signals), 1e-9 * back, _damage(reader))
+    return Recording(printable(Path(path).name), signals_of(signals), 1e-9 * back,
+                     _damage(reader), tare=signals.tare)
 
 
 def _damage(reader: RecordingReader) -> str:

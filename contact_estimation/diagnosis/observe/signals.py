@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...exceptions import RecordingError
+from ...recordings.free_flight import Tare
 from ...recordings.recorded_signals import RecordedSignals
 
 Array = NDArray[np.float64]
@@ -73,6 +74,8 @@ class Recording:
         What of the file could not be read; '' if all was.
     rests_count : bool
         Whether the stretches count in which a drive is held at rest.
+    tare : Tare or None
+        What was subtracted from the force.
 
     """
 
@@ -81,6 +84,7 @@ class Recording:
     stamps_back_s: float = 0.0
     damage: str = ''
     rests_count: bool = True
+    tare: Tare | None = None
 
 
 def signals_of(recorded: RecordedSignals) -> Signals:
@@ -104,7 +108,8 @@ def check_signals(signals: Signals) -> None:
         if len(stamps) < LEAST_SAMPLES:
             raise RecordingError(
                 f'{name} has {len(stamps)} samples, expected at least {LEAST_SAMPLES} with '
-                'different stamps; stamp every header, record longer or at a higher rate'
+                'different stamps; stamp every header, record longer or at a higher rate, or take '
+                'the time of reception with --stamps received'
             )
     for name, values in (
         ('wrench', signals.force), ('joint_states', signals.position),

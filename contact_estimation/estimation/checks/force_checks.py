@@ -186,9 +186,11 @@ class ForceBias(Check):
     """The sensor reads nothing in free flight."""
 
     name = 'force_bias'
-    message = 'the sensor reads 3.1 N in free flight; call ~/tare there'
+    message = ('the sensor reads 3.1 N in free flight; call ~/tare there, or off line give --tare '
+               'first-free-flight')
     cause = 'The force sensor has an offset, or carries the weight of the tool.'
-    remedy = 'Call `~/tare` out of contact, or set `physics.force_bias.bias` to the value given.'
+    remedy = ('Call `~/tare` out of contact, replay with `--tare first-free-flight`, or set '
+              '`physics.force_bias.bias` to the value given.')
 
     def judge(self, seen: Evidence) -> str | None:
         """Compare the force of free flight, less the declared bias, with its noise."""
@@ -198,7 +200,7 @@ class ForceBias(Check):
         level, noise = _level(seen.force[free], seen)
         if abs(level) <= max(TARE_DUE * noise, 1e-3):
             return ''
-        remedy = 'call ~/tare there'
+        remedy = 'call ~/tare there, or off line give --tare first-free-flight'
         if seen.may_be_weight:
             remedy = f'run calibrate_tool, or without a tool {remedy}'
         return f'the sensor reads {level:.3g} N in free flight; {remedy}'

@@ -1,0 +1,274 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+
+"""Recordings from arrays and to arrays: signals by the names of the columns of a table."""
+
+from __future__ import annotations
+
+from os import PathLike
+from pathlib import Path
+from typing import Any, Mapping, Sequence, TextIO
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .columns import is_key, KEYS
+from .reading import RecordingReader
+from .source import RecordingSource
+from .table_file import FORCES, messages_of, RATES, TYPES
+from .topic_names import canonical
+from .writing import RecordingWriter
+from ..exceptions import MessageError, RecordingError, SignalShapeError, UnknownNameError
+from ..messages import ForceTorqueDecoder, SeveralJointsDecoder, TrajectoryDecoder
+from ..messages.cdr import CdrCursor
+
+Signals = dict[str, NDArray[Any]]
+
+
+def read_table(
+    path: str | PathLike[str], *, topics: Mapping[str, str] | None = None, **reading: Any
+) -> Signals:
+    """
+    Read a table or a recording as arrays.
+
+    Parameters
+    ----------
+    path : str or path-like
+        CSV, Parquet or MAT file, `.mcap` file or rosbag2 folder.
+    topics : mapping of str to str, optional
+        As of `read_recording`.
+    **reading
+        columns, units, stamps and wrench_field, see `RecordingSource`.
+
+    Returns
+    -------
+    signals : dict of str to ndarray, shape (N,)
+        't' [s] from the first row, 't_ns' [ns], 'wrench.force.x' [N] to 'wrench.torque.z' [N m],
+        'joint.NAME' [m] or [rad], 'joint.NAME.velocity', 'reference.NAME' with .velocity,
+        .acceleration and .effort [N]; a row for each stamp, NaN where a topic has no sample.
+
+    Raises
+    ------
+    RecordingError
+        If it cannot be read, or lacks time, force or position.
+
+    """
+    source = RecordingSource.of_topics(topics or {}, **reading)
+    signals = signals_of_recording(RecordingReader(str(path), source), source)
+    return {'t': 1e-9 * (signals['t_ns'] - signals['t_ns'][0]), **signals}
+
+
+def write_recording(path: str | PathLike[str], signals: Mapping[str, ArrayLike]) -> None:
+    """
+    Write arrays as a recording that all commands read.
+
+    Parameters
+    ----------
+    path : str or path-like
+        New `.mcap` or `.csv` file.
+    signals : mapping of str to array_like, shape (N,)
+        As of `read_table`, in SI units: the time of each row as 't' [s] or 't_ns' [ns], at least
+        one force and one joint; other signals may be missing. NaN: no sample in that row.
+
+    Raises
+    ------
+    UnknownNameError
+        If a name is no signal.
+    SignalShapeError
+        If arrays differ in length.
+    RecordingError
+        If time, force or position is missing, or the file exists or cannot be written.
+
+    """
+    arrays = _checked(signals)
+    if Path(path).suffix.lower() == '.csv':
+        write_csv(Path(path), arrays)
+        return
+    stamps_ns = arrays.pop('t_ns').tolist()
+    topics = messages_of(arrays, len(stamps_ns))
+    with RecordingWriter.file(Path(path)) as writer:
+        for place, stamp_ns in enumerate(stamps_ns):
+            for topic, (encode, rows) in topics.items():
+                row = rows[place].tolist()
+                if row[0] == row[0]:
+                    writer.write(canonical(topic), TYPES[topic], encode(stamp_ns, row), stamp_ns)
+
+
+def _checked(signals: Mapping[str, ArrayLike]) -> Signals:
+    for name in signals:
+        if name != 't_ns' and not is_key(name):
+            raise UnknownNameError.among('signal', name, ('t_ns', *KEYS))
+    arrays: Signals = {name: np.asarray(values) for name, values in signals.items()}
+    if len({array.shape for array in arrays.values()}) > 1 or any(
+            array.ndim != 1 for array in arrays.values()):
+        shapes = ', '.join(f'{name} {array.shape}' for name, array in arrays.items())
+        raise SignalShapeError(f'signals must be arrays of one shape (N,), got {shapes}')
+    for needed in ('t', 'wrench.', 'joint.'):
+        if not any(name.startswith(needed) for name in arrays):
+            raise RecordingError(
+                f'signals must have time, a force and a joint, got {", ".join(arrays)}; add '
+                f'{needed}{"NAME" if needed == "joint." else "force.z" * (needed != "t")}')
+    t = arrays.pop('t', None)
+    if 't_ns' not in arrays:
+        arrays['t_ns'] = np.rint(np.asarray(t, np.float64) * 1e9).astype(np.int64)
+    return {name: array.astype(np.int64 if name == 't_ns' else np.float64)
+            for name, array in arrays.items()}
+
+
+def write_csv(path: Path, signals: Mapping[str, NDArray[Any]]) -> None:
+    """
+    Write signals as CSV that reads back without loss.
+
+    Parameters
+    ----------
+    path : Path
+        New file.
+    signals : mapping of str to ndarray, shape (N,)
+        As of `signals_of_recording`; NaN becomes an empty cell.
+
+    Raises
+    ------
+    RecordingError
+        If the file exists or cannot be written.
+
+    """
+    try:
+        with open(path, 'x', encoding='utf-8') as stream:
+            _write_rows(stream, signals)
+    except FileExistsError as error:
+        raise RecordingError(
+            f'{path} exists and recordings are never overwritten; choose another output'
+        ) from error
+    except OSError as error:
+        raise RecordingError(f'cannot write {path}: {error.strerror}') from error
+
+
+def _write_rows(stream: TextIO, signals: Mapping[str, NDArray[Any]]) -> None:
+    used = {name: values for name, values in signals.items()
+            if values.dtype.kind == 'i' or not np.isnan(values).all()}
+    stream.write(','.join(used) + '\n')
+    for row in zip(*(values.tolist() for values in used.values())):
+        stream.write(','.join('' if cell != cell else repr(cell) for cell in row) + '\n')
+
+
+def signals_of_recording(reader: RecordingReader, source: RecordingSource) -> Signals:
+    """
+    Read wrench, joints and reference as arrays on common rows.
+
+    Parameters
+    ----------
+    reader : RecordingReader
+        The recording.
+    source : RecordingSource
+        Its topics.
+
+    Returns
+    -------
+    signals : dict of str to ndarray, shape (N,)
+        As of `read_table`, without 't'. Of equal stamps of a topic, the first counts.
+
+    Raises
+    ------
+    RecordingError
+        If a topic is missing or has no usable message.
+
+    """
+    there = {canonical(topic) for topic in reader.topics()}
+    topics = [source.wrench, source.joint_states]
+    topics += [t for t in (source.reference_trajectory,) if canonical(t) in there]
+    read: dict[str, _Forces | _Joints] = {
+        source.wrench: _Forces(), source.joint_states: _Joints('joint'),
+        source.reference_trajectory: _Joints('reference')}
+    refused = ''
+    for topic, _, data in reader.messages(topics):
+        try:
+            read[topic].add(data)
+        except MessageError as error:
+            refused = refused or f'; {topic}: {error}'
+    for topic in topics[:2]:
+        if not read[topic].rows:
+            raise RecordingError(f'no usable message on {topic} in {reader.path}{refused}')
+    stamps_ns = np.array(sorted(set().union(*(one.rows for one in read.values()))), np.int64)
+    signals: Signals = {'t_ns': stamps_ns}
+    for one in (one for one in read.values() if one.rows):
+        own = np.array(list(one.rows.values()), np.float64).reshape(len(one.rows), -1)
+        places = np.searchsorted(stamps_ns, np.array(list(one.rows), np.int64))
+        for name, column in zip(one.names, own.T):
+            signals[name] = np.full(len(stamps_ns), np.nan)
+            signals[name][places] = column
+    return signals
+
+
+class _Forces:
+    """Rows of forces and torques by stamp."""
+
+    names: Sequence[str] = FORCES
+
+    def __init__(self) -> None:
+        self.rows: dict[int, tuple[float, ...]] = {}
+        self._decoder = ForceTorqueDecoder()
+
+    def add(self, raw: bytes) -> None:
+        self.rows.setdefault(*self._decoder.decode(raw))
+
+
+class _Joints:
+    """Rows of all joints of the first message by stamp: positions, then each rate."""
+
+    def __init__(self, kind: str) -> None:
+        self.rows: dict[int, tuple[float, ...]] = {}
+        self.names: Sequence[str] = ()
+        self._kind = kind
+        self._decode: Any = None
+
+    def add(self, raw: bytes) -> None:
+        if self._decode is None:
+            joints = _joint_names(raw) or ['x']
+            self.names = [f'{self._kind}.{joint}{rate}' for rate in (
+                '', *('.' + rate for rate in RATES[self._kind])) for joint in joints]
+            self._decode = _joint_rows(joints) if self._kind == 'joint' else _points(joints)
+        stamp_ns, row = self._decode(raw)
+        self.rows.setdefault(stamp_ns, row)
+
+
+def _joint_names(raw: bytes) -> list[str]:
+    try:
+        cursor = CdrCursor(raw)
+        cursor.skip(8)
+        cursor.text()  # frame
+        return cursor.texts()
+    except ValueError as error:
+        raise MessageError('malformed', f'{len(raw)} bytes name no joints: {error}') from error
+
+
+def _joint_rows(joints: Sequence[str]) -> Any:
+    decoder = SeveralJointsDecoder(joints if len(joints) > 1 else [''])
+
+    def decode(raw: bytes) -> tuple[int, tuple[float, ...]]:
+        stamp_ns, positions, velocities = decoder.decode(raw)
+        return stamp_ns, (*positions, *velocities)
+
+    return decode
+
+
+def _points(joints: Sequence[str]) -> Any:
+    decoders = [TrajectoryDecoder(joint) for joint in (joints if len(joints) > 1 else [''])]
+
+    def decode(raw: bytes) -> tuple[int, tuple[float, ...]]:
+        points = [decoder.decode(raw) for decoder in decoders]
+        return points[0].stamp_ns, tuple(
+            value for values in zip(*(point[1:] for point in points)) for value in values)
+
+    return decode

@@ -1,0 +1,245 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+
+"""Columns of tables as signals of the contract: found by name, in SI units."""
+
+from __future__ import annotations
+
+import re
+from typing import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .table import Columns
+from ..exceptions import RecordingError
+
+Signals = dict[str, NDArray[np.float64]]
+
+_EPOCH_NS = 1e17  # seconds since 1970 would be beyond it in the year 3e9
+_LENGTHS = {'m': 1.0, 'cm': 1e-2, 'mm': 1e-3, 'um': 1e-6, 'µm': 1e-6, 'in': 0.0254}
+_UNITS = {
+    **{name: ('motion', factor) for name, factor in _LENGTHS.items()},
+    'rad': ('motion', 1.0), 'deg': ('motion', np.pi / 180.0), '°': ('motion', np.pi / 180.0),
+    'n': ('force', 1.0), 'kn': ('force', 1e3), 'mn': ('force', 1e-3), 'kgf': ('force', 9.80665),
+    'gf': ('force', 9.80665e-3), 'lbf': ('force', 4.4482216152605),
+    'nm': ('torque', 1.0), 'nmm': ('torque', 1e-3),
+    's': ('time', 1.0), 'ms': ('time', 1e-3), 'us': ('time', 1e-6), 'ns': ('time', 1e-9),
+}
+"""What a unit measures, and its factor to SI."""
+
+_RATES = ('velocity', 'acceleration', 'effort')
+_KEY = re.compile(
+    r't|wrench\.(force|torque)\.[xyz]|joint\.(.+?)(\.velocity)?'
+    rf'|reference\.(.+?)(\.({"|".join(_RATES)}))?')
+KEYS = ('t', 'wrench.force.x', 'wrench.torque.x', 'joint.NAME', 'joint.NAME.velocity',
+        'reference.NAME', *(f'reference.NAME.{rate}' for rate in _RATES))
+"""Signals of a table; x likewise y and z."""
+
+_AXIS = {'0': 'x', '1': 'y', '2': 'z', '12': 'x', '13': 'y', '14': 'z'}  # 12: of a 4 x 4 matrix
+_POSITION = (r'pos|position|disp|displacement|deflection|depth|indentation|penetration|stroke|'
+             r'travel|extension|crosshead')
+_MEASURED = r'(?!.*(?:desired|target|ref|goal|cmd|command|set)).+'
+# Normalised names, in lower case with underscores: pandas, MATLAB, testing machines, libfranka
+# (O_F_ext_hat_K[2], q[0], q_d[0]) and RTDE (actual_TCP_force_2, actual_q_0); the first
+# that matches counts.
+_NAMES: tuple[tuple[str, str], ...] = (
+    (r't|time|timestamp', 't'),
+    (r'(?:.*_)?(?:time|timestamp|stamp|sec|secs|seconds)', 't'),
+    (rf'(?:{_MEASURED}_)?(?:f_?|force_)([xyz])', 'wrench.force.{0}'),
+    (r'(?:actual_)?tcp_force_([0-2])|(?:o|k)_f_ext_hat_k_([0-2])|wrench_([0-2])',
+     'wrench.force.{0}'),
+    (r'(?:.*_)?(?:torque_|moment_|[tm]_?)([xyz])', 'wrench.torque.{0}'),
+    (r'f|force|load|contact_force', 'wrench.force.x'),
+    (r'(?:q_d|target_q)_?(\d+)', 'reference.q{0}'),
+    (r'(?:x|pos|position)_(?:d|r|ref|des|desired|reference|cmd|command)|setpoint',
+     'reference.x'),
+    (r'(?:actual_)?q_?(\d+)|joint_?(\d+)(?:_pos|_position)?', 'joint.q{0}'),
+    (r'(?:dq|qd|actual_qd)_?(\d+)', 'joint.q{0}.velocity'),
+    (r'joint_states_(.+)_position', 'joint.{0}'),
+    (r'joint_states_(.+)_velocity', 'joint.{0}.velocity'),
+    (rf'x|{_POSITION}', 'joint.x'),
+    (r'v|velocity|vel|x_dot|xdot|speed', 'joint.x.velocity'),
+    (r'([yz])', 'joint.{0}'),
+    (r'o_t_ee_(12|13|14)', 'joint.{0}'),
+    (r'target_tcp_pose_([0-2])|o_t_ee_d_(12|13|14)'
+     r'|(?:goal|target|desired|command|reference)_(?:p|pos|position|pose)_?([xyz])',
+     'reference.{0}'),
+    (rf'(?:actual_|current_|ee_|eef_|tool_|tcp_)?(?:p|pose|{_POSITION}|tcp_pose|tcp)_?([xyz0-2])',
+     'joint.{0}'),
+    (rf'{_MEASURED}_(?:force|load)', 'wrench.force.x'),
+    (rf'{_MEASURED}_(?:{_POSITION})', 'joint.x'),
+)
+
+
+def is_key(name: str) -> bool:
+    """Return whether a name is that of a signal, see `KEYS`."""
+    return bool(_KEY.fullmatch(name))
+
+
+def signals_of_columns(
+    columns: Columns, chosen: Mapping[str, str], units: Sequence[str], where: str
+) -> tuple[NDArray[np.int64], Signals]:
+    """
+    Find the signals of a table.
+
+    Parameters
+    ----------
+    columns : dict of str to ndarray, shape (N,)
+        As of `read_columns`.
+    chosen : mapping of str to str
+        Column by signal, one of `KEYS`; a minus before the column changes its sign. `t` may be a
+        rate, such as '500Hz'. Signals that are not given are found by name.
+    units : sequence of str
+        Units of all columns whose name has none in brackets, such as 'mm'; SI by default.
+    where : str
+        Name of the table, for errors.
+
+    Returns
+    -------
+    stamp_ns : ndarray of int64, shape (N,)
+        Time of each row [ns].
+    signals : dict of str to ndarray, shape (N,)
+        By key without `t`, in SI units; NaN where a row has none.
+
+    Raises
+    ------
+    RecordingError
+        If a key, column or unit is unknown, a name is ambiguous, or time, force or position is
+        missing; the text lists the columns.
+
+    """
+    general = _general(units)
+    sources = columns_of_signals(columns, chosen, where)
+    there = f'{where} has the columns: ' + ', '.join(map(repr, columns))
+    for need, key in (('t', 't'), ('wrench.force.', 'wrench.force.z'), ('joint.', 'joint.z')):
+        if not any(found.startswith(need) for found in sources):
+            raise RecordingError(
+                f'no column for {key} found by name; {there}; choose with --columns {key}=COLUMN'
+                + (' or, without a column of time, t=500Hz' if key == 't' else ''))
+    signals = {}
+    for key, source in sources.items():
+        if key != 't':
+            name = source.removeprefix('-') if source not in columns else source
+            factor = _factor(key, name, general) * (1.0 if source in columns else -1.0)
+            signals[key] = factor * columns[name].astype(np.float64)
+    stamp_ns = _stamps(sources['t'], columns, general, len(next(iter(columns.values()))))
+    rows = stamp_ns >= 0
+    return stamp_ns[rows], {key: values[rows] for key, values in signals.items()}
+
+
+def columns_of_signals(
+    columns: Columns, chosen: Mapping[str, str], where: str
+) -> dict[str, str]:
+    """
+    Choose the column of each signal.
+
+    Parameters
+    ----------
+    columns, chosen, where
+        As of `signals_of_columns`.
+
+    Returns
+    -------
+    sources : dict of str to str
+        Column by signal, as chosen or found by name.
+
+    Raises
+    ------
+    RecordingError
+        If a key or column is unknown, or a name is ambiguous.
+
+    """
+    there = f'{where} has the columns: ' + ', '.join(map(repr, columns))
+    for key, column in chosen.items():
+        if not is_key(key):
+            raise RecordingError(
+                f'--columns knows no signal {key!r}; expected one of {", ".join(KEYS)} (x '
+                'likewise y, z)')
+        is_rate = key == 't' and re.fullmatch(r'[\d.]+ ?[hH]z', column)
+        if not is_rate and column not in columns and column.removeprefix('-') not in columns:
+            raise RecordingError(f'--columns {key}={column}: {there}; choose one of these')
+    found: dict[str, list[str]] = {}
+    for rank, key, name in sorted((*_rank_and_key(name), name) for name in columns):
+        if key and key not in chosen and name not in chosen.values():
+            if key not in found or rank == _rank_and_key(found[key][0])[0]:
+                found.setdefault(key, []).append(name)
+    # Whoever chooses joints or a reference wants no others.
+    kinds = {key.split('.')[0] for key in chosen} & {'joint', 'reference'}
+    found = {key: names for key, names in found.items() if key.split('.')[0] not in kinds}
+    for key, names in found.items():
+        if len(names) > 1:
+            raise RecordingError(
+                f'several columns of {where} may be {key}: {", ".join(map(repr, names))}; choose '
+                f'with --columns {key}={names[0]}')
+    return {**{key: names[0] for key, names in found.items()}, **chosen}
+
+
+def _rank_and_key(name: str) -> tuple[int, str]:
+    """Return the place in `_NAMES` of what a name means, and the signal; '' for none."""
+    if is_key(name):
+        return -1, name
+    plain = re.sub(r'\W+', '_', re.sub(r'[\[(]\s*[^\d\s\[\]()]+\s*[\])]', '', name.lower()))
+    plain = re.sub(r'_(s|ms|us|ns|m|mm|n|nm|rad|deg)$', '', plain.strip('_')).strip('_')
+    for rank, (pattern, key) in enumerate(_NAMES):
+        match = re.fullmatch(pattern, plain)
+        if match:
+            parts = [part for part in match.groups() if part]
+            part = parts[0] if parts else ''
+            return rank, key.format(_AXIS.get(part, part) if '.{0}' in key else part)
+    return len(_NAMES), ''
+
+
+def _general(units: Sequence[str]) -> dict[str, float]:
+    """Return the factor of each quantity from the units given for all columns."""
+    general = {}
+    for unit in units:
+        if unit.lower() not in _UNITS:
+            raise RecordingError(
+                f'--units must list units such as mm,N,s, got {unit!r}; known: '
+                f'{", ".join(_UNITS)} (in any case)')
+        kind, factor = _UNITS[unit.lower()]
+        general[kind] = factor
+    return general
+
+
+def _factor(key: str, name: str, general: Mapping[str, float]) -> float:
+    """Return the factor of a column to SI: by the unit in its name, else the general one."""
+    kind = ('time' if key == 't' else 'torque' if key.startswith('wrench.torque')
+            else 'force' if key.startswith('wrench') or key.endswith('.effort') else 'motion')
+    unit = re.search(r'[\[(]\s*([^\d\s\[\]()/]+)(?:/s\S*)?\s*[\])]\s*$|_([a-z]+)$', name.lower())
+    own = _UNITS.get((unit[1] or unit[2]) if unit else '')
+    if own and own[0] == kind and (unit and unit[1] or not is_key(name)):
+        return own[1]
+    return general.get(kind, 1.0)
+
+
+def _stamps(
+    source: str, columns: Columns, general: Mapping[str, float], count: int
+) -> NDArray[np.int64]:
+    """Return the stamps [ns], -1 where a row has none; negative times begin at 0 instead."""
+    if source not in columns:  # a rate
+        return np.rint(np.arange(count) * 1e9 / float(source[:-2])).astype(np.int64)
+    column = columns[source]
+    factor = 1e9 * _factor('t', source, general)
+    if np.nanmax(column) > _EPOCH_NS:
+        factor = 1.0
+    known = np.isfinite(column)
+    exact = column.dtype.kind == 'i' and abs(factor - round(factor)) < 1e-6
+    stamp_ns: NDArray[np.int64] = column * round(factor) if exact else np.rint(
+        np.where(known, column, 0.0) * factor).astype(np.int64)
+    stamp_ns = stamp_ns - min(0, int(stamp_ns[known].min(initial=0)))
+    stamp_ns[~known] = -1
+    return stamp_ns

@@ -1,0 +1,147 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+
+"""Tables as recordings: rows become messages, messages become rows."""
+
+from __future__ import annotations
+
+from math import isnan, nan
+from pathlib import Path
+from typing import Any, Callable, Collection, Iterator, Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .chunk_reader import RecordedMessage
+from .columns import columns_of_signals, signals_of_columns
+from .mcap_summary import Summary
+from .source import RecordingSource
+from .table import read_columns
+from .topic_names import canonical
+from ..messages import ForceTorqueEncoder, JointRowEncoder
+
+_BATCH = 5000  # rows
+FORCES = tuple(f'wrench.{kind}.{axis}' for kind in ('force', 'torque') for axis in 'xyz')
+RATES = {'joint': ('velocity',), 'reference': ('velocity', 'acceleration', 'effort')}
+TYPES = {'wrench': 'geometry_msgs/msg/WrenchStamped', 'joint_states': 'sensor_msgs/msg/JointState',
+         'reference_trajectory': 'trajectory_msgs/msg/JointTrajectory'}
+Rows = NDArray[np.float64]
+
+
+class TableFile:
+    """
+    Read a table with the interface of `McapFile`.
+
+    Parameters
+    ----------
+    path : Path
+        As of `read_columns`.
+    source : RecordingSource
+        Its columns and units, and what its topics are called.
+
+    Attributes
+    ----------
+    columns : dict of str to str
+        Column of each signal.
+
+    Raises
+    ------
+    RecordingError
+        If it cannot be read, or time, force or position is not found.
+
+    """
+
+    hidden = damaged = 0
+    definitions: Mapping[str, str] = {}
+
+    def __init__(self, path: Path, source: RecordingSource) -> None:
+        self.path, self.summary, self.position = path, Summary(whole=True), 0
+        columns, where = read_columns(path), f'table {path}'
+        stamp_ns, signals = signals_of_columns(columns, source.columns, source.units, where)
+        self.columns = columns_of_signals(columns, source.columns, where)
+        order = np.argsort(stamp_ns, kind='stable')
+        self._stamp_ns = stamp_ns[order]
+        self._topics = {getattr(source, name): (TYPES[name], encode, rows[order]) for name, (
+            encode, rows) in messages_of(signals, len(order)).items()}
+        self.size = max(1, len(order))
+
+    def batches(self, wanted: Mapping[str, str] | None) -> Iterator[list[RecordedMessage]]:
+        """Read the rows as messages, some at a time; see `McapFile.batches`."""
+        names = {topic: topic if wanted is None else wanted[canonical(topic)]
+                 for topic in self._topics if wanted is None or canonical(topic) in wanted}
+        for begin in range(0, len(self._stamp_ns), _BATCH):
+            part = slice(begin, begin + _BATCH)
+            self.position = min(begin + _BATCH, self.size)
+            columns = [(name, *self._topics[topic][1:]) for topic, name in names.items()]
+            yield [RecordedMessage(name, stamp_ns, encode(stamp_ns, row))
+                   for place, stamp_ns in enumerate(self._stamp_ns[part].tolist(), begin)
+                   for name, encode, rows in columns
+                   # A row may lack what is sampled at another rate.
+                   if not isnan((row := rows[place].tolist())[0])]
+
+    def topics(self, asked: Collection[str] | None) -> dict[str, str]:
+        """Return the type of each topic."""
+        return {topic: type_name for topic, (type_name, *_) in self._topics.items()}
+
+    def metadata(self) -> dict[str, dict[str, str]]:
+        """Return no records: a table has none."""
+        return {}
+
+    def time_span(self) -> tuple[int, int] | None:
+        """Return the times of the first and the last row [ns]."""
+        return int(self._stamp_ns[0]), int(self._stamp_ns[-1])
+
+
+def messages_of(
+    signals: Mapping[str, Rows], count: int
+) -> dict[str, tuple[Callable[[int, Sequence[float]], bytes], Rows]]:
+    """
+    Arrange signals as the messages of topics.
+
+    Parameters
+    ----------
+    signals : mapping of str to ndarray, shape (N,)
+        By key, as of `signals_of_columns`.
+    count : int
+        N.
+
+    Returns
+    -------
+    messages : dict of str to (callable, ndarray of shape (N, n))
+        By name of the topic: what encodes stamp and row, and the rows; one that begins with NaN
+        is no message.
+
+    """
+    force = np.array([signals.get(key, np.zeros(count)) for key in FORCES]).T
+    present = [key for key in FORCES if key in signals]
+    force[np.isnan([signals[key] for key in present]).any(axis=0)] = nan
+    found: dict[str, Any] = {'wrench': (ForceTorqueEncoder('').encode, force)}
+    for topic, kind in (('joint_states', 'joint'), ('reference_trajectory', 'reference')):
+        names = [key[len(kind) + 1:] for key in signals if key.startswith(f'{kind}.')
+                 and not key.endswith(tuple('.' + rate for rate in RATES[kind]))]
+        if names:
+            keys = [f'{kind}.{name}{rate}' for rate in ('', *('.' + r for r in RATES[kind]))
+                    for name in names]
+            rows = np.array([signals.get(key, np.full(count, nan)) for key in keys]).T
+            found[topic] = _joined(JointRowEncoder(names, kind == 'reference'), len(names)), rows
+    return found
+
+
+def _joined(encoder: JointRowEncoder, count: int) -> Callable[[int, Sequence[float]], bytes]:
+    """Return the encoder for a row of positions, followed by their rates."""
+    def encode(stamp_ns: int, row: Sequence[float]) -> bytes:
+        return encoder.encode(stamp_ns, *(row[at:at + count] for at in range(0, len(row), count)))
+
+    return encode

@@ -1,0 +1,159 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+
+"""Texts that others wrote: read within stated limits, and escaped where they are printed."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+LFS_POINTER = 'version https://git-lfs'
+"""Begin of a file that stands for one that Git LFS has not fetched."""
+MOST_BYTES = 1 << 20
+"""Longest YAML file; parameter files hold some 20 kB."""
+MOST_LEVELS = 50
+"""Deepest nesting of YAML; parameter files have 5 levels."""
+_MOST_PRINTED = 4000  # characters of a line
+
+
+def printable(text: str) -> str:
+    """
+    Return a text as one line that any terminal shows as it is.
+
+    Parameters
+    ----------
+    text : str
+        May hold texts from files, and undecodable bytes of file names as surrogates.
+
+    Returns
+    -------
+    text : str
+        Control and format characters, such as escape sequences and line ends, as in a Python
+        literal; the middle of more than 4000 characters is left out.
+
+    """
+    if not text.isprintable():
+        text = text.encode('utf-8', 'surrogateescape').decode('utf-8', 'backslashreplace')
+        text = ''.join(c if c.isprintable() else c.encode('unicode_escape').decode()
+                       for c in text)
+    if len(text) > _MOST_PRINTED:
+        half = _MOST_PRINTED // 2
+        text = f'{text[:half]} ({len(text) - 2 * half} characters left out) {text[-half:]}'
+    return text
+
+
+def yaml_file(path: Path) -> Any:
+    """
+    Read a YAML file of plain data.
+
+    Parameters
+    ----------
+    path : Path
+        A regular file of at most `MOST_BYTES`, nested at most `MOST_LEVELS` deep, with integers
+        of 64 bits and without aliases, as the parameter files of ROS 2.
+
+    Returns
+    -------
+    content : mapping, list, text, number or None
+        Plain data.
+
+    Raises
+    ------
+    OSError
+        If it cannot be read.
+    ValueError
+        If it is not such a file; the text says in one line what is wrong where.
+
+    """
+    if not path.is_file() and path.exists():
+        raise ValueError('expected a regular file, got a folder, pipe or device')
+    with open(path, 'rb') as stream:
+        data = stream.read(MOST_BYTES + 1)
+    if len(data) > MOST_BYTES:
+        raise ValueError(f'expected at most {MOST_BYTES} bytes, got more')
+    if data.startswith(LFS_POINTER.encode()):
+        raise ValueError('it is a Git LFS pointer; get the file with: git lfs pull')
+    try:
+        return yaml.load(data.decode(), _BoundedLoader)
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        raise ValueError(' '.join(str(error).split())) from error
+
+
+def json_content(text: str) -> Any:
+    """
+    Read JSON of plain data.
+
+    Parameters
+    ----------
+    text : str
+        JSON.
+
+    Returns
+    -------
+    content : dict, list, str, number or None
+        Plain data.
+
+    Raises
+    ------
+    ValueError
+        If it is not JSON, or nested deeper than Python can read.
+
+    """
+    try:
+        return json.loads(text)
+    except RecursionError as error:
+        raise ValueError('its brackets are nested too deep') from error
+    except ValueError as error:
+        raise ValueError(str(error).partition(';')[0]) from error  # no advice on Python
+
+
+class _BoundedLoader(yaml.SafeLoader):
+    """Refuse what takes unbounded time or memory, and name values that Python cannot hold."""
+
+    _level = 0
+
+    def compose_node(self, parent: Any, index: Any) -> Any:
+        """Count levels; refuse aliases, whose expansion may grow without bound."""
+        event: Any = self.peek_event()
+        place: Any = event.start_mark
+        if isinstance(event, yaml.AliasEvent):
+            raise yaml.composer.ComposerError(
+                None, None, f'alias *{event.anchor} is not supported, nor is it by ROS 2; write '
+                'its content out', place)
+        if self._level == MOST_LEVELS:
+            raise yaml.composer.ComposerError(
+                None, None, f'it is nested more than {MOST_LEVELS} levels deep', place)
+        self._level += 1
+        node = super().compose_node(parent, index)
+        self._level -= 1
+        return node
+
+    def construct_object(self, node: Any, deep: bool = False) -> Any:
+        """Name the value where PyYAML has errors of its own, or an integer of any size."""
+        try:
+            value = super().construct_object(node, deep)
+            if isinstance(value, int):
+                value.to_bytes(8, 'little', signed=True)
+        except (ValueError, KeyError, OverflowError) as error:
+            kind = node.tag.rpartition(':')[2]
+            limit = ' of 64 bits' if kind == 'int' else ''
+            raise yaml.constructor.ConstructorError(
+                None, None, f'{str(node.value)[:40]!r} is no {kind}{limit}', node.start_mark
+            ) from error
+        return value

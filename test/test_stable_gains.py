@@ -1,0 +1,148 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+
+"""Stability on a wall: predicted boundaries are those of the simulated loop."""
+
+from __future__ import annotations
+
+from math import radians, sqrt, tan
+from typing import Any, NamedTuple
+
+import contact_estimation as ce
+from contact_estimation.parameters.values import build
+from contact_estimation.plant.world import World
+import numpy as np
+import pytest
+from scipy.linalg import expm
+
+START = 1e-3
+
+
+class Robot(NamedTuple):
+    """Gains and timing of a robot, and the damping of its wall."""
+
+    kind: str
+    M_t: float
+    B_t: float
+    K_t: float
+    B_e: float
+    sample_time: float
+    delay: float
+
+
+CASES = [
+    Robot('admittance', 5.0, 300.0, 0.0, 50.0, 0.002, 0.004),
+    Robot('admittance', 20.0, 800.0, 500.0, 100.0, 0.004, 0.004),
+    Robot('admittance', 2.0, 100.0, 0.0, 10.0, 0.001, 0.0105),
+    Robot('admittance', 50.0, 2000.0, 1000.0, 200.0, 0.002, 0.03),
+    Robot('admittance', 10.0, 500.0, 0.0, 0.0, 0.008, 0.008),
+    Robot('admittance', 1.0, 80.0, 200.0, 20.0, 0.001, 0.002),
+    Robot('impedance', 5.0, 300.0, 1000.0, 0.0, 0.002, 0.004),
+    Robot('impedance', 2.0, 200.0, 2000.0, 0.0, 0.001, 0.003),
+    Robot('impedance', 10.0, 300.0, 8000.0, 5.0, 0.004, 0.002),
+    Robot('impedance', 50.0, 3000.0, 5000.0, 20.0, 0.002, 0.01),
+    Robot('impedance', 5.0, 500.0, 100.0, 2.0, 0.004, 0.004),
+    Robot('impedance', 1.0, 50.0, 3000.0, 1.0, 0.001, 0.0035),
+]
+
+
+def on_wall(robot: Robot, K_e: float, **options: Any) -> ce.StableGains:
+    return ce.stable_gains(K_e, **robot._asdict(), **options)
+
+
+def grows(robot: Robot, K_e: float, cycles: int = 240) -> bool:
+    """Close the sampled loop over the plant's wall; return whether its motion grows."""
+    T, bare = robot.sample_time, robot.kind == 'impedance'
+    inner = 300.0 * max(K_e, 1e4)  # of a robot of 1 kg that follows its reference closely
+    own = ({'mass': robot.M_t, 'damping': 0.0, 'control': 'force'} if bare else
+           {'mass': 1.0, 'damping': 2.0 * sqrt(inner), 'stiffness': inner})
+    world = World(build(ce.PlantParameters, {
+        'environment.stiffness': K_e, 'environment.damping': robot.B_e,
+        'environment.unilateral': False, **{f'robot.{name}': own[name] for name in own},
+        'integration_rate': 10.0 / T if bare else max(10.0 / T, 3.0 * sqrt(inner))}), START)
+    sent: list[tuple[float, float, float, float]] = []
+    state, system = np.array([START, 0.0]), np.zeros((3, 3))
+    system[0, 1], system[1] = 1.0, np.array([-robot.K_t, -robot.B_t, 1.0]) / robot.M_t
+    step = expm(system * T)
+
+    def follow(t: float) -> tuple[float, float, float, float]:
+        """Follow the command sent a delay ago, along its parabola."""
+        k = int((t - robot.delay) / T + 1e-9)
+        if t < robot.delay - 1e-12 or not sent:
+            return (0.0 if bare else START), 0.0, 0.0, 0.0
+        x, v, a, force = sent[min(k, len(sent) - 1)]
+        since = t - robot.delay - min(k, len(sent) - 1) * T
+        return x + since * (v + 0.5 * since * a), v + since * a, a, force
+
+    moved = []
+    for _ in range(cycles):
+        now = world.truth(follow)
+        if bare:
+            sent.append((0.0, 0.0, 0.0, -robot.K_t * now.position - robot.B_t * now.velocity))
+        else:
+            a = (now.force - robot.B_t * state[1] - robot.K_t * state[0]) / robot.M_t
+            sent.append((state[0], state[1], a, 0.0))
+            state = step[:2, :2] @ state + step[:2, 2] * now.force
+        world.advance(T, follow)
+        moved.append(abs(now.position))
+        if moved[-1] > 1e3 * START:
+            return True
+    return max(moved[-cycles // 4:]) > max(moved[cycles // 4:cycles // 2])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('robot', CASES)
+def test_loop_becomes_unstable_within_ten_percent_of_the_predicted_wall(robot: Robot) -> None:
+    K_e = on_wall(robot, 5000.0).stiffest_wall
+    assert [grows(robot, 0.9 * K_e), grows(robot, 1.1 * K_e)] == [False, True]
+
+
+@pytest.mark.parametrize('kind', ['admittance', 'impedance'])
+def test_without_delay_the_damping_is_that_of_love_and_book(kind: str) -> None:
+    found = ce.stable_gains(2000.0, 20.0, M_t=5.0, B_t=60.0, K_t=100.0, sample_time=1e-5,
+                            kind=kind)
+    assert found.damping_ratio == pytest.approx(80.0 / (2.0 * sqrt(5.0 * 2100.0)), rel=1e-3)
+
+
+def test_phase_margin_is_that_of_the_closed_form() -> None:
+    # K_e / (s (M_t s + B_t)) crosses 1 at w: tan(margin) = B_t / (M_t w).
+    M_t, B_t, K_e = 5.0, 60.0, 2000.0
+    w = sqrt(0.5 * (sqrt((B_t / M_t)**4 + 4.0 * (K_e / M_t)**2) - (B_t / M_t)**2))
+    found = ce.stable_gains(K_e, 0.0, M_t=M_t, B_t=B_t, K_t=0.0, sample_time=1e-5)
+    assert tan(radians(found.phase_margin)) == pytest.approx(B_t / (M_t * w), rel=1e-2)
+
+
+def test_least_damping_has_the_wanted_margin_on_the_worst_wall() -> None:
+    robot, band = CASES[0], {'K_e_std': 1000.0, 'B_e_std': 10.0}
+    found = on_wall(robot, 20_000.0, phase_margin=50.0, **band)
+    assert found.least_phase_margin < found.phase_margin
+    better = on_wall(robot._replace(B_t=found.least_damping), 20_000.0, **band)
+    assert better.least_phase_margin == pytest.approx(50.0, abs=0.1)
+
+
+def test_unstable_loop_has_a_negative_margin() -> None:
+    found = on_wall(CASES[0], 200_000.0)
+    assert not found.stable
+    assert found.phase_margin < 0.0
+
+
+@pytest.mark.parametrize('changes, text', [
+    ({'kind': 'force'}, "unknown kind 'force'"), ({'M_t': 0.0}, 'M_t must be a number > 0'),
+    ({'B_e': float('nan')}, 'B_e must be a number >= 0'),
+    ({'delay': 10.0}, 'delay must be at most'),
+])
+def test_values_out_of_range_are_named(changes: dict[str, Any], text: str) -> None:
+    with pytest.raises(ce.ContactEstimationError, match=text):
+        on_wall(CASES[0]._replace(**changes), 5000.0)

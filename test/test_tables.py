@@ -1,0 +1,186 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+
+"""Tables are read as recordings: columns by name or chosen, in SI units, without loss."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import contact_estimation as ce
+from contact_estimation.commands.convert import main as convert
+from contact_estimation.commands.replay import main as replay
+from contact_estimation.plant.simulation import simulate_experiment
+from contact_estimation.plant.simulation_file import write_simulation
+from contact_estimation.recordings import table
+from contact_estimation.recordings.columns import signals_of_columns
+from contact_estimation.recordings.table import read_columns
+import numpy as np
+import pytest
+from run_commands import Command
+from scipy.io import savemat
+
+ROWS = '0.0,1.5,0.1\n0.1,2.5,0.2\n'
+
+
+@pytest.fixture(scope='module')
+def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a simulated recording of two touches."""
+    path = tmp_path_factory.mktemp('tables') / 'run.mcap'
+    simulation = simulate_experiment(ce.PlantParameters(), ce.experiment_named('sine'))
+    write_simulation(path, simulation, 'x', 'contact_x', 'tool')
+    return path
+
+
+@pytest.mark.parametrize('header, keys', [
+    ('t,Fz,z', 'wrench.force.z joint.z'),
+    ('timestamp,actual_TCP_force_2,actual_q_5', 'wrench.force.z joint.q5'),
+    ('time,O_F_ext_hat_K[2],O_T_EE[14]', 'wrench.force.z joint.z'),
+    ('time,K_F_ext_hat_K[1],q[0]', 'wrench.force.y joint.q0'),
+    ('__time,/ft/wrench/force/x,/joint_states/slide/position', 'wrench.force.x joint.slide'),
+    ('Time (s),Load (N),Extension (m)', 'wrench.force.x joint.x'),
+    ('t,F,x', 'wrench.force.x joint.x'),
+    ('t,force_y,current_pos_z', 'wrench.force.y joint.z'),
+    ('t,force_y,joint_1', 'wrench.force.y joint.q1'),
+    ('Running Time,250 kN MTS Force,250 kN MTS Displacement', 'wrench.force.x joint.x'),
+    ('t,wrench.force.y,joint.left', 'wrench.force.y joint.left'),
+])
+def test_columns_are_found_by_the_names_of_common_logs(
+    tmp_path: Path, header: str, keys: str
+) -> None:
+    (tmp_path / 'a.csv').write_text(f'{header}\n{ROWS}')
+    columns = read_columns(tmp_path / 'a.csv')
+    stamp_ns, signals = signals_of_columns(columns, {}, (), 'a.csv')
+    force, joint = keys.split()
+    assert stamp_ns.tolist() == [0, 100_000_000]
+    assert set(signals) == {force, joint}
+    assert signals[joint].tolist() == [0.1, 0.2]
+
+
+@pytest.mark.parametrize('text', [
+    't;F;x\n0,0;1,5;0,1\n0,1;2,5;0,2\n',
+    '% t F x\n0.0 1.5 0.1\n0.1 2.5 0.2\n',
+    'Test,7\nTime,Force,Position\ns,N,m\n' + ROWS,
+    '"t"\t"F"\t"x"\n' + ROWS.replace(',', '\t'),
+    '\ufefft_ms,F [kN],x (mm)\r\n0,0.0015,100\r\n100,0.0025,200\r\n',
+    't,note,F,x\n0.0,begin,1.5,0.1\n0.1,,2.5,0.2\n',
+])
+def test_text_of_any_habit_is_read(tmp_path: Path, text: str) -> None:
+    (tmp_path / 'a.csv').write_text(text)
+    found = ce.read_table(tmp_path / 'a.csv')
+    np.testing.assert_allclose(found['t'], [0.0, 0.1])
+    np.testing.assert_allclose(found['wrench.force.x'], [1.5, 2.5])
+    np.testing.assert_allclose(found['joint.x'], [0.1, 0.2])
+
+
+def test_chosen_columns_units_and_signs_count(tmp_path: Path) -> None:
+    (tmp_path / 'a.csv').write_text('u,v,w\n1,-2,3\n1,-4,5\n')
+    found = ce.read_table(
+        tmp_path / 'a.csv', units=('mm', 'kN'),
+        columns={'t': '500Hz', 'wrench.force.z': 'v', 'joint.probe': '-w'})
+    assert found['t_ns'].tolist() == [0, 2_000_000]
+    assert found['wrench.force.z'].tolist() == [-2000.0, -4000.0]
+    np.testing.assert_allclose(found['joint.probe'], [-0.003, -0.005])
+
+
+def test_cells_may_be_empty_where_rates_differ(tmp_path: Path) -> None:
+    (tmp_path / 'a.csv').write_text('t,F,x\n0.0,1.5,\n0.1,,0.1\n0.2,2.5,0.2\n')
+    found = ce.read_table(tmp_path / 'a.csv')
+    np.testing.assert_equal(found['wrench.force.x'], [1.5, np.nan, 2.5])
+    np.testing.assert_equal(found['joint.x'], [np.nan, 0.1, 0.2])
+
+
+def test_parquet_and_mat_hold_the_same_table(tmp_path: Path) -> None:
+    pyarrow = pytest.importorskip('pyarrow')
+    from pyarrow import parquet
+
+    columns = {'t': [0.0, 0.1, 0.2], 'Fz': [1.0, 2.0, 3.0], 'z': [0.1, 0.2, 0.3]}
+    parquet.write_table(pyarrow.table(columns), tmp_path / 'a.parquet')
+    savemat(tmp_path / 'a.mat', {'log': columns, 'gain': 3.0})
+    first = ce.read_table(tmp_path / 'a.parquet')
+    second = ce.read_table(tmp_path / 'a.mat', columns={
+        't': 'log.t', 'wrench.force.z': 'log.Fz', 'joint.z': 'log.z'})
+    np.testing.assert_equal(first, second)
+
+
+@pytest.mark.parametrize('header, options, text', [
+    ('t,a,b', {}, "no column for wrench.force.z .* columns: 't', 'a', 'b'; .*--columns"),
+    ('a,Fz,z', {}, 't=500Hz'),
+    ('t,O_F_ext_hat_K_2,K_F_ext_hat_K_2', {}, 'several columns of .* may be wrench.force.z'),
+    ('t,F,x', {'units': ('parsec',)}, "--units must list units .* got 'parsec'"),
+    ('t,F,x', {'columns': {'joint.x': 'y'}}, "joint.x=y: .*'t', 'F', 'x'"),
+    ('t,F,x', {'columns': {'force': 'F'}}, "no signal 'force'; expected one of t, wrench"),
+])
+def test_table_that_is_not_understood_says_how_to_choose(
+    tmp_path: Path, header: str, options: Any, text: str
+) -> None:
+    (tmp_path / 'a.csv').write_text(f'{header}\n{ROWS}')
+    with pytest.raises(ce.ContactEstimationError, match=text):
+        ce.read_table(tmp_path / 'a.csv', **options)
+
+
+def test_compressed_tables_are_bounded(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(table, 'MOST_CELLS', 5)
+    savemat(tmp_path / 'a.mat', {'t': np.zeros(3), 'F': np.zeros(3)}, do_compression=True)
+    with pytest.raises(ce.ContactEstimationError, match='has 6 cells, expected at most 5'):
+        ce.read_table(tmp_path / 'a.mat')
+
+
+@pytest.mark.parametrize('name', ['a.csv', 'a.parquet', 'a.mat'])
+def test_damaged_table_is_one_line(tmp_path: Path, name: str) -> None:
+    (tmp_path / name).write_bytes(b'\x00garbage' * 9)
+    with pytest.raises(ce.ContactEstimationError, match=f'table .*{name}'):
+        ce.read_table(tmp_path / name)
+
+
+def test_bag_to_csv_to_bag_gives_the_same_estimates(
+    recording: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    as_csv, copy = tmp_path / 'a.csv', tmp_path / 'b.mcap'
+    for paths in ((recording, as_csv), (as_csv, copy)):
+        assert Command('convert', convert, capfd)(*paths).code == 0
+    written = []
+    for number, path in enumerate((recording, as_csv, copy)):
+        estimates = tmp_path / f'{number}.estimates'
+        assert Command('replay', replay, capfd)(path, '--csv', estimates).code == 0
+        written.append(estimates.read_bytes())
+    assert written[0] == written[1] == written[2]
+    said = Command('replay', replay, capfd)(as_csv).out.splitlines()[0]
+    assert said.startswith('columns: ') and said.endswith(' t=t_ns')
+
+
+def test_arrays_become_a_recording_of_an_arm(tmp_path: Path) -> None:
+    t = 0.002 * np.arange(5)
+    signals = {'t': t, 'wrench.torque.y': t, 'wrench.force.z': -t, 'joint.a': 2 * t,
+               'joint.b': 3 * t, 'reference.a': 4 * t}
+    ce.write_recording(tmp_path / 'a.mcap', signals)
+    found = ce.read_table(tmp_path / 'a.mcap')
+    for name, values in signals.items():
+        np.testing.assert_allclose(found[name], values, atol=1e-15)
+
+
+@pytest.mark.parametrize('signals, text', [
+    ({'t': [0.0], 'force': [1.0]}, "unknown signal 'force'"),
+    ({'t': [0.0], 'wrench.force.x': [1.0, 2.0], 'joint.x': [0.0]}, 'arrays of one shape'),
+    ({'t': [0.0], 'wrench.force.x': [1.0]}, 'add joint.NAME'),
+])
+def test_arrays_that_are_no_recording_are_refused(
+    tmp_path: Path, signals: dict[str, list[float]], text: str
+) -> None:
+    with pytest.raises(ce.ContactEstimationError, match=text):
+        ce.write_recording(tmp_path / 'a.mcap', signals)

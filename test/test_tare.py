@@ -1,0 +1,113 @@
+# Copyright 2026 contact_estimation authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+
+"""The zero of the force is measured off line in free flight, wherever that is."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import contact_estimation as ce
+from contact_estimation.commands.replay import main as replay
+from contact_estimation.fleet.fingerprint import Settings
+from contact_estimation.fleet.one_recording import read as read_of_fleet
+from contact_estimation.plant.simulation import simulate_experiment
+from contact_estimation.recordings.free_flight import FIRST, tare_of
+import numpy as np
+from numpy.typing import NDArray
+import pytest
+from run_commands import Command
+
+T = np.arange(0.0, 10.0, 0.002)
+
+
+def force(*levels: float) -> NDArray[np.float64]:
+    """Return steady forces, each for an equal time, with noise."""
+    noise = np.random.default_rng(4).normal(0.0, 0.1, len(T))
+    return np.repeat(levels, len(T) // len(levels)) + noise
+
+
+@pytest.mark.parametrize('levels, zero, begin', [
+    ((8.0, -22.0, 8.0, -32.0, 8.0), 8.0, 0.0),
+    ((-52.0, -20.0, -60.0, -20.0), -20.0, 2.5),  # begins in contact
+    ((6.0, -24.0, 0.0, -30.0, 0.0), 6.0, 0.0),  # the driver zeroes at half time
+    ((0.0, -30.0, 6.0, -24.0), 0.0, 0.0),
+    ((3.0,), 3.0, 0.0),
+])
+def test_first_free_flight_presses_least(
+    levels: tuple[float, ...], zero: float, begin: float
+) -> None:
+    found = tare_of(T, force(*levels), FIRST)
+    assert found.force == pytest.approx(zero, abs=0.02)
+    assert found.begin_s == pytest.approx(begin, abs=0.01)
+
+
+def test_span_may_be_given() -> None:
+    assert tare_of(T, T, '2:3').force == pytest.approx(2.5)
+    assert tare_of(T, T, ':1').end_s == 1.0
+
+
+@pytest.mark.parametrize('tare, text', [
+    ('soon', 'must be first-free-flight or a span .*example'), ('3:x', 'must be'),
+    ('30:40', 'no wrench from 30 to 40 s'), (FIRST, 'no 0.5 s in which the force is steady'),
+])
+def test_tare_without_free_flight_is_refused(tare: str, text: str) -> None:
+    with pytest.raises(ce.ContactEstimationError, match=text):
+        tare_of(T, np.sin(9.0 * T), tare)
+
+
+@pytest.fixture(scope='module')
+def untared(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return two touches measured by a sensor with an offset of 8 N."""
+    run = simulate_experiment(ce.PlantParameters(), ce.experiment_named('sine'))
+    path = tmp_path_factory.mktemp('tare') / 'run.mcap'
+    ce.write_recording(path, {
+        't_ns': run.stamp_ns, 'wrench.force.x': 8.0 + run.measured[0],
+        'joint.x': run.measured[1]})
+    return path
+
+
+@pytest.mark.parametrize('options, warned', [
+    ([], True), (['--tare', FIRST], False), (['--tare', '0:0.5'], False),
+    (['--params', 'p.yaml'], False),
+])
+def test_tare_or_declared_bias_silences_the_warning(
+    untared: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str], options: list[str],
+    warned: bool
+) -> None:
+    (tmp_path / 'p.yaml').write_text(
+        '/**: {ros__parameters: {physics: {force_bias: {bias: 8.0}}}}')
+    paths = [str(tmp_path / one) if one == 'p.yaml' else one for one in options]
+    ended = Command('replay', replay, capfd)(untared, '--json', tmp_path / 'a.json', *paths)
+    summary: dict[str, Any] = json.loads((tmp_path / 'a.json').read_text())
+    assert ('force_bias' in {one['name'] for one in summary['warnings']}) is warned
+    assert ('give --tare first-free-flight' in ended.err) is warned
+    if '--tare' in options:
+        assert summary['tare']['x']['force'] == pytest.approx(8.0, abs=0.01)
+        assert 'tare: 8 N subtracted from the force' in ended.out
+
+
+def test_fleet_reads_with_parameters_and_tare(untared: Path) -> None:
+    plain, turned = (
+        read_of_fleet(str(untared), Settings.of(ce.PlantParameters(), **options)) for options in (
+            {}, {'parameters': {'force_sign': -1.0}, 'reading': {'tare': '0:0.5'}}))
+    np.testing.assert_allclose(plain.signals.force + turned.signals.force, 8.0, atol=0.01)
+
+
+def test_diagnosis_takes_the_tared_force(untared: Path) -> None:
+    as_recorded, tared = (ce.read_recording(untared, tare=tare) for tare in ('', FIRST))
+    np.testing.assert_allclose(as_recorded.signals.force - tared.signals.force, 8.0, atol=0.01)
