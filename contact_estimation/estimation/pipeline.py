@@ -28,7 +28,8 @@ from .row_estimation import RowEstimation
 from ..estimators import MULTIPLE_MODEL
 from ..estimators.estimate import Estimate, EstimateStatus, new_tuple, ParameterEstimate
 from ..estimators.estimator import OnlineEstimator
-from ..estimators.multiple_model import CONTACT, FREE, LAWS, told_lag, WallPosterior
+from ..estimators.multiple_model import (
+    CONTACT, FREE, Knowledge, LAWS, told_lag, WallPosterior)
 from ..physics import effects_that_are_on
 from ..physics.compensation import CLIPPED, Compensation
 from ..reference.setpoints import Reference
@@ -96,6 +97,8 @@ class EstimationPipeline:
             told_lag(p.physics.force_lag.tau, p.synchronisation.timing_std),
             p.contact.position_noise, p.contact.minimum_force,
             _LEAST_NOISE * p.contact.force_noise)
+        self._noted: Knowledge | None = None
+        self._published: Knowledge | None = None
         self._of_rows = self._row_estimation()
         self._held = ParameterEstimate(
             environment.initial_stiffness, environment.initial_damping, nan, nan, 0.0, nan)
@@ -378,8 +381,10 @@ class EstimationPipeline:
             K_std = B_std = nan
             status, reason = _FREE if status is _FREE else _FROZEN, self.invalid
         now = posterior.known
-        if state == CONTACT and now.fit == now.fit:
-            self.model_fit.note(now.fit, posterior.law, stamp_ns)
+        if now is not self._noted and state == CONTACT:
+            self._noted = now
+            if now.fit == now.fit:
+                self.model_fit.note(now.fit, posterior.law, stamp_ns)
         surface = (now.surface if now.valid else location) + shift
         return new_tuple(Estimate, (
             stamp_ns, K, B, K_std, B_std, surface, inertia, status, reason,
@@ -427,14 +432,16 @@ class EstimationPipeline:
         return pressing - self.free_flight_level > _PRESSES * self.noise_std
 
     def _by_posterior(self, state: int) -> tuple[ParameterEstimate, EstimateStatus, str]:
-        now, p = self.posterior.known, self.parameters
-        if now.valid:
-            low, high, most = p.environment.limits
-            self._held = ParameterEstimate(
-                min(max(now.stiffness, low), high), min(max(now.damping, 0.0), most),
-                now.stiffness_std, now.damping_std, 0.0, now.inertia)
-        elif self._held.stiffness_std == self._held.stiffness_std:
-            self._held = self._held._replace(stiffness_std=nan, damping_std=nan)
+        now = self.posterior.known
+        if now is not self._published:
+            self._published = now
+            if now.valid:
+                low, high, most = self.parameters.environment.limits
+                self._held = ParameterEstimate(
+                    min(max(now.stiffness, low), high), min(max(now.damping, 0.0), most),
+                    now.stiffness_std, now.damping_std, 0.0, now.inertia)
+            else:
+                self._held = self._held._replace(stiffness_std=nan, damping_std=nan)
         if state == CONTACT:
             if now.valid:
                 return self._held, _ESTIMATING, ''
