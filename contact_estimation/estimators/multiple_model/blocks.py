@@ -16,6 +16,7 @@
 
 from __future__ import annotations
 
+from array import array
 from math import inf, nan, sqrt
 
 import numpy as np
@@ -26,7 +27,7 @@ from .laws import Array
 from .smoothing import Smoothing
 
 _BLOCK_S = 0.020  # of samples that are processed together
-_LONG = 2  # short blocks in a long one
+_LONG, _SETTLED = 2, 8  # short blocks in a long one, and in one of a wall that stays the same
 _FILLED = 3.5  # periods without a sample that are bridged
 _OUTLIER, _POSITION_OUTLIER = 6.0, 10.0  # standard deviations from the median of five
 _STEEP, _STEEP_POSITION = 0.15, 0.5  # of a step of that median, by which a touch may differ
@@ -35,6 +36,7 @@ _FASTEST, _REACH = 20.0, 1e-3  # twice any arm [m/s], a step of a coarse sensor 
 _BELIEVED = 10  # samples in a row
 _SAME_RATE, _OTHER_RATE = 1e-4, 0.1  # relative errors of the period
 _LONGEST_STEPS = 5000  # over which it is measured, of samples with errors of a tenth
+_NOISE_SAMPLES = 400  # over which the noise of the position is averaged
 _JUMP = 12.0  # standard deviations of a difference that is no noise
 _SIGNALS = 6  # force, x, v, two of known physics, whether the wall is learned from it
 FIRST = 20
@@ -61,8 +63,8 @@ class Blocks:
         The kernel for that period.
     noise : (float, float)
         Variance of position [m^2] and measured rate [m^2/s^2].
-    short, long, wanted : int
-        Samples of a short, a long and the present block.
+    short, long, settled, wanted : int
+        Samples of a short, a long, the longest and the present block.
     outliers : int
         Forces replaced as outliers.
 
@@ -82,7 +84,7 @@ class Blocks:
 
     def break_off(self) -> None:
         """Forget the samples so far: nothing before a gap can be joined."""
-        self._raw: list[tuple[float, ...]] = []
+        self._raw = array('d')
         self._filled = 0
 
     def step(self, t: float, x: float) -> float:
@@ -110,22 +112,22 @@ class Blocks:
     def begin(self, stamps: Array) -> None:
         """Learn the period from the first stamps [s]."""
         self._set_period(float(np.median(np.diff(stamps))))
-        self._measure_period(float(stamps[-1] - stamps[0]))
+        self._elapsed = float(stamps[-1] - stamps[0])
+        self._steps = round(self._elapsed / self.period_s)
+        self._measure_period()
 
     def _set_period(self, period_s: float) -> None:
         self.period_s = period_s
         self.smoothing = smooth = Smoothing(period_s)
         self.short = max(1, round(_BLOCK_S / period_s) // smooth.hop) * smooth.hop
-        self.wanted = self.long = _LONG * self.short
-        self._buffer = np.zeros((_SIGNALS, smooth.length(self.long // smooth.hop) + 4))
+        self.long, self.wanted = _LONG * self.short, _SETTLED * self.short
+        self.settled = self.wanted
+        self._buffer = np.zeros((_SIGNALS, smooth.length(self.settled // smooth.hop) + 4))
         self._filled = 0
         self._elapsed, self._steps, self._measured = 0.0, 0, FIRST - 1
 
-    def _measure_period(self, dt: float) -> None:
-        """Refine the period with the time that passes: an error of it is one of B_e."""
-        steps = round(dt / self.period_s)
-        self._elapsed += dt
-        self._steps += steps
+    def _measure_period(self) -> None:
+        """Refine the period with the time that has passed: an error of it is one of B_e."""
         if self._steps < self._measured:
             return
         period = self._elapsed / self._steps
@@ -139,6 +141,11 @@ class Blocks:
             self._measured *= 4
         else:
             self._elapsed, self._steps = 0.0, 0
+
+    @property
+    def pending(self) -> int:
+        """Number of samples that wait for their block to be full."""
+        return len(self._raw) // _SIGNALS
 
     def add(self, dt: float, sample: tuple[float, ...], taught: bool) -> int:
         """
@@ -159,49 +166,81 @@ class Blocks:
             Number of rows that a full block may have; 0 while it is not full.
 
         """
-        self._measure_period(dt)
-        raw = self._raw
-        if dt > 1.5 * self.period_s and raw:
-            self._bridge(round(dt / self.period_s), sample)
-        raw.append((*sample, float(taught)))
-        return self._close() if len(raw) >= self.wanted else 0
+        raw, T = self._raw, self.period_s
+        self._elapsed += dt
+        if 0.5 * T < dt < 1.5 * T:
+            self._steps += 1
+        else:
+            steps = round(dt / T)
+            self._steps += steps
+            if steps > 1 and raw:
+                self._bridge(steps, sample)
+        raw.extend(sample)
+        raw.append(taught)
+        return self.close() if len(raw) >= _SIGNALS * self.wanted else 0
 
     def _bridge(self, steps: int, now: tuple[float, ...]) -> None:
         """Fill in samples that were lost, on a straight line."""
-        *last, usable = self._raw[-1]
+        *last, usable = self._raw[-_SIGNALS:]
         for k in range(1, steps):
-            between = [a + k / steps * (b - a) for a, b in zip(last, now)]
-            self._raw.append((*between, usable))
+            self._raw.extend(a + k / steps * (b - a) for a, b in zip(last, now))
+            self._raw.append(usable)
 
-    def _close(self) -> int:
-        new = np.array(self._raw).T
-        self._raw.clear()
-        buffer, count = self._buffer, min(new.shape[1], self.long)
+    def close(self) -> int:
+        """End the block with the last sample; return the number of rows that it may have."""
+        if not self._raw:
+            return 0
+        new = np.array(self._raw).reshape(-1, _SIGNALS).T
+        del self._raw[:]
+        buffer, count = self._buffer, min(new.shape[1], self.settled)
         buffer[:, :-count] = buffer[:, count:]
         buffer[:, -count:] = new[:, -count:]
         self._filled += count
-        self._learn_noise(buffer[1:3, -(count + 4):])
+        self._learn_noise(buffer[1:3, -min(count + 4, self._filled):], count)
         windows = count // self.smoothing.hop
         full = self._filled >= self.smoothing.length(windows) + 4
+        self._measure_period()
+        full = full and self._buffer is buffer  # of no other rate
         return windows if full and buffer[-1].any() else 0
 
-    def _learn_noise(self, recent: Array) -> None:
+    def last(self, count: int) -> Array:
+        """Return force and position of the last samples, of at most so many, shape (2, N)."""
+        pending = np.array(self._raw).reshape(-1, _SIGNALS)[:, :2].T
+        known = self._buffer[:2, max(self._buffer.shape[1] - self._filled, 0):]
+        return np.concatenate([known, pending], axis=1)[:, -count:]
+
+    def usual(self, K: float) -> tuple[float, float]:
+        """Return medians of f - K x [N] and, by parts, of the rate [m/s] of the last samples."""
+        recent = self._raw[-_SIGNALS * self.short:]
+        force, x = recent[0::_SIGNALS], recent[1::_SIGNALS]
+        count, part = len(x), -(-len(x) // 3)
+        first, last = sorted(x[:part])[part // 2], sorted(x[-part:])[part // 2]
+        rate = (last - first) / (max(count - part, 1) * self.period_s)
+        return sorted([f - K * place for f, place in zip(force, x)])[count // 2], rate
+
+    def _learn_noise(self, recent: Array, count: int) -> None:
         """Learn the noise of position and rate from second differences, as that of the force."""
-        bends = np.square(np.diff(recent, 2, axis=1)) / 6.0
-        noise = []
+        if recent.shape[1] < 3:
+            return
+        bends = recent[:, 2:] - 2.0 * recent[:, 1:-1] + recent[:, :-2]
+        bends *= bends / 6.0
+        gain, noise = min(count / _NOISE_SAMPLES, 1.0), []
         for squares, known in zip(bends, self.noise):
             if known == known:
-                mean = float(np.mean(np.minimum(squares, 9.0 * known)))
-                known += 0.05 * (mean - known)
-            else:
+                mean = float(np.minimum(squares, 9.0 * known).sum()) / len(squares)
+                known += gain * (mean - known)
+            elif squares[0] == squares[0]:
                 known = float(np.median(squares)) / 0.455
-            noise.append(max(known, 1e-20))
-        self.noise = max(noise[0], self._least), noise[1]
+            noise.append(known)
+        self.noise = max(noise[0], self._least, 1e-20), max(noise[1], 1e-20)
 
-    def rows(self, windows: int, x0: float, contact: ContactFilter) -> Array | None:
-        """Return the rows of windows that are in contact throughout."""
+    def rows(
+        self, windows: int, x0: float, contact: ContactFilter, later: int = 0
+    ) -> Array | None:
+        """Return the rows of windows that are in contact throughout, before so many samples."""
         smooth, deviation = self.smoothing, sqrt(contact.variance)
-        recent = self._buffer[:, -(smooth.length(windows) + 4):]
+        end = self._buffer.shape[1] - later
+        recent = self._buffer[:, end - smooth.length(windows) - 4:end]
         force, x, course = self._without_outliers(recent[:2], deviation, contact.level)
         v, *bent, usable = recent[2:, 2:-2]
         inside = (usable > 0.0) & (course > PRESSES * deviation)

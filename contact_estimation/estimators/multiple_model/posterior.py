@@ -16,7 +16,7 @@
 
 from __future__ import annotations
 
-from collections import deque
+from itertools import chain
 from math import exp, inf, isfinite, nan, sqrt
 from typing import Iterator, NamedTuple, Sequence
 
@@ -39,8 +39,12 @@ from .touch import before_release, surface_of_touch
 
 _GREATEST = 1e5  # [N]; a larger force is no measurement
 _LAWS = len(NAMES)
-_EARLY = 20  # short blocks of a contact, each judged; later every fifth long one is
-_EVERY = 5
+_EARLY = 20  # short blocks of a contact, each judged
+_DUE, _LEAST_DUE_S, _LONGEST_DUE_S = 0.1, 0.2, 1.0  # later: new data [share of all, s, s]
+_STEADY = 10  # long blocks without a surprise, before longer ones
+_DOUBTFUL = 2.0  # mean square of a block that is judged although none is due
+_ALARM = 4.0  # deviations of the median of a short block that ends a longer one
+_OF_MEDIAN = 1.57  # its variance over that of a mean: pi / 2
 _ALERT = 5  # blocks judged after a surprise
 _SURPRISE = 4.0  # mean square of a block, over the noise's: chi^2 of 5 to 10 rows, below 1e-3
 _CLIPPED = 4.0  # times the mean so far: a change is no misfit
@@ -52,7 +56,7 @@ _START = 3  # blocks in which the scale of the priors is not known
 _SETTLED = 10  # blocks, from which the lag is learned
 _DEPTH_S = 1.0  # over which the mean depth is taken
 _RESIDUAL_S = 2.0  # over which residuals are averaged
-_RECENT = 25  # blocks of the last half second to second
+_RECENT_S = 0.5  # of the last data, at least
 _PARTS = 8  # at most, of the work on a block
 _SCALES: Array = np.geomspace(30.0, 1e6, 16)  # of a wall that is not known [N/m]
 _DONE = object()
@@ -153,7 +157,8 @@ class WallPosterior:
         self._runs = Runs()
         self._gram, self._moving = np.zeros((COLUMNS, COLUMNS)), MovingWall()
         self._odds = LOG_PRIOR.copy()
-        self.changes = self._blocks = self._of_contact = self._alert = 0
+        self.changes = self._blocks = self._of_contact = self._alert = self._unsteady = 0
+        self._since_s = self._unjudged_s = 0.0
         self._depth_s = 0.0
         self._x0 = location if location == location else 0.0
         self._depth, self._residual = 1e-3, nan
@@ -205,7 +210,7 @@ class WallPosterior:
         return self._excitation
 
     def _bounds(self) -> tuple[float, float]:
-        gram = self._runs.recent(_RECENT) if self._blocks else self._gram
+        gram = self._runs.recent(_RECENT_S) if self._blocks else self._gram
         K, B = self._scale, max(self._seconds, DAMPING_S) * self._scale
         (kk, kb), (_, bb) = gram[np.ix_([DEPTH, RATE], [DEPTH, RATE])].tolist()
         determinant = kk * bb - kb * kb
@@ -219,7 +224,7 @@ class WallPosterior:
         """Begin anew with the next sample, as after a gap or a jump of the clock."""
         self.blocks.restart()
         self._work: Iterator[None] | None = None
-        self._tap: list[tuple[float, float]] | None = None
+        self._touch_t = -inf
 
     # -- samples ----------------------------------------------------------------------------
 
@@ -261,38 +266,63 @@ class WallPosterior:
             return FREE
         if self._work is not None:
             self._go_on()
-        known, before = self.known, self.contact.state
+        known, before, blocks = self.known, self.contact.state, self.blocks
         state = self.contact.take(dt, felt_force, felt_x, known.surface, known.surface_std)
-        if state == CONTACT and before != CONTACT:
-            self._touch(felt_x)
-            known = self.known
+        if state != before:
+            if before == CONTACT:
+                self._leave(t if felt is None else inf)
+            elif state == CONTACT:
+                self._touch(t, felt_x)
+                known = self.known
         outermost = known.surface - _OUTSIDE * known.surface_std - _OUTSIDE_M
         taught = state == CONTACT and usable and not felt_x < outermost
-        if felt is None:  # out of contact, a force less known physics is that of no wall
-            self._follow_tap(force, x, before, state)
-        windows = self.blocks.add(dt, (force, x, v, *bent), taught)
+        windows = blocks.add(dt, (force, x, v, *bent), taught)
         if windows:
-            if self._work is not None:
-                self._go_on(to_end=True)
-            self._work = self._parts_of(windows)
+            self._begin_work(self._parts_of(windows))
+        elif taught and blocks.wanted == blocks.settled and not (
+                blocks.pending % blocks.short) and self._alarms(force):
+            self._split()
         return state
 
-    def _follow_tap(self, force: float, x: float, before: int, state: int) -> None:
-        """Keep the samples around a touch; a contact that was shorter than rows has no others."""
-        tap = self._tap
-        if state == CONTACT:
-            if before != CONTACT:
-                self._tap = tap = list(self._recent)
-            if tap is not None:
-                tap.append((force, x))
-                if len(tap) > self._longest_tap:
-                    self._tap = None
-        elif tap is not None:
-            self._tap = None
-            if self._work is not None:
-                self._go_on(to_end=True)
-            self._work = self._learn_tap(np.array(tap).T)
-        self._recent.append((force, x))
+    def _split(self) -> None:
+        """Make a block of its own of the last samples, from which the wall may be another."""
+        blocks = self.blocks
+        last, windows = blocks.short // blocks.smoothing.hop, blocks.close()
+        work = self._parts_of(min(last, windows), alarmed=True) if windows else iter(())
+        if windows > last:
+            work = chain(self._parts_of(windows - last, blocks.short), work)
+        self._begin_work(work)
+
+    def _alarms(self, force: float) -> bool:
+        """Return whether the last short block is not what the wall as known explains."""
+        now = self.known
+        if not self.blocks.pending or not now.valid:
+            return False
+        K, B, T = now.stiffness, now.damping, self.blocks.period_s
+        rest, rate = self.blocks.usual(K)  # of which outliers are no part
+        off = rest - self.contact.level + K * now.surface - B * rate
+        count, jitter = self.blocks.short, JITTER_S * K * rate
+        variance = _OF_MEDIAN / count * (
+            self.variance_of(force) + jitter * jitter
+            + self.blocks.noise[0] * (K * K + 2.0 * count * (B / (count * T)) ** 2))
+        return off * off > _ALARM * _ALARM * variance
+
+    def _begin_work(self, work: Iterator[None]) -> None:
+        if self._work is not None:
+            self._go_on(to_end=True)
+        self._work = work
+
+    def _leave(self, t: float) -> None:
+        """Use what is left of a contact that is over; a short one has no rows but of its touch."""
+        blocks = self.blocks
+        windows = blocks.close()
+        work = self._parts_of(windows) if windows else iter(())
+        lasted = t - self._touch_t
+        if lasted <= _TAP_S + 0.5 * blocks.period_s:
+            count = 3 * blocks.smoothing.half + round(lasted / blocks.period_s)
+            work = chain(work, self._learn_tap(blocks.last(count)))
+        self._begin_work(work)
+        blocks.wanted = blocks.settled
 
     def _learn_tap(self, samples: Array) -> Iterator[None]:
         """Add the rows of a short contact, about the surface that it shows."""
@@ -335,15 +365,15 @@ class WallPosterior:
         self._first.clear()
         location, std = self._told
         self.blocks.begin(stamps)
-        smooth = self.blocks.smoothing
         self._parts = -(-_PARTS // max(self.blocks.short - 1, 1))
-        self._recent: deque[tuple[float, float]] = deque(maxlen=3 * smooth.half)
-        self._longest_tap = 3 * smooth.half + round(_TAP_S / self.blocks.period_s)
         self.contact.start(forces, not places[-1] > location - 2.0 * std)
 
-    def _touch(self, x: float) -> None:
+    def _touch(self, t: float, x: float) -> None:
         """Begin a contact: the wall may be another."""
+        self.blocks.close()  # nothing is learned from free flight
+        self._touch_t = t
         self._of_contact, self.blocks.wanted = 0, self.blocks.short
+        self._since_s, self._unsteady = 0.0, _STEADY
         known = self.known
         if known.surface != known.surface:
             self._x0 = x
@@ -359,30 +389,45 @@ class WallPosterior:
         """Return what all hypotheses share now."""
         return Scene(self._x0, self._depth, self._seconds, self.lag.lag)
 
-    def _parts_of(self, windows: int) -> Iterator[None]:
+    def _parts_of(
+        self, windows: int, later: int = 0, alarmed: bool = False
+    ) -> Iterator[None]:
         """Add a block and judge all hypotheses that it concerns, in parts of a tenth of a ms."""
         blocks, known = self.blocks, self.known
-        phi = blocks.rows(windows, self._x0, self.contact)
+        phi = blocks.rows(windows, self._x0, self.contact, later)
         if phi is None:
             return
         phi[FORCE] -= self.inertia * phi[ACCELERATION]
         yield
         weights = self._weights(phi)
         surprise = self._surprise(phi, weights)
-        if surprise and known.valid:
+        if (alarmed or surprise > _SURPRISE) and known.valid:
             wall = known.stiffness, known.damping, known.surface
             weights = weights * blocks.beside_jumps(windows, wall, self.contact.variance)
         self._add((phi * weights) @ phi.T, phi)
-        early = self._of_contact <= _EARLY or self._blocks <= _SETTLED
-        self._alert = _ALERT if surprise else max(self._alert - 1, 0)
-        blocks.wanted = blocks.short if early or self._alert else blocks.long
-        if early or self._alert or self._blocks % _EVERY == 0:
+        if self._is_due(surprise):
             yield
             if self._blocks <= _START:
                 self._find_scale()
                 yield
             yield from self._judge()
         self._runs.begin()
+
+    def _is_due(self, surprise: float) -> bool:
+        """Choose the length of the next block; return whether hypotheses are judged after this."""
+        blocks, early = self.blocks, self._of_contact <= _EARLY or self._blocks <= _SETTLED
+        if surprise > _SURPRISE:
+            self._alert, self._unsteady, self._since_s = _ALERT, _STEADY, 0.0
+        else:
+            self._alert = max(self._alert - 1, 0)
+        always = early or self._alert > 0
+        if not always:
+            self._unsteady = max(self._unsteady - 1, 0)
+        if self.contact.state == CONTACT:
+            blocks.wanted = (
+                blocks.short if always else blocks.long if self._unsteady else blocks.settled)
+        due = min(max(_DUE * self._since_s, _LEAST_DUE_S), _LONGEST_DUE_S)
+        return always or surprise > _DOUBTFUL or self._unjudged_s > due
 
     def _weights(self, phi: Array) -> Array:
         """Return samples a row over its variance: of noises, stamps, and errors of any model."""
@@ -403,6 +448,8 @@ class WallPosterior:
                 self._runs.begin(self._touched)
             self._touched = nan
         self._blocks += 1
+        self._since_s += seconds
+        self._unjudged_s += seconds
         self._of_contact += 1
         self._depth_s = min(self._depth_s + seconds, _DEPTH_S)
         depth = max(float(phi[DEPTH].mean()), 1e-5)
@@ -438,7 +485,7 @@ class WallPosterior:
 
     def _judge(self) -> Iterator[None]:
         """Weigh laws and surfaces, and the changes of the best of them that is at rest."""
-        scene = self.scene
+        scene, self._unjudged_s = self.scene, 0.0
         what = self._hypotheses(np.arange(_LAWS), self._surfaces)
         moves: NDArray[np.bool_] = what.law == MOVING
         grams = np.repeat(self._gram[None], len(moves), axis=0)
@@ -447,13 +494,14 @@ class WallPosterior:
         odds = judged.evidence + self._prior_odds(what, moves) - _signs(judged, what.law, scene)
         still = int(np.argmax(np.where(moves, -inf, odds)))
         yield
-        best = what.only(still)
-        change = None
-        before = self._runs.before(self._gram, scene, best)
+        change, law, prior = None, int(what.law[still]), np.log([one[2] for one in self._surfaces])
+        before = self._runs.before(
+            self._gram, scene, self._hypotheses(np.array([law]), self._surfaces), prior)
         if before is not None:
             yield
-            change = self._runs.since(before, scene, float(judged.evidence[still]),
-                                      self.blocks.wanted * self.blocks.period_s)
+            alone = float(judged.evidence[still] + prior[still % len(prior)])
+            block_s = min(self.blocks.wanted, self.blocks.long) * self.blocks.period_s
+            change = self._runs.since(before, scene, alone, block_s)
             # A wall at rest may have changed instead of moving.
             odds = odds + np.where(
                 moves, 0.0, np.logaddexp.reduce(np.append(change.odds, 0.0)))
@@ -464,13 +512,13 @@ class WallPosterior:
         weights /= weights.sum()
         top = int(np.argmax(odds))
         self._top = what.law[top:top + 1], judged.theta[top], scene
-        self._tell(weights, judged, what, change, int(what.law[still]), scene)
+        self._tell(weights, judged, what, change, law, scene)
         if self._blocks > _SETTLED:
             self._learn_lag(weights, judged)
         certain = decided(change)
         if change is not None and certain >= 0:
             yield
-            self._commit(change, certain, best, scene, min(gap, 0.0))
+            self._commit(change, certain, scene, min(gap, 0.0))
         self._follow_surface()
 
     def _prior_odds(self, what: Hypotheses, moves: NDArray[np.bool_]) -> Array:
@@ -478,47 +526,44 @@ class WallPosterior:
         own = np.where(moves, self._moving.prior, self._odds[what.law])
         return np.asarray(own + np.tile(prior, _LAWS))
 
-    def _commit(
-        self, change: Change, best: int, still: Hypotheses, scene: Scene, gap: float
-    ) -> None:
+    def _commit(self, change: Change, best: int, scene: Scene, gap: float) -> None:
         """Drop the wall before a change; what was told of laws and motion stays a prior."""
         run = int(change.run[best])
         centre, std = float(change.centre[best]), float(change.std[best])
         gram = self._runs.commit(run)
         before = judge(
             np.repeat((self._gram - gram)[None], _LAWS, axis=0), scene,
-            self._hypotheses(np.arange(_LAWS), [(float(still.centre[0]),
-                                                 float(still.std[0]), 1.0)])).evidence
+            self._hypotheses(np.arange(_LAWS), [self._surfaces[change.place[best]]])).evidence
         most = float(before[:MOVING].max())
         self._odds = np.maximum(self._odds + before - most, LOG_PRIOR - _FARTHEST)
         self._gram = gram
         self._moving.restart(gram, gap + float(self._odds[:MOVING].max() - LOG_PRIOR[MOVING]))
         self.changes += 1
         self._surfaces = [(centre, std, STILL_THERE), (centre, ANYWHERE_M, ELSEWHERE)]
-        if abs(self._told[0] - centre) < 4.0 * std:
+        if self._told[0] == self._told[0]:
             self._surfaces.append((self._told[0], AS_TOLD_M, 1.0 - STILL_THERE))
         K, B = change.judged.theta[best, :2].tolist()
         self._rescale(K, B, 1.0, self.lag.lag[0])
         self._depth_s = 0.0
 
-    def _surprise(self, phi: Array, weights: Array) -> bool:
-        """Average the residual of a block under what was known; return whether it surprises."""
+    def _surprise(self, phi: Array, weights: Array) -> float:
+        """Average and return the mean square residual of a block, in variances of the noise."""
         if self._top is None:
-            return False
+            return 0.0
         law, theta, scene = self._top
         if scene.x0 != self._x0:
-            return True
+            return inf
         columns = phi[CHOSEN[law[0], :UNKNOWNS]] * scales(law, scene.depth)[0, :UNKNOWNS, None]
         tau = scene.lag[0] if DEEP[law[0]] else 0.0
         error = phi[FORCE] + tau * phi[FORCE_RATE] - theta @ columns
         smooth = self.blocks.smoothing
         ratio = float(np.mean(error * error * weights)) / (smooth.hop * smooth.noise)
         if self._blocks <= _SETTLED or self._of_contact <= _EARLY:
-            return ratio > _SURPRISE
+            return ratio
         before = self._residual if self._residual == self._residual else 1.0
         share = phi.shape[1] * smooth.hop * self.blocks.period_s / _RESIDUAL_S
         self._residual = before + share * (min(ratio, _CLIPPED * before + 1.0) - before)
-        return ratio > _SURPRISE
+        return ratio
 
     def _learn_lag(self, weights: Array, judged: Judged) -> None:
         """Learn the lag where a spring and a damper are all that is there."""
