@@ -72,6 +72,8 @@ class EstimationPipeline:
         Whether a law of the contact fits.
     location : float
         x_e as configured, or as found at the first touch [m]; NaN before.
+    location_margin : float
+        How far from its location the surface may be [m].
     invalid : str
         Why no estimate is valid now, as told by the checks of the session; '' where it is.
 
@@ -80,6 +82,7 @@ class EstimationPipeline:
     def __init__(self, parameters: EstimationParameters | None = None) -> None:
         self.parameters = p = parameters or EstimationParameters()
         self.invalid = ''
+        self._missing = 0  # before the present posterior
         self.model_fit = ModelFitMonitor()
         self._conditioner = Conditioner(p.sample_rate)
         self._robot = with_joints(p.robot, p.physics)
@@ -92,13 +95,18 @@ class EstimationPipeline:
         p = self.parameters
         environment = p.environment
         self.location = environment.location
+        self.location_margin = max(_MARGIN * environment.location_std, _LEAST_MARGIN)
         self.posterior = WallPosterior(
             environment.location, environment.location_std,
             told_lag(p.physics.force_lag.tau, p.synchronisation.timing_std),
             p.contact.position_noise, p.contact.minimum_force,
             _LEAST_NOISE * p.contact.force_noise)
         self._noted: Knowledge | None = None
-        self._published: Knowledge | None = None
+        self._held_of: Knowledge | None = None
+        # An estimate stays the same until hypotheses are weighed or the state of contact changes.
+        self._now: Knowledge | None = None
+        self._same: tuple[int, str, float] | None = None
+        self._published: tuple[object, ...] = ()
         self._of_rows = self._row_estimation()
         self._held = ParameterEstimate(
             environment.initial_stiffness, environment.initial_damping, nan, nan, 0.0, nan)
@@ -107,7 +115,7 @@ class EstimationPipeline:
 
     def _begin_anew(self) -> None:
         """Begin with the noise and the level of the force as known."""
-        before = self.posterior.contact
+        before, self._missing = self.posterior.contact, self.missing
         self._begin()
         self.posterior.keep(before)
 
@@ -148,7 +156,7 @@ class EstimationPipeline:
 
         """
         effects_that_are_on(parameters.physics)  # the only stage that can refuse
-        old, self.parameters = self.parameters, parameters
+        old, self.parameters, self._same = self.parameters, parameters, None
 
         def differs(*names: str) -> bool:  # NaN is not equal to itself
             return any(repr(getattr(parameters, name)) != repr(getattr(old, name))
@@ -223,7 +231,7 @@ class EstimationPipeline:
     @property
     def missing(self) -> int:
         """Return the number of samples missing, from the spacing of the stamps."""
-        return self._conditioner.missing
+        return self._missing + self.posterior.blocks.missing
 
     @property
     def outliers(self) -> int:
@@ -232,13 +240,8 @@ class EstimationPipeline:
 
     @property
     def sample_period_s(self) -> float:
-        """Mean spacing of the last stamps [s]; 0 before any."""
-        return self._conditioner.sample_period_s
-
-    @property
-    def location_margin(self) -> float:
-        """How far from its location the surface may be [m]."""
-        return max(_MARGIN * self.parameters.environment.location_std, _LEAST_MARGIN)
+        """Mean spacing of the stamps [s]; 0 before 20 of them."""
+        return self.posterior.period_s
 
     @property
     def location_shift(self) -> float:
@@ -350,8 +353,8 @@ class EstimationPipeline:
         if self._first_ns is None:
             self._first_ns = stamp_ns
         t = (stamp_ns - self._first_ns) * 1e-9
-        location, posterior = self.location, self.posterior
-        dt, pressing, known = self._conditioner.take(sample, location)
+        location, posterior, conditioner = self.location, self.posterior, self._conditioner
+        dt, pressing, known = conditioner.take(sample, location)
         shift = 0.0
         if known is None:
             state = posterior.take(t, pressing, x, v)
@@ -362,11 +365,22 @@ class EstimationPipeline:
                 known = self._follow_release(dt, x, v, known)
             state, pressing = self._take_known(t, x, shift, known), known.pressing
         if state == CONTACT:
-            self._conditioner.note_contact()
+            conditioner.note_contact()
         elif not x > location - self.location_margin:
-            self._conditioner.note_free(pressing)
+            conditioner.note_free(pressing)
         if location != location:
             self._locate(state, dt, x, v, pressing)
+        now, same = posterior.known, (state, self.invalid, location)
+        if known is not None or self._of_rows is not None:
+            self._same = None
+        elif now is self._now and same == self._same:
+            return new_tuple(Estimate, (stamp_ns, *self._published))
+        else:
+            self._now, self._same = now, same
+        if now is not self._noted and state == CONTACT:
+            self._noted = now
+            if now.fit == now.fit:
+                self.model_fit.note(now.fit, posterior.law, stamp_ns)
         if self._of_rows is not None:
             own, status, reason = self._by_rows(
                 dt, sample, shift, pressing, known, state, reference)
@@ -380,15 +394,10 @@ class EstimationPipeline:
         if self.invalid:
             K_std = B_std = nan
             status, reason = _FREE if status is _FREE else _FROZEN, self.invalid
-        now = posterior.known
-        if now is not self._noted and state == CONTACT:
-            self._noted = now
-            if now.fit == now.fit:
-                self.model_fit.note(now.fit, posterior.law, stamp_ns)
         surface = (now.surface if now.valid else location) + shift
-        return new_tuple(Estimate, (
-            stamp_ns, K, B, K_std, B_std, surface, inertia, status, reason,
-            self.model_fit.now.ratio))
+        self._published = (
+            K, B, K_std, B_std, surface, inertia, status, reason, self.model_fit.now.ratio)
+        return new_tuple(Estimate, (stamp_ns, *self._published))
 
     def _locate(self, state: int, dt: float, x: float, v: float, pressing: float) -> None:
         """Take the surface that the first touch shows."""
@@ -433,8 +442,8 @@ class EstimationPipeline:
 
     def _by_posterior(self, state: int) -> tuple[ParameterEstimate, EstimateStatus, str]:
         now = self.posterior.known
-        if now is not self._published:
-            self._published = now
+        if now is not self._held_of:
+            self._held_of = now
             if now.valid:
                 low, high, most = self.parameters.environment.limits
                 self._held = ParameterEstimate(

@@ -25,7 +25,6 @@ from .contact_sample import ContactSample
 from ..parameters.specification import parameter, ParameterGroup
 
 _TARE_S = 0.5
-_PERIOD_GAIN = 0.01  # of the mean sample period
 
 
 @dataclass(frozen=True)
@@ -60,18 +59,13 @@ class Conditioner:
     ----------
     bias : float
         Force that is subtracted from the measured F_e [N].
-    missing : int
-        Samples missing, from the spacing of the stamps.
-    sample_period_s : float
-        Mean spacing of the last stamps [s]; 0 before any.
     compensation : SampleCompensation or None
         Of the known physics.
 
     """
 
     def __init__(self, sample_rate: float) -> None:
-        self.bias = self.sample_period_s = 0.0
-        self.missing = 0
+        self.bias = 0.0
         self.compensation: SampleCompensation | None = None
         self.configure(sample_rate)
 
@@ -109,11 +103,6 @@ class Conditioner:
         stamp_ns, self._position, _, force = sample
         last_ns, self._last_ns = self._last_ns, stamp_ns
         dt = (stamp_ns - last_ns) * 1e-9 if last_ns >= 0 else 0.0
-        mean = self.sample_period_s
-        usual = mean or self._T
-        if dt > 1.5 * usual:
-            self.missing += round(dt / usual) - 1
-        self.sample_period_s = mean + _PERIOD_GAIN * (dt - mean) if mean else dt
         pressing = self.bias - force
         if self.compensation is None:
             return dt, pressing, None

@@ -12,12 +12,13 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The checks of a session: judged twice a second, a few at a time."""
+"""The checks of a session: judged twice a second, once a second while all is well."""
 
 from __future__ import annotations
 
 from collections import deque
-from typing import Any, Mapping, NamedTuple, Sequence
+from functools import partial
+from typing import Any, Callable, Mapping, NamedTuple, Sequence
 
 import numpy as np
 
@@ -40,7 +41,7 @@ CHECKS: tuple[Check, ...] = (
 )
 """Every check of an axis, in the order of importance; the first active one is the headline."""
 
-_JUDGED_TOGETHER = 3  # checks after one sample: all at once would take longer than its period
+_QUIET = 8  # judgements in a row that find nothing, from which on every second one is enough
 _RELEVANT = ('environment', 'further_axes', 'synchronisation', 'contact')
 
 
@@ -119,9 +120,11 @@ class InputChecks:
     def restart(self) -> None:
         """Start a new window, as after a clock jump; warnings stay."""
         self._window.restart(self._p.sample_rate)
-        self._waiting: deque[tuple[Evidence, Sequence[Check]]] = deque()
+        # One after each sample: all at once would take longer than its period.
+        self._waiting: deque[Callable[[], object]] = deque()
         self.due = self._window.block
         self._stamp_ns = 0  # of the evidence
+        self._quiet, self._skips = 0, False
 
     def configure(self, parameters: EstimationParameters) -> None:
         """Set new parameters; warnings that depend on them are judged afresh."""
@@ -133,7 +136,7 @@ class InputChecks:
 
     def judge(self, stamp_ns: int) -> None:
         """
-        Judge some of the checks that wait, or collect the evidence of a complete block.
+        Judge the next check that waits, or collect the evidence of a complete block.
 
         Parameters
         ----------
@@ -142,19 +145,23 @@ class InputChecks:
 
         """
         if self._waiting:
-            self._judge(*self._waiting.popleft())
+            self._waiting.popleft()()
         else:
-            self._begin_judgement(stamp_ns)
+            self._stamp_ns = stamp_ns
+            self._window.close_block(stamp_ns)
+            # The window holds four blocks: each sample is judged twice also then.
+            self._skips = self._quiet >= _QUIET and not self._skips
+            if not self._skips:
+                self._quiet = 0 if self._active else self._quiet + 1
+                self._waiting.extend(partial(self._collect, axis) for axis in self._pipelines)
         self.due = len(self.samples) + 1 if self._waiting else self._window.block
 
-    def _begin_judgement(self, stamp_ns: int) -> None:
-        self._stamp_ns = stamp_ns
-        self._window.close_block(stamp_ns)
-        for axis, pipeline in self._pipelines.items():
-            seen = self._window.evidence(axis, self._p, pipeline, self.joints, self.limits)
-            self._waiting.extend(
-                (seen, CHECKS[first:first + _JUDGED_TOGETHER])
-                for first in range(0, len(CHECKS), _JUDGED_TOGETHER))
+    def _collect(self, axis: str) -> None:
+        seen = self._window.evidence(
+            axis, self._p, self._pipelines[axis], self.joints, self.limits)
+        for check in CHECKS:
+            self._waiting.extend(partial(stage, seen) for stage in check.stages)
+            self._waiting.append(partial(self._judge, seen, check))
 
     def warnings(self) -> list[Warned]:
         """Return the active warnings, the most important first."""
@@ -194,13 +201,12 @@ class InputChecks:
         text, count = self._active.get((check.name, axis), ('', 0))
         return text if count >= check.confirmations else ''
 
-    def _judge(self, seen: Evidence, checks: Sequence[Check]) -> None:
+    def _judge(self, seen: Evidence, check: Check) -> None:
         with np.errstate(all='ignore'):  # squares of huge values are not finite: no evidence
-            for check in checks:
-                self._note(check, seen.axis, check.judge(seen))
-        if checks[-1] is CHECKS[-1]:
-            invalid = [self._text(check, seen.axis) for check in CHECKS
-                       if check.invalidates and not check.of_state]
+            self._note(check, seen.axis, check.judge(seen))
+        if check is CHECKS[-1]:
+            invalid = [self._text(one, seen.axis) for one in CHECKS
+                       if one.invalidates and not one.of_state]
             seen.pipeline.invalid = next(filter(None, invalid), '')
 
     def _note(self, check: Check, axis: str, text: str | None) -> None:

@@ -65,14 +65,14 @@ class Blocks:
         Variance of position [m^2] and measured rate [m^2/s^2].
     short, long, settled, wanted : int
         Samples of a short, a long, the longest and the present block.
-    outliers : int
-        Forces replaced as outliers.
+    outliers, missing : int
+        Forces replaced as outliers; samples missing, from the spacing of the stamps.
 
     """
 
     def __init__(self, position_noise: float) -> None:
         self._least = position_noise * position_noise
-        self.period_s, self.outliers = 0.0, 0
+        self.period_s, self.outliers, self.missing = 0.0, 0, 0
         self.noise = nan, nan
         self._still = nan  # force since which the position has not changed
         self.restart()
@@ -89,24 +89,27 @@ class Blocks:
 
     def step(self, t: float, x: float) -> float:
         """Return the time since the last sample [s]; 0 for one that no robot can have sent."""
-        dt = t - self._last_t
-        if not dt > 0.0 or self._jumps(dt, x):
+        dt, T = t - self._last_t, self.period_s
+        moved = x - self._last_x
+        if not dt > 0.0 or (
+                (moved > _REACH or moved < -_REACH) and self._jumps(dt, abs(moved))):
             return 0.0
-        self._last_t = t
-        T = self.period_s
-        if T and dt > _FILLED * T:
-            self.break_off()
-            return T
+        self._last_t, self._last_x, self._jumped = t, x, 0
+        if T and dt > 1.5 * T:
+            self.missing += round(dt / T) - 1 if dt < inf else 0
+            if dt > _FILLED * T:
+                self.break_off()
+                return T
         return dt
 
-    def _jumps(self, dt: float, x: float) -> bool:
+    def _jumps(self, dt: float, moved: float) -> bool:
         """Return whether no tool moves so fast; so often in a row, it is elsewhere."""
-        if abs(x - self._last_x) > _FASTEST * min(dt, 1.0) + _REACH and self._jumped < _BELIEVED:
+        if moved <= _FASTEST * min(dt, 1.0) + _REACH:
+            return False
+        if self._jumped < _BELIEVED:
             self._jumped += 1
             return True
-        if self._jumped >= _BELIEVED:
-            self.break_off()
-        self._jumped, self._last_x = 0, x
+        self.break_off()
         return False
 
     def begin(self, stamps: Array) -> None:

@@ -39,22 +39,28 @@ class Segment:
     def clear(self) -> None:
         """Forget all samples."""
         self.seconds = 0.0
-        self._sums = (0, 0.0, 0.0, 0.0, 0.0, 0.0)
+        self._samples: list[float] = []
 
     def add(self, dt: float, x: float, f: float) -> None:
         """Add a sample."""
-        n, sx, sf, xx, xf, ff = self._sums
         self.seconds += dt
-        self._sums = n + 1, sx + x, sf + f, xx + x * x, xf + x * f, ff + f * f
+        self._samples += x, f
+
+    @property
+    def count(self) -> int:
+        """Number of samples."""
+        return len(self._samples) // 2
 
     @property
     def moments(self) -> tuple[int, float, float, float, float]:
         """Return count, mean force, and the centred sums of x^2, x f and f^2."""
-        n, sx, sf, xx, xf, ff = self._sums
-        if not n:
+        if not self._samples:
             return 0, 0.0, 0.0, 0.0, 0.0
-        return (n, sf / n, max(xx - sx * sx / n, 0.0), xf - sx * sf / n,
-                max(ff - sf * sf / n, 0.0))
+        both = np.array(self._samples).reshape(-1, 2)
+        mean = both.sum(axis=0) / len(both)
+        both -= mean
+        (xx, xf), (_, ff) = (both.T @ both).tolist()
+        return len(both), float(mean[1]), xx, xf, ff
 
 
 class ContactFilter:
@@ -133,37 +139,31 @@ class ContactFilter:
             FREE, CONTACT or NEITHER.
 
         """
-        self._learn_noise(force)
-        deviation = sqrt(self.variance + self.level_variance)
+        last, bend = self._last, force - 2.0 * self._last + self._before
+        self._before, self._last = last, force
+        variance, least = self.variance, self._least
+        self._equal = self._equal + 1 if force == last else 0
+        if self._equal < _SAME:
+            square, most = bend * bend / _SECOND, CLIPPED_SQUARE * variance
+            if self._learned < NOISE_SAMPLES:
+                self._learned += 1
+            variance += ((square if square < most else most) - variance) / self._learned
+            self.variance = variance = variance if variance > least else least
+        deviation = sqrt(variance + self.level_variance)
         pressing = force - self.level
         z = pressing / deviation
         z = CLIP if z > CLIP else -CLIP if z < -CLIP else z
-        place = _place(x, surface, std)
         before = self.state
         if before == FREE:
-            self._in_free_flight(dt, pressing, z, place, deviation)
+            self._in_free_flight(dt, pressing, z, _place(x, surface, std), deviation)
         elif before == CONTACT:
-            self._in_contact(dt, force, x, z, place)
+            self._in_contact(dt, force, x, z, _place(x, surface, std))
         else:
-            self._in_neither(dt, force, x, z, place)
+            self._in_neither(dt, force, x, z, _place(x, surface, std))
         if self.state != before:
             self._up = self._down = 0.0
             self._segment.clear()
         return self.state
-
-    def _learn_noise(self, force: float) -> None:
-        bend = force - 2.0 * self._last + self._before
-        self._equal = self._equal + 1 if force == self._last else 0
-        self._before, self._last = self._last, force
-        if self._equal < _SAME:
-            variance = self.variance
-            square, most = bend * bend / _SECOND, CLIPPED_SQUARE * variance
-            square = square if square < most else most
-            learned = self._learned
-            if learned < NOISE_SAMPLES:
-                self._learned = learned = learned + 1
-            variance += (square - variance) / learned
-            self.variance = variance if variance > self._least else self._least
 
     def _in_free_flight(
         self, dt: float, pressing: float, z: float, place: float, deviation: float
@@ -207,9 +207,9 @@ class ContactFilter:
             return
         segment = self._segment
         segment.add(dt, x, force)
-        count, mean, xx, xf, ff = segment.moments
-        if count % 10:
+        if segment.count % 10:
             return
+        count, mean, xx, xf, ff = segment.moments
         noise = count * self.variance
         explained = xf * xf / xx if xf > 0.0 < xx else 0.0
         if z > SLOPE_STD and explained > max(0.5 * ff, CLIP * CLIP * self.variance):

@@ -16,7 +16,7 @@
 
 from __future__ import annotations
 
-from itertools import chain
+from itertools import chain, repeat
 from math import exp, inf, isfinite, nan, sqrt
 from typing import Iterator, NamedTuple, Sequence
 
@@ -28,7 +28,7 @@ from .constants import (
     ANYWHERE_M, AS_TOLD, AS_TOLD_M, DAMPING_FLOOR, DAMPING_S, ELSEWHERE, FADE_S, JITTER_S,
     MODEL_ERROR, MODEL_ERROR_S, NEAR, STIFFNESS_FLOOR, STILL_THERE)
 from .contact import CONTACT, ContactFilter, FREE
-from .evidence import Hypotheses, judge, Judged, Scene, Wall, walls
+from .evidence import Hypotheses, judge, Judged, normal, Scene, solved, Wall, walls
 from .lag import LagPosterior
 from .laws import (
     ACCELERATION, Array, CHOSEN, COLUMNS, DEEP, DEPTH, FORCE, FORCE_RATE, FRICTION, Ints,
@@ -39,8 +39,8 @@ from .touch import before_release, surface_of_touch
 
 _GREATEST = 1e5  # [N]; a larger force is no measurement
 _LAWS = len(NAMES)
-_EARLY = 20  # short blocks of a contact, each judged
-_DUE, _LEAST_DUE_S, _LONGEST_DUE_S = 0.1, 0.2, 1.0  # later: new data [share of all, s, s]
+_EARLY = 20  # short blocks of a contact
+_DUE, _LONGEST_DUE_S = 0.2, 1.0  # later: new data since the touch [share of all, s]
 _STEADY = 10  # long blocks without a surprise, before longer ones
 _DOUBTFUL = 2.0  # mean square of a block that is judged although none is due
 _ALARM = 4.0  # deviations of the median of a short block that ends a longer one
@@ -57,7 +57,7 @@ _SETTLED = 10  # blocks, from which the lag is learned
 _DEPTH_S = 1.0  # over which the mean depth is taken
 _RESIDUAL_S = 2.0  # over which residuals are averaged
 _RECENT_S = 0.5  # of the last data, at least
-_PARTS = 8  # at most, of the work on a block
+_PARTS = 9  # of the work on a block
 _SCALES: Array = np.geomspace(30.0, 1e6, 16)  # of a wall that is not known [N/m]
 _DONE = object()
 _FARTHEST = 20.0  # log odds of a law of the wall before a change
@@ -256,26 +256,28 @@ class WallPosterior:
 
         """
         felt_force, felt_x = felt or (force, x)
-        if not (isfinite(force) and isfinite(x) and abs(felt_force) < _GREATEST):
-            return self.contact.state
-        dt = self.blocks.step(t, felt_x)
+        blocks, contact = self.blocks, self.contact
+        if not (-_GREATEST < felt_force < _GREATEST and isfinite(force) and isfinite(x)):
+            return contact.state
+        dt = blocks.step(t, felt_x)
         if not dt:
-            return self.contact.state
-        if not self.blocks.period_s:
+            return contact.state
+        if not blocks.period_s:
             self._begin(t, felt_force, felt_x)
             return FREE
         if self._work is not None:
             self._go_on()
-        known, before, blocks = self.known, self.contact.state, self.blocks
-        state = self.contact.take(dt, felt_force, felt_x, known.surface, known.surface_std)
+        known, before = self.known, contact.state
+        surface, std = known[4], known[5]
+        state = contact.take(dt, felt_force, felt_x, surface, std)
         if state != before:
             if before == CONTACT:
                 self._leave(t if felt is None else inf)
             elif state == CONTACT:
                 self._touch(t, felt_x)
-                known = self.known
-        outermost = known.surface - _OUTSIDE * known.surface_std - _OUTSIDE_M
-        taught = state == CONTACT and usable and not felt_x < outermost
+                surface, std = self.known[4:6]
+        taught = state == CONTACT and usable and not (
+            felt_x < surface - _OUTSIDE * std - _OUTSIDE_M)
         windows = blocks.add(dt, (force, x, v, *bent), taught)
         if windows:
             self._begin_work(self._parts_of(windows))
@@ -351,7 +353,7 @@ class WallPosterior:
     def _go_on(self, to_end: bool = False) -> None:
         """Do the next part of the work on the last block, so that no sample takes long."""
         assert self._work is not None
-        for _ in range(_PARTS if to_end else self._parts):
+        for _ in repeat(None) if to_end else range(self._parts):
             if next(self._work, _DONE) is _DONE:
                 self._work = None
                 return
@@ -426,8 +428,9 @@ class WallPosterior:
         if self.contact.state == CONTACT:
             blocks.wanted = (
                 blocks.short if always else blocks.long if self._unsteady else blocks.settled)
-        due = min(max(_DUE * self._since_s, _LEAST_DUE_S), _LONGEST_DUE_S)
-        return always or surprise > _DOUBTFUL or self._unjudged_s > due
+        if self._alert or self._blocks <= _SETTLED or surprise > _DOUBTFUL:
+            return True
+        return self._unjudged_s > min(_DUE * self._since_s, _LONGEST_DUE_S)
 
     def _weights(self, phi: Array) -> Array:
         """Return samples a row over its variance: of noises, stamps, and errors of any model."""
@@ -490,7 +493,9 @@ class WallPosterior:
         moves: NDArray[np.bool_] = what.law == MOVING
         grams = np.repeat(self._gram[None], len(moves), axis=0)
         grams[moves] = self._moving.gram
-        judged = judge(grams, scene, what)
+        equations = normal(grams, scene, what)
+        yield
+        judged = solved(equations)
         odds = judged.evidence + self._prior_odds(what, moves) - _signs(judged, what.law, scene)
         still = int(np.argmax(np.where(moves, -inf, odds)))
         yield

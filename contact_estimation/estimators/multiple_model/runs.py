@@ -177,11 +177,12 @@ class Runs:
         if not len(used):
             return None
         since, places = self._grams[used], len(prior)
+        count = len(used)
         judged = judge(np.repeat(gram - since, places, axis=0), scene, Hypotheses(
-            *(np.tile(one, len(used)) for one in what)))
+            np.tile(what.law, count), *(np.tile(one, count) for one in what[1:])))
         evidence = judged.evidence.reshape(-1, places) + prior
         place = evidence.argmax(axis=1)
-        best = place + places * np.arange(len(used))
+        best = place + places * np.arange(count)
         return Before(used, since, Judged(
             evidence.max(axis=1), judged.theta[best], judged.P[best]), place, int(what.law[0]))
 
