@@ -40,7 +40,8 @@ from .touch import before_release, surface_of_touch
 _GREATEST = 1e5  # [N]; a larger force is no measurement
 _LAWS = len(NAMES)
 _EARLY = 20  # short blocks of a contact
-_DUE, _LONGEST_DUE_S = 0.2, 1.0  # later: new data since the touch [share of all, s]
+_EARLY_DUE_S = 0.04  # of new data, from which laws are judged then
+_DUE, _LEAST_DUE_S, _LONGEST_DUE_S = 0.1, 0.2, 1.0  # later: share of all since the touch, s, s
 _STEADY = 10  # long blocks without a surprise, before longer ones
 _DOUBTFUL = 2.0  # mean square of a block that is judged although none is due
 _ALARM = 4.0  # deviations of the median of a short block that ends a longer one
@@ -430,7 +431,8 @@ class WallPosterior:
                 blocks.short if always else blocks.long if self._unsteady else blocks.settled)
         if self._alert or self._blocks <= _SETTLED or surprise > _DOUBTFUL:
             return True
-        return self._unjudged_s > min(_DUE * self._since_s, _LONGEST_DUE_S)
+        later = min(max(_DUE * self._since_s, _LEAST_DUE_S), _LONGEST_DUE_S)
+        return self._unjudged_s > 0.9 * (_EARLY_DUE_S if early else later)
 
     def _weights(self, phi: Array) -> Array:
         """Return samples a row over its variance: of noises, stamps, and errors of any model."""
