@@ -25,7 +25,7 @@ is subtracted (Fuller, Measurement Error Models, 1987, section 1.2).
 from __future__ import annotations
 
 from math import log
-from typing import Any, Callable, NamedTuple
+from typing import Any, Callable, NamedTuple, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -66,7 +66,8 @@ class StampSkew(Check):
               'joint states), or synchronise the clocks.')
     invalidates = True
     confirmations = 2
-    stages = (lambda seen: _quietly(_noise, seen), lambda seen: _quietly(_averaged, seen))
+    stages = (lambda seen: _quietly(_noise, seen), lambda seen: _quietly(_averaged, seen),
+              lambda seen: _quietly(_nearest, seen))
 
     def judge(self, seen: Evidence) -> str | None:
         """Search the lag in the last seconds of contact."""
@@ -179,7 +180,7 @@ def _skew_of(seen: Evidence) -> _Skew | None:
     if means is None:
         return None
     count = len(means.y)
-    before, none, after = _residuals(means, _NEAREST).tolist()
+    before, none, after = _nearest(seen, means)
     if not none < np.inf:
         return None
     x, v = (np.interp(means.t, means.motion_t, part)
@@ -225,6 +226,16 @@ def _averaged(seen: Evidence) -> _Means | None:
         means = _means(seen) if touched else None
         seen.memory['means'] = seen.end_s, means
     return means  # type: ignore[no-any-return]
+
+
+def _nearest(seen: Evidence, means: _Means | None = None) -> Sequence[float]:
+    """Return what no lag and the nearest ones leave, found once; nothing without means."""
+    means = means or _averaged(seen)
+    instant, left = seen.memory.get('nearest', (None, []))
+    if means is not None and instant != seen.end_s:
+        left = _residuals(means, _NEAREST).tolist()
+        seen.memory['nearest'] = seen.end_s, left
+    return left  # type: ignore[no-any-return]
 
 
 def _means(seen: Evidence) -> _Means | None:

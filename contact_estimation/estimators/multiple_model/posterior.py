@@ -58,7 +58,7 @@ _SETTLED = 10  # blocks, from which the lag is learned
 _DEPTH_S = 1.0  # over which the mean depth is taken
 _RESIDUAL_S = 2.0  # over which residuals are averaged
 _RECENT_S = 0.5  # of the last data, at least
-_PARTS = 9  # of the work on a block
+_PARTS = 11  # of the work on a block
 _SCALES: Array = np.geomspace(30.0, 1e6, 16)  # of a wall that is not known [N/m]
 _DONE = object()
 _FARTHEST = 20.0  # log odds of a law of the wall before a change
@@ -172,6 +172,7 @@ class WallPosterior:
 
     def expect(self, surface: float, std: float) -> None:
         """Use a surface that the first touch has shown [m]."""
+        self._begin_work(None)  # what is judged now has other surfaces
         std = max(std, AS_TOLD_M)
         self._surfaces = [(surface, std, NEAR), (surface, ANYWHERE_M, ELSEWHERE)]
         if not self._blocks:
@@ -310,7 +311,8 @@ class WallPosterior:
             + self.blocks.noise[0] * (K * K + 2.0 * count * (B / (count * T)) ** 2))
         return off * off > _ALARM * _ALARM * variance
 
-    def _begin_work(self, work: Iterator[None]) -> None:
+    def _begin_work(self, work: Iterator[None] | None) -> None:
+        """Finish the work before, since what it has judged may change."""
         if self._work is not None:
             self._go_on(to_end=True)
         self._work = work
@@ -368,11 +370,12 @@ class WallPosterior:
         self._first.clear()
         location, std = self._told
         self.blocks.begin(stamps)
-        self._parts = -(-_PARTS // max(self.blocks.short - 1, 1))
+        self._parts = max(1, round(_PARTS / max(self.blocks.short - 1, 1)))
         self.contact.start(forces, not places[-1] > location - 2.0 * std)
 
     def _touch(self, t: float, x: float) -> None:
         """Begin a contact: the wall may be another."""
+        self._begin_work(None)
         self.blocks.close()  # nothing is learned from free flight
         self._touch_t = t
         self._of_contact, self.blocks.wanted = 0, self.blocks.short
@@ -498,6 +501,7 @@ class WallPosterior:
         equations = normal(grams, scene, what)
         yield
         judged = solved(equations)
+        yield
         odds = judged.evidence + self._prior_odds(what, moves) - _signs(judged, what.law, scene)
         still = int(np.argmax(np.where(moves, -inf, odds)))
         yield
@@ -519,6 +523,7 @@ class WallPosterior:
         weights /= weights.sum()
         top = int(np.argmax(odds))
         self._top = what.law[top:top + 1], judged.theta[top], scene
+        yield
         self._tell(weights, judged, what, change, law, scene)
         if self._blocks > _SETTLED:
             self._learn_lag(weights, judged)
