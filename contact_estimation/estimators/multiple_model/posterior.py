@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from itertools import chain, repeat
 from math import exp, inf, isfinite, nan, sqrt
-from typing import Iterator, NamedTuple, Sequence
+from typing import Iterator, NamedTuple, Sequence, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,6 +62,7 @@ _PARTS = 11  # of the work on a block
 _SCALES: Array = np.geomspace(30.0, 1e6, 16)  # of a wall that is not known [N/m]
 _DONE = object()
 _FARTHEST = 20.0  # log odds of a law of the wall before a change
+_Force = TypeVar('_Force', float, Array)
 _SURE = 0.3  # relative standard deviation above which there is no estimate
 
 
@@ -183,10 +184,10 @@ class WallPosterior:
         self.contact.variance, self.contact.level = contact.variance, contact.level
         self.contact.level_variance = contact.level_variance
 
-    def variance_of(self, force: float) -> float:
+    def variance_of(self, force: _Force) -> _Force:
         """Return the variance of a force: of noise, and of what no law predicts of it [N^2]."""
         error = MODEL_ERROR * force
-        return self.contact.variance + error * error * MODEL_ERROR_S / self.period_s
+        return self.contact.variance + error * error * (MODEL_ERROR_S / self.period_s)
 
     @property
     def period_s(self) -> float:
@@ -439,11 +440,10 @@ class WallPosterior:
 
     def _weights(self, phi: Array) -> Array:
         """Return samples a row over its variance: of noises, stamps, and errors of any model."""
-        T, K, force = self.blocks.period_s, self._scale, phi[FORCE]
+        K, force = self._scale, phi[FORCE]
         B = K * max(self._seconds - self.lag.lag[0], 0.0)
         smooth = self.blocks.smoothing
-        variance = (self.contact.variance + np.square(JITTER_S * phi[FORCE_RATE])
-                    + np.square(MODEL_ERROR * force) * (MODEL_ERROR_S / T)
+        variance = (self.variance_of(force) + np.square(JITTER_S * phi[FORCE_RATE])
                     + self.blocks.noise[0] * (K * K + B * B * smooth.rate_noise / smooth.noise))
         return np.asarray(smooth.hop / variance)
 
