@@ -34,27 +34,20 @@ from .laws import (
     ACCELERATION, Array, CHOSEN, COLUMNS, DEEP, DEPTH, FORCE, FORCE_RATE, FRICTION, Ints,
     KELVIN_VOIGT, LOG_PRIOR, MASS, MOVING, NAMES, RATE, scales, shifted_table, UNKNOWNS)
 from .moving import MovingWall
+from .rhythm import Rhythm, SETTLED, SURPRISE
 from .runs import Change, decided, Runs
 from .touch import before_release, surface_of_touch
 
 _GREATEST = 1e5  # [N]; a larger force is no measurement
 _LAWS = len(NAMES)
-_EARLY = 20  # short blocks of a contact
-_EARLY_DUE_S = 0.04  # of new data, from which laws are judged then
-_DUE, _LEAST_DUE_S, _LONGEST_DUE_S = 0.1, 0.2, 1.0  # later: share of all since the touch, s, s
-_STEADY = 10  # long blocks without a surprise, before longer ones
-_DOUBTFUL = 2.0  # mean square of a block that is judged although none is due
 _ALARM = 4.0  # deviations of the median of a short block that ends a longer one
 _OF_MEDIAN = 1.57  # its variance over that of a mean: pi / 2
-_ALERT = 5  # blocks judged after a surprise
-_SURPRISE = 4.0  # mean square of a block, over the noise's: chi^2 of 5 to 10 rows, below 1e-3
 _CLIPPED = 4.0  # times the mean so far: a change is no misfit
 _OUTSIDE, _OUTSIDE_M = 4.0, 5e-4  # of a surface [deviations, m]: no force is that of the wall
 _TAP_S = 0.06  # contact that is shorter has few rows or none beside those of its touch
 _STRADDLES = 0.3  # of the depth: as well must the surface be known for rows across it
 _SOFTER = 0.03  # of the scale so far: a stiffness that is not known may be found negative
 _START = 3  # blocks in which the scale of the priors is not known
-_SETTLED = 10  # blocks, from which the lag is learned
 _DEPTH_S = 1.0  # over which the mean depth is taken
 _RESIDUAL_S = 2.0  # over which residuals are averaged
 _RECENT_S = 0.5  # of the last data, at least
@@ -159,8 +152,7 @@ class WallPosterior:
         self._runs = Runs()
         self._gram, self._moving = np.zeros((COLUMNS, COLUMNS)), MovingWall()
         self._odds = LOG_PRIOR.copy()
-        self.changes = self._blocks = self._of_contact = self._alert = self._unsteady = 0
-        self._since_s = self._unjudged_s = 0.0
+        self.changes, self._rhythm = 0, Rhythm()
         self._depth_s = 0.0
         self._x0 = location if location == location else 0.0
         self._depth, self._residual = 1e-3, nan
@@ -176,7 +168,7 @@ class WallPosterior:
         self._begin_work(None)  # what is judged now has other surfaces
         std = max(std, AS_TOLD_M)
         self._surfaces = [(surface, std, NEAR), (surface, ANYWHERE_M, ELSEWHERE)]
-        if not self._blocks:
+        if not self._rhythm.blocks:
             self._x0 = surface
 
     def keep(self, contact: ContactFilter) -> None:
@@ -207,13 +199,13 @@ class WallPosterior:
         The Cramer-Rao bound with the surface as known: eq. (27) made quantitative.
 
         """
-        if self._excited_at != self._blocks:
-            self._excited_at = self._blocks
+        if self._excited_at != self._rhythm.blocks:
+            self._excited_at = self._rhythm.blocks
             self._excitation = self._bounds()
         return self._excitation
 
     def _bounds(self) -> tuple[float, float]:
-        gram = self._runs.recent(_RECENT_S) if self._blocks else self._gram
+        gram = self._runs.recent(_RECENT_S) if self._rhythm.blocks else self._gram
         K, B = self._scale, max(self._seconds, DAMPING_S) * self._scale
         (kk, kb), (_, bb) = gram[np.ix_([DEPTH, RATE], [DEPTH, RATE])].tolist()
         determinant = kk * bb - kb * kb
@@ -349,7 +341,7 @@ class WallPosterior:
             phi = smooth.rows(force, x, np.full(len(x), nan), self._x0, self.blocks.noise, True)
             self._add((phi * self._weights(phi)) @ phi.T, phi)
             yield
-            if self._blocks <= _START:
+            if self._rhythm.blocks <= _START:
                 self._find_scale()
             yield from self._judge()
             self._runs.begin()
@@ -379,8 +371,8 @@ class WallPosterior:
         self._begin_work(None)
         self.blocks.close()  # nothing is learned from free flight
         self._touch_t = t
-        self._of_contact, self.blocks.wanted = 0, self.blocks.short
-        self._since_s, self._unsteady = 0.0, _STEADY
+        self._rhythm.touch()
+        self.blocks.wanted = self.blocks.short
         known = self.known
         if known.surface != known.surface:
             self._x0 = x
@@ -408,35 +400,20 @@ class WallPosterior:
         yield
         weights = self._weights(phi)
         surprise = self._surprise(phi, weights)
-        if (alarmed or surprise > _SURPRISE) and known.valid:
+        if (alarmed or surprise > SURPRISE) and known.valid:
             wall = known.stiffness, known.damping, known.surface
             weights = weights * blocks.beside_jumps(windows, wall, self.contact.variance)
         self._add((phi * weights) @ phi.T, phi)
-        if self._is_due(surprise):
+        due = self._rhythm.is_due(surprise)
+        if self.contact.state == CONTACT:
+            blocks.wanted = (blocks.short, blocks.long, blocks.settled)[self._rhythm.length]
+        if due:
             yield
-            if self._blocks <= _START:
+            if self._rhythm.blocks <= _START:
                 self._find_scale()
                 yield
             yield from self._judge()
         self._runs.begin()
-
-    def _is_due(self, surprise: float) -> bool:
-        """Choose the length of the next block; return whether hypotheses are judged after this."""
-        blocks, early = self.blocks, self._of_contact <= _EARLY or self._blocks <= _SETTLED
-        if surprise > _SURPRISE:
-            self._alert, self._unsteady, self._since_s = _ALERT, _STEADY, 0.0
-        else:
-            self._alert = max(self._alert - 1, 0)
-        always = early or self._alert > 0
-        if not always:
-            self._unsteady = max(self._unsteady - 1, 0)
-        if self.contact.state == CONTACT:
-            blocks.wanted = (
-                blocks.short if always else blocks.long if self._unsteady else blocks.settled)
-        if self._alert or self._blocks <= _SETTLED or surprise > _DOUBTFUL:
-            return True
-        later = min(max(_DUE * self._since_s, _LEAST_DUE_S), _LONGEST_DUE_S)
-        return self._unjudged_s > 0.9 * (_EARLY_DUE_S if early else later)
 
     def _weights(self, phi: Array) -> Array:
         """Return samples a row over its variance: of noises, stamps, and errors of any model."""
@@ -452,13 +429,10 @@ class WallPosterior:
         seconds = phi.shape[1] * self.blocks.smoothing.hop * self.blocks.period_s
         fade = exp(-seconds / FADE_S)
         if self._touched == self._touched:
-            if self._blocks:
+            if self._rhythm.blocks:
                 self._runs.begin(self._touched)
             self._touched = nan
-        self._blocks += 1
-        self._since_s += seconds
-        self._unjudged_s += seconds
-        self._of_contact += 1
+        self._rhythm.add(seconds)
         self._depth_s = min(self._depth_s + seconds, _DEPTH_S)
         depth = max(float(phi[DEPTH].mean()), 1e-5)
         self._depth += (depth - self._depth) * min(seconds / self._depth_s, 1.0)
@@ -493,7 +467,8 @@ class WallPosterior:
 
     def _judge(self) -> Iterator[None]:
         """Weigh laws and surfaces, and the changes of the best of them that is at rest."""
-        scene, self._unjudged_s = self.scene, 0.0
+        scene = self.scene
+        self._rhythm.judged()
         what = self._hypotheses(np.arange(_LAWS), self._surfaces)
         moves: NDArray[np.bool_] = what.law == MOVING
         grams = np.repeat(self._gram[None], len(moves), axis=0)
@@ -525,7 +500,7 @@ class WallPosterior:
         self._top = what.law[top:top + 1], judged.theta[top], scene
         yield
         self._tell(weights, judged, what, change, law, scene)
-        if self._blocks > _SETTLED:
+        if self._rhythm.blocks > SETTLED:
             self._learn_lag(weights, judged)
         certain = decided(change)
         if change is not None and certain >= 0:
@@ -570,7 +545,7 @@ class WallPosterior:
         error = phi[FORCE] + tau * phi[FORCE_RATE] - theta @ columns
         smooth = self.blocks.smoothing
         ratio = float(np.mean(error * error * weights)) / (smooth.hop * smooth.noise)
-        if self._blocks <= _SETTLED or self._of_contact <= _EARLY:
+        if self._rhythm.early:
             return ratio
         before = self._residual if self._residual == self._residual else 1.0
         share = phi.shape[1] * smooth.hop * self.blocks.period_s / _RESIDUAL_S
