@@ -147,7 +147,7 @@ class Blocks:
 
     @property
     def pending(self) -> int:
-        """Number of samples that wait for their block to be full."""
+        """Return the number of samples that wait for their block to be full."""
         return len(self._raw) // _SIGNALS
 
     def add(self, dt: float, sample: tuple[float, ...], taught: bool) -> int:

@@ -48,7 +48,7 @@ class Segment:
 
     @property
     def count(self) -> int:
-        """Number of samples."""
+        """Return the number of samples."""
         return len(self._samples) // 2
 
     @property
