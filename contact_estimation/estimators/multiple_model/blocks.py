@@ -65,6 +65,8 @@ class Blocks:
         Variance of position [m^2] and measured rate [m^2/s^2].
     short, long, settled, wanted : int
         Samples of a short, a long, the longest and the present block.
+    left : int
+        Number of rows that the samples before a gap may have, to be set to 0 once they are used.
     outliers, missing : int
         Forces replaced as outliers; samples missing, from the spacing of the stamps.
 
@@ -72,7 +74,7 @@ class Blocks:
 
     def __init__(self, position_noise: float) -> None:
         self._least = position_noise * position_noise
-        self.period_s, self.outliers, self.missing = 0.0, 0, 0
+        self.period_s, self.outliers, self.missing, self.left = 0.0, 0, 0, 0
         self.noise = nan, nan
         self._still = nan  # force since which the position has not changed
         self.restart()
@@ -98,6 +100,7 @@ class Blocks:
         if T and dt > 1.5 * T:
             self.missing += round(dt / T) - 1 if dt < inf else 0
             if dt > _FILLED * T:
+                self.left = self.close()
                 self.break_off()
                 return T
         return dt

@@ -260,6 +260,9 @@ class WallPosterior:
         if not blocks.period_s:
             self._begin(t, felt_force, felt_x)
             return FREE
+        if blocks.left:
+            self._begin_work(self._parts_of(blocks.left))
+            blocks.left = 0
         if self._work is not None:
             self._go_on()
         known, before = self.known, contact.state
