@@ -143,7 +143,11 @@ def test_kernels_leave_of_white_noise_what_they_say(rate: float) -> None:
 # -- contact ------------------------------------------------------------------------------------
 
 def judged(contact_filter: ContactFilter, forces: Array, x: float = -1.0) -> list[int]:
-    return [contact_filter.take(2e-3, force, x, nan, nan) for force in forces.tolist()]
+    states = []
+    for force in forces.tolist():
+        contact_filter.take((2e-3,), (force,), (x,), nan, nan)
+        states.append(contact_filter.state)
+    return states
 
 
 def started(draw: np.random.Generator, noise: float = 0.5) -> ContactFilter:

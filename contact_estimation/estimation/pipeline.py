@@ -19,6 +19,9 @@ from __future__ import annotations
 from math import nan, sqrt
 from typing import Iterable, Mapping
 
+import numpy as np
+from numpy.typing import NDArray
+
 from .checks.check import millimetres
 from .first_touch import FirstTouch
 from .model_fit import ModelFitMonitor
@@ -37,6 +40,7 @@ from ..signals.compensated_sample import CompensatedSample
 from ..signals.conditioning import Conditioner
 from ..signals.contact_sample import ContactSample
 
+Array = NDArray[np.float64]
 NO_REFERENCE = Reference(nan, nan, nan)
 _FREE, _ESTIMATING, _FROZEN = (  # an enumeration takes long to look up
     EstimateStatus.FREE, EstimateStatus.ESTIMATING, EstimateStatus.FROZEN)
@@ -370,34 +374,107 @@ class EstimationPipeline:
             conditioner.note_free(pressing)
         if location != location:
             self._locate(state, dt, x, v, pressing)
-        now, same = posterior.known, (state, self.invalid, location)
-        if known is not None or self._of_rows is not None:
-            self._same = None
-        elif now is self._now and same == self._same:
-            return new_tuple(Estimate, (stamp_ns, *self._published))
-        else:
-            self._now, self._same = now, same
-        if now is not self._noted and state == CONTACT:
-            self._noted = now
-            if now.fit == now.fit:
-                self.model_fit.note(now.fit, posterior.law, stamp_ns)
+        if known is None and self._of_rows is None:
+            return new_tuple(Estimate, (stamp_ns, *self._of_posterior(stamp_ns, state)))
+        self._same = None
+        self._note_fit(stamp_ns, state)
         if self._of_rows is not None:
             own, status, reason = self._by_rows(
                 dt, sample, shift, pressing, known, state, reference)
         else:
             own, status, reason = self._by_posterior(state)
+        if known is not None and known.hindrance and state == CONTACT:
+            status, reason = _FROZEN, known.hindrance
+        return new_tuple(Estimate, (stamp_ns, *self._published_of(own, status, reason, shift)))
+
+    def take_many(
+        self, stamps_ns: NDArray[np.int64], x: Array, v: Array, force: Array
+    ) -> list[Estimate]:
+        """
+        Process consecutive samples as `take` does one by one without a reference.
+
+        Parameters
+        ----------
+        stamps_ns : ndarray of int64, shape (N,)
+            Stamps [ns].
+        x, v, force : ndarray, shape (N,)
+            Position [m], its rate, NaN where not measured [m/s], and F_e [N].
+
+        Returns
+        -------
+        estimates : list of Estimate
+            After each sample.
+
+        """
+        estimates: list[Estimate] = []
+        if self._one_by_one:
+            columns = (column.tolist() for column in (stamps_ns, x, v, force))
+            for sample in map(ContactSample, *columns):
+                estimates.append(self.take(sample))
+                if not self._one_by_one:
+                    break
+        done = len(estimates)
+        if done < len(x):
+            estimates += self._run(stamps_ns[done:], x[done:], v[done:], force[done:])
+        return estimates
+
+    @property
+    def _one_by_one(self) -> bool:
+        """Return whether a stage needs samples one at a time: rows, known physics, first touch."""
+        return (self._of_rows is not None or self._conditioner.compensation is not None
+                or self.location != self.location)
+
+    def _run(
+        self, stamps_ns: NDArray[np.int64], x: Array, v: Array, force: Array
+    ) -> list[Estimate]:
+        """Let the posterior take samples at once; it alone makes the estimate."""
+        stamps, conditioner = stamps_ns.tolist(), self._conditioner
+        if self._first_ns is None:
+            self._first_ns = stamps[0]
+        pressing = conditioner.take_many(stamps_ns, x, force)
+        outside = np.logical_not(x > self.location - self.location_margin)
+        estimates: list[Estimate] = []
+        t, begin = (stamps_ns - self._first_ns) * 1e-9, 0
+        for end, state in self.posterior.run(t, pressing, x, v):
+            if state == CONTACT:
+                conditioner.note_contact()
+            else:
+                conditioner.note_free(*pressing[begin:end][outside[begin:end]].tolist())
+            published = self._of_posterior(stamps[begin], state)
+            estimates += [new_tuple(Estimate, (stamp, *published)) for stamp in stamps[begin:end]]
+            begin = end
+        return estimates
+
+    def _of_posterior(self, stamp_ns: int, state: int) -> tuple[object, ...]:
+        """Return what an estimate publishes: the same until knowledge or contact change."""
+        now, same = self.posterior.known, (state, self.invalid, self.location)
+        if now is not self._now or same != self._same:
+            self._now, self._same = now, same
+            self._note_fit(stamp_ns, state)
+            self._published = self._published_of(*self._by_posterior(state), 0.0)
+        return self._published
+
+    def _note_fit(self, stamp_ns: int, state: int) -> None:
+        """Let the monitor judge the fit of what is known anew."""
+        now = self.posterior.known
+        if now is not self._noted and state == CONTACT:
+            self._noted = now
+            if now.fit == now.fit:
+                self.model_fit.note(now.fit, self.posterior.law, stamp_ns)
+
+    def _published_of(
+        self, own: ParameterEstimate, status: EstimateStatus, reason: str, shift: float
+    ) -> tuple[object, ...]:
+        """Return the fields of an estimate after the stamp."""
         if self._robot.compliance or self._robot.compliance_std:
             own = of_the_wall(own, self._robot)
         K, B, K_std, B_std, _, inertia = own
-        if known is not None and known.hindrance and state == CONTACT:
-            status, reason = _FROZEN, known.hindrance
         if self.invalid:
             K_std = B_std = nan
             status, reason = _FREE if status is _FREE else _FROZEN, self.invalid
-        surface = (now.surface if now.valid else location) + shift
-        self._published = (
-            K, B, K_std, B_std, surface, inertia, status, reason, self.model_fit.now.ratio)
-        return new_tuple(Estimate, (stamp_ns, *self._published))
+        now = self.posterior.known
+        surface = (now.surface if now.valid else self.location) + shift
+        return K, B, K_std, B_std, surface, inertia, status, reason, self.model_fit.now.ratio
 
     def _locate(self, state: int, dt: float, x: float, v: float, pressing: float) -> None:
         """Take the surface that the first touch shows."""

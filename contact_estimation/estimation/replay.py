@@ -184,13 +184,14 @@ class RecordingReplay:
             messages = self._ordered(messages)
         estimates, messages = self._finish_waiting(messages)  # few, or none
         wrench = self._source.wrench
-        wrenches = [data for topic, _, data in messages if topic == wrench]
-        motions = [data for topic, _, data in messages if topic != wrench]
+        wrenches = [message for message in messages if message[0] == wrench]
+        motions = [message for message in messages if message[0] != wrench]
         count = min(len(wrenches), len(motions))
         if count and self._late and self._late.end_together(messages):
-            paired = self._inputs.process_pairs(wrenches[:count], motions[:count])
+            paired = self._inputs.process_pairs(
+                *([data for _, _, data in side[:count]] for side in (wrenches, motions)))
             if paired is not None:
-                self._left_over = self._unpaired(messages, count)
+                self._left_over = wrenches[count:] + motions[count:]  # partners are to come
                 return estimates + paired if estimates else paired
         return estimates + self._process_one_by_one(self._ordered(messages))
 
@@ -207,19 +208,6 @@ class RecordingReplay:
             estimates += self._process_one_by_one(messages[taken:taken + 1])
             taken += 1
         return estimates, messages[taken:]
-
-    def _unpaired(
-        self, messages: list[RecordedMessage], count: int
-    ) -> list[RecordedMessage]:
-        """Return the messages whose partners are in the next batch."""
-        left: list[RecordedMessage] = []
-        taken = {True: 0, False: 0}
-        for message in messages:
-            is_wrench = message.topic == self._source.wrench
-            taken[is_wrench] += 1
-            if taken[is_wrench] > count:
-                left.append(message)
-        return left
 
     def _process_one_by_one(self, messages: list[RecordedMessage]) -> list[AxesEstimates]:
         estimates: list[AxesEstimates] = []

@@ -20,10 +20,14 @@ from collections import deque
 from dataclasses import dataclass
 from math import nan
 
+import numpy as np
+from numpy.typing import NDArray
+
 from .compensated_sample import CompensatedSample, SampleCompensation
 from .contact_sample import ContactSample
 from ..parameters.specification import parameter, ParameterGroup
 
+Array = NDArray[np.float64]
 _TARE_S = 0.5
 
 
@@ -108,11 +112,31 @@ class Conditioner:
             return dt, pressing, None
         return dt, pressing, self.compensation.take(sample, location, pressing)
 
+    def take_many(self, stamps_ns: NDArray[np.int64], x: Array, force: Array) -> Array:
+        """
+        Condition consecutive samples where no physics is known.
+
+        Parameters
+        ----------
+        stamps_ns : ndarray of int64, shape (N,)
+            Stamps [ns].
+        x, force : ndarray, shape (N,)
+            Position [m] and F_e [N].
+
+        Returns
+        -------
+        pressing : ndarray, shape (N,)
+            -F_e less the bias [N].
+
+        """
+        self._last_ns, self._position = int(stamps_ns[-1]), float(x[-1])
+        return self.bias - force
+
     # -- tare -------------------------------------------------------------------------------
 
-    def note_free(self, pressing: float) -> None:
-        """Keep a force of free flight [N]."""
-        self._free.append(pressing)
+    def note_free(self, *pressing: float) -> None:
+        """Keep forces of free flight [N]."""
+        self._free.extend(pressing)
 
     def note_contact(self) -> None:
         """Forget the free flight."""

@@ -21,16 +21,20 @@ from functools import partial
 from typing import Any, Callable, Mapping, NamedTuple, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
-from .check import Check, Evidence, Warned
+from .check import Array, Check, Evidence, Warned
 from .contact_checks import ModelMismatch, Surface, SurfaceShifted, SurfaceUnchecked
-from .evidence_window import EvidenceWindow
+from .evidence_window import EvidenceWindow, FREE
 from .force_checks import ForceBias, ForceDirection, ForceNoise, ForceSign, ForceStill
 from .force_checks import OtherAxis
 from .joint_checks import JointStill, JointUnits, JointVelocity, PositionUnit
 from .lag_checks import StampSkew, StampSkewOrMass
 from .stream_checks import JointRate, SampleRate, StampBursts, TwoForces, TwoPositions, ZeroSteps
 from ..parameters import EstimationParameters
+from ..result import AxesEstimates
+from ...estimators.estimate import Estimate
+from ...signals.contact_sample import AxesSample
 
 CHECKS: tuple[Check, ...] = (
     TwoForces(), TwoPositions(), StampBursts(), ForceStill(), JointStill(), JointUnits(),
@@ -78,14 +82,12 @@ class InputChecks:
 
     Attributes
     ----------
-    joint_stamps : deque of int
+    joint_stamps : Pending
         Stamps of joint states to come [ns]; the session appends to it.
-    wrenches : deque of (int, float, float, float)
+    wrenches : Pending
         Stamp [ns] and force along x, y and z [N] of wrenches to come; the inputs append to it.
-    samples, estimates : list of AxesSample, AxesEstimates
-        Since the last judgement of a block; the session appends to them.
     due : int
-        Number of them at which `judge` is due.
+        Number of samples of a block after which there is something to judge.
     joints, limits : sequence of float, mapping of int to (str, float, float)
         Of an arm, the last positions of its joints and, by place, names and limits of those that
         turn [rad]; the inputs set both.
@@ -100,7 +102,6 @@ class InputChecks:
         self._p, self._pipelines = parameters, pipelines
         self._window = EvidenceWindow(pipelines)
         self.joint_stamps, self.wrenches = self._window.joint_stamps, self._window.wrenches
-        self.samples, self.estimates = self._window.samples, self._window.estimates
         self.joints: Sequence[float] = ()
         self.limits: Mapping[int, tuple[str, float, float]] = {}
         self.reset()
@@ -134,16 +135,42 @@ class InputChecks:
         elif parameters.sample_rate != old.sample_rate:
             self.restart()
 
-    def judge(self, stamp_ns: int) -> None:
+    def add(self, axes: AxesSample, estimates: AxesEstimates) -> None:
+        """Add a sample; judge the next check that waits, or begin with a complete block."""
+        samples = self._window.samples
+        for pending, sample, estimate in zip(samples, axes, estimates):
+            pending.numbers.extend((*sample, estimate[7] is not FREE))
+        if len(samples[0].numbers) >= 5 * self.due:
+            self._judge_next(axes[0][0])
+
+    def add_many(
+        self, stamps_ns: NDArray[np.int64], columns: Sequence[Sequence[Array]],
+        estimates: Sequence[Sequence[Estimate]],
+    ) -> None:
         """
-        Judge the next check that waits, or collect the evidence of a complete block.
+        Add samples as `add` does one by one.
 
         Parameters
         ----------
-        stamp_ns : int
-            Of the last sample [ns].
+        stamps_ns : ndarray of int64, shape (N,)
+            Stamps [ns]; N is at most `room`.
+        columns : sequence of three of ndarray, shape (N,)
+            Position [m], rate [m/s] and force [N], for each axis.
+        estimates : sequence of sequence of Estimate
+            For each axis.
 
         """
+        self._window.add_many(stamps_ns, columns, estimates)
+        if not self.room:
+            self._judge_next(int(stamps_ns[-1]))
+
+    @property
+    def room(self) -> int:
+        """Return the number of samples after which there is something to judge."""
+        return max(self.due - len(self._window.samples[0]), 0)
+
+    def _judge_next(self, stamp_ns: int) -> None:
+        """Judge a check that waits, or collect the evidence of a block that ends at a stamp."""
         if self._waiting:
             self._waiting.popleft()()
         else:
@@ -154,7 +181,7 @@ class InputChecks:
             if not self._skips:
                 self._quiet = 0 if self._active else self._quiet + 1
                 self._waiting.extend(partial(self._collect, axis) for axis in self._pipelines)
-        self.due = len(self.samples) + 1 if self._waiting else self._window.block
+        self.due = len(self._window.samples[0]) + 1 if self._waiting else self._window.block
 
     def _collect(self, axis: str) -> None:
         seen = self._window.evidence(

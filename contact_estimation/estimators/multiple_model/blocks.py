@@ -76,12 +76,14 @@ class Blocks:
         self._least = position_noise * position_noise
         self.period_s, self.outliers, self.missing, self.left = 0.0, 0, 0, 0
         self.noise = nan, nan
+        self._since = self._until = nan  # between which the period is measured
         self._still = nan  # force since which the position has not changed
         self.restart()
 
     def restart(self) -> None:
         """Begin anew with the next sample, as after a jump of the clock."""
         self._last_t, self._last_x, self._jumped = -inf, nan, 0
+        self._steps = 0
         self.break_off()
 
     def break_off(self) -> None:
@@ -102,8 +104,29 @@ class Blocks:
             if dt > _FILLED * T:
                 self.left = self.close()
                 self.break_off()
+                self._since = t - T if dt == inf else self._since + (dt - T)
                 return T
         return dt
+
+    def noted(self, t: float, x: float) -> bool:
+        """Return whether a sample is the last one that `step` has noted."""
+        return t == self._last_t and x == self._last_x
+
+    def steady(self, t: Array, x: Array) -> tuple[Array, NDArray[np.bool_]]:
+        """
+        Return what `step` returns for consecutive samples, and where it only notes them.
+
+        Parameters
+        ----------
+        t, x : ndarray, shape (N,)
+            Stamps [s] and positions [m].
+
+        """
+        with np.errstate(invalid='ignore'):
+            dt, moved = (np.diff(values, prepend=last) for values, last in (
+                (t, self._last_t), (x, self._last_x)))
+            T = self.period_s
+            return dt, (dt > 0.5 * T) & (dt < 1.5 * T) & (np.abs(moved) <= _REACH)
 
     def _jumps(self, dt: float, moved: float) -> bool:
         """Return whether no tool moves so fast; so often in a row, it is elsewhere."""
@@ -118,8 +141,8 @@ class Blocks:
     def begin(self, stamps: Array) -> None:
         """Learn the period from the first stamps [s]."""
         self._set_period(float(np.median(np.diff(stamps))))
-        self._elapsed = float(stamps[-1] - stamps[0])
-        self._steps = round(self._elapsed / self.period_s)
+        self._since, self._until = float(stamps[0]), float(stamps[-1])
+        self._steps = round((self._until - self._since) / self.period_s)
         self._measure_period()
 
     def _set_period(self, period_s: float) -> None:
@@ -130,13 +153,13 @@ class Blocks:
         self.settled = self.wanted
         self._buffer = np.zeros((_SIGNALS, smooth.length(self.settled // smooth.hop) + 4))
         self._filled = 0
-        self._elapsed, self._steps, self._measured = 0.0, 0, FIRST - 1
+        self._since, self._steps, self._measured = self._until, 0, FIRST - 1
 
     def _measure_period(self) -> None:
         """Refine the period with the time that has passed: an error of it is one of B_e."""
         if self._steps < self._measured:
             return
-        period = self._elapsed / self._steps
+        period = (self._until - self._since) / self._steps
         off = abs(period / self.period_s - 1.0)
         if off > _OTHER_RATE:
             self._set_period(period)
@@ -146,7 +169,7 @@ class Blocks:
         if self._measured < _LONGEST_STEPS:
             self._measured *= 4
         else:
-            self._elapsed, self._steps = 0.0, 0
+            self._since, self._steps = self._until, 0
 
     @property
     def pending(self) -> int:
@@ -173,7 +196,7 @@ class Blocks:
 
         """
         raw, T = self._raw, self.period_s
-        self._elapsed += dt
+        self._until = self._last_t
         if 0.5 * T < dt < 1.5 * T:
             self._steps += 1
         else:
@@ -184,6 +207,23 @@ class Blocks:
         raw.extend(sample)
         raw.append(taught)
         return self.close() if len(raw) >= _SIGNALS * self.wanted else 0
+
+    def extend(self, t: float, samples: Array) -> None:
+        """
+        Add samples that `step` would only note, and that fill no block.
+
+        Parameters
+        ----------
+        t : float
+            Stamp of the last one [s].
+        samples : ndarray, shape (N, 6)
+            As of `add`, and whether the wall is to be learned from each.
+
+        """
+        self._last_t, self._last_x, self._jumped = t, float(samples[-1, 1]), 0
+        self._until = t
+        self._steps += len(samples)
+        self._raw.frombytes(samples.tobytes())
 
     def _bridge(self, steps: int, now: tuple[float, ...]) -> None:
         """Fill in samples that were lost, on a straight line."""

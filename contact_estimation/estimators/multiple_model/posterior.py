@@ -38,6 +38,7 @@ from .rhythm import Rhythm, SETTLED, SURPRISE
 from .runs import Change, decided, Runs
 from .touch import before_release, surface_of_touch
 
+_FEW = 4  # samples that are not worth a run
 _GREATEST = 1e5  # [N]; a larger force is no measurement
 _LAWS = len(NAMES)
 _ALARM = 4.0  # deviations of the median of a short block that ends a longer one
@@ -173,8 +174,7 @@ class WallPosterior:
 
     def keep(self, contact: ContactFilter) -> None:
         """Use the noise and the level of another posterior on the same samples."""
-        self.contact.variance, self.contact.level = contact.variance, contact.level
-        self.contact.level_variance = contact.level_variance
+        self.contact.keep(contact)
 
     def variance_of(self, force: _Force) -> _Force:
         """Return the variance of a force: of noise, and of what no law predicts of it [N^2]."""
@@ -265,24 +265,82 @@ class WallPosterior:
             blocks.left = 0
         if self._work is not None:
             self._go_on()
-        known, before = self.known, contact.state
-        surface, std = known[4], known[5]
-        state = contact.take(dt, felt_force, felt_x, surface, std)
-        if state != before:
-            if before == CONTACT:
-                self._leave(t if felt is None else inf)
-            elif state == CONTACT:
-                self._touch(t, felt_x)
-                surface, std = self.known[4:6]
-        taught = state == CONTACT and usable and not (
-            felt_x < surface - _OUTSIDE * std - _OUTSIDE_M)
-        windows = blocks.add(dt, (force, x, v, *bent), taught)
+        before = contact.state
+        contact.take((dt,), (felt_force,), (felt_x,), *self.known[4:6])
+        if contact.state != before:
+            self._change(t if felt is None else nan, felt_x, before)
+        self._learn(dt, (force, x, v, *bent), usable and not felt_x < self._outermost)
+        return contact.state
+
+    def run(self, t: Array, force: Array, x: Array, v: Array) -> Iterator[tuple[int, int]]:
+        """
+        Process consecutive samples as `take` does one by one, many at once where it can.
+
+        Parameters
+        ----------
+        t, force, x, v : ndarray, shape (N,)
+            As of `take`.
+
+        Yields
+        ------
+        done, state : int, int
+            Number of samples done, and the state after each of those since it yielded last; what
+            is known was the same after all of them.
+
+        """
+        blocks, contact, ahead = self.blocks, self.contact, _Ahead(t, force, x, v)
+        table, done = np.stack([force, x, v, *np.zeros((3, len(t)))], axis=1), 0
+        while done < len(t):
+            end = ahead.steady_until(done, blocks)
+            if self._work is not None or end - done < _FEW:
+                yield done + 1, self.take(*ahead.sample(done))
+                done += 1
+                continue
+            end = min(end, done + self._uneventful)
+            before, outermost = contact.state, self._outermost
+            last = done - 1 + contact.take(*ahead.part(done, end), *self.known[4:6])
+            if last > done:
+                if before == CONTACT:
+                    table[done:last, 5] = ~(x[done:last] < outermost)  # NaN while not known
+                blocks.extend(ahead.t[last - 1], table[done:last])
+                yield last, before
+            done = last + 1
+            at, *sample = ahead.sample(last)
+            dt = blocks.step(at, sample[1])
+            if contact.state != before:
+                self._change(at, sample[1], before)
+            self._learn(dt, (*sample, 0.0, 0.0), not sample[1] < self._outermost)
+            yield done, contact.state
+
+    @property
+    def _uneventful(self) -> int:
+        """Return the number of samples until a block may end, with the one that may end it."""
+        blocks, pending = self.blocks, self.blocks.pending
+        if self.contact.state == CONTACT and blocks.wanted == blocks.settled:
+            return blocks.short - pending % blocks.short
+        return max(blocks.wanted - pending, 1)
+
+    @property
+    def _outermost(self) -> float:
+        """Return the position outside of which no force is that of the wall [m]."""
+        return self.known.surface - _OUTSIDE * self.known.surface_std - _OUTSIDE_M
+
+    def _change(self, t: float, x: float, before: int) -> None:
+        """Begin or end a contact; at NaN if a short one is not to be used."""
+        if before == CONTACT:
+            self._leave(t)
+        elif self.contact.state == CONTACT:
+            self._touch(t, x)
+
+    def _learn(self, dt: float, sample: tuple[float, ...], usable: bool) -> None:
+        """Add a sample to the block; begin the work on a block that it completes."""
+        blocks, taught = self.blocks, usable and self.contact.state == CONTACT
+        windows = blocks.add(dt, sample, taught)
         if windows:
             self._begin_work(self._parts_of(windows))
         elif taught and blocks.wanted == blocks.settled and not (
-                blocks.pending % blocks.short) and self._alarms(force):
+                blocks.pending % blocks.short) and self._alarms(sample[0]):
             self._split()
-        return state
 
     def _split(self) -> None:
         """Make a block of its own of the last samples, from which the wall may be another."""
@@ -610,6 +668,40 @@ class WallPosterior:
         self._x0 += delta
         self._depth = max(self._depth - delta, 1e-5)
         return self._depth
+
+
+class _Ahead:
+    """Consecutive samples, and which of them may be taken at once."""
+
+    def __init__(self, t: Array, force: Array, x: Array, v: Array) -> None:
+        self._arrays = t, force, x
+        self.t, self._force, self._x, self._v = (one.tolist() for one in (t, force, x, v))
+        self._dt: list[float] = []
+        self._others: list[int] = []  # from the last to the first
+        self._period_s = -1.0
+
+    def sample(self, k: int) -> tuple[float, float, float, float]:
+        """Return a sample as arguments of `take`."""
+        return self.t[k], self._force[k], self._x[k], self._v[k]
+
+    def part(self, begin: int, end: int) -> tuple[list[float], list[float], list[float]]:
+        """Return time steps, forces and positions."""
+        return self._dt[begin:end], self._force[begin:end], self._x[begin:end]
+
+    def steady_until(self, k: int, blocks: Blocks) -> int:
+        """Return the first sample from here on that must be taken alone."""
+        if k and not blocks.noted(self.t[k - 1], self._x[k - 1]):
+            return k
+        if blocks.period_s != self._period_s:
+            self._period_s = blocks.period_s
+            t, force, x = (one[k:] for one in self._arrays)
+            dt, steady = blocks.steady(t, x)
+            others = np.flatnonzero(~(steady & (np.abs(force) < _GREATEST)))
+            self._dt[k:] = dt.tolist()
+            self._others = [len(self.t), *(k + others[::-1]).tolist()]
+        while self._others[-1] < k:
+            self._others.pop()
+        return self._others[-1]
 
 
 def _signs(judged: Judged, laws: Ints, scene: Scene) -> Array:
