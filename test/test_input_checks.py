@@ -435,11 +435,14 @@ def test_checks_are_judged_one_after_the_other() -> None:
     assert sum(counts) == len(CHECKS) and max(counts) == 1
 
 
-def test_checks_that_find_nothing_for_long_are_judged_half_as_often() -> None:
-    noise = np.random.default_rng(0).normal(0.0, 0.5, 5000).tolist()
+@pytest.mark.parametrize('blocks, judgements', [(12, 4), (32, 2)])
+def test_checks_that_find_nothing_for_long_are_judged_less_often(
+    blocks: int, judgements: int
+) -> None:
+    noise = np.random.default_rng(0).normal(0.0, 0.5, 250 * (blocks + 8)).tolist()
     free = [ContactSample(2 * k * MILLISECOND, -0.01, 0.0, F) for k, F in enumerate(noise)]
-    session, _ = fed(free[:3000])
-    assert sum(judged(session, free[3000:])) == 4 * len(CHECKS)
+    session, _ = fed(free[:250 * blocks])
+    assert sum(judged(session, free[250 * blocks:])) == judgements * len(CHECKS)
 
 
 def test_noise_far_above_the_configured_one_is_named() -> None:

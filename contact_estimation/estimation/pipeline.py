@@ -125,6 +125,7 @@ class EstimationPipeline:
 
     def _row_estimation(self) -> RowEstimation | None:
         p = self.parameters
+        self.posterior.rhythm.followed = p.estimator != MULTIPLE_MODEL
         return RowEstimation(p, self.posterior) if p.estimator != MULTIPLE_MODEL else None
 
     def _await_touch(self) -> None:

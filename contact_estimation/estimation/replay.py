@@ -184,14 +184,14 @@ class RecordingReplay:
             messages = self._ordered(messages)
         estimates, messages = self._finish_waiting(messages)  # few, or none
         wrench = self._source.wrench
-        wrenches = [message for message in messages if message[0] == wrench]
-        motions = [message for message in messages if message[0] != wrench]
+        wrenches = [data for topic, _, data in messages if topic == wrench]
+        motions = [data for topic, _, data in messages if topic != wrench]
         count = min(len(wrenches), len(motions))
         if count and self._late and self._late.end_together(messages):
-            paired = self._inputs.process_pairs(
-                *([data for _, _, data in side[:count]] for side in (wrenches, motions)))
+            paired = self._inputs.process_pairs(wrenches[:count], motions[:count])
             if paired is not None:
-                self._left_over = wrenches[count:] + motions[count:]  # partners are to come
+                self._left_over = _last(
+                    messages, wrench, len(wrenches) > count, len(messages) - 2 * count)
                 return estimates + paired if estimates else paired
         return estimates + self._process_one_by_one(self._ordered(messages))
 
@@ -214,3 +214,16 @@ class RecordingReplay:
         for topic, _, data in messages:
             estimates += [result.estimates for result in self._process_of[topic](data)]
         return estimates
+
+
+def _last(
+    messages: list[RecordedMessage], topic: str, of_it: bool, count: int
+) -> list[RecordedMessage]:
+    """Return the last messages of a topic, or of all others: those without a partner."""
+    found: list[RecordedMessage] = []
+    for message in reversed(messages):
+        if len(found) == count:
+            break
+        if (message[0] == topic) is of_it:
+            found.append(message)
+    return found[::-1]

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The checks of a session: judged twice a second, once a second while all is well."""
+"""The checks of a session: judged twice a second, every two seconds while all is well."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from typing import Any, Callable, Mapping, NamedTuple, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from .check import Array, Check, Evidence, Warned
+from .check import Array, BLOCKS, Check, Evidence, Warned
 from .contact_checks import ModelMismatch, Surface, SurfaceShifted, SurfaceUnchecked
 from .evidence_window import EvidenceWindow, FREE
 from .force_checks import ForceBias, ForceDirection, ForceNoise, ForceSign, ForceStill
@@ -45,7 +45,7 @@ CHECKS: tuple[Check, ...] = (
 )
 """Every check of an axis, in the order of importance; the first active one is the headline."""
 
-_QUIET = 8  # judgements in a row that find nothing, from which on every second one is enough
+_QUIET = 8  # judgements in a row that find nothing, from which half as many are enough
 _RELEVANT = ('environment', 'further_axes', 'synchronisation', 'contact')
 
 
@@ -125,7 +125,7 @@ class InputChecks:
         self._waiting: deque[Callable[[], object]] = deque()
         self.due = self._window.block
         self._stamp_ns = 0  # of the evidence
-        self._quiet, self._skips = 0, False
+        self._quiet = self._blocks = 0  # judgements that found nothing, blocks since the last one
 
     def configure(self, parameters: EstimationParameters) -> None:
         """Set new parameters; warnings that depend on them are judged afresh."""
@@ -176,10 +176,10 @@ class InputChecks:
         else:
             self._stamp_ns = stamp_ns
             self._window.close_block(stamp_ns)
-            # The window holds four blocks: each sample is judged twice also then.
-            self._skips = self._quiet >= _QUIET and not self._skips
-            if not self._skips:
-                self._quiet = 0 if self._active else self._quiet + 1
+            self._blocks += 1
+            # The window holds four blocks: each sample is judged at least once.
+            if self._blocks >= min(2 ** (self._quiet // _QUIET), BLOCKS):
+                self._blocks, self._quiet = 0, 0 if self._active else self._quiet + 1
                 self._waiting.extend(partial(self._collect, axis) for axis in self._pipelines)
         self.due = len(self._window.samples[0]) + 1 if self._waiting else self._window.block
 

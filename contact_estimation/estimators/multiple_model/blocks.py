@@ -77,6 +77,7 @@ class Blocks:
         self.period_s, self.outliers, self.missing, self.left = 0.0, 0, 0, 0
         self.noise = nan, nan
         self._since = self._until = nan  # between which the period is measured
+        self._selected: tuple[Array, Array, Array, NDArray[np.bool_]]
         self._still = nan  # force since which the position has not changed
         self.restart()
 
@@ -255,14 +256,33 @@ class Blocks:
         known = self._buffer[:2, max(self._buffer.shape[1] - self._filled, 0):]
         return np.concatenate([known, pending], axis=1)[:, -count:]
 
-    def usual(self, K: float) -> tuple[float, float]:
-        """Return medians of f - K x [N] and, by parts, of the rate [m/s] of the last samples."""
-        recent = self._raw[-_SIGNALS * self.short:]
-        force, x = recent[0::_SIGNALS], recent[1::_SIGNALS]
-        count, part = len(x), -(-len(x) // 3)
-        first, last = sorted(x[:part])[part // 2], sorted(x[-part:])[part // 2]
+    def shorts(self, later: Array) -> Array:
+        """
+        Return whole short blocks of a longer one that is not full.
+
+        Parameters
+        ----------
+        later : ndarray, shape (N, 2)
+            Force [N] and position [m] of samples to come; without any, the last short block.
+
+        Returns
+        -------
+        shorts : ndarray, shape (2, M, short)
+            Force and position.
+
+        """
+        kept = (self.pending % self.short if len(later) else self.short) * _SIGNALS
+        before = np.array(self._raw[len(self._raw) - kept:]).reshape(-1, _SIGNALS)[:, :2]
+        both = np.concatenate([before, later])
+        return both[:len(both) // self.short * self.short].T.reshape(2, -1, self.short)
+
+    def usual(self, K: float, shorts: Array) -> tuple[Array, Array]:
+        """Return medians of f - K x [N] and, by parts, of the rate [m/s] of short blocks."""
+        force, x = shorts
+        count, part = self.short, -(-self.short // 3)
+        first, last = (np.sort(end, axis=1)[:, part // 2] for end in (x[:, :part], x[:, -part:]))
         rate = (last - first) / (max(count - part, 1) * self.period_s)
-        return sorted([f - K * place for f, place in zip(force, x)])[count // 2], rate
+        return np.sort(force - K * x, axis=1)[:, count // 2], rate
 
     def _learn_noise(self, recent: Array, count: int) -> None:
         """Learn the noise of position and rate from second differences, as that of the force."""
@@ -280,28 +300,26 @@ class Blocks:
             noise.append(known)
         self.noise = max(noise[0], self._least, 1e-20), max(noise[1], 1e-20)
 
-    def rows(
-        self, windows: int, x0: float, contact: ContactFilter, later: int = 0
-    ) -> Array | None:
-        """Return the rows of windows that are in contact throughout, before so many samples."""
+    def select(self, windows: int, contact: ContactFilter, later: int = 0) -> bool:
+        """Choose the windows in contact throughout, before so many samples; whether there are."""
         smooth, deviation = self.smoothing, sqrt(contact.variance)
         end = self._buffer.shape[1] - later
         recent = self._buffer[:, end - smooth.length(windows) - 4:end]
         force, x, course = self._without_outliers(recent[:2], deviation, contact.level)
-        v, *bent, usable = recent[2:, 2:-2]
-        inside = (usable > 0.0) & (course > PRESSES * deviation)
+        inside = (recent[-1, 2:-2] > 0.0) & (course > PRESSES * deviation)
         whole = np.logical_not(np.logical_not(inside) @ smooth.bands(windows)[2])
-        if not whole.any() or self._is_frozen(force, x, deviation):
-            return None
-        self._samples: tuple[Array, Array, NDArray[np.bool_]] = force, x, whole
-        phi = smooth.rows(force, x, v, x0, self.noise, bent=bent)
+        self._selected = force, x, recent[2:-1, 2:-2].copy(), whole
+        return bool(whole.any()) and not self._is_frozen(force, x, deviation)
+
+    def rows(self, x0: float) -> Array:
+        """Return the rows of the windows selected, about a reference [m]."""
+        force, x, (v, *bent), whole = self._selected
+        phi = self.smoothing.rows(force, x, v, x0, self.noise, bent=bent)
         return phi if whole.all() else phi[:, whole]
 
-    def beside_jumps(
-        self, windows: int, wall: tuple[float, float, float], variance: float
-    ) -> Array:
+    def beside_jumps(self, wall: tuple[float, float, float], variance: float) -> Array:
         """Return 0 for rows across a jump of the force, which no wall explains, 1 for others."""
-        force, x, whole = self._samples
+        force, x, _, whole = self._selected
         K, B, surface = wall
         rate = np.gradient(x) / self.period_s
         left = force - K * (x - surface) - B * rate
@@ -309,7 +327,7 @@ class Blocks:
         usual = 3.0 * float(np.median(steps)) + _JUMP * sqrt(variance)
         jumps = np.zeros(len(x))
         jumps[1:-1] = steps > usual
-        return np.asarray((jumps @ self.smoothing.bands(windows)[2] < 0.5)[whole], float)
+        return np.asarray((jumps @ self.smoothing.bands(len(whole))[2] < 0.5)[whole], float)
 
     def _without_outliers(
         self, both: Array, deviation: float, level: float

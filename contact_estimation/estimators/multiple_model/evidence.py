@@ -16,7 +16,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Generator, NamedTuple
 
 import numpy as np
 
@@ -97,7 +97,7 @@ class Judged(NamedTuple):
     P: Array
 
 
-class Normal(NamedTuple):
+class _Normal(NamedTuple):
     """
     Normal equations of hypotheses.
 
@@ -146,10 +146,19 @@ def judge(grams: Array, scene: Scene, what: Hypotheses) -> Judged:
         N posteriors.
 
     """
-    return solved(normal(grams, scene, what))
+    return _solved(_normal(grams, scene, what))
 
 
-def normal(grams: Array, scene: Scene, what: Hypotheses) -> Normal:
+def judge_in_parts(
+    grams: Array, scene: Scene, what: Hypotheses
+) -> Generator[None, None, Judged]:
+    """Return what `judge` does, half of the work after each call."""
+    equations = _normal(grams, scene, what)
+    yield
+    return _solved(equations)
+
+
+def _normal(grams: Array, scene: Scene, what: Hypotheses) -> _Normal:
     """Return the normal equations of hypotheses; parameters as of `judge`."""
     laws, count = what.law, len(what.law)
     K = np.maximum(what.stiffness, _SOFTEST)
@@ -179,10 +188,10 @@ def normal(grams: Array, scene: Scene, what: Hypotheses) -> Normal:
     scaled = A * (unit[:, :, None] * unit[:, None, :])
     scaled[:, _DIAGONAL, _DIAGONAL] += _RIDGE
     squares = gram[:, UNKNOWNS, UNKNOWNS] + (mean * pulled).sum(1)
-    return Normal(scaled, unit, eta, std, squares)
+    return _Normal(scaled, unit, eta, std, squares)
 
 
-def solved(equations: Normal) -> Judged:
+def _solved(equations: _Normal) -> Judged:
     """Return the posteriors that normal equations have."""
     scaled, unit, eta, std, squares = equations
     sign, volume = np.linalg.slogdet(scaled)

@@ -28,7 +28,7 @@ from .constants import (
     ANYWHERE_M, AS_TOLD, AS_TOLD_M, DAMPING_FLOOR, DAMPING_S, ELSEWHERE, FADE_S, JITTER_S,
     MODEL_ERROR, MODEL_ERROR_S, NEAR, STIFFNESS_FLOOR, STILL_THERE)
 from .contact import CONTACT, ContactFilter, FREE
-from .evidence import Hypotheses, judge, Judged, normal, Scene, solved, Wall, walls
+from .evidence import Hypotheses, judge, judge_in_parts, Judged, Scene, Wall, walls
 from .lag import LagPosterior
 from .laws import (
     ACCELERATION, Array, CHOSEN, COLUMNS, DEEP, DEPTH, FORCE, FORCE_RATE, FRICTION, Ints,
@@ -52,9 +52,10 @@ _START = 3  # blocks in which the scale of the priors is not known
 _DEPTH_S = 1.0  # over which the mean depth is taken
 _RESIDUAL_S = 2.0  # over which residuals are averaged
 _RECENT_S = 0.5  # of the last data, at least
-_PARTS = 11  # of the work on a block
+_PARTS = 14  # at most, of the work on a block
 _SCALES: Array = np.geomspace(30.0, 1e6, 16)  # of a wall that is not known [N/m]
 _DONE = object()
+_NONE: Array = np.zeros((0, 2))
 _FARTHEST = 20.0  # log odds of a law of the wall before a change
 _Force = TypeVar('_Force', float, Array)
 _SURE = 0.3  # relative standard deviation above which there is no estimate
@@ -125,6 +126,8 @@ class WallPosterior:
         The samples, their period and noise.
     lag : LagPosterior
         Of the force sensor.
+    rhythm : Rhythm
+        Of blocks and judgements.
     changes : int
         How often the wall has become another.
     inertia : float
@@ -141,6 +144,7 @@ class WallPosterior:
         self.blocks, self.inertia = Blocks(position_noise), 0.0
         self.contact, self.lag = ContactFilter(minimum_force, least_noise), LagPosterior(*lag)
         self._first: list[tuple[float, ...]] = []
+        self.rhythm = Rhythm(False)
         self.restart()
         self.forget()
 
@@ -153,7 +157,7 @@ class WallPosterior:
         self._runs = Runs()
         self._gram, self._moving = np.zeros((COLUMNS, COLUMNS)), MovingWall()
         self._odds = LOG_PRIOR.copy()
-        self.changes, self._rhythm = 0, Rhythm()
+        self.changes, self.rhythm = 0, Rhythm(self.rhythm.followed)
         self._depth_s = 0.0
         self._x0 = location if location == location else 0.0
         self._depth, self._residual = 1e-3, nan
@@ -169,7 +173,7 @@ class WallPosterior:
         self._begin_work(None)  # what is judged now has other surfaces
         std = max(std, AS_TOLD_M)
         self._surfaces = [(surface, std, NEAR), (surface, ANYWHERE_M, ELSEWHERE)]
-        if not self._rhythm.blocks:
+        if not self.rhythm.blocks:
             self._x0 = surface
 
     def keep(self, contact: ContactFilter) -> None:
@@ -199,13 +203,13 @@ class WallPosterior:
         The Cramer-Rao bound with the surface as known: eq. (27) made quantitative.
 
         """
-        if self._excited_at != self._rhythm.blocks:
-            self._excited_at = self._rhythm.blocks
+        if self._excited_at != self.rhythm.blocks:
+            self._excited_at = self.rhythm.blocks
             self._excitation = self._bounds()
         return self._excitation
 
     def _bounds(self) -> tuple[float, float]:
-        gram = self._runs.recent(_RECENT_S) if self._rhythm.blocks else self._gram
+        gram = self._runs.recent(_RECENT_S) if self.rhythm.blocks else self._gram
         K, B = self._scale, max(self._seconds, DAMPING_S) * self._scale
         (kk, kb), (_, bb) = gram[np.ix_([DEPTH, RATE], [DEPTH, RATE])].tolist()
         determinant = kk * bb - kb * kb
@@ -219,7 +223,7 @@ class WallPosterior:
         """Begin anew with the next sample, as after a gap or a jump of the clock."""
         self.blocks.restart()
         self._work: Iterator[None] | None = None
-        self._touch_t = -inf
+        self._touch_t, self._variance = -inf, 0.0
 
     # -- samples ----------------------------------------------------------------------------
 
@@ -296,7 +300,7 @@ class WallPosterior:
                 yield done + 1, self.take(*ahead.sample(done))
                 done += 1
                 continue
-            end = min(end, done + self._uneventful)
+            end = min(end, done + self._uneventful(table[done:end, :2]))
             before, outermost = contact.state, self._outermost
             last = done - 1 + contact.take(*ahead.part(done, end), *self.known[4:6])
             if last > done:
@@ -312,13 +316,16 @@ class WallPosterior:
             self._learn(dt, (*sample, 0.0, 0.0), not sample[1] < self._outermost)
             yield done, contact.state
 
-    @property
-    def _uneventful(self) -> int:
+    def _uneventful(self, later: Array) -> int:
         """Return the number of samples until a block may end, with the one that may end it."""
-        blocks, pending = self.blocks, self.blocks.pending
+        blocks = self.blocks
+        count = max(blocks.wanted - blocks.pending, 1)
         if self.contact.state == CONTACT and blocks.wanted == blocks.settled:
-            return blocks.short - pending % blocks.short
-        return max(blocks.wanted - pending, 1)
+            shorts = blocks.shorts(later[:count])
+            alarms = np.flatnonzero(self._alarms(shorts)) if shorts.size else _NONE
+            if len(alarms):
+                count = blocks.short * (int(alarms[0]) + 1) - blocks.pending % blocks.short
+        return count
 
     @property
     def _outermost(self) -> float:
@@ -338,8 +345,8 @@ class WallPosterior:
         windows = blocks.add(dt, sample, taught)
         if windows:
             self._begin_work(self._parts_of(windows))
-        elif taught and blocks.wanted == blocks.settled and not (
-                blocks.pending % blocks.short) and self._alarms(sample[0]):
+        elif taught and blocks.pending and blocks.wanted == blocks.settled and not (
+                blocks.pending % blocks.short) and self._alarms(blocks.shorts(_NONE))[0]:
             self._split()
 
     def _split(self) -> None:
@@ -351,19 +358,20 @@ class WallPosterior:
             work = chain(self._parts_of(windows - last, blocks.short), work)
         self._begin_work(work)
 
-    def _alarms(self, force: float) -> bool:
-        """Return whether the last short block is not what the wall as known explains."""
+    def _alarms(self, shorts: Array) -> NDArray[np.bool_]:
+        """Return which short blocks are not what the wall as known explains."""
         now = self.known
-        if not self.blocks.pending or not now.valid:
-            return False
+        if not now.valid:
+            return np.zeros(shorts.shape[1], bool)
         K, B, T = now.stiffness, now.damping, self.blocks.period_s
-        rest, rate = self.blocks.usual(K)  # of which outliers are no part
+        rest, rate = self.blocks.usual(K, shorts)  # of which outliers are no part
         off = rest - self.contact.level + K * now.surface - B * rate
         count, jitter = self.blocks.short, JITTER_S * K * rate
+        error = MODEL_ERROR * shorts[0, :, -1]
         variance = _OF_MEDIAN / count * (
-            self.variance_of(force) + jitter * jitter
+            self._variance + error * error * (MODEL_ERROR_S / T) + jitter * jitter
             + self.blocks.noise[0] * (K * K + 2.0 * count * (B / (count * T)) ** 2))
-        return off * off > _ALARM * _ALARM * variance
+        return np.asarray(off * off > _ALARM * _ALARM * variance)
 
     def _begin_work(self, work: Iterator[None] | None) -> None:
         """Finish the work before, since what it has judged may change."""
@@ -380,8 +388,14 @@ class WallPosterior:
         if lasted <= _TAP_S + 0.5 * blocks.period_s:
             count = 3 * blocks.smoothing.half + round(lasted / blocks.period_s)
             work = chain(work, self._learn_tap(blocks.last(count)))
-        self._begin_work(work)
+        self._begin_work(chain(work, self._weigh_rest()))
         blocks.wanted = blocks.settled
+
+    def _weigh_rest(self) -> Iterator[None]:
+        """Weigh hypotheses with the last data of a contact."""
+        if self.rhythm.unjudged:
+            yield
+            yield from self._judge()
 
     def _learn_tap(self, samples: Array) -> Iterator[None]:
         """Add the rows of a short contact, about the surface that it shows."""
@@ -402,7 +416,7 @@ class WallPosterior:
             phi = smooth.rows(force, x, np.full(len(x), nan), self._x0, self.blocks.noise, True)
             self._add((phi * self._weights(phi)) @ phi.T, phi)
             yield
-            if self._rhythm.blocks <= _START:
+            if self.rhythm.blocks <= _START:
                 self._find_scale()
             yield from self._judge()
             self._runs.begin()
@@ -410,7 +424,8 @@ class WallPosterior:
     def _go_on(self, to_end: bool = False) -> None:
         """Do the next part of the work on the last block, so that no sample takes long."""
         assert self._work is not None
-        for _ in repeat(None) if to_end else range(self._parts):
+        parts = -(-_PARTS // max(self.blocks.wanted - 1, 1))  # done before the next block
+        for _ in repeat(None) if to_end else range(parts):
             if next(self._work, _DONE) is _DONE:
                 self._work = None
                 return
@@ -424,7 +439,6 @@ class WallPosterior:
         self._first.clear()
         location, std = self._told
         self.blocks.begin(stamps)
-        self._parts = max(1, round(_PARTS / max(self.blocks.short - 1, 1)))
         self.contact.start(forces, not places[-1] > location - 2.0 * std)
 
     def _touch(self, t: float, x: float) -> None:
@@ -432,7 +446,7 @@ class WallPosterior:
         self._begin_work(None)
         self.blocks.close()  # nothing is learned from free flight
         self._touch_t = t
-        self._rhythm.touch()
+        self.rhythm.touch()
         self.blocks.wanted = self.blocks.short
         known = self.known
         if known.surface != known.surface:
@@ -454,23 +468,26 @@ class WallPosterior:
     ) -> Iterator[None]:
         """Add a block and judge all hypotheses that it concerns, in parts of a tenth of a ms."""
         blocks, known = self.blocks, self.known
-        phi = blocks.rows(windows, self._x0, self.contact, later)
-        if phi is None:
+        self._variance = self.contact.variance
+        if not blocks.select(windows, self.contact, later):
             return
+        yield
+        phi = blocks.rows(self._x0)
         phi[FORCE] -= self.inertia * phi[ACCELERATION]
         yield
         weights = self._weights(phi)
         surprise = self._surprise(phi, weights)
         if (alarmed or surprise > SURPRISE) and known.valid:
             wall = known.stiffness, known.damping, known.surface
-            weights = weights * blocks.beside_jumps(windows, wall, self.contact.variance)
+            weights = weights * blocks.beside_jumps(wall, self.contact.variance)
+        yield
         self._add((phi * weights) @ phi.T, phi)
-        due = self._rhythm.is_due(surprise)
+        due = self.rhythm.is_due(surprise)
         if self.contact.state == CONTACT:
-            blocks.wanted = (blocks.short, blocks.long, blocks.settled)[self._rhythm.length]
+            blocks.wanted = (blocks.short, blocks.long, blocks.settled)[self.rhythm.length]
         if due:
             yield
-            if self._rhythm.blocks <= _START:
+            if self.rhythm.blocks <= _START:
                 self._find_scale()
                 yield
             yield from self._judge()
@@ -490,10 +507,10 @@ class WallPosterior:
         seconds = phi.shape[1] * self.blocks.smoothing.hop * self.blocks.period_s
         fade = exp(-seconds / FADE_S)
         if self._touched == self._touched:
-            if self._rhythm.blocks:
+            if self.rhythm.blocks:
                 self._runs.begin(self._touched)
             self._touched = nan
-        self._rhythm.add(seconds)
+        self.rhythm.add(seconds)
         self._depth_s = min(self._depth_s + seconds, _DEPTH_S)
         depth = max(float(phi[DEPTH].mean()), 1e-5)
         self._depth += (depth - self._depth) * min(seconds / self._depth_s, 1.0)
@@ -529,26 +546,24 @@ class WallPosterior:
     def _judge(self) -> Iterator[None]:
         """Weigh laws and surfaces, and the changes of the best of them that is at rest."""
         scene = self.scene
-        self._rhythm.judged()
+        self.rhythm.judged()
         what = self._hypotheses(np.arange(_LAWS), self._surfaces)
         moves: NDArray[np.bool_] = what.law == MOVING
         grams = np.repeat(self._gram[None], len(moves), axis=0)
         grams[moves] = self._moving.gram
-        equations = normal(grams, scene, what)
-        yield
-        judged = solved(equations)
+        judged = yield from judge_in_parts(grams, scene, what)
         yield
         odds = judged.evidence + self._prior_odds(what, moves) - _signs(judged, what.law, scene)
         still = int(np.argmax(np.where(moves, -inf, odds)))
         yield
         change, law, prior = None, int(what.law[still]), np.log([one[2] for one in self._surfaces])
-        before = self._runs.before(
+        before = yield from self._runs.before(
             self._gram, scene, self._hypotheses(np.array([law]), self._surfaces), prior)
         if before is not None:
             yield
             alone = float(judged.evidence[still] + prior[still % len(prior)])
             block_s = min(self.blocks.wanted, self.blocks.long) * self.blocks.period_s
-            change = self._runs.since(before, scene, alone, block_s)
+            change = yield from self._runs.since(before, scene, alone, block_s)
             # A wall at rest may have changed instead of moving.
             odds = odds + np.where(
                 moves, 0.0, np.logaddexp.reduce(np.append(change.odds, 0.0)))
@@ -561,7 +576,7 @@ class WallPosterior:
         self._top = what.law[top:top + 1], judged.theta[top], scene
         yield
         self._tell(weights, judged, what, change, law, scene)
-        if self._rhythm.blocks > SETTLED:
+        if self.rhythm.blocks > SETTLED:
             self._learn_lag(weights, judged)
         certain = decided(change)
         if change is not None and certain >= 0:
@@ -606,7 +621,7 @@ class WallPosterior:
         error = phi[FORCE] + tau * phi[FORCE_RATE] - theta @ columns
         smooth = self.blocks.smoothing
         ratio = float(np.mean(error * error * weights)) / (smooth.hop * smooth.noise)
-        if self._rhythm.early:
+        if self.rhythm.early:
             return ratio
         before = self._residual if self._residual == self._residual else 1.0
         share = phi.shape[1] * smooth.hop * self.blocks.period_s / _RESIDUAL_S

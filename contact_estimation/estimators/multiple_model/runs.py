@@ -17,13 +17,13 @@
 from __future__ import annotations
 
 from math import log, nan
-from typing import NamedTuple
+from typing import Generator, NamedTuple
 
 import numpy as np
 
 from .constants import (
     ANYWHERE_M, CHANGES, COMMIT, NEW_WALL, OBSERVED_S, RUNS)
-from .evidence import Hypotheses, judge, Judged, Scene, surfaces
+from .evidence import Hypotheses, judge_in_parts, Judged, Scene, surfaces
 from .laws import Array, COLUMNS, DEPTH, FORCE, Ints, ONE
 
 _LEAST_BLOCKS = 2  # of a run: one may hold half of a jump
@@ -152,9 +152,11 @@ class Runs:
         old = [k for k, age in enumerate(self._seconds) if age >= seconds]
         return self._grams[old[-1] if old else 0]
 
-    def before(self, gram: Array, scene: Scene, what: Hypotheses, prior: Array) -> Before | None:
+    def before(
+        self, gram: Array, scene: Scene, what: Hypotheses, prior: Array
+    ) -> Generator[None, None, Before | None]:
         """
-        Judge what was before each run.
+        Judge what was before each run, in parts.
 
         Parameters
         ----------
@@ -178,8 +180,9 @@ class Runs:
             return None
         since, places = self._grams[used], len(prior)
         count = len(used)
-        judged = judge(np.repeat(gram - since, places, axis=0), scene, Hypotheses(
-            np.tile(what.law, count), *(np.tile(one, count) for one in what[1:])))
+        judged = yield from judge_in_parts(
+            np.repeat(gram - since, places, axis=0), scene, Hypotheses(
+                np.tile(what.law, count), *(np.tile(one, count) for one in what[1:])))
         evidence = judged.evidence.reshape(-1, places) + prior
         place = evidence.argmax(axis=1)
         best = place + places * np.arange(count)
@@ -188,9 +191,9 @@ class Runs:
 
     def since(
         self, before: Before, scene: Scene, evidence: float, block_s: float
-    ) -> Change:
+    ) -> Generator[None, None, Change]:
         """
-        Judge the wall since each run, and whether it is another one.
+        Judge the wall since each run, and whether it is another one, in parts.
 
         Parameters
         ----------
@@ -224,7 +227,7 @@ class Runs:
         prior = np.concatenate([hazard, np.full(len(touched), new)])
         grams = since[run]
         stiffness = np.maximum(_secant(grams, centre - scene.x0), 1.0)
-        found = judge(grams, scene, Hypotheses(
+        found = yield from judge_in_parts(grams, scene, Hypotheses(
             np.full(len(run), law), stiffness, centre, std))
         odds = judged.evidence[run] + found.evidence - evidence + prior
         return Change(odds, found, centre, std, used[run], place[run])
