@@ -18,17 +18,19 @@ from __future__ import annotations
 
 from itertools import chain, repeat
 from math import exp, inf, isfinite, nan, sqrt
-from typing import Iterator, NamedTuple, Sequence, TypeVar
+from typing import Iterator, Sequence, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .ahead import Ahead, GREATEST
 from .blocks import Blocks, FIRST
 from .constants import (
     ANYWHERE_M, AS_TOLD, AS_TOLD_M, DAMPING_FLOOR, DAMPING_S, ELSEWHERE, FADE_S, JITTER_S,
     MODEL_ERROR, MODEL_ERROR_S, NEAR, STIFFNESS_FLOOR, STILL_THERE)
 from .contact import CONTACT, ContactFilter, FREE
 from .evidence import Hypotheses, judge, judge_in_parts, Judged, Scene, Wall, walls
+from .knowledge import Knowledge, SURE
 from .lag import LagPosterior
 from .laws import (
     ACCELERATION, Array, CHOSEN, COLUMNS, DEEP, DEPTH, FORCE, FORCE_RATE, FRICTION, Ints,
@@ -39,7 +41,6 @@ from .runs import Change, decided, Runs
 from .touch import before_release, surface_of_touch
 
 _FEW = 4  # samples that are not worth a run
-_GREATEST = 1e5  # [N]; a larger force is no measurement
 _LAWS = len(NAMES)
 _ALARM = 4.0  # deviations of the median of a short block that ends a longer one
 _OF_MEDIAN = 1.57  # its variance over that of a mean: pi / 2
@@ -58,42 +59,6 @@ _DONE = object()
 _NONE: Array = np.zeros((0, 2))
 _FARTHEST = 20.0  # log odds of a law of the wall before a change
 _Force = TypeVar('_Force', float, Array)
-_SURE = 0.3  # relative standard deviation above which there is no estimate
-
-
-class Knowledge(NamedTuple):
-    """
-    What is known of the wall.
-
-    Attributes
-    ----------
-    stiffness, damping, stiffness_std, damping_std : float
-        K_e [N/m], B_e [N s/m]; NaN before the first contact.
-    surface, surface_std : float
-        x_e [m]; NaN before it is known.
-    inertia : float
-        Mass that moves with the wall where that is the law, else NaN [kg].
-    laws : tuple of float
-        Probabilities, in the order of `laws.NAMES`.
-    fit : float
-        Rms of the residual over that of the noise, in the last 2 s of contact; NaN before.
-
-    """
-
-    stiffness: float
-    damping: float
-    stiffness_std: float
-    damping_std: float
-    surface: float
-    surface_std: float
-    inertia: float
-    laws: tuple[float, ...]
-    fit: float
-
-    @property
-    def valid(self) -> bool:
-        """Whether the stiffness is known to a third of it."""
-        return self.stiffness_std < _SURE * self.stiffness
 
 
 class WallPosterior:
@@ -256,7 +221,7 @@ class WallPosterior:
         """
         felt_force, felt_x = felt or (force, x)
         blocks, contact = self.blocks, self.contact
-        if not (-_GREATEST < felt_force < _GREATEST and isfinite(force) and isfinite(x)):
+        if not (-GREATEST < felt_force < GREATEST and isfinite(force) and isfinite(x)):
             return contact.state
         dt = blocks.step(t, felt_x)
         if not dt:
@@ -292,7 +257,7 @@ class WallPosterior:
             is known was the same after all of them.
 
         """
-        blocks, contact, ahead = self.blocks, self.contact, _Ahead(t, force, x, v)
+        blocks, contact, ahead = self.blocks, self.contact, Ahead(t, force, x, v)
         table, done = np.stack([force, x, v, *np.zeros((3, len(t)))], axis=1), 0
         while done < len(t):
             end = ahead.steady_until(done, blocks)
@@ -447,7 +412,7 @@ class WallPosterior:
         self.blocks.close()  # nothing is learned from free flight
         self._touch_t = t
         self.rhythm.touch()
-        self.blocks.wanted = self.blocks.short
+        self.blocks.wanted = 3 * self.blocks.short // 2  # the first whole window is longer
         known = self.known
         if known.surface != known.surface:
             self._x0 = x
@@ -657,7 +622,7 @@ class WallPosterior:
         mass = judged.theta[MASS * (len(judged.theta) // _LAWS), 2]
         K_std = sqrt(spreads[0] + (STIFFNESS_FLOOR * K) ** 2)
         surface, surface_std = self.known.surface, self.known.surface_std
-        if K_std < _SURE * K:  # else nothing is found of it
+        if K_std < SURE * K:  # else nothing is found of it
             surface, surface_std = self._x0 + delta, sqrt(spreads[2]) + 2e-6
         self.known = Knowledge(
             K, B, K_std, sqrt(spreads[1] + (DAMPING_FLOOR * B) ** 2), surface, surface_std,
@@ -683,40 +648,6 @@ class WallPosterior:
         self._x0 += delta
         self._depth = max(self._depth - delta, 1e-5)
         return self._depth
-
-
-class _Ahead:
-    """Consecutive samples, and which of them may be taken at once."""
-
-    def __init__(self, t: Array, force: Array, x: Array, v: Array) -> None:
-        self._arrays = t, force, x
-        self.t, self._force, self._x, self._v = (one.tolist() for one in (t, force, x, v))
-        self._dt: list[float] = []
-        self._others: list[int] = []  # from the last to the first
-        self._period_s = -1.0
-
-    def sample(self, k: int) -> tuple[float, float, float, float]:
-        """Return a sample as arguments of `take`."""
-        return self.t[k], self._force[k], self._x[k], self._v[k]
-
-    def part(self, begin: int, end: int) -> tuple[list[float], list[float], list[float]]:
-        """Return time steps, forces and positions."""
-        return self._dt[begin:end], self._force[begin:end], self._x[begin:end]
-
-    def steady_until(self, k: int, blocks: Blocks) -> int:
-        """Return the first sample from here on that must be taken alone."""
-        if k and not blocks.noted(self.t[k - 1], self._x[k - 1]):
-            return k
-        if blocks.period_s != self._period_s:
-            self._period_s = blocks.period_s
-            t, force, x = (one[k:] for one in self._arrays)
-            dt, steady = blocks.steady(t, x)
-            others = np.flatnonzero(~(steady & (np.abs(force) < _GREATEST)))
-            self._dt[k:] = dt.tolist()
-            self._others = [len(self.t), *(k + others[::-1]).tolist()]
-        while self._others[-1] < k:
-            self._others.pop()
-        return self._others[-1]
 
 
 def _signs(judged: Judged, laws: Ints, scene: Scene) -> Array:
