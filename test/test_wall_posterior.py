@@ -334,7 +334,8 @@ def test_short_taps_add_up() -> None:
     few, many = fed(taps(2)).known, fed(taps(10)).known
     assert many.stiffness == pytest.approx(K, rel=0.1)
     assert within(many.stiffness, K, many.stiffness_std)
-    assert not few.stiffness_std < many.stiffness_std
+    assert many.damping_std < 0.5 * few.damping_std
+    assert many.stiffness_std < 1.2 * few.stiffness_std  # limited by the surface
 
 
 # -- what must not enter ------------------------------------------------------------------------
